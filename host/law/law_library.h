@@ -1,0 +1,71 @@
+// Contact laws as the host sees them: C++ ownership around the C ABI of plugin_api.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "quoin/quoin.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+// A loaded library; unloaded when the last owner lets go. Laws and materials keep their library alive.
+class LawLibrary {
+ public:
+  // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
+  // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason: missing
+  // file, not a shared library, no quoin_library_v1, other ABI version. from_copy: load from a temporary copy, so that a rebuilt
+  // file is really read again.
+  static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path, bool from_copy = false);
+  ~LawLibrary();
+  LawLibrary(const LawLibrary&) = delete;
+  LawLibrary& operator=(const LawLibrary&) = delete;
+
+  const quoin_library& info() const { return *library_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  LawLibrary() = default;
+  void* handle_ = nullptr;
+  const quoin_library* library_ = nullptr;
+  std::string path_;
+};
+
+// One law of a library.
+struct Law {
+  std::shared_ptr<const LawLibrary> library;
+  const quoin_law* law = nullptr;
+
+  // The law whose id is asked for by a bare name, or the only / first law of a library given by path.
+  static Law find(const std::string& name_or_path);
+  int state_index(const std::string& id) const;  // -1: the law has no such state
+};
+
+// An immutable material: thread-safe, freely shared.
+class Material {
+ public:
+  // Throws Error(law_refused) with the law's own message (every fault) behind the source of the offending key when known.
+  Material(Law law, const std::vector<PropertySetting>& settings);
+  ~Material();
+  Material(const Material&) = delete;
+  Material& operator=(const Material&) = delete;
+
+  const Law& law() const { return law_; }
+  const quoin_law& api() const { return *law_.law; }
+  const quoin_material* handle() const { return handle_; }
+  const std::string& warnings() const { return warnings_; }
+  double number(const std::string& property_id) const;
+  std::vector<double> initial_state(const std::string& id) const;  // throws Error(bad_input): unknown initial state
+  quoin_stiffness_bounds stiffness_bounds() const;
+
+ private:
+  Law law_;
+  quoin_material* handle_ = nullptr;
+  std::string warnings_;
+};
+
+// Laws in the search path, by name, for `quoin models`.
+std::vector<std::string> installed_laws();
+
+}  // namespace quoin

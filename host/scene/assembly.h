@@ -1,0 +1,44 @@
+// An assembly: blocks and the joints between them, before discretisation into hot data. Cold, made by generators.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+// Axis-aligned brick, divided into zones[0] x zones[1] x zones[2] hexahedra of 5 constant-strain tetrahedra each.
+// Rigid bricks are not zoned; their gridpoints exist only where contact points need them.
+struct Brick {
+  Vec3 origin;  // lowest corner, m
+  Vec3 size;    // m
+  std::array<int, 3> zones{1, 1, 1};
+  int parity = 0;  // 0 or 1: which of the two 5-tetrahedron patterns the first hexahedron has
+  int material = 0;  // index into Assembly::materials
+  bool rigid = false;
+  std::string body;  // name for BodyControl, histories and supports; empty for ordinary blocks
+  int unit = -1;     // masonry unit this block belongs to (pictures), -1: none
+  int course = -1;
+};
+
+// Faces of bricks in order -x, +x, -y, +y, -z, +z.
+// A conforming joint: face `face_a` of block a lies on the opposite face of block b with the same gridpoints, or, if
+// one side is a rigid brick, takes the gridpoints of the deformable side. The normal points from a to b.
+struct Joint {
+  int block_a, block_b;
+  int face_a;   // of block_a
+  int family;   // index into Assembly::families
+};
+
+struct Assembly {
+  std::vector<BlockMaterial> materials;
+  std::vector<JointFamily> families;
+  std::vector<Brick> bricks;
+  std::vector<Joint> joints;
+  double symmetry_factor = 1.0;  // 2 when only half of the thickness is modelled: forces are multiplied by it
+  bool symmetry_plane_z0 = false;  // u_z = 0 for gridpoints at z = 0
+};
+
+}  // namespace quoin

@@ -1,0 +1,26 @@
+// Errors of the host's cold code: one exception type that carries its exit code.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace quoin {
+
+// Exit codes of every quoin command.
+enum class Exit : int {
+  done = 0,
+  usage = 2,        // the command line itself is wrong
+  bad_input = 3,    // a scene, path file or other input is wrong
+  law_refused = 4,  // a law could not be loaded or refused its properties
+  numerical = 5,    // the computation failed (not a number, no equilibrium)
+  interrupted = 130
+};
+
+// The message says what is wrong, where (file:line, key), the value, the allowed range and what to do.
+class Error : public std::runtime_error {
+ public:
+  Error(Exit code, const std::string& message) : std::runtime_error(message), exit_code(code) {}
+  Exit exit_code;
+};
+
+}  // namespace quoin

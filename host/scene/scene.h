@@ -1,0 +1,126 @@
+// A scene: everything a run needs, as plain structs in SI units (m, kg, s, Pa). Read from TOML by read_scene.h; the
+// generators turn its walls and blocks into an Assembly (assembly.h), the model module turns that into hot data.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace quoin {
+
+using Vec3 = std::array<double, 3>;  // x along the wall, y up, z through the thickness
+
+// Where a value was written: "scene.toml:12: joints.mortar.cohesion". Empty for defaults and --set values say "--set".
+struct Source {
+  std::string text;
+};
+
+struct PropertySetting {
+  std::string id;
+  std::vector<double> numbers;  // one for numbers, pairs for tables, empty for choices
+  std::string text;             // choices
+  Source source;
+};
+
+// A joint family: all contact points that share one law and one set of properties.
+struct JointFamily {
+  std::string name;  // "mortar", "unit"
+  std::string law;   // name of a shipped law or path of a library
+  std::string initial_state = "bonded";
+  std::vector<PropertySetting> properties;
+  Source source;
+};
+
+struct BlockMaterial {
+  std::string name;
+  double young_modulus = 0.0;  // Pa
+  double poisson_ratio = 0.0;
+  double density = 0.0;  // kg/m3
+};
+
+enum class DampingKind { none, local, viscous };
+
+struct SolverSettings {
+  double time_step_fraction = 0.6;  // of 2/omega_max of the undamaged assembled system
+  double mass_scaling = 1.0;        // factor on inertia (not on weight); 1: none
+  double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
+  DampingKind damping = DampingKind::local;
+  double local_damping = 0.8;  // gamma of eq. 1
+  double mass_damping = 0.0;   // viscous: alpha, 1/s
+  double stiffness_damping = 0.0;  // viscous: beta, s
+};
+
+enum class DofKind { free, velocity };
+
+// Control of one named body (a beam, or any rigid block) during a stage, component by component. Rotations of a
+// controlled body are held.
+struct BodyControl {
+  std::string body;  // "top_beam"
+  std::array<DofKind, 3> kind{DofKind::velocity, DofKind::velocity, DofKind::velocity};
+  Vec3 velocity{0.0, 0.0, 0.0};  // m/s, for components of kind velocity
+  Vec3 force{0.0, 0.0, 0.0};     // N, for free components
+};
+
+// A stage ends when its first given criterion is met; one that never can is refused by read_scene.
+struct Stage {
+  std::string name;
+  std::vector<BodyControl> controls;
+  Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
+  double ramp_time = 0.0;       // s; velocities and forces grow smoothly from those of the stage before
+
+  // equilibrium: largest unbalanced nodal force <= tolerance * mean contact force, for check_interval steps
+  std::optional<double> equilibrium_ratio;
+  // displacement: |component| of `monitor` body since the start of the stage reaches this, m
+  std::optional<double> displacement;
+  std::optional<double> duration;  // s
+  long max_steps = std::numeric_limits<long>::max();  // exceeded without equilibrium: numerical failure
+
+  // history rows of this stage: `monitor` body, direction 0, 1, 2 of displacement and force
+  std::string monitor;
+  int direction = 0;
+  long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
+
+  std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
+  Source source;
+};
+
+// Wall of rectangular units, generated in the plane z = 0 .. thickness, lower left corner at the origin.
+struct WallSpec {
+  std::string bond = "running";       // running, stack
+  std::string first_course = "whole";  // the bottom course starts with a whole or a half unit
+  int courses = 0;
+  double units_per_course = 0.0;  // multiples of one half
+  Vec3 unit{0.0, 0.0, 0.0};       // expanded unit: length x, height y, thickness z, m
+  std::array<int, 3> zones{4, 2, 2};  // hexahedra of 5 zones per half unit along x, y, z
+  bool mid_unit_joints = true;    // half units joined by the family unit_joint; false: whole units
+  std::string unit_material;
+  std::string bed_joint, head_joint, unit_joint, beam_joint;  // joint families
+  struct Opening {  // in half units and courses, from the lower left
+    int first_half_unit, half_units, first_course, courses;
+  };
+  std::vector<Opening> openings;
+  double beam_height = 0.1, beam_density = 7850.0;  // rigid beams below and above
+  bool bottom_beam = true, top_beam = true;
+  bool half_thickness = false;  // model z >= mid-plane only, u_z = 0 there; forces reported for the whole wall
+};
+
+struct OutputSettings {
+  int frames = 20;     // VTU frames over the last stage; 0: none
+  bool plots = true;
+  bool energy = false;  // energies by mode in history.csv
+};
+
+struct Scene {
+  std::string title, file;
+  SolverSettings solver;
+  std::map<std::string, BlockMaterial> materials;
+  std::map<std::string, JointFamily> joints;
+  std::optional<WallSpec> wall;
+  std::vector<Stage> stages;
+  OutputSettings output;
+};
+
+}  // namespace quoin

@@ -1,0 +1,93 @@
+/* One evaluation: N contact points, one explicit step. All memory is the host's; the law keeps nothing. */
+#ifndef QUOIN_BATCH_H
+#define QUOIN_BATCH_H
+
+#include "quoin/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A column: element i is data[i * stride]; stride counts elements, may be any sign for inputs, and is not 0 for
+ * outputs. stride 0 on an input repeats one value. Structure-of-arrays hosts use stride 1, array-of-structures
+ * hosts the size of their structure in doubles. */
+typedef struct quoin_in {
+  const double* data;
+  int64_t stride;
+} quoin_in;
+
+typedef struct quoin_out {
+  double* data;
+  int64_t stride;
+} quoin_out;
+
+typedef struct quoin_out_u32 {
+  uint32_t* data;
+  int64_t stride;
+} quoin_out_u32;
+
+/* A property given point by point. All other properties keep the material's value. */
+typedef struct quoin_property_column {
+  const char* id;
+  quoin_in values;
+} quoin_property_column;
+
+/* Per-point status */
+#define QUOIN_POINT_OK 0u
+#define QUOIN_POINT_CLAMPED 1u /* an input was outside the law's range and was limited; outputs are valid */
+#define QUOIN_POINT_FAILED 2u  /* not a number, or per-point properties refused: outputs equal the old state */
+
+/* Per-point flags, describing the end of the step */
+#define QUOIN_FLAG_OPEN 1u              /* effective opening > 0 */
+#define QUOIN_FLAG_SLIPPING 2u          /* slipped during this step */
+#define QUOIN_FLAG_TENSION_DAMAGED 4u   /* tensile strength reduced */
+#define QUOIN_FLAG_TENSION_COMPLETE 8u  /* tensile softening complete */
+#define QUOIN_FLAG_SHEAR_DAMAGED 16u    /* cohesion reduced */
+#define QUOIN_FLAG_SHEAR_COMPLETE 32u   /* shear softening complete */
+#define QUOIN_FLAG_CRUSHED 64u          /* plastic closure > 0 */
+#define QUOIN_FLAG_CRUSHING_COMPLETE 128u /* compressive softening complete */
+#define QUOIN_FLAG_YIELDING 256u        /* any internal variable moved during this step */
+
+/* Dissipation outputs */
+#define QUOIN_DISSIPATED_TENSION 0
+#define QUOIN_DISSIPATED_COHESION 1
+#define QUOIN_DISSIPATED_FRICTION 2
+#define QUOIN_DISSIPATED_CRUSHING 3
+#define QUOIN_DISSIPATED_COUNT 4
+
+typedef struct quoin_batch {
+  uint64_t struct_size;
+  uint64_t count;
+
+  /* Inputs, required */
+  quoin_in normal_jump;       /* d_n at the END of the step, m */
+  quoin_in slip_increment[2]; /* d_s, d_t over the step in the current frame, m */
+  quoin_in traction_old[3];   /* sigma, tau_s, tau_t at the start, Pa, turned by the host into the current frame */
+  const quoin_in* state_old;  /* state_count columns, order of the law's metadata; null data only for diagnostics */
+
+  /* Outputs, required. Each is the same column as its old one (data and stride) or disjoint from every input. */
+  quoin_out traction_new[3];
+  const quoin_out* state_new; /* state_count columns; null data only where the old one is null too */
+
+  /* Per-point properties, optional */
+  uint64_t property_column_count;
+  const quoin_property_column* property_columns;
+
+  /* Outputs, optional: null data means not wanted and not computed */
+  quoin_out energy_stored;                      /* recoverable energy at the end of the step, J/m2 */
+  quoin_out dissipated[QUOIN_DISSIPATED_COUNT]; /* dissipated DURING the step by mode, J/m2, never negative */
+  quoin_out tangent[9]; /* d(sigma, tau_s, tau_t)/d(d_n, d_s, d_t), row by row, consistent with the step, Pa/m */
+  quoin_out_u32 flags;
+  quoin_out_u32 status;
+
+  /* Summary, always written when the call returns QUOIN_OK */
+  uint64_t clamped_count;
+  uint64_t failed_count;
+  uint32_t worst_status; /* largest per-point status */
+  uint32_t any_yielding; /* 0: no internal variable of any point moved, the batch was elastic */
+} quoin_batch;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
