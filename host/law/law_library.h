@@ -14,9 +14,9 @@ namespace quoin {
 class LawLibrary {
  public:
   // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
-  // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason: missing
-  // file, not a shared library, no quoin_library_v1, other ABI version. from_copy: load from a temporary copy, so that a rebuilt
-  // file is really read again.
+  // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
+  // missing file, not a shared library, no quoin_library_v1, other ABI version. from_copy: load from a temporary copy,
+  // so that a rebuilt file is really read again.
   static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path, bool from_copy = false);
   ~LawLibrary();
   LawLibrary(const LawLibrary&) = delete;
@@ -45,7 +45,8 @@ struct Law {
 // An immutable material: thread-safe, freely shared.
 class Material {
  public:
-  // Throws Error(law_refused) with the law's own message (every fault) behind the source of the offending key when known.
+  // Throws Error(law_refused) with the law's own message (every fault) behind the source of the offending key when
+  // known.
   Material(Law law, const std::vector<PropertySetting>& settings);
   ~Material();
   Material(const Material&) = delete;

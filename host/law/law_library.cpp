@@ -1,0 +1,419 @@
+#include "law/law_library.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr char kHostName[] = "quoin";
+constexpr char kHostVersion[] = "0.1.0";
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::law_refused, message); }
+
+// Calls a function of the ABI that fills a text, again with a larger buffer when the message was cut.
+std::string collect_text(const std::function<void(quoin_text*)>& call) {
+  std::string buffer(4096, '\0');
+  for (;;) {
+    quoin_text text{};
+    text.struct_size = sizeof text;
+    text.data = buffer.data();
+    text.capacity = buffer.size();
+    call(&text);
+    if (text.length < buffer.size()) {
+      buffer.resize(text.length);
+      return buffer;
+    }
+    buffer.assign(text.length + 1, '\0');
+  }
+}
+
+fs::path program_folder() {
+  std::error_code fault;
+  const fs::path program = fs::read_symlink("/proc/self/exe", fault);
+  return fault ? fs::path(".") : program.parent_path();
+}
+
+// Folders that hold laws, in the order in which they are searched.
+std::vector<fs::path> search_folders() {
+  std::vector<fs::path> folders;
+  if (const char* variable = std::getenv("QUOIN_LAW_PATH")) {
+    const std::string list = variable;
+    for (std::size_t begin = 0; begin <= list.size();) {
+      const std::size_t end = std::min(list.find(':', begin), list.size());
+      if (end > begin) folders.emplace_back(list.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+  const fs::path program = program_folder();
+  folders.push_back(program / "laws");
+  std::vector<fs::path> installed;
+  std::error_code fault;
+  for (const auto& entry : fs::directory_iterator(program.parent_path(), fault)) {
+    if (!entry.path().filename().string().starts_with("lib")) continue;
+    installed.push_back(entry.path() / "quoin" / "laws");
+    // Debian's multiarch libdir: lib/x86_64-linux-gnu
+    std::error_code inner;
+    for (const auto& sub : fs::directory_iterator(entry.path(), inner)) {
+      if (fs::is_directory(sub.path() / "quoin" / "laws", inner)) installed.push_back(sub.path() / "quoin" / "laws");
+    }
+  }
+  std::sort(installed.begin(), installed.end());
+  for (auto& folder : installed) {
+    if (fs::is_directory(folder, fault)) folders.push_back(std::move(folder));
+  }
+  return folders;
+}
+
+bool is_path(const std::string& name_or_path) { return name_or_path.find('/') != std::string::npos; }
+
+std::string resolve(const std::string& name_or_path) {
+  std::error_code fault;
+  if (is_path(name_or_path)) {
+    if (fs::is_directory(name_or_path, fault)) {
+      refuse(
+          fmt::format("law '{}' could not be loaded: it is a folder; give the path of a shared library", name_or_path));
+    }
+    if (!fs::exists(name_or_path, fault)) {
+      refuse(fmt::format(
+          "law '{}' could not be loaded: no such file (working folder {}); check the path, or build the law",
+          name_or_path, fs::current_path(fault).string()));
+    }
+    return name_or_path;
+  }
+  if (name_or_path.empty()) refuse("no law was named; give the name of a law (`quoin models` lists them) or a path");
+  std::vector<std::string> tried;
+  for (const fs::path& folder : search_folders()) {
+    const fs::path file = folder / (name_or_path + ".so");
+    if (fs::exists(file, fault)) return file.string();
+    tried.push_back(file.string());
+  }
+  const std::vector<std::string> known = installed_laws();
+  std::string remedy = known.empty()
+                           ? std::string("no law was found there at all; build the laws or set QUOIN_LAW_PATH")
+                           : fmt::format("laws found: {}", fmt::join(known, ", "));
+  if (fs::exists(name_or_path, fault))
+    remedy += fmt::format("; to load the file {0} of this folder write ./{0}", name_or_path);
+  refuse(fmt::format("law '{}' could not be loaded: not found; tried\n  {}\n{}", name_or_path, fmt::join(tried, "\n  "),
+                     remedy));
+}
+
+// A private copy of the file. dlopen knows a library by its inode and would hand out the old one for a rebuilt file.
+std::string copy_to_temporary(const std::string& path) {
+  std::error_code fault;
+  fs::path folder = fs::temp_directory_path(fault);
+  if (fault) folder = "/tmp";
+  std::string copy = (folder / "quoin-law-XXXXXX").string();
+  const int descriptor = mkstemp(copy.data());
+  if (descriptor < 0) {
+    refuse(fmt::format("law '{}' could not be loaded from a copy: no temporary file in {}; set TMPDIR", path,
+                       folder.string()));
+  }
+  close(descriptor);
+  fs::copy_file(path, copy, fs::copy_options::overwrite_existing, fault);
+  if (fault) {
+    const std::string reason = fault.message();
+    fs::remove(copy, fault);
+    refuse(fmt::format("law '{}' could not be loaded from a copy: {}", path, reason));
+  }
+  return copy;
+}
+
+// The loader's own words, less the file name that dlerror puts in front of them.
+std::string loader_reason(const std::string& path) {
+  const char* words = dlerror();
+  std::string reason = words == nullptr ? "unknown reason" : words;
+  if (reason.starts_with(path + ": ")) reason.erase(0, path.size() + 2);
+  return reason;
+}
+
+bool reads_like_text(const char* text) { return text != nullptr && *text != '\0'; }
+
+// What is wrong with a law's metadata, as far as the host relies on it; empty: nothing.
+std::string metadata_fault(const quoin_law* law) {
+  if (law == nullptr) return "a null entry in its list of laws";
+  if (law->struct_size < sizeof(quoin_law)) {
+    return fmt::format("a quoin_law of {} bytes, but version {}.0 has {}", law->struct_size, QUOIN_ABI_MAJOR,
+                       sizeof(quoin_law));
+  }
+  if (!reads_like_text(law->id)) return "a law without id";
+  const std::string name = fmt::format("law '{}': ", law->id);
+  if (law->create_material == nullptr || law->destroy_material == nullptr || law->material_number == nullptr ||
+      law->initial_state == nullptr || law->stiffness_bounds == nullptr || law->evaluate == nullptr) {
+    return name + "a required function is null";
+  }
+  if ((law->capabilities & QUOIN_CAN_MIGRATE) != 0 && law->migrate_state == nullptr) {
+    return name + "it says that it can migrate, but migrate_state is null";
+  }
+  const quoin_convention* c = law->convention;
+  if (c == nullptr || c->struct_size < sizeof(quoin_convention)) return name + "no convention";
+  if (c->tension_sign != 1 || c->opening_sign != 1 || c->force_on_a_sign != 1 || c->normal_is_total != 1 ||
+      c->sliding_is_increment != 1 || c->traction_is_stress != 1) {
+    return name + "a sign convention other than version 1's";
+  }
+  std::set<std::string> ids;
+  if (law->property_count > 0 && law->properties == nullptr) return name + "a null list of properties";
+  for (uint64_t i = 0; i < law->property_count; ++i) {
+    const quoin_property_info* p = law->properties[i];
+    if (p == nullptr || p->struct_size < sizeof(quoin_property_info) || !reads_like_text(p->id)) {
+      return fmt::format("{}property {} has no valid metadata", name, i);
+    }
+    if (p->kind < QUOIN_PROPERTY_NUMBER || p->kind > QUOIN_PROPERTY_TABLE) {
+      return fmt::format("{}property '{}' is of the unknown kind {}", name, p->id, p->kind);
+    }
+    if (p->kind == QUOIN_PROPERTY_CHOICE && (p->choice_count == 0 || p->choices == nullptr)) {
+      return fmt::format("{}property '{}' has no choices", name, p->id);
+    }
+    if (!ids.insert(p->id).second) return fmt::format("{}property '{}' twice", name, p->id);
+  }
+  ids.clear();
+  if (law->state_count > 0 && law->states == nullptr) return name + "a null list of states";
+  for (uint64_t i = 0; i < law->state_count; ++i) {
+    const quoin_state_info* s = law->states[i];
+    if (s == nullptr || s->struct_size < sizeof(quoin_state_info) || !reads_like_text(s->id)) {
+      return fmt::format("{}state {} has no valid metadata", name, i);
+    }
+    if (!ids.insert(s->id).second) return fmt::format("{}state '{}' twice", name, s->id);
+    const bool second = i > 0 && law->states[i - 1]->kind == QUOIN_STATE_PAIR_S;
+    if (second != (s->kind == QUOIN_STATE_PAIR_T))
+      return fmt::format("{}state '{}' breaks an (s, t) pair", name, s->id);
+  }
+  if (law->state_count > 0 && law->states[law->state_count - 1]->kind == QUOIN_STATE_PAIR_S) {
+    return name + "an (s, t) pair of states has no t";
+  }
+  if (law->initial_state_count == 0 || law->initial_states == nullptr) return name + "no initial state";
+  for (uint64_t i = 0; i < law->initial_state_count; ++i) {
+    if (!reads_like_text(law->initial_states[i])) return fmt::format("{}initial state {} has no id", name, i);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path, bool from_copy) {
+  const std::shared_ptr<LawLibrary> result(new LawLibrary());
+  result->path_ = resolve(name_or_path);
+  const std::string& path = result->path_;
+
+  std::string file = path;
+  if (from_copy) file = copy_to_temporary(path);
+  // RTLD_LOCAL: two laws may share symbol names. RTLD_NOW: a missing symbol shows here, not in the middle of a run.
+  result->handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const std::string reason = result->handle_ == nullptr ? loader_reason(file) : std::string();
+  if (from_copy) {  // the mapping outlives the name
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+  const std::string failed = fmt::format("law '{}' could not be loaded from {}: ", name_or_path, path);
+  if (result->handle_ == nullptr) {
+    refuse(fmt::format("{}the dynamic loader says: {}; give a shared library built for this machine", failed, reason));
+  }
+
+  dlerror();
+  const auto entry = reinterpret_cast<quoin_library_function>(dlsym(result->handle_, QUOIN_LIBRARY_SYMBOL));
+  if (entry == nullptr) {
+    refuse(fmt::format("{}it is a shared library, but it exports no {}, so it is no contact law of ABI version {}",
+                       failed, QUOIN_LIBRARY_SYMBOL, QUOIN_ABI_MAJOR));
+  }
+
+  quoin_host_info host{};
+  host.struct_size = sizeof host;
+  host.abi_major = QUOIN_ABI_MAJOR;
+  host.abi_minor = QUOIN_ABI_MINOR;
+  host.name = kHostName;
+  host.version = kHostVersion;
+  const quoin_library* library = nullptr;
+  const std::string words = collect_text([&](quoin_text* text) { library = entry(&host, text); });
+  if (library == nullptr) {
+    refuse(fmt::format(
+        "{}the library refuses this host (ABI {}.{}): {}; rebuild one of the two against the other's headers", failed,
+        QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, words.empty() ? "it gives no reason" : words));
+  }
+  // Only the first three fields may be read before the version is known.
+  constexpr uint64_t kHead = offsetof(quoin_library, abi_minor) + sizeof(uint32_t);
+  if (library->struct_size < kHead) {
+    refuse(fmt::format("{}its quoin_library has {} bytes: it was not filled in", failed, library->struct_size));
+  }
+  if (library->abi_major != QUOIN_ABI_MAJOR) {
+    refuse(fmt::format("{}it was built against ABI version {}.{}, this host needs {}.x; rebuild the law", failed,
+                       library->abi_major, library->abi_minor, QUOIN_ABI_MAJOR));
+  }
+  if (library->struct_size < sizeof(quoin_library)) {
+    refuse(fmt::format("{}its quoin_library has {} bytes, but version {}.0 has {}", failed, library->struct_size,
+                       QUOIN_ABI_MAJOR, sizeof(quoin_library)));
+  }
+  if (library->law_count == 0 || library->laws == nullptr) refuse(failed + "the library holds no law");
+  for (uint64_t i = 0; i < library->law_count; ++i) {
+    const std::string fault = metadata_fault(library->laws[i]);
+    if (!fault.empty()) refuse(fmt::format("{}its metadata is faulty: {}; tell its author", failed, fault));
+  }
+  result->library_ = library;
+  return result;
+}
+
+LawLibrary::~LawLibrary() {
+  if (handle_ != nullptr) dlclose(handle_);
+}
+
+Law Law::find(const std::string& name_or_path) {
+  Law result;
+  result.library = LawLibrary::load(name_or_path);
+  const quoin_library& info = result.library->info();
+  if (is_path(name_or_path)) {
+    result.law = info.laws[0];
+    return result;
+  }
+  std::vector<std::string> ids;
+  for (uint64_t i = 0; i < info.law_count; ++i) {
+    if (name_or_path == info.laws[i]->id) {
+      result.law = info.laws[i];
+      return result;
+    }
+    ids.emplace_back(info.laws[i]->id);
+  }
+  refuse(fmt::format("law '{}': {} holds no law of that id, only: {}; give the library's path to use its first law",
+                     name_or_path, result.library->path(), fmt::join(ids, ", ")));
+}
+
+int Law::state_index(const std::string& id) const {
+  for (uint64_t i = 0; i < law->state_count; ++i) {
+    if (id == law->states[i]->id) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+namespace {
+
+// True when the line names the id as a whole word: cohesion is not named by cohesion_residual.
+bool names(const std::string& line, const std::string& id) {
+  const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  for (std::size_t at = line.find(id); at != std::string::npos; at = line.find(id, at + 1)) {
+    const std::size_t end = at + id.size();
+    if ((at == 0 || !is_word(line[at - 1])) && (end == line.size() || !is_word(line[end]))) return true;
+  }
+  return false;
+}
+
+// Every line of a law's text, behind the places where the properties that it names were set.
+std::string with_sources(const std::string& text, const std::vector<const PropertySetting*>& settings) {
+  std::string result;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    if (line.empty()) continue;
+    std::vector<std::string> sources;
+    for (const PropertySetting* setting : settings) {
+      const std::string& source = setting->source.text;
+      if (source.empty() || !names(line, setting->id)) continue;
+      if (std::find(sources.begin(), sources.end(), source) == sources.end()) sources.push_back(source);
+    }
+    if (!result.empty()) result += '\n';
+    result += sources.empty() ? line : fmt::format("{}: {}", fmt::join(sources, ", "), line);
+  }
+  return result;
+}
+
+}  // namespace
+
+Material::Material(Law law, const std::vector<PropertySetting>& settings) : law_(std::move(law)) {
+  // A later setting of an id replaces an earlier one: --set over the scene.
+  std::vector<const PropertySetting*> used;
+  for (const PropertySetting& setting : settings) {
+    std::erase_if(used, [&](const PropertySetting* other) { return other->id == setting.id; });
+    used.push_back(&setting);
+  }
+  std::vector<quoin_property_value> values;
+  std::vector<const quoin_property_value*> pointers;
+  values.reserve(used.size());
+  for (const PropertySetting* setting : used) {
+    quoin_property_value value{};
+    value.struct_size = sizeof value;
+    value.id = setting->id.c_str();
+    value.number_count = setting->numbers.size();
+    value.numbers = setting->numbers.empty() ? nullptr : setting->numbers.data();
+    value.text = setting->numbers.empty() ? setting->text.c_str() : nullptr;
+    values.push_back(value);
+  }
+  for (const quoin_property_value& value : values) pointers.push_back(&value);
+
+  quoin_status status = QUOIN_OK;
+  const std::string text = collect_text([&](quoin_text* buffer) {
+    if (handle_ != nullptr) api().destroy_material(handle_);  // a second call, for a longer text
+    handle_ = nullptr;
+    status = api().create_material(law_.law, pointers.size(), pointers.data(), &handle_, buffer);
+  });
+  if (status == QUOIN_OK && handle_ != nullptr) {
+    warnings_ = with_sources(text, used);
+    return;
+  }
+  const std::string detail = with_sources(text, used);
+  if (status == QUOIN_ERROR_PROPERTY) {
+    refuse(
+        fmt::format("law '{}' refuses its properties:\n{}", api().id, detail.empty() ? "it gives no reason" : detail));
+  }
+  refuse(fmt::format("law '{}' made no material (status {}): {}", api().id, status,
+                     detail.empty() ? "it gives no reason" : detail));
+}
+
+Material::~Material() { api().destroy_material(handle_); }
+
+double Material::number(const std::string& property_id) const {
+  double value = 0.0;
+  const quoin_status status = api().material_number(handle_, property_id.c_str(), &value);
+  if (status != QUOIN_OK) refuse(fmt::format("law '{}' has no number property '{}'", api().id, property_id));
+  return value;
+}
+
+std::vector<double> Material::initial_state(const std::string& id) const {
+  std::vector<std::string> known;
+  bool found = false;
+  for (uint64_t i = 0; i < api().initial_state_count; ++i) {
+    known.emplace_back(api().initial_states[i]);
+    found = found || known.back() == id;
+  }
+  std::vector<double> values(api().state_count, 0.0);
+  if (!found || api().initial_state(handle_, id.c_str(), values.data()) != QUOIN_OK) {
+    throw Error(Exit::bad_input,
+                fmt::format("initial state '{}': law '{}' knows {}", id, api().id, fmt::join(known, ", ")));
+  }
+  return values;
+}
+
+quoin_stiffness_bounds Material::stiffness_bounds() const {
+  quoin_stiffness_bounds bounds{};
+  bounds.struct_size = sizeof bounds;
+  const quoin_status status = api().stiffness_bounds(handle_, &bounds);
+  if (status != QUOIN_OK) refuse(fmt::format("law '{}' gives no stiffness bounds (status {})", api().id, status));
+  return bounds;
+}
+
+std::vector<std::string> installed_laws() {
+  std::set<std::string> found;
+  std::error_code fault;
+  for (const fs::path& folder : search_folders()) {
+    for (const auto& entry : fs::directory_iterator(folder, fault)) {
+      if (entry.path().extension() == ".so") found.insert(entry.path().stem().string());
+    }
+  }
+  return {found.begin(), found.end()};
+}
+
+}  // namespace quoin
