@@ -3,7 +3,10 @@
  *
  * Rules that hold for every header of this folder (a change that breaks one is a new major version):
  *   - every struct that crosses the boundary begins with its size in bytes, set by whoever allocates it;
- *     fields are only ever appended, and a reader never touches a field beyond the size it was given;
+ *     fields are only ever appended, and a reader never touches a field beyond the size it was given (the column
+ *     types of batch.h have no size: they are embedded by value and never change within a major version);
+ *   - whoever reads a struct refuses (QUOIN_ERROR_ARGUMENT, or null from quoin_library_v1) one that is shorter than
+ *     version 1.0's; a quoin_text that is too short is treated as null;
  *   - fixed-width integers and double only: no enum, bool, long, bit-field or C++ type in a layout;
  *   - no exception, longjmp, signal, stdio or change of floating-point mode crosses the boundary;
  *   - SI units (m, Pa, Pa/m, J/m2); degrees only for properties whose unit says "deg".
@@ -41,7 +44,8 @@ typedef int32_t quoin_status;
 
 /* Caller-owned text buffer. A law writes at most capacity bytes including the final zero, cutting the message if it
  * must, and sets length to the bytes that the whole message takes without the zero. A null quoin_text, or null
- * data with capacity 0, is allowed everywhere and means that no text is wanted. */
+ * data with capacity 0, is allowed everywhere and means that no text is wanted (length is set all the same when there
+ * is a quoin_text). A function that has nothing to say sets length 0 and, if capacity > 0, data[0] = 0. */
 typedef struct quoin_text {
   uint64_t struct_size;
   char* data;

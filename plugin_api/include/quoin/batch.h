@@ -10,7 +10,9 @@ extern "C" {
 
 /* A column: element i is data[i * stride]; stride counts elements, may be any sign for inputs, and is not 0 for
  * outputs. stride 0 on an input repeats one value. Structure-of-arrays hosts use stride 1, array-of-structures
- * hosts the size of their structure in doubles. */
+ * hosts the size of their structure in doubles. Elements are aligned as double (uint32_t) is, no more. The law writes
+ * only the count elements of an output column, nothing between or behind them; outputs do not overlap each other. With
+ * count 0 no data is touched and null data is allowed everywhere. */
 typedef struct quoin_in {
   const double* data;
   int64_t stride;
@@ -32,21 +34,22 @@ typedef struct quoin_property_column {
   quoin_in values;
 } quoin_property_column;
 
-/* Per-point status */
+/* Per-point status. FAILED: an input of the point (traction and state included) is not finite, or its own properties
+ * are refused; traction and state are copied from the old ones, energy, dissipation, tangent and flags are 0. */
 #define QUOIN_POINT_OK 0u
 #define QUOIN_POINT_CLAMPED 1u /* an input was outside the law's range and was limited; outputs are valid */
 #define QUOIN_POINT_FAILED 2u  /* not a number, or per-point properties refused: outputs equal the old state */
 
 /* Per-point flags, describing the end of the step */
-#define QUOIN_FLAG_OPEN 1u              /* effective opening > 0 */
-#define QUOIN_FLAG_SLIPPING 2u          /* slipped during this step */
-#define QUOIN_FLAG_TENSION_DAMAGED 4u   /* tensile strength reduced */
-#define QUOIN_FLAG_TENSION_COMPLETE 8u  /* tensile softening complete */
-#define QUOIN_FLAG_SHEAR_DAMAGED 16u    /* cohesion reduced */
-#define QUOIN_FLAG_SHEAR_COMPLETE 32u   /* shear softening complete */
-#define QUOIN_FLAG_CRUSHED 64u          /* plastic closure > 0 */
+#define QUOIN_FLAG_OPEN 1u                /* effective opening > 0 */
+#define QUOIN_FLAG_SLIPPING 2u            /* slipped during this step */
+#define QUOIN_FLAG_TENSION_DAMAGED 4u     /* tensile strength reduced */
+#define QUOIN_FLAG_TENSION_COMPLETE 8u    /* tensile softening complete */
+#define QUOIN_FLAG_SHEAR_DAMAGED 16u      /* cohesion reduced */
+#define QUOIN_FLAG_SHEAR_COMPLETE 32u     /* shear softening complete */
+#define QUOIN_FLAG_CRUSHED 64u            /* plastic closure > 0 */
 #define QUOIN_FLAG_CRUSHING_COMPLETE 128u /* compressive softening complete */
-#define QUOIN_FLAG_YIELDING 256u        /* any internal variable moved during this step */
+#define QUOIN_FLAG_YIELDING 256u          /* any internal variable moved during this step */
 
 /* Dissipation outputs */
 #define QUOIN_DISSIPATED_TENSION 0

@@ -25,10 +25,12 @@ typedef struct quoin_property_value {
   const char* text;
 } quoin_property_value;
 
+/* Upper bounds over all states of the material, for the time step. Softening (a negative slope, a brittle drop) does
+ * not count, and property columns are not included: a host that uses them asks materials of the extreme values. */
 typedef struct quoin_stiffness_bounds {
   uint64_t struct_size;
-  double normal; /* upper bound of |d sigma / d d_n| over all states, Pa/m */
-  double shear;  /* upper bound of |d tau / d d_s| over all states, Pa/m */
+  double normal; /* of d sigma / d d_n, Pa/m */
+  double shear;  /* of d tau / d d_s, Pa/m */
 } quoin_stiffness_bounds;
 
 /* State of another law, to be taken over with continuous traction. The new reference of the normal jump is
@@ -40,25 +42,25 @@ typedef struct quoin_migration {
   uint64_t from_schema;
   uint64_t from_state_count;
   const char* const* from_state_ids;
-  const quoin_in* from_states;  /* from_state_count columns */
-  quoin_in normal_jump;         /* d_n seen by the old law, m */
-  quoin_in traction[3];         /* to be kept, Pa */
-  quoin_in energy_stored;       /* under the old law, J/m2; null data: taken as 0 */
-  quoin_out normal_shift;       /* to be added to d_n from now on, m */
-  const quoin_out* state_new;   /* state_count columns of the new law */
-  quoin_out energy_jump;        /* stored energy after less before, J/m2; may be null */
-  quoin_out_u32 status;         /* per point: OK or FAILED (the traction lies outside the strength); may be null */
-  uint64_t failed_count;        /* written by the law */
+  const quoin_in* from_states; /* from_state_count columns */
+  quoin_in normal_jump;        /* d_n seen by the old law, m */
+  quoin_in traction[3];        /* to be kept, Pa */
+  quoin_in energy_stored;      /* under the old law, J/m2; null data: taken as 0 */
+  quoin_out normal_shift;      /* to be added to d_n from now on, m */
+  const quoin_out* state_new;  /* state_count columns of the new law */
+  quoin_out energy_jump;       /* stored energy after less before, J/m2; may be null */
+  quoin_out_u32 status;        /* per point: OK or FAILED (the traction lies outside the strength); may be null */
+  uint64_t failed_count;       /* written by the law */
 } quoin_migration;
 
 typedef struct quoin_law {
   uint64_t struct_size;
-  const char* id;          /* "fracture_energy" */
-  const char* name;        /* for people */
-  const char* version;     /* of the law, "1.0.0" */
+  const char* id;      /* "fracture_energy" */
+  const char* name;    /* for people */
+  const char* version; /* of the law, "1.0.0" */
   const char* citation;
   const char* description;
-  uint64_t capabilities;   /* QUOIN_CAN_... */
+  uint64_t capabilities; /* QUOIN_CAN_... */
   const quoin_convention* convention;
   uint64_t property_count;
   const quoin_property_info* const* properties;
@@ -66,23 +68,27 @@ typedef struct quoin_law {
   const quoin_state_info* const* states;
   uint64_t initial_state_count;
   const char* const* initial_states; /* ids; the first is what a host uses for joints present at the start */
-  uint64_t state_schema; /* changes whenever number, order, ids, units or meaning of the states change */
+  uint64_t state_schema;             /* changes whenever number, order, ids, units or meaning of the states change */
 
   /* Validates and, unless material is null, creates. On QUOIN_ERROR_PROPERTY the text holds every fault, one a line:
-   * property, value, bound, remedy. On success the text holds warnings, or is empty. [thread-safe] */
+   * property, value, bound, remedy; also for a property that is unknown, missing, given twice or of the wrong kind. On
+   * any error *material is null. On success the text holds warnings, or is empty. The law keeps no pointer into
+   * values. [thread-safe] */
   quoin_status (*create_material)(const struct quoin_law* law, uint64_t value_count,
                                   const quoin_property_value* const* values, quoin_material** material,
                                   quoin_text* text);
   /* Null is allowed. [thread-safe for different materials] */
   void (*destroy_material)(quoin_material* material);
-  /* Value in force of a number property, defaults included. [thread-safe] */
+  /* Value in force of a number property, defaults included. QUOIN_ERROR_ARGUMENT for an unknown id. [thread-safe] */
   quoin_status (*material_number)(const quoin_material* material, const char* property_id, double* value);
-  /* values: state_count doubles. [thread-safe] */
+  /* values: state_count doubles. QUOIN_ERROR_ARGUMENT for an unknown id. [thread-safe] */
   quoin_status (*initial_state)(const quoin_material* material, const char* initial_state_id, double* values);
   /* [thread-safe] */
   quoin_status (*stiffness_bounds)(const quoin_material* material, quoin_stiffness_bounds* bounds);
   /* Pure: outputs depend on the material and the inputs of the point alone, bit for bit, whatever the batch size,
-   * partition, stride, thread or order. [thread-safe; batches must not share outputs] */
+   * partition, stride, thread or order. A batch is refused (QUOIN_ERROR_ARGUMENT, nothing written) when a required
+   * column has null data, an output has stride 0, or a property column names no PER_POINT property; optional outputs
+   * that the law cannot compute are QUOIN_ERROR_UNSUPPORTED. [thread-safe; batches must not share outputs] */
   quoin_status (*evaluate)(const quoin_material* material, quoin_batch* batch);
   /* Null unless QUOIN_CAN_MIGRATE. Refuses with a reason in text when nothing can be carried. [thread-safe] */
   quoin_status (*migrate_state)(const quoin_material* material, quoin_migration* migration, quoin_text* text);

@@ -15,8 +15,8 @@ extern "C" {
 #define QUOIN_PROPERTY_TABLE 3u  /* pairs x0, y0, x1, y1, ... */
 
 /* quoin_property_info.flags */
-#define QUOIN_PROPERTY_REQUIRED 1u  /* has no default */
-#define QUOIN_PROPERTY_PER_POINT 2u /* may be given as a column in a batch */
+#define QUOIN_PROPERTY_REQUIRED 1u   /* has no default */
+#define QUOIN_PROPERTY_PER_POINT 2u  /* may be given as a column in a batch */
 #define QUOIN_PROPERTY_LOWER_OPEN 4u /* the lower bound itself is refused */
 #define QUOIN_PROPERTY_UPPER_OPEN 8u /* the upper bound itself is refused */
 
@@ -28,8 +28,8 @@ typedef struct quoin_property_info {
   const char* description; /* one line */
   uint32_t kind;
   uint32_t flags;
-  double default_value;    /* numbers without REQUIRED and without default_from */
-  double lower, upper;     /* numbers: allowed interval, infinite where there is none */
+  double default_value;     /* numbers without REQUIRED and without default_from */
+  double lower, upper;      /* numbers: allowed interval, infinite where there is none */
   const char* default_from; /* id of the property whose value is the default, or null */
   const char* default_text; /* choices and tables: the default as text, or null */
   uint64_t choice_count;
@@ -56,21 +56,21 @@ typedef struct quoin_state_info {
   uint32_t role;
   uint32_t kind;
   uint32_t flags;
-  uint32_t reserved; /* 0 */
+  uint32_t reserved;   /* 0 */
   double lower, upper; /* every value that the law writes lies in [lower, upper] */
 } quoin_state_info;
 
 /* The sign and frame convention, machine-readable so that an adapter can be generated or checked. Version 1 has
- * one: local frame (n, s, t), n from block A to block B; jump = u_B - u_A, d_n > 0 opens; sigma > 0 is tension; the force on
- * A is +traction * area, on B -traction * area; traction is force per area. */
+ * one: local frame (n, s, t), n from block A to block B; jump = u_B - u_A, d_n > 0 opens; sigma > 0 is tension; the
+ * force on A is +traction * area, on B -traction * area; traction is force per area. */
 typedef struct quoin_convention {
   uint64_t struct_size;
-  int32_t tension_sign;        /* +1: sigma > 0 is tension */
-  int32_t opening_sign;        /* +1: d_n > 0 opens */
-  int32_t force_on_a_sign;     /* +1: force on A is +traction * area */
-  int32_t normal_is_total;     /* 1: normal_jump is the total at the end of the step */
+  int32_t tension_sign;         /* +1: sigma > 0 is tension */
+  int32_t opening_sign;         /* +1: d_n > 0 opens */
+  int32_t force_on_a_sign;      /* +1: force on A is +traction * area */
+  int32_t normal_is_total;      /* 1: normal_jump is the total at the end of the step */
   int32_t sliding_is_increment; /* 1: slip_increment is the sliding over the step */
-  int32_t traction_is_stress;  /* 1: force per area */
+  int32_t traction_is_stress;   /* 1: force per area */
 } quoin_convention;
 
 /* quoin_law.capabilities */
