@@ -1,0 +1,62 @@
+// What blocks of one size, zoning, pattern and material share: zones, masses and the assembled stiffness.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "model/lanes.h"
+#include "scene/assembly.h"
+
+namespace quoin {
+
+// Constant-strain tetrahedron of a template.
+struct Zone {
+  std::array<int, 4> node;             // positive orientation
+  double volume;                       // m3
+  std::array<Vec3, 4> shape_gradient;  // grad N of each corner, 1/m
+};
+
+// One outer triangle of a brick, for the areas of contact points.
+struct FaceTriangle {
+  int face;  // -x, +x, -y, +y, -z, +z
+  std::array<int, 3> node;
+};
+
+// A column of the stiffness rows of one gridpoint: displacement component at `column` (offset from the first line of
+// the block group) feels the rows x, y, z that the mask of its run names.
+struct BrickTemplate {
+  Vec3 size{};
+  std::array<int, 3> zones{};
+  int parity = 0;
+  int material = 0;
+
+  int node_count = 0;
+  std::vector<Vec3> node;  // reference position from the lowest corner; x fastest, then y, then z
+  std::vector<Zone> zone;
+  std::vector<FaceTriangle> face_triangle;
+  std::vector<double> node_mass;  // kg, a quarter of each zone, without any scaling
+
+  // Assembled stiffness K, rows of one gridpoint together. The entries of gridpoint i are grouped in 7 runs by the
+  // mask of rows (bit 0 x, bit 1 y, bit 2 z) in which the column is not zero: run m-1 of gridpoint i covers the columns
+  // [run_end[7 i + m - 2], run_end[7 i + m - 1]), and has popcount(m) coefficients a column, rows in order.
+  std::vector<std::int32_t> column;   // doubles from the first line of the group: 24 j + 8 d
+  std::vector<std::int32_t> run_end;  // 7 per gridpoint
+  std::vector<double> coefficient;    // Pa m, in the order of the columns
+  long dropped_entries = 0;           // entries of touching 3x3 blocks below 1e-14 of the largest: zero or cancelled
+  long kept_entries = 0;
+
+  int node_index(int i, int j, int k) const { return i + (zones[0] + 1) * (j + (zones[1] + 1) * k); }
+};
+
+// Zones, masses and stiffness of a brick; cold.
+BrickTemplate make_brick_template(const Brick& brick, const BlockMaterial& material);
+
+// Row i (3 node + component) of K as (column, value) pairs, columns ascending; for the time step and for tests.
+std::vector<std::pair<int, double>> stiffness_row(const BrickTemplate& brick, int row);
+
+// Stress of a zone from the displacements of its corners: xx, yy, zz, xy, yz, zx; Pa, tension positive.
+std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& displacement, double young_modulus,
+                                  double poisson_ratio);
+
+}  // namespace quoin

@@ -1,0 +1,112 @@
+// The discretised assembly: everything the step reads or writes, as flat arrays. Built once from an Assembly; small
+// displacements, so geometry, areas and normals never change.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "law/law_library.h"
+#include "model/brick_template.h"
+#include "model/lanes.h"
+#include "scene/assembly.h"
+
+namespace quoin {
+
+// Up to 8 blocks of one template, one a lane. Lanes without a block have zero inverse mass and never move.
+struct BlockGroup {
+  int brick_template = 0;
+  std::int32_t first_line = 0;      // gridpoint i of the template is line first_line + i
+  int block_count = 0;              // lanes in use, from lane 0
+  std::array<int, kLanes> block{};  // index into Assembly::bricks
+  std::int32_t first_slot = 0;      // into Model::slot_point, in units of 8 lanes
+};
+
+// Where the contact points of a template's gridpoint come from: the same for all its groups. A slot is one possible
+// contact point; the sign says on which side the block is (normals point along +axis, so a +face is always side a).
+struct ContactSlots {
+  std::vector<std::int32_t> slot_end;  // per gridpoint: slots [slot_end[i-1], slot_end[i])
+  std::vector<double> sign;            // per slot: +1 side a, -1 side b
+  int slot_count() const { return static_cast<int>(sign.size()); }
+};
+
+// A rigid block: 6 degrees of freedom, or what a BodyControl leaves of them. Its gridpoints (slaves) exist only where
+// contact points need them.
+struct RigidBody {
+  int block = -1;
+  std::string name;
+  Vec3 centre{};                          // reference position, m
+  double mass = 0.0;                      // kg, without scaling
+  Vec3 inertia{};                         // about the centre and the axes of the box, kg m2, without scaling
+  std::vector<std::int32_t> slave;        // offsets of its gridpoints
+  std::vector<Vec3> slave_arm;            // from the centre, m
+  std::vector<std::int32_t> point;        // its contact points in fixed order
+  std::vector<std::int32_t> point_slave;  // index into slave, for each
+  std::vector<double> point_sign;         // +1 side a, -1 side b
+};
+
+// Contact points of one joint family: the law and its states.
+struct ContactFamily {
+  std::string name;
+  std::shared_ptr<const Material> material;
+  std::int32_t first_point = 0, point_count = 0;
+  double normal_stiffness = 0.0, shear_stiffness = 0.0;  // upper bounds, Pa/m
+};
+
+// A run of contact points with one law and one frame, small enough for the first-level cache. `axis` is the normal;
+// s and t are the next axes in right-handed order.
+struct ContactChunk {
+  int family = 0;
+  int axis = 0;
+  std::int32_t first_point = 0, point_count = 0;
+};
+inline constexpr int kMaxChunk = 512;  // more spills the columns of a chunk from the first-level cache
+
+struct Model {
+  Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials);
+
+  Assembly assembly;
+  std::vector<BrickTemplate> templates;
+  std::vector<ContactSlots> slots;  // per template
+  std::vector<BlockGroup> groups;
+  std::vector<RigidBody> bodies;
+  std::vector<ContactFamily> families;
+  std::vector<ContactChunk> chunks;
+
+  // Where the blocks of the assembly went. Deformable: group and lane. Rigid: body.
+  struct BlockPlace {
+    int group = -1, lane = -1, body = -1;
+  };
+  std::vector<BlockPlace> place;
+  std::vector<std::int32_t> group_slot_point;  // [group][slot][lane]: contact point, or the dummy with zero force
+
+  // Gridpoints, in lane layout.
+  std::int32_t line_count = 0;
+  std::int32_t block_line_count = 0;  // lines of deformable blocks; slaves of rigid bodies follow
+  LaneVector<double> node_mass;       // kg, per component; without scaling; 0: no gridpoint, or a slave
+  LaneVector<double> node_free;       // 1 free, 0 held (symmetry plane, padding, slaves)
+
+  // Contact points: families in order, in them axes in order, in them neighbouring lanes side by side.
+  std::int32_t point_count = 0;
+  LaneVector<std::int32_t> node_a, node_b;  // offsets of the two gridpoints
+  LaneVector<double> area;                  // m2
+  std::vector<std::int32_t> point_joint;    // index into Assembly::joints
+  std::vector<Vec3> point_position;         // reference, m
+  std::vector<std::uint8_t> point_axis;
+
+  Vec3 node_position(std::int32_t offset) const {
+    return position[static_cast<std::size_t>(offset / kLine * kLanes + offset % kLanes)];
+  }
+  std::vector<Vec3> position;  // reference, per line and lane, m
+
+  int body_index(const std::string& name) const;  // -1: no rigid body of that name
+  double total_mass() const;                      // kg, as modelled
+  std::size_t zone_count() const;
+};
+
+// Materials of the families of an assembly: loads the laws, validates the properties.
+std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& assembly);
+
+}  // namespace quoin

@@ -1,0 +1,45 @@
+// The stable time step of central differences for the undamaged assembled system.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct TimeStepLimit {
+  double value = 0.0;  // s
+  Vec3 position{};     // of the gridpoint or body that sets it, m
+  std::string where;   // "block 12, gridpoint 3, family 'mortar' carries 61 % of the stiffness"
+};
+
+struct TimeStepReport {
+  TimeStepLimit critical;    // 2/omega_max by Lanczos: what every fraction refers to
+  TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of it
+  TimeStepLimit nodal;       // eq. 3 with diagonal stiffness, 2 sqrt(m/k): printed for comparison, usually unstable
+  int lanczos_steps = 0;
+  double time_step = 0.0;   // s, in use
+  double added_mass = 0.0;  // kg, by selective mass scaling
+  double model_mass = 0.0;  // kg, before any scaling
+};
+
+// Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.
+struct Inertia {
+  LaneVector<double> node;         // kg; 0 where there is nothing to move
+  std::vector<double> body_mass;   // kg
+  std::vector<Vec3> body_inertia;  // kg m2
+};
+
+// Inertia with the scaling of the settings, and the time step that goes with it.
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia);
+
+// 2/omega_max etc. for given inertia; exposed for tests.
+TimeStepReport time_step_limits(const Model& model, const Inertia& inertia);
+
+// K of the undamaged assembled system times a vector: gridpoints in lane layout, then 6 numbers a rigid body
+// (translation, rotation about its centre). Symmetric.
+void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f);
+
+}  // namespace quoin

@@ -1,0 +1,163 @@
+// A simulation: owns the model and its state, and runs the stages of a scene.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/model.h"
+#include "model/time_step.h"
+#include "scene/assembly.h"
+#include "scene/error.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+// Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
+// kinetic + strain + contact_stored + dissipated + damping = external (+ what they were at the start).
+struct Energies {
+  double kinetic = 0.0;
+  double strain = 0.0;                 // zones
+  double contact_stored = 0.0;         // joints, recoverable
+  std::array<double, 4> dissipated{};  // joints since the start: tension, cohesion, friction, crushing
+  double external = 0.0;               // work of weight, forces and prescribed velocities since the start
+  double damping = 0.0;                // work taken by damping since the start
+  double balance_error() const {
+    return kinetic + strain + contact_stored + dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3] + damping -
+           external;
+  }
+};
+
+// One line of the history. Forces include the symmetry factor: they are those of the whole wall.
+struct HistoryRow {
+  int stage = 0;
+  long step = 0;              // since the start of the simulation
+  double time = 0.0;          // s, since the start of the simulation
+  double displacement = 0.0;  // of the monitor body along Stage::direction since the start of the stage, m
+  double resistance = 0.0;    // minus the force of the joints on the monitor body along Stage::direction, N: positive
+                            // when the wall resists a movement in the positive direction
+  double vertical_force = 0.0;       // force between monitor body and wall along y, compression positive, N
+  Vec3 monitor_displacement{};       // since the start of the simulation, m
+  Vec3 joint_force{};                // of the joints on the monitor body, N
+  double unbalanced_ratio = 0.0;     // largest unbalanced nodal force / mean contact force
+  double kinetic_energy = 0.0;       // J, of the model as computed
+  std::optional<Energies> energies;  // when Scene::output.energy
+};
+
+struct Progress {
+  int stage = 0, stage_count = 0;
+  const Stage* settings = nullptr;
+  long step = 0;          // in this stage
+  double fraction = 0.0;  // of this stage, 0..1; by the criterion closest to its end
+  double steps_per_second = 0.0;
+  double seconds_left = 0.0;  // of this stage; negative: not known yet
+  double unbalanced_ratio = 0.0;
+};
+
+class Simulation;
+
+// What wants to know. All calls come from the thread that runs the simulation, between steps.
+struct Observer {
+  virtual ~Observer() = default;
+  virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
+  virtual void on_row(const HistoryRow&) {}
+  virtual void on_progress(const Progress&) {}  // about four times a second
+  virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {
+  }  // OutputSettings::frames over the last stage
+  virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
+};
+
+// Condition of a contact point: exclusive; the first that holds, in this order.
+enum class Condition : std::uint8_t { crushed_out, crushing, open, slipping, softening, elastic };
+inline constexpr int kConditionCount = 6;
+const char* condition_name(Condition condition);
+
+struct ContactPoint {
+  std::int32_t index;  // of the point, for Simulation::state
+  Vec3 position;       // reference, m
+  Vec3 normal, s, t;   // n from block a to block b
+  double area;         // m2
+  int joint, family;   // indices into the assembly
+  int block_a, block_b;
+  Vec3 jump;            // u_b - u_a along n, s, t, m
+  Vec3 traction;        // sigma, tau_s, tau_t, Pa
+  std::uint32_t flags;  // QUOIN_FLAG_..., of the last step
+  Condition condition;
+};
+
+// Wall-clock time spent in the phases of the step, s; filled when timing is switched on.
+struct PhaseTimes {
+  double contacts = 0.0;  // kinematics, law and forces at contact points
+  double blocks = 0.0;    // internal and nodal forces, damping, integration; rigid bodies
+  long steps = 0;
+};
+
+class Simulation {
+ public:
+  // threads 0: as many as the machine has. Laws are found by their names; or pass materials, one a joint family.
+  Simulation(Scene scene, Assembly assembly, int threads = 1);
+  Simulation(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  // All stages, or the rest of them. Throws Error(numerical) with place and values, or Error(interrupted) after
+  // request_stop; results can still be read then.
+  void run(Observer& observer);
+  // Async-signal-safe: the step in progress is finished first.
+  void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
+  bool stop_requested() const noexcept { return stop_requested_.load(std::memory_order_relaxed); }
+
+  // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks.
+  void advance(long steps);
+  void time_phases(bool on);
+  PhaseTimes phase_times() const;
+
+  const Scene& scene() const;
+  const Assembly& assembly() const;
+  const Model& model() const;
+  const TimeStepReport& time_step_report() const;
+  long step() const;
+  double time() const;
+  int thread_count() const;
+  const char* instruction_set() const;  // chosen at run time: "AVX2"
+  std::uint64_t hash() const;           // of u, v, tractions and states: equal hashes, equal bits
+  HistoryRow measure() const;           // as it stands
+
+  // Results by block (index into Assembly::bricks). Cold.
+  struct BlockMesh {
+    std::vector<Vec3> gridpoint;           // reference, m; rigid bricks: the 8 corners, x fastest, then y, then z
+    std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid bricks
+  };
+  BlockMesh block_mesh(int block) const;
+  std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
+  std::vector<Vec3> block_velocity(int block) const;
+  std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
+
+  // Results by contact point. Cold: flags come from a batch with zero increments, into scratch.
+  std::vector<ContactPoint> contact_points() const;
+  // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
+  std::vector<double> state(const std::string& id) const;
+  std::array<long, kConditionCount> condition_counts() const;
+
+  // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
+  // from another model. Bits after a restore are those of an uninterrupted run.
+  std::vector<std::uint8_t> save() const;
+  void restore(const std::vector<std::uint8_t>& bytes);
+
+  // Raw access for tests: displacement and velocity in lane layout.
+  LaneVector<double>& displacement();
+  LaneVector<double>& velocity();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::atomic<bool> stop_requested_{false};
+};
+
+}  // namespace quoin
