@@ -15,7 +15,7 @@ struct Brick {
   Vec3 origin;  // lowest corner, m
   Vec3 size;    // m
   std::array<int, 3> zones{1, 1, 1};
-  int parity = 0;  // 0 or 1: which of the two 5-tetrahedron patterns the first hexahedron has
+  int parity = 0;    // hexahedron (i, j, k) has 5-tetrahedron pattern (i + j + k + parity) % 2
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
   std::string body;  // name for BodyControl, histories and supports; empty for ordinary blocks
@@ -24,12 +24,14 @@ struct Brick {
 };
 
 // Faces of bricks in order -x, +x, -y, +y, -z, +z.
-// A conforming joint: face `face_a` of block a lies on the opposite face of block b with the same gridpoints, or, if
-// one side is a rigid brick, takes the gridpoints of the deformable side. The normal points from a to b.
+// A conforming joint: face `face_a` of block a lies on the opposite face of block b, or, if one side is a rigid brick,
+// takes the gridpoints of the deformable side. The faces may overlap only partly (a whole unit lies on two): the joint
+// is their overlap, its contact points are the gridpoints that coincide, matched by coordinates, and their areas come
+// from the face triangles inside the overlap alone. The normal points from a to b.
 struct Joint {
   int block_a, block_b;
-  int face_a;   // of block_a
-  int family;   // index into Assembly::families
+  int face_a;  // of block_a
+  int family;  // index into Assembly::families
 };
 
 struct Assembly {
@@ -37,7 +39,7 @@ struct Assembly {
   std::vector<JointFamily> families;
   std::vector<Brick> bricks;
   std::vector<Joint> joints;
-  double symmetry_factor = 1.0;  // 2 when only half of the thickness is modelled: forces are multiplied by it
+  double symmetry_factor = 1.0;    // 2 when only half of the thickness is modelled: forces are multiplied by it
   bool symmetry_plane_z0 = false;  // u_z = 0 for gridpoints at z = 0
 };
 

@@ -44,12 +44,12 @@ struct BlockMaterial {
 enum class DampingKind { none, local, viscous };
 
 struct SolverSettings {
-  double time_step_fraction = 0.6;  // of 2/omega_max of the undamaged assembled system
-  double mass_scaling = 1.0;        // factor on inertia (not on weight); 1: none
+  double time_step_fraction = 0.6;   // of 2/omega_max of the undamaged assembled system
+  double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   DampingKind damping = DampingKind::local;
-  double local_damping = 0.8;  // gamma of eq. 1
-  double mass_damping = 0.0;   // viscous: alpha, 1/s
+  double local_damping = 0.8;      // gamma of eq. 1
+  double mass_damping = 0.0;       // viscous: alpha, 1/s
   double stiffness_damping = 0.0;  // viscous: beta, s
 };
 
@@ -75,7 +75,7 @@ struct Stage {
   std::optional<double> equilibrium_ratio;
   // displacement: |component| of `monitor` body since the start of the stage reaches this, m
   std::optional<double> displacement;
-  std::optional<double> duration;  // s
+  std::optional<double> duration;                     // s
   long max_steps = std::numeric_limits<long>::max();  // exceeded without equilibrium: numerical failure
 
   // history rows of this stage: `monitor` body, direction 0, 1, 2 of displacement and force
@@ -89,16 +89,16 @@ struct Stage {
 
 // Wall of rectangular units, generated in the plane z = 0 .. thickness, lower left corner at the origin.
 struct WallSpec {
-  std::string bond = "running";       // running, stack
+  std::string bond = "running";        // running, stack
   std::string first_course = "whole";  // the bottom course starts with a whole or a half unit
   int courses = 0;
-  double units_per_course = 0.0;  // multiples of one half
-  Vec3 unit{0.0, 0.0, 0.0};       // expanded unit: length x, height y, thickness z, m
+  double units_per_course = 0.0;      // multiples of one half
+  Vec3 unit{0.0, 0.0, 0.0};           // expanded unit: length x, height y, thickness z, m
   std::array<int, 3> zones{4, 2, 2};  // hexahedra of 5 zones per half unit along x, y, z
-  bool mid_unit_joints = true;    // half units joined by the family unit_joint; false: whole units
+  bool mid_unit_joints = true;        // half units joined by the family unit_joint; false: whole units
   std::string unit_material;
   std::string bed_joint, head_joint, unit_joint, beam_joint;  // joint families
-  struct Opening {  // in half units and courses, from the lower left
+  struct Opening {                                            // in half units and courses, from the lower left
     int first_half_unit, half_units, first_course, courses;
   };
   std::vector<Opening> openings;
@@ -108,7 +108,7 @@ struct WallSpec {
 };
 
 struct OutputSettings {
-  int frames = 20;     // VTU frames over the last stage; 0: none
+  int frames = 20;  // VTU frames over the last stage; 0: none
   bool plots = true;
   bool energy = false;  // energies by mode in history.csv
 };

@@ -1,0 +1,156 @@
+#include "scene/generate.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace {
+
+constexpr int kPlusX = 1, kPlusY = 3;
+
+template <typename Map>
+int index_of(const Map& map, const std::string& name) {
+  return static_cast<int>(std::distance(map.begin(), map.find(name)));
+}
+
+// The wall as a grid of half units: which block fills each cell, -1 in openings.
+class WallGrid {
+ public:
+  explicit WallGrid(const WallSpec& wall)
+      : wall_(wall),
+        columns_(static_cast<int>(std::lround(2 * wall.units_per_course))),
+        unit_(static_cast<size_t>(columns_) * static_cast<size_t>(wall.courses), -1),
+        block_(unit_) {
+    number_units();
+  }
+
+  int columns() const { return columns_; }
+  int unit(int course, int column) const { return unit_[at(course, column)]; }
+  int& block(int course, int column) { return block_[at(course, column)]; }
+  bool solid(int course, int column) const { return unit(course, column) >= 0; }
+
+ private:
+  size_t at(int course, int column) const {
+    return static_cast<size_t>(course) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
+  }
+
+  bool in_opening(int course, int column) const {
+    for (const auto& o : wall_.openings) {
+      if (course >= o.first_course && course < o.first_course + o.courses && column >= o.first_half_unit &&
+          column < o.first_half_unit + o.half_units)
+        return true;
+    }
+    return false;
+  }
+
+  // Units as the bricklayer sees them; a unit cut by an opening keeps the half that is left.
+  void number_units() {
+    int next = 0;
+    for (int course = 0; course < wall_.courses; ++course) {
+      bool starts_half = wall_.first_course == "half";
+      if (wall_.bond == "running" && course % 2 == 1) starts_half = !starts_half;
+      for (int column = 0; column < columns_; ++column) {
+        const bool second_half = column > 0 && (column % 2 == 1) != starts_half;
+        if (in_opening(course, column)) continue;
+        const bool same_unit = second_half && solid(course, column - 1);
+        unit_[at(course, column)] = same_unit ? unit(course, column - 1) : next++;
+      }
+    }
+  }
+
+  const WallSpec& wall_;
+  int columns_;
+  std::vector<int> unit_, block_;
+};
+
+}  // namespace
+
+double bed_area(const WallSpec& wall) { return wall.units_per_course * wall.unit[0] * wall.unit[2]; }
+
+Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
+                       const std::map<std::string, JointFamily>& joints) {
+  Assembly assembly;
+  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
+  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+
+  const double half = wall.unit[0] / 2, height = wall.unit[1];
+  const double thickness = wall.half_thickness ? wall.unit[2] / 2 : wall.unit[2];
+  const std::array<int, 3> zones{wall.zones[0], wall.zones[1], wall.half_thickness ? wall.zones[2] / 2 : wall.zones[2]};
+  assembly.symmetry_factor = wall.half_thickness ? 2.0 : 1.0;
+  assembly.symmetry_plane_z0 = wall.half_thickness;
+
+  // Blocks. Taken over the whole wall the hexahedra form one grid; colouring it like a chessboard makes the diagonals
+  // of facing 5-tetrahedron patterns coincide at every joint, for odd numbers of layers too.
+  WallGrid grid(wall);
+  const int unit_material = index_of(materials, wall.unit_material);
+  for (int course = 0; course < wall.courses; ++course) {
+    for (int column = 0; column < grid.columns(); ++column) {
+      if (!grid.solid(course, column)) continue;
+      const bool same_unit = column > 0 && grid.unit(course, column - 1) == grid.unit(course, column);
+      if (same_unit && !wall.mid_unit_joints) {  // second half of a whole unit: lengthen its block
+        const int block = grid.block(course, column - 1);
+        grid.block(course, column) = block;
+        Brick& brick = assembly.bricks[static_cast<size_t>(block)];
+        brick.size[0] += half;
+        brick.zones[0] += zones[0];
+        continue;
+      }
+      grid.block(course, column) = static_cast<int>(assembly.bricks.size());
+      Brick brick;
+      brick.origin = {column * half, course * height, 0.0};
+      brick.size = {half, height, thickness};
+      brick.zones = zones;
+      brick.parity = (column * zones[0] + course * zones[1]) % 2;
+      brick.material = unit_material;
+      brick.unit = grid.unit(course, column);
+      brick.course = course;
+      assembly.bricks.push_back(brick);
+    }
+  }
+
+  auto add_beam = [&](const char* name, double y) {
+    Brick beam;
+    beam.origin = {0.0, y, 0.0};
+    beam.size = {grid.columns() * half, wall.beam_height, thickness};
+    beam.material = static_cast<int>(assembly.materials.size()) - 1;
+    beam.rigid = true;
+    beam.body = name;
+    assembly.bricks.push_back(beam);
+    return static_cast<int>(assembly.bricks.size()) - 1;
+  };
+  if (wall.bottom_beam || wall.top_beam) assembly.materials.push_back({"beam", 0.0, 0.0, wall.beam_density});
+  const int bottom = wall.bottom_beam ? add_beam("bottom_beam", -wall.beam_height) : -1;
+  const int top = wall.top_beam ? add_beam("top_beam", wall.courses * height) : -1;
+
+  // Joints: within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
+  for (int course = 0; course < wall.courses; ++course) {
+    for (int column = 0; column + 1 < grid.columns(); ++column) {
+      const int a = grid.block(course, column), b = grid.block(course, column + 1);
+      if (a < 0 || b < 0 || a == b) continue;
+      const bool mid_unit = grid.unit(course, column) == grid.unit(course, column + 1);
+      assembly.joints.push_back({a, b, kPlusX, index_of(joints, mid_unit ? wall.unit_joint : wall.head_joint)});
+    }
+  }
+  for (int below = -1; below < wall.courses; ++below) {
+    std::set<std::pair<int, int>> done;  // a whole unit lies on two others: each pair once
+    for (int column = 0; column < grid.columns(); ++column) {
+      const int a = below < 0 ? bottom : grid.block(below, column);
+      const int b = below + 1 == wall.courses ? top : grid.block(below + 1, column);
+      if (a < 0 || b < 0 || !done.insert({a, b}).second) continue;
+      const bool at_beam = below < 0 || below + 1 == wall.courses;
+      assembly.joints.push_back({a, b, kPlusY, index_of(joints, at_beam ? wall.beam_joint : wall.bed_joint)});
+    }
+  }
+  return assembly;
+}
+
+Assembly assemble(const Scene& scene) {
+  if (!scene.wall) throw Error(Exit::bad_input, scene.file + ": the scene has no [wall]: nothing to build");
+  return generate_wall(*scene.wall, scene.materials, scene.joints);
+}
+
+}  // namespace quoin
