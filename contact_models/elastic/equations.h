@@ -1,0 +1,65 @@
+// The elastic joint: sigma = kn d_n, tau = tau_old + ks dd_s. LAW.md, "The other laws that ship".
+#if defined(QUOIN_ELASTIC_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_ELASTIC_EQUATIONS_H
+#undef QUOIN_ELASTIC_EQUATIONS_H
+#else
+#define QUOIN_ELASTIC_EQUATIONS_H
+#endif
+
+#include "elastic/parameters.h"
+#include "shim/lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::elastic::HWY_NAMESPACE {
+using namespace quoin::shim::HWY_NAMESPACE;
+using shim::Columns;
+using shim::Summary;
+
+inline void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+  using namespace quoin::shim;
+  const D d;
+  const V half = splat(0.5);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const V kn = c.in[kProperty] ? load(c.in[kProperty], i) : splat(material.kn);
+    const V ks = c.in[kProperty + 1] ? load(c.in[kProperty + 1], i) : splat(material.ks);
+    const V d_n = load(c.in[kNormalJump], i);
+    const V sigma_old = load(c.in[kTractionOld], i);
+    const V tau_s_old = load(c.in[kTractionOld + 1], i);
+    const V tau_t_old = load(c.in[kTractionOld + 2], i);
+
+    V sigma = hn::Mul(kn, d_n);
+    V tau_s = hn::MulAdd(ks, load(c.in[kSlipIncrement], i), tau_s_old);
+    V tau_t = hn::MulAdd(ks, load(c.in[kSlipIncrement + 1], i), tau_t_old);
+
+    // Stiffness columns are held to the same bounds as the property: positive and finite.
+    V collected = gather_non_finite(sigma, gather_non_finite(tau_s, gather_non_finite(tau_t, zero())));
+    const M sound = hn::And(is_finite(collected), hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero())));
+    if (!all(sound)) {
+      sigma = select(sound, sigma, sigma_old);
+      tau_s = select(sound, tau_s, tau_s_old);
+      tau_t = select(sound, tau_t, tau_t_old);
+      summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
+    }
+    store(sigma, c.out[kTractionNew], i);
+    store(tau_s, c.out[kTractionNew + 1], i);
+    store(tau_t, c.out[kTractionNew + 2], i);
+
+    if (c.out[kEnergyStored]) {
+      const V shear = hn::MulAdd(tau_s, tau_s, hn::Mul(tau_t, tau_t));
+      store(hn::IfThenElseZero(sound, hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)))), c.out[kEnergyStored],
+            i);
+    }
+    for (int k = 0; k < 4; ++k) {
+      if (c.out[kDissipated + k]) store(zero(), c.out[kDissipated + k], i);
+    }
+    for (int k = 0; k < 9; ++k) {
+      if (c.out[kTangent + k]) store(k == 0 ? kn : k % 4 == 0 ? ks : zero(), c.out[kTangent + k], i);
+    }
+    if (c.out[kFlags]) store(flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN), c.out[kFlags], i);
+    if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+  }
+}
+
+}  // namespace quoin::elastic::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,370 @@
+// The C ABI around a law written in C++. A law's plugin.cpp is the only file of the law that sees the ABI: it
+// describes the law to Plugin<L>, where L provides
+//   struct Material;                                             immutable, made from validated properties
+//   static constexpr ... properties, states, initial_states;     spans of metadata
+//   static Material make(const PropertyValues&, Report&);        adds its own faults and warnings
+//   static bool initial_state(const Material&, std::string_view id, double* values);
+//   static void stiffness_bounds(const Material&, double& normal, double& shear);
+//   static void evaluate(const Material&, const Columns&, size_t count, Summary&);   contiguous columns
+//   static void migrate(const Material&, const MigrationPoint& from, MigrationResult& to);   one point
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "quoin/quoin.h"
+#include "shim/columns.h"
+#include "shim/properties.h"
+
+namespace quoin::shim {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+inline constexpr quoin_property_info number_property(const char* id, const char* symbol, const char* unit,
+                                                     const char* description, std::uint32_t flags, double default_value,
+                                                     double lower, double upper, const char* default_from = nullptr) {
+  return {sizeof(quoin_property_info),
+          id,
+          symbol,
+          unit,
+          description,
+          QUOIN_PROPERTY_NUMBER,
+          flags,
+          default_value,
+          lower,
+          upper,
+          default_from,
+          nullptr,
+          0,
+          nullptr};
+}
+
+inline constexpr quoin_state_info scalar_state(const char* id, const char* unit, const char* description,
+                                               std::uint32_t role, std::uint32_t flags, double lower, double upper) {
+  return {sizeof(quoin_state_info), id, unit, description, role, QUOIN_STATE_SCALAR, flags, 0, lower, upper};
+}
+
+inline constexpr quoin_convention kConvention = {sizeof(quoin_convention), 1, 1, 1, 1, 1, 1};
+
+// 64-bit FNV-1a over ids, units, roles and kinds: changes when the meaning of a saved state does.
+inline std::uint64_t schema_hash(std::span<const quoin_state_info* const> states, std::string_view salt) {
+  std::uint64_t hash = 14695981039346656037ull;
+  const auto mix = [&](std::string_view text) {
+    for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ull;
+    hash = (hash ^ 255u) * 1099511628211ull;
+  };
+  mix(salt);
+  for (const quoin_state_info* state : states) {
+    mix(state->id);
+    mix(state->unit);
+    mix(std::to_string(state->role * 16 + state->kind));
+  }
+  return hash;
+}
+
+struct MigrationPoint {
+  double normal_jump, sigma, tau_s, tau_t;
+  const quoin_migration* source;
+  std::uint64_t index;
+  // Value of the source state with this id, or fallback.
+  double state(std::string_view id, double fallback) const {
+    for (std::uint64_t k = 0; k < source->from_state_count; ++k) {
+      const quoin_in& column = source->from_states[k];
+      if (id == source->from_state_ids[k] && column.data != nullptr) {
+        return column.data[static_cast<std::int64_t>(index) * column.stride];
+      }
+    }
+    return fallback;
+  }
+};
+
+struct MigrationResult {
+  double normal_shift = 0.0;
+  double states[kMaxStates] = {};
+  double energy_stored = 0.0;
+  std::uint32_t status = QUOIN_POINT_OK;
+};
+
+template <class L>
+class Plugin {
+  struct Handle {
+    typename L::Material material;
+    std::map<std::string, double> numbers;
+  };
+  static constexpr std::size_t kStates = L::states.size();
+  static_assert(kStates <= kMaxStates);
+
+  // Points that go through the in-cache tile at a time when a column is strided.
+  static constexpr std::size_t kTile = 64;
+
+  static const Handle& get(const quoin_material* material) { return *reinterpret_cast<const Handle*>(material); }
+
+  // A catch-all at the boundary: no exception crosses it.
+  template <class F>
+  static quoin_status guarded(quoin_text* text, F&& body) noexcept {
+    try {
+      return body();
+    } catch (const std::bad_alloc&) {
+      return QUOIN_ERROR_MEMORY;
+    } catch (const std::exception& error) {
+      try {
+        write_text(text, error.what());
+      } catch (...) {
+      }
+      return QUOIN_ERROR_INTERNAL;
+    } catch (...) {
+      return QUOIN_ERROR_INTERNAL;
+    }
+  }
+
+ public:
+  static quoin_status create_material(const quoin_law*, std::uint64_t count, const quoin_property_value* const* values,
+                                      quoin_material** out, quoin_text* text) {
+    if (out != nullptr) *out = nullptr;
+    if (count > 0 && values == nullptr) return QUOIN_ERROR_ARGUMENT;
+    return guarded(text, [&]() -> quoin_status {
+      Report report;
+      const PropertyValues properties(L::properties, {values, static_cast<std::size_t>(count)}, report);
+      // The law's own conditions are checked even when single values are out of bounds: all faults in one message.
+      typename L::Material material = L::make(properties, report);
+      if (!report.faults.empty()) {
+        write_text(text, Report::join(report.faults));
+        return QUOIN_ERROR_PROPERTY;
+      }
+      write_text(text, Report::join(report.warnings));
+      if (out != nullptr) {
+        *out = reinterpret_cast<quoin_material*>(new Handle{std::move(material), properties.numbers()});
+      }
+      return QUOIN_OK;
+    });
+  }
+
+  static void destroy_material(quoin_material* material) { delete reinterpret_cast<Handle*>(material); }
+
+  static quoin_status material_number(const quoin_material* material, const char* id, double* value) {
+    if (material == nullptr || id == nullptr || value == nullptr) return QUOIN_ERROR_ARGUMENT;
+    return guarded(nullptr, [&]() -> quoin_status {
+      const auto& numbers = get(material).numbers;
+      const auto found = numbers.find(id);
+      if (found == numbers.end()) return QUOIN_ERROR_ARGUMENT;
+      *value = found->second;
+      return QUOIN_OK;
+    });
+  }
+
+  static quoin_status initial_state(const quoin_material* material, const char* id, double* values) {
+    if (material == nullptr || id == nullptr || (values == nullptr && kStates > 0)) return QUOIN_ERROR_ARGUMENT;
+    return L::initial_state(get(material).material, id, values) ? QUOIN_OK : QUOIN_ERROR_ARGUMENT;
+  }
+
+  static quoin_status stiffness_bounds(const quoin_material* material, quoin_stiffness_bounds* bounds) {
+    if (material == nullptr || bounds == nullptr || bounds->struct_size < sizeof(quoin_stiffness_bounds)) {
+      return QUOIN_ERROR_ARGUMENT;
+    }
+    L::stiffness_bounds(get(material).material, bounds->normal, bounds->shear);
+    return QUOIN_OK;
+  }
+
+  static quoin_status evaluate(const quoin_material* material, quoin_batch* batch) {
+    if (material == nullptr || batch == nullptr || batch->struct_size < sizeof(quoin_batch))
+      return QUOIN_ERROR_ARGUMENT;
+    if (kStates > 0 && (batch->state_old == nullptr || batch->state_new == nullptr)) return QUOIN_ERROR_ARGUMENT;
+    return guarded(nullptr, [&]() { return run(get(material).material, *batch); });
+  }
+
+  static quoin_status migrate_state(const quoin_material* material, quoin_migration* m, quoin_text* text) {
+    if (material == nullptr || m == nullptr || m->struct_size < sizeof(quoin_migration)) return QUOIN_ERROR_ARGUMENT;
+    if (m->normal_jump.data == nullptr || m->normal_shift.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+    if (kStates > 0 && m->state_new == nullptr) return QUOIN_ERROR_ARGUMENT;
+    if (m->from_state_count > 0 && (m->from_states == nullptr || m->from_state_ids == nullptr)) {
+      return QUOIN_ERROR_ARGUMENT;
+    }
+    for (const quoin_in& column : m->traction) {
+      if (column.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+    }
+    return guarded(text, [&]() -> quoin_status {
+      m->failed_count = 0;
+      for (std::uint64_t i = 0; i < m->count; ++i) {
+        const auto at = [&](const quoin_in& column) {
+          return column.data[static_cast<std::int64_t>(i) * column.stride];
+        };
+        const MigrationPoint from{at(m->normal_jump), at(m->traction[0]), at(m->traction[1]), at(m->traction[2]), m, i};
+        MigrationResult to;
+        L::migrate(get(material).material, from, to);
+        const auto put = [&](const quoin_out& column, double value) {
+          if (column.data != nullptr) column.data[static_cast<std::int64_t>(i) * column.stride] = value;
+        };
+        put(m->normal_shift, to.normal_shift);
+        for (std::size_t k = 0; k < kStates; ++k) put(m->state_new[k], to.states[k]);
+        put(m->energy_jump, to.energy_stored - (m->energy_stored.data == nullptr ? 0.0 : at(m->energy_stored)));
+        if (m->status.data != nullptr) m->status.data[static_cast<std::int64_t>(i) * m->status.stride] = to.status;
+        m->failed_count += to.status == QUOIN_POINT_FAILED ? 1 : 0;
+      }
+      if (m->failed_count > 0) {
+        write_text(text, std::to_string(m->failed_count) + " of " + std::to_string(m->count) +
+                             " points carry a traction outside the strength of this law and cannot be taken over; "
+                             "unload them or raise the strength");
+        return QUOIN_ERROR_UNSUPPORTED;
+      }
+      return QUOIN_OK;
+    });
+  }
+
+ private:
+  // Fixed-size views of the batch's columns, in the order of Columns.
+  struct Views {
+    quoin_in in[kInCount] = {};
+    quoin_out out[kOutCount] = {};
+    quoin_out_u32 words[2] = {};  // flags, status
+    bool property_columns = false;
+  };
+
+  static quoin_status collect(const quoin_batch& batch, Views& views) {
+    views.in[kNormalJump] = batch.normal_jump;
+    for (int k = 0; k < 2; ++k) views.in[kSlipIncrement + k] = batch.slip_increment[k];
+    for (int k = 0; k < 3; ++k) views.in[kTractionOld + k] = batch.traction_old[k];
+    for (int k = 0; k < kStateOld; ++k) {
+      if (views.in[k].data == nullptr && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
+    }
+    for (int k = 0; k < 3; ++k) {
+      views.out[kTractionNew + k] = batch.traction_new[k];
+      if (batch.traction_new[k].data == nullptr && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
+    }
+    for (std::size_t k = 0; k < kStates; ++k) {
+      views.in[kStateOld + k] = batch.state_old[k];
+      views.out[kStateNew + k] = batch.state_new[k];
+      const bool missing = batch.state_old[k].data == nullptr || batch.state_new[k].data == nullptr;
+      if (missing && L::states[k]->role == QUOIN_ROLE_HISTORY && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
+      if (missing) views.in[kStateOld + k].data = nullptr, views.out[kStateNew + k].data = nullptr;
+    }
+    if (batch.property_column_count > 0 && batch.property_columns == nullptr) return QUOIN_ERROR_ARGUMENT;
+    for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
+      const quoin_property_column& column = batch.property_columns[c];
+      const int index = column.id == nullptr ? -1 : L::property_column(column.id);
+      if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+      views.in[kProperty + index] = column.values;
+      views.property_columns = true;
+    }
+    views.out[kEnergyStored] = batch.energy_stored;
+    for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
+    for (int k = 0; k < 9; ++k) views.out[kTangent + k] = batch.tangent[k];
+    views.words[0] = batch.flags;
+    views.words[1] = batch.status;
+    for (const quoin_out& column : views.out) {
+      if (column.data != nullptr && column.stride == 0 && batch.count > 1) return QUOIN_ERROR_ARGUMENT;
+    }
+    for (const quoin_out_u32& column : views.words) {
+      if (column.data != nullptr && column.stride == 0 && batch.count > 1) return QUOIN_ERROR_ARGUMENT;
+    }
+    return QUOIN_OK;
+  }
+
+  static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
+    Views views;
+    const quoin_status status = collect(batch, views);
+    if (status != QUOIN_OK) return status;
+    bool contiguous = views.words[0].data == nullptr && views.words[1].data == nullptr;
+    for (const quoin_in& column : views.in) contiguous = contiguous && (column.data == nullptr || column.stride == 1);
+    for (const quoin_out& column : views.out) contiguous = contiguous && (column.data == nullptr || column.stride == 1);
+
+    Summary summary;
+    const std::size_t count = static_cast<std::size_t>(batch.count);
+    std::size_t first = 0;
+    if (contiguous && count >= kMaxLanes) {
+      Columns columns;
+      columns.property_columns = views.property_columns;
+      for (int k = 0; k < kInCount; ++k) columns.in[k] = views.in[k].data;
+      for (int k = 0; k < kOutCount; ++k) columns.out[k] = views.out[k].data;
+      first = count / kMaxLanes * kMaxLanes;
+      L::evaluate(material, columns, first, summary);
+    }
+    for (; first < count; first += kTile) run_tile(material, views, first, std::min(kTile, count - first), summary);
+    batch.clamped_count = summary.clamped;
+    batch.failed_count = summary.failed;
+    batch.worst_status = summary.failed > 0    ? QUOIN_POINT_FAILED
+                         : summary.clamped > 0 ? QUOIN_POINT_CLAMPED
+                                               : QUOIN_POINT_OK;
+    batch.any_yielding = summary.yielding ? 1u : 0u;
+    return QUOIN_OK;
+  }
+
+  static void run_tile(const typename L::Material& material, const Views& views, std::size_t first, std::size_t count,
+                       Summary& summary) {
+    alignas(64) double in[kInCount][kTile];
+    alignas(64) double out[kOutCount][kTile];
+    Columns columns;
+    columns.property_columns = views.property_columns;
+    const std::size_t padded = (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
+    for (int k = 0; k < kInCount; ++k) {
+      const quoin_in& view = views.in[k];
+      if (view.data == nullptr) continue;
+      for (std::size_t i = 0; i < count; ++i) in[k][i] = view.data[static_cast<std::int64_t>(first + i) * view.stride];
+      for (std::size_t i = count; i < padded; ++i) in[k][i] = in[k][count - 1];
+      columns.in[k] = in[k];
+    }
+    for (int k = 0; k < kOutCount; ++k) {
+      if (views.out[k].data != nullptr) columns.out[k] = out[k];
+    }
+    if (views.words[0].data != nullptr) columns.out[kFlags] = out[kFlags];
+    if (views.words[1].data != nullptr) columns.out[kStatus] = out[kStatus];
+    L::evaluate(material, columns, count, summary);
+    for (int k = 0; k < kOutCount; ++k) {
+      const quoin_out& view = views.out[k];
+      if (view.data == nullptr) continue;
+      for (std::size_t i = 0; i < count; ++i) view.data[static_cast<std::int64_t>(first + i) * view.stride] = out[k][i];
+    }
+    for (int w = 0; w < 2; ++w) {
+      const quoin_out_u32& view = views.words[w];
+      if (view.data == nullptr) continue;
+      for (std::size_t i = 0; i < count; ++i) {
+        view.data[static_cast<std::int64_t>(first + i) * view.stride] = static_cast<std::uint32_t>(out[kFlags + w][i]);
+      }
+    }
+  }
+};
+
+// The library of one law, shared by every plugin.cpp.
+template <class L>
+const quoin_library* single_law_library(const quoin_host_info* host, quoin_text* text) {
+  static const quoin_law law = {sizeof(quoin_law),
+                                L::id,
+                                L::name,
+                                QUOIN_LAW_VERSION,
+                                L::citation,
+                                L::description,
+                                L::capabilities,
+                                &kConvention,
+                                L::properties.size(),
+                                L::properties.data(),
+                                L::states.size(),
+                                L::states.data(),
+                                L::initial_states.size(),
+                                L::initial_states.data(),
+                                schema_hash(L::states, L::id),
+                                &Plugin<L>::create_material,
+                                &Plugin<L>::destroy_material,
+                                &Plugin<L>::material_number,
+                                &Plugin<L>::initial_state,
+                                &Plugin<L>::stiffness_bounds,
+                                &Plugin<L>::evaluate,
+                                &Plugin<L>::migrate_state};
+  static const quoin_law* const laws[] = {&law};
+  static const quoin_library library = {
+      sizeof(quoin_library), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, L::id, QUOIN_LAW_VERSION, 1, laws, nullptr};
+  if (host == nullptr || host->struct_size < sizeof(quoin_host_info) || host->abi_major != QUOIN_ABI_MAJOR) {
+    write_text(text, "this library speaks Quoin ABI " + std::to_string(QUOIN_ABI_MAJOR) + "." +
+                         std::to_string(QUOIN_ABI_MINOR) + ", the host " +
+                         (host == nullptr ? "none" : std::to_string(host->abi_major)) +
+                         "; use a library and a host of the same major version");
+    return nullptr;
+  }
+  return &library;
+}
+
+}  // namespace quoin::shim

@@ -1,0 +1,43 @@
+// Property values checked against a law's metadata. Cold.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "quoin/quoin.h"
+
+namespace quoin::shim {
+
+// All faults and warnings of one set of properties, one line each: property, value, bound, remedy.
+struct Report {
+  std::vector<std::string> faults;
+  std::vector<std::string> warnings;
+  static std::string join(const std::vector<std::string>& lines);
+};
+
+// Shortest text that reads back as the same number.
+std::string to_text(double value);
+
+class PropertyValues {
+ public:
+  // Resolves defaults; unknown ids, wrong kinds, numbers outside their bounds and missing values go to report.
+  PropertyValues(std::span<const quoin_property_info* const> metadata,
+                 std::span<const quoin_property_value* const> values, Report& report);
+
+  double number(const std::string& id) const { return numbers_.at(id); }
+  const std::string& text(const std::string& id) const { return texts_.at(id); }
+  const std::vector<double>& table(const std::string& id) const { return tables_.at(id); }
+  const std::map<std::string, double>& numbers() const { return numbers_; }
+
+ private:
+  std::map<std::string, double> numbers_;
+  std::map<std::string, std::string> texts_;
+  std::map<std::string, std::vector<double>> tables_;
+};
+
+// Writes text into a caller's buffer as quoin_text promises; null is allowed.
+void write_text(quoin_text* buffer, const std::string& text);
+
+}  // namespace quoin::shim
