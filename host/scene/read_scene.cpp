@@ -1,0 +1,640 @@
+#include "scene/read_scene.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "scene/error.h"
+#include "scene/generate.h"
+#include "scene/toml.h"
+
+namespace quoin {
+
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+// Allowed values of a number, and how they read in a message.
+struct Range {
+  double lower = -HUGE_VAL, upper = HUGE_VAL;
+  bool lower_open = false;
+  bool holds(double v) const { return std::isfinite(v) && (lower_open ? v > lower : v >= lower) && v <= upper; }
+  std::string text() const {
+    if (std::isfinite(lower) && std::isfinite(upper))
+      return lower_open ? fmt::format("more than {} and at most {}", lower, upper)
+                        : fmt::format("{} to {}", lower, upper);
+    if (std::isfinite(lower)) return lower_open ? fmt::format("more than {}", lower) : fmt::format("{} or more", lower);
+    if (std::isfinite(upper)) return fmt::format("at most {}", upper);
+    return "any finite number";
+  }
+};
+constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
+Range between(double lower, double upper) { return {lower, upper, false}; }
+Range above_to(double lower, double upper) { return {lower, upper, true}; }
+
+std::string text_of(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& n) {
+    if constexpr (toml::is_table<decltype(n)>)
+      out << "a table";
+    else
+      out << n;
+  });
+  return out.str();
+}
+
+const char* type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true/false";
+    default:
+      return "a date or time";
+  }
+}
+
+// What all tables of one scene share: where values come from, and the faults found so far.
+class Context {
+ public:
+  std::string file;
+  std::set<std::string> overridden;  // dotted paths given by --set
+
+  std::string where(const toml::node* node, const std::string& path) const {
+    for (const std::string& set : overridden) {
+      if (path == set || path.starts_with(set + ".") || path.starts_with(set + "["))
+        return fmt::format("--set: {}", path);
+    }
+    if (!node || node->source().begin.line == 0) return fmt::format("{}: {}", file, path);
+    return fmt::format("{}:{}: {}", file, node->source().begin.line, path);
+  }
+  void fault(std::string message) { faults_.push_back(std::move(message)); }
+  void throw_faults() const {
+    if (!faults_.empty()) throw Error(Exit::bad_input, fmt::format("{}", fmt::join(faults_, "\n")));
+  }
+
+ private:
+  std::vector<std::string> faults_;
+};
+
+// One table being read. Each accessor takes a key; finish() reports the keys that nobody asked for.
+class Table {
+ public:
+  Table(Context& context, const toml::table& table, std::string path)
+      : context_(context), table_(table), path_(std::move(path)) {}
+
+  std::string path(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+  std::string where(const std::string& key) const { return context_.where(table_.get(key), path(key)); }
+  std::string where() const { return context_.where(&table_, path_); }
+  bool has(const std::string& key) const { return table_.contains(key); }
+
+  // A fault of a value: where, what it is, what is allowed and what to do.
+  void refuse(const std::string& key, const std::string& allowed) {
+    const toml::node* node = table_.get(key);
+    context_.fault(fmt::format("{} = {}: allowed: {}", where(key), node ? text_of(*node) : "?", allowed));
+  }
+
+  const toml::node* find(const std::string& key, const std::string& allowed, bool required) {
+    known_.push_back(key);
+    const toml::node* node = table_.get(key);
+    if (!node && required) {
+      context_.fault(
+          fmt::format("{}: missing; add `{} = ...`, allowed: {}", context_.where(&table_, path(key)), key, allowed));
+    }
+    return node;
+  }
+
+  void wrong_type(const std::string& key, const toml::node& node, const std::string& allowed) {
+    context_.fault(
+        fmt::format("{} = {}: wrong type, {}; allowed: {}", where(key), text_of(node), type_name(node), allowed));
+  }
+
+  bool number(const std::string& key, double& value, const Range& range, const char* unit, bool required = false) {
+    const std::string allowed = fmt::format("a number, {}{}{}", range.text(), *unit ? ", " : "", unit);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    if (!node->is_number()) return wrong_type(key, *node, allowed), false;
+    const double number = *node->value<double>();
+    if (!range.holds(number)) return refuse(key, allowed), false;
+    value = number;
+    return true;
+  }
+  bool number(const std::string& key, std::optional<double>& value, const Range& range, const char* unit) {
+    double v = 0.0;
+    if (!number(key, v, range, unit)) return false;
+    value = v;
+    return true;
+  }
+
+  template <typename Integer>
+  bool integer(const std::string& key, Integer& value, long lower, long upper, bool required = false) {
+    const std::string allowed = fmt::format("an integer, {} to {}", lower, upper);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    // 1e6 is a floating point number for TOML; whole ones are welcome as integers.
+    const std::optional<double> number = node->value<double>();
+    if (!node->is_number() || *number != std::floor(*number)) return wrong_type(key, *node, allowed), false;
+    if (*number < static_cast<double>(lower) || *number > static_cast<double>(upper))
+      return refuse(key, allowed), false;
+    value = static_cast<Integer>(*number);
+    return true;
+  }
+
+  bool boolean(const std::string& key, bool& value) {
+    const toml::node* node = find(key, "true or false", false);
+    if (!node) return false;
+    if (!node->is_boolean()) return wrong_type(key, *node, "true or false"), false;
+    value = *node->value<bool>();
+    return true;
+  }
+
+  bool text(const std::string& key, std::string& value, const std::string& allowed, bool required = false) {
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    if (!node->is_string()) return wrong_type(key, *node, allowed), false;
+    value = *node->value<std::string>();
+    return true;
+  }
+
+  bool choice(const std::string& key, std::string& value, const std::vector<std::string>& choices,
+              bool required = false) {
+    std::string word;
+    if (!text(key, word, "one of " + join(choices), required)) return false;
+    if (std::find(choices.begin(), choices.end(), word) == choices.end())
+      return refuse(key, "one of " + join(choices) + did_you_mean(word, choices)), false;
+    value = word;
+    return true;
+  }
+
+  template <typename Element, size_t N>
+  bool numbers(const std::string& key, std::array<Element, N>& value, const Range& range, const char* unit,
+               bool required = false) {
+    constexpr bool whole = std::is_integral_v<Element>;
+    const std::string allowed =
+        fmt::format("a list of {} {}, each {}, {}", N, whole ? "integers" : "numbers", range.text(), unit);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != N) return wrong_type(key, *node, allowed), false;
+    std::array<Element, N> read{};
+    for (size_t i = 0; i < N; ++i) {
+      const std::optional<double> v = list->get(i)->value<double>();
+      if (!list->get(i)->is_number() || (whole && *v != std::floor(*v))) return wrong_type(key, *node, allowed), false;
+      if (!range.holds(*v)) return refuse(key, allowed), false;
+      read[i] = static_cast<Element>(*v);
+    }
+    value = read;
+    return true;
+  }
+
+  // A sub-table, or null. Its absence is a fault when it is required.
+  const toml::table* table(const std::string& key, const std::string& what, bool required = false) {
+    const toml::node* node = find(key, what, required);
+    if (!node) return nullptr;
+    if (!node->is_table()) return wrong_type(key, *node, what), nullptr;
+    return node->as_table();
+  }
+
+  std::vector<const toml::table*> tables(const std::string& key, const std::string& what, bool required = false) {
+    const toml::node* node = find(key, what, required);
+    if (!node) return {};
+    std::vector<const toml::table*> result;
+    const toml::array* list = node->as_array();
+    for (size_t i = 0; list && i < list->size(); ++i) {
+      if (const toml::table* t = list->get(i)->as_table()) result.push_back(t);
+    }
+    if (!list || result.size() != list->size()) wrong_type(key, *node, what);
+    return result;
+  }
+
+  const toml::table& toml() const { return table_; }
+  Context& context() { return context_; }
+  void accept(const std::string& key) { known_.push_back(key); }
+
+  void finish() {
+    for (auto&& [key, node] : table_) {
+      const std::string name(key.str());
+      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      context_.fault(fmt::format("{} = {}: unknown key{}; allowed here: {}", where(name), text_of(node),
+                                 did_you_mean(name, known_), join(known_)));
+    }
+  }
+
+ private:
+  Context& context_;
+  const toml::table& table_;
+  std::string path_;
+  std::vector<std::string> known_;
+};
+
+SolverSettings read_solver(Table t) {
+  SolverSettings s;
+  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1), "of 2/omega_max (0.6 is sound)");
+  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  std::string damping = "local";
+  t.choice("damping", damping, {"none", "local", "viscous"});
+  s.damping = damping == "none" ? DampingKind::none : damping == "local" ? DampingKind::local : DampingKind::viscous;
+  if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)") &&
+      s.damping != DampingKind::local)
+    t.refuse("local_damping", "only with damping = \"local\"; remove it, or change damping");
+  for (auto [key, value] :
+       {std::pair{"mass_damping", &s.mass_damping}, std::pair{"stiffness_damping", &s.stiffness_damping}}) {
+    const char* unit = value == &s.mass_damping ? "1/s" : "s";
+    if (t.number(key, *value, kNotNegative, unit) && s.damping != DampingKind::viscous)
+      t.refuse(key, "only with damping = \"viscous\"; remove it, or change damping");
+  }
+  t.finish();
+  return s;
+}
+
+BlockMaterial read_material(const std::string& name, Table t) {
+  BlockMaterial m;
+  m.name = name;
+  t.number("young_modulus", m.young_modulus, kPositive, "Pa", true);
+  t.number("poisson_ratio", m.poisson_ratio, between(0, 0.49), "", true);
+  t.number("density", m.density, kPositive, "kg/m3", true);
+  t.finish();
+  return m;
+}
+
+// Everything but the host's own two keys is a property of the law, which alone can judge it.
+JointFamily read_joint(const std::string& name, Table t) {
+  JointFamily family;
+  family.name = name;
+  family.source = {t.where()};
+  t.text("law", family.law, "the name of a law (see `quoin models`) or the path of a library", true);
+  t.text("initial_state", family.initial_state, "an initial state of the law, as bonded or dry");
+  for (auto&& [key, node] : t.toml()) {
+    PropertySetting p;
+    p.id = std::string(key.str());
+    if (p.id == "law" || p.id == "initial_state") continue;
+    t.accept(p.id);
+    p.source = {t.where(p.id)};
+    const char* allowed = "a number, a list of numbers, or a word";
+    if (node.is_number()) {
+      p.numbers = {*node.template value<double>()};
+    } else if (const auto word = node.template value<std::string>()) {
+      p.text = *word;
+    } else if (const toml::array* list = node.as_array()) {
+      for (const toml::node& element : *list) {
+        // Pairs may be written flat, [0, 1, 1, 0], or nested, [[0, 1], [1, 0]].
+        const toml::array* pair = element.as_array();
+        for (size_t i = 0; i < (pair ? pair->size() : 1); ++i) {
+          const toml::node& number = pair ? *pair->get(i) : element;
+          if (number.is_number())
+            p.numbers.push_back(*number.value<double>());
+          else
+            t.wrong_type(p.id, node, allowed);
+        }
+      }
+    } else {
+      t.wrong_type(p.id, node, allowed);
+    }
+    family.properties.push_back(std::move(p));
+  }
+  t.finish();
+  return family;
+}
+
+WallSpec read_wall(Table t, const Scene& scene) {
+  WallSpec w;
+  t.choice("bond", w.bond, {"running", "stack"});
+  t.choice("first_course", w.first_course, {"whole", "half"});
+  const bool has_courses = t.integer("courses", w.courses, 1, 10000, true);
+  bool has_units = t.number("units_per_course", w.units_per_course, between(0.5, 10000), "units, in halves", true);
+  if (has_units && 2 * w.units_per_course != std::floor(2 * w.units_per_course)) {
+    t.refuse("units_per_course", "a multiple of 0.5, as units are cut in half at most");
+    has_units = false;
+  }
+  t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  t.numbers("zones", w.zones, between(1, 64), "hexahedra per half unit along x, y, z");
+  t.boolean("mid_unit_joints", w.mid_unit_joints);
+  t.boolean("half_thickness", w.half_thickness);
+  if (w.half_thickness && w.zones[2] % 2 != 0)
+    t.refuse("half_thickness", "true only with an even number of zones along z");
+  t.boolean("bottom_beam", w.bottom_beam);
+  t.boolean("top_beam", w.top_beam);
+  t.number("beam_height", w.beam_height, kPositive, "m");
+  t.number("beam_density", w.beam_density, kPositive, "kg/m3");
+
+  // Names of materials and families must exist.
+  auto name_of = [&](const char* key, std::string& name, const auto& known, const char* kind, bool required) {
+    std::vector<std::string> names;
+    for (const auto& [known_name, value] : known) names.push_back(known_name);
+    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
+    if (t.text(key, name, allowed, required) && !known.contains(name))
+      t.refuse(key, allowed + did_you_mean(name, names));
+  };
+  const bool beams = w.bottom_beam || w.top_beam;
+  name_of("unit_material", w.unit_material, scene.materials, "materials", true);
+  name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
+  name_of("head_joint", w.head_joint, scene.joints, "joints", true);
+  name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
+  name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
+
+  int index = 0;
+  for (const toml::table* table : t.tables("opening", "tables [[wall.opening]]")) {
+    Table o(t.context(), *table, fmt::format("wall.opening.{}", ++index));
+    WallSpec::Opening opening{};
+    const int columns = has_units ? static_cast<int>(2 * w.units_per_course) : 20000;
+    const int courses = has_courses ? w.courses : 10000;
+    if (o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true) &
+        o.integer("first_course", opening.first_course, 0, courses - 1, true)) {
+      o.integer("half_units", opening.half_units, 1, columns - opening.first_half_unit, true);
+      o.integer("courses", opening.courses, 1, courses - opening.first_course, true);
+    } else {
+      o.accept("half_units");
+      o.accept("courses");
+    }
+    o.finish();
+    w.openings.push_back(opening);
+  }
+  t.finish();
+  return w;
+}
+
+// What the wall offers to be moved.
+std::vector<std::string> body_names(const Scene& scene) {
+  std::vector<std::string> names;
+  if (scene.wall && scene.wall->bottom_beam) names.push_back("bottom_beam");
+  if (scene.wall && scene.wall->top_beam) names.push_back("top_beam");
+  return names;
+}
+
+BodyControl read_control(Table t, const std::vector<std::string>& bodies) {
+  BodyControl c;
+  t.choice("body", c.body, bodies, true);
+  const std::string allowed = "a list of 3: a number in m/s, or \"free\", for x, y, z";
+  if (const toml::node* node = t.find("velocity", allowed, false)) {
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != 3) {
+      t.wrong_type("velocity", *node, allowed);
+    } else {
+      for (size_t i = 0; i < 3; ++i) {
+        const toml::node& v = *list->get(i);
+        if (v.is_number() && std::isfinite(*v.value<double>()))
+          c.velocity[i] = *v.value<double>();
+        else if (v.is_string() && *v.value<std::string>() == "free")
+          c.kind[i] = DofKind::free;
+        else
+          t.wrong_type("velocity", *node, allowed);
+      }
+    }
+  }
+  if (t.numbers("force", c.force, kAny, "N")) {
+    for (size_t i = 0; i < 3; ++i) {
+      if (c.force[i] != 0.0 && c.kind[i] == DofKind::velocity)
+        t.refuse("force", "0 along components whose velocity is prescribed; make them \"free\" in velocity");
+    }
+  }
+  t.finish();
+  return c;
+}
+
+// The controls that the two short kinds of stage stand for: bottom beam held, top beam pressed or moved.
+void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
+                       double top_velocity) {
+  if (std::find(bodies.begin(), bodies.end(), "bottom_beam") != bodies.end()) {
+    BodyControl bottom;
+    bottom.body = "bottom_beam";
+    stage.controls.push_back(bottom);
+  }
+  BodyControl top;
+  top.body = "top_beam";
+  if (top_free) {
+    top.kind[1] = DofKind::free;
+    top.force[1] = -top_force;
+  }
+  top.velocity[0] = top_velocity;
+  stage.controls.push_back(top);
+}
+
+Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pressure) {
+  Stage stage;
+  stage.source = {t.where()};
+  const std::vector<std::string> bodies = body_names(scene);
+  std::string kind = "custom";
+  const bool kind_known = t.choice("kind", kind, {"pressure", "shear", "custom"}, true);
+  stage.name = kind;
+  t.text("name", stage.name, "text, as \"precompression\"");
+  if (previous) stage.gravity = previous->gravity;
+  t.numbers("gravity", stage.gravity, kAny, "m/s2");
+  t.number("ramp_time", stage.ramp_time, kNotNegative, "s");
+  t.number("duration", stage.duration, kPositive, "s");
+  t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
+  t.integer("record_interval", stage.record_interval, 0, 1000000000L);
+  t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
+
+  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
+  stage.monitor = top ? "top_beam" : "";
+  if (kind == "pressure" || kind == "shear") {
+    if (!top && scene.wall) t.refuse("kind", "pressure and shear need a top beam to act on: wall.top_beam = true");
+  }
+  const double area = scene.wall ? bed_area(*scene.wall) / (scene.wall->half_thickness ? 2.0 : 1.0) : 0.0;
+  if (kind == "pressure") {
+    t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)", true);
+    if (!t.has("ramp_time")) stage.ramp_time = 0.005;
+    if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = 1e-4;
+    if (!t.has("max_steps")) stage.max_steps = 1000000;
+    add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+  } else if (kind == "shear") {
+    double velocity = 0.0;
+    std::string vertical = "held";
+    const bool velocity_known = t.number("velocity", velocity, kAny, "m/s", true);
+    t.number("displacement", stage.displacement, kPositive, "m");
+    t.choice("vertical", vertical, {"held", "pressure"});
+    if (!t.has("ramp_time")) stage.ramp_time = 0.01;
+    if (!t.has("displacement") && !t.has("duration") && !t.has("equilibrium_ratio"))
+      t.find("displacement", "a number, more than 0 m (or give duration)", true);
+    if (velocity_known && velocity == 0.0 && stage.displacement)
+      t.refuse("velocity", "not 0: the stage would never reach its displacement");
+    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", velocity);
+  } else if (kind_known) {
+    for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
+      stage.controls.push_back(
+          read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)), bodies));
+    t.number("displacement", stage.displacement, kPositive, "m");
+    t.choice("monitor", stage.monitor, bodies);
+    std::string direction = "x";
+    t.choice("direction", direction, {"x", "y", "z"});
+    stage.direction = direction[0] - 'x';
+    if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !t.has("equilibrium_ratio") &&
+        !t.has("displacement") && !t.has("duration"))
+      t.context().fault(t.where() + ": the stage never ends; give equilibrium_ratio, displacement (m) or duration (s)");
+    if (stage.displacement && stage.monitor.empty())
+      t.refuse("displacement", "only with a monitor body to measure; give monitor");
+  }
+
+  if (const toml::table* swaps = t.table("law_swaps", "a table { family = \"law\" }")) {
+    std::vector<std::string> families;
+    for (const auto& [name, family] : scene.joints) families.push_back(name);
+    Table s(t.context(), *swaps, t.path("law_swaps"));
+    for (const std::string& family : families) {
+      std::string law;
+      if (s.text(family, law, "the name or path of a law")) stage.law_swaps[family] = law;
+    }
+    s.finish();
+  }
+  if (!kind_known) return stage;  // which keys are allowed depends on the kind
+  t.finish();
+  return stage;
+}
+
+// Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
+void apply_override(toml::table& root, const std::string& setting, Context& context) {
+  const size_t equals = setting.find('=');
+  const std::string path = setting.substr(0, equals);
+  auto fail = [&](const std::string& why) {
+    throw Error(Exit::bad_input, fmt::format("--set {}: {}; write --set dotted.key=value", setting, why));
+  };
+  if (equals == std::string::npos || path.empty()) fail("no key or no value");
+
+  std::vector<std::string> keys;
+  for (std::stringstream stream(path); stream.good();) std::getline(stream, keys.emplace_back(), '.');
+  toml::node* node = &root;
+  std::string resolved;
+  for (size_t i = 0; i < keys.size(); ++i) {
+    const bool last = i + 1 == keys.size();
+    if (keys[i].empty()) fail("an empty key");
+    if (toml::array* list = node->as_array()) {
+      size_t index = list->size();
+      for (size_t j = 0; j < list->size(); ++j) {
+        const toml::table* element = list->get(j)->as_table();
+        if (std::to_string(j + 1) == keys[i] || (element && (*element)["name"].value<std::string>() == keys[i]))
+          index = j;
+      }
+      if (index == list->size() || last)
+        fail(fmt::format("'{}' is no element of the list {}, which has {}; count from 1 or use its name, and add a key",
+                         keys[i], resolved, list->size()));
+      resolved += "." + std::to_string(index + 1);
+      node = list->get(index);
+      continue;
+    }
+    toml::table* table = node->as_table();
+    if (!table) fail(fmt::format("{} is not a table", resolved));
+    resolved += (resolved.empty() ? "" : ".") + keys[i];
+    if (!last) {
+      node = table->get(keys[i]);
+      if (!node) node = &table->insert(keys[i], toml::table{}).first->second;
+      continue;
+    }
+    const std::string value = setting.substr(equals + 1);
+    try {
+      toml::table parsed = toml::parse("value = " + value);
+      if (parsed.size() != 1) throw Error(Exit::bad_input, "");
+      parsed.get("value")->visit([&](auto&& v) { table->insert_or_assign(keys[i], std::move(v)); });
+    } catch (const std::exception&) {
+      table->insert_or_assign(keys[i], value);  // not TOML: a plain word
+    }
+    context.overridden.insert(resolved);
+  }
+}
+
+toml::table parse(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad())
+    throw Error(Exit::bad_input, path + ": cannot read the scene; give the path of an existing .toml file");
+  try {
+    return toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    throw Error(Exit::bad_input, fmt::format("{}:{}:{}: not valid TOML: {}", path, error.source().begin.line,
+                                             error.source().begin.column, error.description()));
+  }
+}
+
+}  // namespace
+
+std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+  const std::string* best = nullptr;
+  size_t best_distance = std::max<size_t>(2, word.size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const size_t distance = edit_distance(word, candidate);
+    if (distance < best_distance && distance < candidate.size()) {
+      best = &candidate;
+      best_distance = distance;
+    }
+  }
+  return best ? fmt::format(", did you mean '{}'?", *best) : "";
+}
+
+Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  Context context;
+  context.file = path;
+  toml::table root = parse(path);
+  for (const std::string& setting : overrides) apply_override(root, setting, context);
+
+  Scene scene;
+  scene.file = path;
+  Table t(context, root, "");
+  t.text("title", scene.title, "text");
+  if (const auto* table = t.table("solver", "a table [solver]"))
+    scene.solver = read_solver({context, *table, "solver"});
+
+  auto each = [&](const char* kind, bool required, auto&& read) {
+    const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);
+    if (!all) return;
+    Table outer(context, *all, kind);
+    for (auto&& [key, node] : *all) {
+      const std::string name(key.str());
+      if (const auto* table = outer.table(name, fmt::format("a table [{}.{}]", kind, name)))
+        read(name, Table(context, *table, outer.path(name)));
+    }
+    outer.finish();
+  };
+  each("materials", true, [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m); });
+  each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
+  if (const auto* table = t.table("wall", "a table [wall]", true))
+    scene.wall = read_wall({context, *table, "wall"}, scene);
+
+  double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
+  int index = 0;
+  for (const auto* table : t.tables("stage", "tables [[stage]]", true)) {
+    const Stage* previous = scene.stages.empty() ? nullptr : &scene.stages.back();
+    Stage stage = read_stage({context, *table, fmt::format("stage.{}", ++index)}, scene, previous, pressure);
+    scene.stages.push_back(std::move(stage));
+  }
+  if (const auto* table = t.table("output", "a table [output]")) {
+    Table o(context, *table, "output");
+    o.integer("frames", scene.output.frames, 0, 100000);
+    o.boolean("plots", scene.output.plots);
+    o.boolean("energy", scene.output.energy);
+    o.finish();
+  }
+  t.finish();
+  context.throw_faults();
+  return scene;
+}
+
+}  // namespace quoin
