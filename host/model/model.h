@@ -37,14 +37,15 @@ struct ContactSlots {
 struct RigidBody {
   int block = -1;
   std::string name;
-  Vec3 centre{};                          // reference position, m
-  double mass = 0.0;                      // kg, without scaling
-  Vec3 inertia{};                         // about the centre and the axes of the box, kg m2, without scaling
-  std::vector<std::int32_t> slave;        // offsets of its gridpoints
-  std::vector<Vec3> slave_arm;            // from the centre, m
-  std::vector<std::int32_t> point;        // its contact points in fixed order
-  std::vector<std::int32_t> point_slave;  // index into slave, for each
-  std::vector<double> point_sign;         // +1 side a, -1 side b
+  Vec3 centre{};               // reference position, m
+  double mass = 0.0;           // kg, without scaling
+  Vec3 inertia{};              // about the centre and the axes of the box, kg m2, without scaling
+  std::array<bool, 6> held{};  // by the symmetry plane: translations, rotations
+  // Its contact points in fixed order, with the gridpoint that each has to itself.
+  std::vector<std::int32_t> point;
+  std::vector<std::int32_t> slave;  // offset of the gridpoint
+  std::vector<Vec3> arm;            // of the gridpoint from the centre, m
+  std::vector<double> sign;         // +1 side a, -1 side b
 };
 
 // Contact points of one joint family: the law and its states.
@@ -62,7 +63,7 @@ struct ContactChunk {
   int axis = 0;
   std::int32_t first_point = 0, point_count = 0;
 };
-inline constexpr int kMaxChunk = 512;  // more spills the columns of a chunk from the first-level cache
+inline constexpr int kChunk = 256;  // points; more spills the columns of a chunk from the first-level cache
 
 struct Model {
   Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials);
@@ -80,7 +81,7 @@ struct Model {
     int group = -1, lane = -1, body = -1;
   };
   std::vector<BlockPlace> place;
-  std::vector<std::int32_t> group_slot_point;  // [group][slot][lane]: contact point, or the dummy with zero force
+  LaneVector<std::int32_t> slot_point;  // [group][slot][lane]: contact point, or point_count: a dummy without force
 
   // Gridpoints, in lane layout.
   std::int32_t line_count = 0;

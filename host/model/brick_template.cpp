@@ -1,0 +1,189 @@
+#include "model/brick_template.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <map>
+
+namespace quoin {
+namespace {
+
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// The corners of a hexahedron are numbered by bits x + 2 y + 4 z. Pattern 0 has the corners with an even number of bits
+// in the middle tetrahedron, pattern 1 the others; the remaining four corners are cut off, one tetrahedron each.
+// Neighbouring hexahedra have different patterns, so that the diagonals of a shared face agree.
+constexpr int kEvenCorner[4] = {0, 3, 5, 6};
+constexpr int kOddCorner[4] = {1, 2, 4, 7};
+
+Zone make_zone(std::array<int, 4> node, const std::vector<Vec3>& position) {
+  const auto at = [&](int i) { return position[static_cast<std::size_t>(node[static_cast<std::size_t>(i)])]; };
+  if (dot(cross(minus(at(1), at(0)), minus(at(2), at(0))), minus(at(3), at(0))) < 0.0) std::swap(node[2], node[3]);
+  Zone zone;
+  zone.node = node;
+  zone.volume = dot(cross(minus(at(1), at(0)), minus(at(2), at(0))), minus(at(3), at(0))) / 6.0;
+  // The gradient of a shape function is the inward area vector of the opposite face over three times the volume.
+  for (int i = 0; i < 4; ++i) {
+    const Vec3 p = at((i + 1) % 4), q = at((i + 2) % 4), r = at((i + 3) % 4);
+    Vec3 normal = cross(minus(q, p), minus(r, p));
+    const double side = dot(normal, minus(at(i), p));  // +- 6 V
+    for (double& x : normal) x /= side;
+    zone.shape_gradient[static_cast<std::size_t>(i)] = normal;
+  }
+  return zone;
+}
+
+using NodeBlock = std::array<double, 9>;  // rows of gridpoint i, columns of gridpoint j
+
+std::vector<std::map<int, NodeBlock>> assemble(const BrickTemplate& brick, double lambda, double mu) {
+  std::vector<std::map<int, NodeBlock>> rows(static_cast<std::size_t>(brick.node_count));
+  for (const Zone& zone : brick.zone) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < 4; ++b) {
+        const Vec3& g = zone.shape_gradient[a];
+        const Vec3& h = zone.shape_gradient[b];
+        NodeBlock& block =
+            rows[static_cast<std::size_t>(zone.node[a])].try_emplace(zone.node[b], NodeBlock{}).first->second;
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (std::size_t d = 0; d < 3; ++d) {
+            // K = V (lambda g h^T + mu h g^T + mu (g.h) I)
+            double k = lambda * g[c] * h[d] + mu * h[c] * g[d];
+            if (c == d) k += mu * dot(g, h);
+            block[3 * c + d] += zone.volume * k;
+          }
+        }
+      }
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& material) {
+  BrickTemplate brick;
+  brick.size = source.size;
+  brick.zones = source.zones;
+  brick.parity = source.parity;
+  brick.material = source.material;
+
+  const auto [nx, ny, nz] = source.zones;
+  for (int k = 0; k <= nz; ++k) {
+    for (int j = 0; j <= ny; ++j) {
+      for (int i = 0; i <= nx; ++i)
+        brick.node.push_back({i * source.size[0] / nx, j * source.size[1] / ny, k * source.size[2] / nz});
+    }
+  }
+  brick.node_count = static_cast<int>(brick.node.size());
+
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        const bool odd = (i + j + k + source.parity) % 2 != 0;
+        const int* middle = odd ? kOddCorner : kEvenCorner;
+        const int* cut = odd ? kEvenCorner : kOddCorner;
+        const auto corner = [&](int bits) {
+          return brick.node_index(i + (bits & 1), j + (bits >> 1 & 1), k + (bits >> 2));
+        };
+        brick.zone.push_back(
+            make_zone({corner(middle[0]), corner(middle[1]), corner(middle[2]), corner(middle[3])}, brick.node));
+        for (int c = 0; c < 4; ++c) {
+          const int tip = cut[c];
+          brick.zone.push_back(make_zone({corner(tip), corner(tip ^ 1), corner(tip ^ 2), corner(tip ^ 4)}, brick.node));
+        }
+      }
+    }
+  }
+
+  brick.node_mass.assign(brick.node.size(), 0.0);
+  for (const Zone& zone : brick.zone) {
+    for (int n : zone.node) brick.node_mass[static_cast<std::size_t>(n)] += 0.25 * material.density * zone.volume;
+  }
+
+  for (const Zone& zone : brick.zone) {
+    for (std::size_t skip = 0; skip < 4; ++skip) {
+      const std::array<int, 3> triangle{zone.node[(skip + 1) % 4], zone.node[(skip + 2) % 4],
+                                        zone.node[(skip + 3) % 4]};
+      for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2, layer = face % 2 == 0 ? 0 : source.zones[static_cast<std::size_t>(axis)];
+        const auto on_face = [&](int n) {
+          const int index[3] = {n % (nx + 1), n / (nx + 1) % (ny + 1), n / ((nx + 1) * (ny + 1))};
+          return index[axis] == layer;
+        };
+        if (std::all_of(triangle.begin(), triangle.end(), on_face)) brick.face_triangle.push_back({face, triangle});
+      }
+    }
+  }
+
+  const double e = material.young_modulus, nu = material.poisson_ratio;
+  const auto rows = assemble(brick, e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+  double largest = 0.0;
+  for (const auto& row : rows) {
+    for (const auto& [j, block] : row) {
+      for (double k : block) largest = std::max(largest, std::abs(k));
+    }
+  }
+  for (const auto& row : rows) {
+    for (unsigned mask = 1; mask < 8; ++mask) {
+      for (const auto& [j, block] : row) {
+        for (unsigned d = 0; d < 3; ++d) {
+          unsigned present = 0;
+          for (unsigned c = 0; c < 3; ++c) present |= std::abs(block[3 * c + d]) > 1e-14 * largest ? 1u << c : 0u;
+          if (mask == 1) brick.dropped_entries += 3 - std::popcount(present);
+          if (present != mask) continue;
+          brick.column.push_back(j * kLine + static_cast<int>(d) * kLanes);
+          for (unsigned c = 0; c < 3; ++c) {
+            if (mask >> c & 1u) brick.coefficient.push_back(block[3 * c + d]);
+          }
+        }
+      }
+      brick.run_end.push_back(static_cast<std::int32_t>(brick.column.size()));
+    }
+  }
+  brick.kept_entries = static_cast<long>(brick.coefficient.size());
+  return brick;
+}
+
+std::vector<std::pair<int, double>> stiffness_row(const BrickTemplate& brick, int row) {
+  const int node = row / 3;
+  const unsigned component = static_cast<unsigned>(row % 3);
+  std::vector<std::pair<int, double>> result;
+  std::size_t coefficient = 0;
+  std::int32_t column = 0;
+  for (int n = 0; n <= node; ++n) {
+    for (unsigned mask = 1; mask < 8; ++mask) {
+      for (; column < brick.run_end[static_cast<std::size_t>(7 * n) + mask - 1]; ++column) {
+        for (unsigned c = 0; c < 3; ++c) {
+          if (!(mask >> c & 1u)) continue;
+          const double k = brick.coefficient[coefficient++];
+          const int offset = brick.column[static_cast<std::size_t>(column)];
+          if (n == node && c == component) result.emplace_back(offset / kLine * 3 + offset % kLine / kLanes, k);
+        }
+      }
+    }
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& u, double young_modulus,
+                                  double poisson_ratio) {
+  const double lambda = young_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
+  const double mu = young_modulus / (2.0 * (1.0 + poisson_ratio));
+  double gradient[3][3] = {};  // d u_c / d x_d
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t d = 0; d < 3; ++d) gradient[c][d] += u[a][c] * zone.shape_gradient[a][d];
+    }
+  }
+  const double trace = gradient[0][0] + gradient[1][1] + gradient[2][2];
+  return {lambda * trace + 2.0 * mu * gradient[0][0], lambda * trace + 2.0 * mu * gradient[1][1],
+          lambda * trace + 2.0 * mu * gradient[2][2], mu * (gradient[0][1] + gradient[1][0]),
+          mu * (gradient[1][2] + gradient[2][1]),     mu * (gradient[2][0] + gradient[0][2])};
+}
+
+}  // namespace quoin

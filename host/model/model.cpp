@@ -1,0 +1,478 @@
+#include "model/model.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Coordinates agree when they differ by less than this fraction of the smallest edge in sight.
+constexpr double kCoordinateTolerance = 1e-6;
+
+double smallest_edge(const Brick& a, const Brick& b) {
+  double edge = a.size[0];
+  for (std::size_t c = 0; c < 3; ++c) edge = std::min({edge, a.size[c], b.size[c]});
+  return edge;
+}
+
+bool same_template(const BrickTemplate& t, const Brick& brick) {
+  const double tolerance = 1e-9 * *std::max_element(brick.size.begin(), brick.size.end());
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::abs(t.size[c] - brick.size[c]) > tolerance) return false;
+  }
+  return t.zones == brick.zones && t.parity == brick.parity && t.material == brick.material;
+}
+
+// One side of a joint's contact point before numbering: a template gridpoint of a deformable block, or a rigid body.
+struct Side {
+  int block = -1;
+  int node = -1;  // -1: rigid
+};
+
+struct NewPoint {
+  Side a, b;
+  int joint, family, axis;
+  double area;
+  Vec3 position;
+};
+
+struct FaceNode {
+  int node;
+  Vec3 position;
+};
+
+std::vector<FaceNode> face_nodes(const Brick& brick, const BrickTemplate& shape, int face) {
+  const int axis = face / 2, layer = face % 2 == 0 ? 0 : brick.zones[at(axis)];
+  std::vector<FaceNode> result;
+  for (int k = 0; k <= brick.zones[2]; ++k) {
+    for (int j = 0; j <= brick.zones[1]; ++j) {
+      for (int i = 0; i <= brick.zones[0]; ++i) {
+        const int index[3] = {i, j, k};
+        if (index[axis] != layer) continue;
+        const int node = shape.node_index(i, j, k);
+        Vec3 p = shape.node[at(node)];
+        for (std::size_t c = 0; c < 3; ++c) p[c] += brick.origin[c];
+        result.push_back({node, p});
+      }
+    }
+  }
+  return result;
+}
+
+// A third of each face triangle that lies whole in the joint, to its three gridpoints.
+std::vector<double> face_areas(const BrickTemplate& shape, int face, const std::vector<char>& in_joint) {
+  std::vector<double> area(shape.node.size(), 0.0);
+  const std::size_t s = at((face / 2 + 1) % 3), t = at((face / 2 + 2) % 3);
+  for (const FaceTriangle& triangle : shape.face_triangle) {
+    const auto& n = triangle.node;
+    if (triangle.face != face || !in_joint[at(n[0])] || !in_joint[at(n[1])] || !in_joint[at(n[2])]) continue;
+    const Vec3 &p = shape.node[at(n[0])], &q = shape.node[at(n[1])], &r = shape.node[at(n[2])];
+    const double twice = (q[s] - p[s]) * (r[t] - p[t]) - (q[t] - p[t]) * (r[s] - p[s]);
+    for (int node : n) area[at(node)] += std::abs(twice) / 6.0;
+  }
+  return area;
+}
+
+std::string describe(const Assembly& assembly, const Joint& joint, std::size_t index) {
+  return fmt::format("joint {} between blocks {} and {} (family '{}')", index, joint.block_a, joint.block_b,
+                     assembly.families[at(joint.family)].name);
+}
+
+class PointFinder {
+ public:
+  PointFinder(const Assembly& assembly, const std::vector<BrickTemplate>& templates,
+              const std::vector<int>& template_of)
+      : assembly_(assembly), templates_(templates), template_of_(template_of) {}
+
+  std::vector<NewPoint> find() {
+    for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
+      // The normal points along +axis: a joint that comes the other way round changes sides.
+      Joint joint = assembly_.joints[j];
+      if (joint.face_a % 2 == 0) {
+        std::swap(joint.block_a, joint.block_b);
+        joint.face_a += 1;
+      }
+      const Brick &a = assembly_.bricks[at(joint.block_a)], &b = assembly_.bricks[at(joint.block_b)];
+      joint_ = static_cast<int>(j);
+      family_ = joint.family;
+      axis_ = joint.face_a / 2;
+      tolerance_ = kCoordinateTolerance * smallest_edge(a, b);
+      const double plane_a = a.origin[at(axis_)] + a.size[at(axis_)], plane_b = b.origin[at(axis_)];
+      if (std::abs(plane_a - plane_b) > tolerance_) {
+        throw Error(Exit::bad_input,
+                    fmt::format("{}: the faces are {} m apart along axis {}; they must touch",
+                                describe(assembly_, assembly_.joints[j], j), plane_b - plane_a, axis_));
+      }
+      const std::size_t before = points_.size();
+      if (a.rigid && b.rigid) {
+        rigid_to_rigid(joint, a, b);
+      } else if (a.rigid || b.rigid) {
+        rigid_to_deformable(joint, a, b);
+      } else {
+        deformable_to_deformable(joint, a, b);
+      }
+      if (points_.size() == before) {
+        throw Error(Exit::bad_input, fmt::format("{}: no contact points; the faces do not share gridpoints",
+                                                 describe(assembly_, assembly_.joints[j], j)));
+      }
+    }
+    return std::move(points_);
+  }
+
+ private:
+  void add(Side a, Side b, double area, const Vec3& position) {
+    if (area > 0.0) points_.push_back({a, b, joint_, family_, axis_, area, position});
+  }
+
+  const BrickTemplate& shape(int block) const { return templates_[at(template_of_[at(block)])]; }
+
+  void deformable_to_deformable(const Joint& joint, const Brick& a, const Brick& b) {
+    const auto nodes_a = face_nodes(a, shape(joint.block_a), 2 * axis_ + 1);
+    const auto nodes_b = face_nodes(b, shape(joint.block_b), 2 * axis_);
+    std::vector<char> in_a(shape(joint.block_a).node.size(), 0), in_b(shape(joint.block_b).node.size(), 0);
+    std::vector<std::pair<const FaceNode*, const FaceNode*>> pairs;
+    for (const FaceNode& p : nodes_a) {
+      for (const FaceNode& q : nodes_b) {
+        if (std::abs(p.position[0] - q.position[0]) > tolerance_ ||
+            std::abs(p.position[1] - q.position[1]) > tolerance_ ||
+            std::abs(p.position[2] - q.position[2]) > tolerance_) {
+          continue;
+        }
+        pairs.emplace_back(&p, &q);
+        in_a[at(p.node)] = in_b[at(q.node)] = 1;
+      }
+    }
+    const auto area_a = face_areas(shape(joint.block_a), 2 * axis_ + 1, in_a);
+    const auto area_b = face_areas(shape(joint.block_b), 2 * axis_, in_b);
+    for (const auto& [p, q] : pairs) {
+      // With an odd number of layers the diagonals of the two faces differ: the mean of both sides is used.
+      const double area = 0.5 * (area_a[at(p->node)] + area_b[at(q->node)]);
+      add({joint.block_a, p->node}, {joint.block_b, q->node}, area, p->position);
+    }
+  }
+
+  void rigid_to_deformable(const Joint& joint, const Brick& a, const Brick& b) {
+    const Brick &rigid = a.rigid ? a : b, &soft = a.rigid ? b : a;
+    const int soft_block = a.rigid ? joint.block_b : joint.block_a;
+    const int face = a.rigid ? 2 * axis_ : 2 * axis_ + 1;
+    const BrickTemplate& soft_shape = shape(soft_block);
+    std::vector<FaceNode> inside;
+    std::vector<char> in_joint(soft_shape.node.size(), 0);
+    for (const FaceNode& p : face_nodes(soft, soft_shape, face)) {
+      bool covered = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (c == at(axis_)) continue;
+        covered = covered && p.position[c] >= rigid.origin[c] - tolerance_ &&
+                  p.position[c] <= rigid.origin[c] + rigid.size[c] + tolerance_;
+      }
+      if (!covered) continue;
+      inside.push_back(p);
+      in_joint[at(p.node)] = 1;
+    }
+    const auto area = face_areas(soft_shape, face, in_joint);
+    for (const FaceNode& p : inside) {
+      const Side soft_side{soft_block, p.node}, rigid_side{a.rigid ? joint.block_a : joint.block_b, -1};
+      add(a.rigid ? rigid_side : soft_side, a.rigid ? soft_side : rigid_side, area[at(p.node)], p.position);
+    }
+  }
+
+  // A grid over the overlap with points on its edges and corners, weights of the trapezoidal rule: rigid blocks turn
+  // about their true corners. The zones of block a over the overlap set the number of points, 2 x 2 at least.
+  void rigid_to_rigid(const Joint& joint, const Brick& a, const Brick& b) {
+    const std::size_t s = at((axis_ + 1) % 3), t = at((axis_ + 2) % 3);
+    double low[3], length[3];
+    int cells[3];
+    for (std::size_t c : {s, t}) {
+      low[c] = std::max(a.origin[c], b.origin[c]);
+      length[c] = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - low[c];
+      if (length[c] <= tolerance_) return;
+      cells[c] = std::max(1, static_cast<int>(std::lround(a.zones[c] * length[c] / a.size[c])));
+    }
+    for (int j = 0; j <= cells[t]; ++j) {
+      for (int i = 0; i <= cells[s]; ++i) {
+        Vec3 p{};
+        p[at(axis_)] = b.origin[at(axis_)];
+        p[s] = low[s] + length[s] * i / cells[s];
+        p[t] = low[t] + length[t] * j / cells[t];
+        const double weight = (i == 0 || i == cells[s] ? 0.5 : 1.0) * (j == 0 || j == cells[t] ? 0.5 : 1.0);
+        add({joint.block_a, -1}, {joint.block_b, -1}, weight * length[s] * length[t] / (cells[s] * cells[t]), p);
+      }
+    }
+  }
+
+  const Assembly& assembly_;
+  const std::vector<BrickTemplate>& templates_;
+  const std::vector<int>& template_of_;
+  std::vector<NewPoint> points_;
+  int joint_ = 0, family_ = 0, axis_ = 0;
+  double tolerance_ = 0.0;
+};
+
+void check_input(const Assembly& assembly) {
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    const Brick& brick = assembly.bricks[i];
+    if (brick.material < 0 || at(brick.material) >= assembly.materials.size()) {
+      throw Error(Exit::bad_input, fmt::format("block {}: material {} does not exist", i, brick.material));
+    }
+    const BlockMaterial& material = assembly.materials[at(brick.material)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!(brick.size[c] > 0.0) || brick.zones[c] < 1) {
+        throw Error(Exit::bad_input, fmt::format("block {}: size {} m and zones {} along axis {} must be positive", i,
+                                                 brick.size[c], brick.zones[c], c));
+      }
+    }
+    if (!(material.density > 0.0)) {
+      throw Error(Exit::bad_input,
+                  fmt::format("material '{}': density {} kg/m3 must be positive", material.name, material.density));
+    }
+    if (!brick.rigid &&
+        (!(material.young_modulus > 0.0) || !(material.poisson_ratio > -1.0 && material.poisson_ratio < 0.5))) {
+      throw Error(Exit::bad_input,
+                  fmt::format("material '{}': Young's modulus {} Pa must be positive and Poisson's ratio "
+                              "{} between -1 and 0.5",
+                              material.name, material.young_modulus, material.poisson_ratio));
+    }
+  }
+  for (std::size_t j = 0; j < assembly.joints.size(); ++j) {
+    const Joint& joint = assembly.joints[j];
+    const auto bad = [&](int block) { return block < 0 || at(block) >= assembly.bricks.size(); };
+    if (bad(joint.block_a) || bad(joint.block_b) || joint.block_a == joint.block_b || joint.face_a < 0 ||
+        joint.face_a > 5 || joint.family < 0 || at(joint.family) >= assembly.families.size()) {
+      throw Error(Exit::bad_input,
+                  fmt::format("joint {}: blocks {} and {}, face {}, family {}: no such block, face or family", j,
+                              joint.block_a, joint.block_b, joint.face_a, joint.family));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& assembly) {
+  std::vector<std::shared_ptr<const Material>> materials;
+  for (const JointFamily& family : assembly.families) {
+    materials.push_back(std::make_shared<const Material>(Law::find(family.law), family.properties));
+  }
+  return materials;
+}
+
+Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materials) : assembly(std::move(input)) {
+  check_input(assembly);
+  if (materials.size() != assembly.families.size()) {
+    throw Error(Exit::bad_input,
+                fmt::format("{} joint families, but {} materials", assembly.families.size(), materials.size()));
+  }
+
+  // Blocks: deformable ones by template into groups of 8 lanes, rigid ones into bodies.
+  std::vector<int> template_of(assembly.bricks.size(), -1);
+  place.resize(assembly.bricks.size());
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    const Brick& brick = assembly.bricks[i];
+    if (brick.rigid) {
+      RigidBody body;
+      body.block = static_cast<int>(i);
+      body.name = brick.body;
+      const auto& [lx, ly, lz] = brick.size;
+      body.centre = {brick.origin[0] + 0.5 * lx, brick.origin[1] + 0.5 * ly, brick.origin[2] + 0.5 * lz};
+      body.mass = assembly.materials[at(brick.material)].density * lx * ly * lz;
+      body.inertia = {body.mass * (ly * ly + lz * lz) / 12.0, body.mass * (lz * lz + lx * lx) / 12.0,
+                      body.mass * (lx * lx + ly * ly) / 12.0};
+      if (assembly.symmetry_plane_z0 && std::abs(brick.origin[2]) <= kCoordinateTolerance * lz) {
+        body.held = {false, false, true, true, true, false};
+      }
+      place[i].body = static_cast<int>(bodies.size());
+      bodies.push_back(std::move(body));
+      continue;
+    }
+    const auto found =
+        std::find_if(templates.begin(), templates.end(), [&](const auto& t) { return same_template(t, brick); });
+    template_of[i] = static_cast<int>(found - templates.begin());
+    if (found == templates.end())
+      templates.push_back(make_brick_template(brick, assembly.materials[at(brick.material)]));
+  }
+  for (std::size_t t = 0; t < templates.size(); ++t) {
+    bool open = false;
+    for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+      if (template_of[i] != static_cast<int>(t)) continue;
+      if (!open) {
+        BlockGroup group;
+        group.brick_template = static_cast<int>(t);
+        group.first_line = line_count;
+        groups.push_back(group);
+        line_count += templates[t].node_count;
+      }
+      BlockGroup& group = groups.back();
+      place[i].group = static_cast<int>(groups.size()) - 1;
+      place[i].lane = group.block_count;
+      group.block[at(group.block_count++)] = static_cast<int>(i);
+      open = group.block_count < kLanes;
+    }
+  }
+  block_line_count = line_count;
+
+  // Contact points, sorted so that neighbouring points have gridpoints in neighbouring lanes.
+  auto found = PointFinder(assembly, templates, template_of).find();
+  const auto offset_of = [&](const Side& side) {
+    const BlockPlace& where = place[at(side.block)];
+    return (groups[at(where.group)].first_line + side.node) * kLine + where.lane;
+  };
+  const auto key = [&](const NewPoint& p) {
+    const int leading = p.a.node >= 0 ? offset_of(p.a) : p.b.node >= 0 ? offset_of(p.b) : p.joint;
+    return std::tuple(p.family, p.axis, leading, p.joint);
+  };
+  std::stable_sort(found.begin(), found.end(), [&](const NewPoint& p, const NewPoint& q) { return key(p) < key(q); });
+  point_count = static_cast<std::int32_t>(found.size());
+
+  std::int32_t slave_count = 0;
+  for (std::int32_t i = 0; i < point_count; ++i) {
+    const NewPoint& p = found[at(i)];
+    const auto attach = [&](const Side& side, double sign) {
+      if (side.node >= 0) return offset_of(side);
+      const std::int32_t offset = (block_line_count + slave_count / kLanes) * kLine + slave_count % kLanes;
+      ++slave_count;
+      RigidBody& body = bodies[at(place[at(side.block)].body)];
+      body.point.push_back(i);
+      body.slave.push_back(offset);
+      body.arm.push_back(
+          {p.position[0] - body.centre[0], p.position[1] - body.centre[1], p.position[2] - body.centre[2]});
+      body.sign.push_back(sign);
+      return offset;
+    };
+    node_a.push_back(attach(p.a, +1.0));
+    node_b.push_back(attach(p.b, -1.0));
+    area.push_back(p.area);
+    point_joint.push_back(p.joint);
+    point_position.push_back(p.position);
+    point_axis.push_back(static_cast<std::uint8_t>(p.axis));
+  }
+  line_count = block_line_count + (slave_count + kLanes - 1) / kLanes;
+
+  // Families and chunks.
+  for (std::size_t f = 0; f < assembly.families.size(); ++f) {
+    ContactFamily family;
+    family.name = assembly.families[f].name;
+    family.material = materials[f];
+    const quoin_stiffness_bounds bounds = family.material->stiffness_bounds();
+    family.normal_stiffness = bounds.normal;
+    family.shear_stiffness = bounds.shear;
+    family.first_point = families.empty() ? 0 : families.back().first_point + families.back().point_count;
+    while (family.first_point + family.point_count < point_count &&
+           found[at(family.first_point + family.point_count)].family == static_cast<int>(f)) {
+      ++family.point_count;
+    }
+    families.push_back(family);
+  }
+  for (std::int32_t i = 0; i < point_count; ++i) {
+    const NewPoint& p = found[at(i)];
+    if (chunks.empty() || chunks.back().family != p.family || chunks.back().axis != p.axis ||
+        chunks.back().point_count == kChunk) {
+      chunks.push_back({p.family, p.axis, i, 0});
+    }
+    ++chunks.back().point_count;
+  }
+
+  // Slots: for each gridpoint of a template and each of its faces as many as its busiest block needs.
+  using PointsOfNode = std::vector<std::array<std::vector<std::int32_t>, 6>>;
+  std::vector<PointsOfNode> points_of(assembly.bricks.size());
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    if (template_of[i] >= 0) points_of[i].resize(templates[at(template_of[i])].node.size());
+  }
+  for (std::int32_t i = 0; i < point_count; ++i) {
+    const NewPoint& p = found[at(i)];
+    if (p.a.node >= 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
+    if (p.b.node >= 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
+  }
+  slots.resize(templates.size());
+  std::vector<std::vector<std::array<std::size_t, 6>>> width(templates.size());
+  for (std::size_t t = 0; t < templates.size(); ++t) {
+    width[t].resize(templates[t].node.size());
+    for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+      if (template_of[i] != static_cast<int>(t)) continue;
+      for (std::size_t n = 0; n < width[t].size(); ++n) {
+        for (std::size_t face = 0; face < 6; ++face)
+          width[t][n][face] = std::max(width[t][n][face], points_of[i][n][face].size());
+      }
+    }
+    for (const auto& faces : width[t]) {
+      for (std::size_t face = 0; face < 6; ++face)
+        slots[t].sign.insert(slots[t].sign.end(), faces[face], face % 2 == 1 ? 1.0 : -1.0);
+      slots[t].slot_end.push_back(slots[t].slot_count());
+    }
+  }
+  for (BlockGroup& group : groups) {
+    const std::size_t t = at(group.brick_template);
+    group.first_slot = static_cast<std::int32_t>(slot_point.size()) / kLanes;
+    slot_point.resize(slot_point.size() + at(slots[t].slot_count() * kLanes), point_count);
+    for (int lane = 0; lane < group.block_count; ++lane) {
+      int slot = group.first_slot;
+      for (std::size_t n = 0; n < width[t].size(); ++n) {
+        for (std::size_t face = 0; face < 6; ++face) {
+          const auto& points = points_of[at(group.block[at(lane)])][n][face];
+          for (std::size_t i = 0; i < points.size(); ++i)
+            slot_point[at((slot + static_cast<int>(i)) * kLanes + lane)] = points[i];
+          slot += static_cast<int>(width[t][n][face]);
+        }
+      }
+    }
+  }
+
+  // Gridpoints: positions, masses, constraints.
+  position.assign(at(line_count * kLanes), Vec3{});
+  node_mass.assign(at(line_count * kLine), 0.0);
+  node_free.assign(at(line_count * kLine), 0.0);
+  for (const BlockGroup& group : groups) {
+    const BrickTemplate& shape = templates[at(group.brick_template)];
+    for (int n = 0; n < shape.node_count; ++n) {
+      for (int lane = 0; lane < group.block_count; ++lane) {
+        const Brick& brick = assembly.bricks[at(group.block[at(lane)])];
+        Vec3& p = position[at((group.first_line + n) * kLanes + lane)];
+        for (std::size_t c = 0; c < 3; ++c) p[c] = brick.origin[c] + shape.node[at(n)][c];
+        const bool on_symmetry_plane =
+            assembly.symmetry_plane_z0 && std::abs(p[2]) <= kCoordinateTolerance * brick.size[2];
+        for (int c = 0; c < 3; ++c) {
+          const std::size_t i = at((group.first_line + n) * kLine + kLanes * c + lane);
+          node_mass[i] = shape.node_mass[at(n)];
+          node_free[i] = c == 2 && on_symmetry_plane ? 0.0 : 1.0;
+        }
+      }
+    }
+  }
+  for (const RigidBody& body : bodies) {
+    for (std::size_t i = 0; i < body.slave.size(); ++i) {
+      position[at(body.slave[i] / kLine * kLanes + body.slave[i] % kLanes)] = point_position[at(body.point[i])];
+    }
+  }
+}
+
+int Model::body_index(const std::string& name) const {
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!name.empty() && bodies[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+double Model::total_mass() const {
+  double mass = 0.0;
+  for (const BlockGroup& group : groups) {
+    const auto& m = templates[at(group.brick_template)].node_mass;
+    mass += group.block_count * std::accumulate(m.begin(), m.end(), 0.0);
+  }
+  for (const RigidBody& body : bodies) mass += body.mass;
+  return mass;
+}
+
+std::size_t Model::zone_count() const {
+  std::size_t count = 0;
+  for (const BlockGroup& group : groups)
+    count += at(group.block_count) * templates[at(group.brick_template)].zone.size();
+  return count;
+}
+
+}  // namespace quoin

@@ -1,0 +1,407 @@
+#include "model/time_step.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// The undamaged assembled system in generalised coordinates: gridpoints in lane layout, then 6 a rigid body.
+class UndamagedSystem {
+ public:
+  explicit UndamagedSystem(const Model& model) : model_(model), body_base_(model.line_count * kLine) {
+    slave_body_.resize(at((model.line_count - model.block_line_count) * kLanes), -1);
+    slave_arm_.resize(slave_body_.size());
+    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+      for (std::size_t i = 0; i < model.bodies[b].slave.size(); ++i) {
+        slave_body_[slave_index(model.bodies[b].slave[i])] = static_cast<int>(b);
+        slave_arm_[slave_index(model.bodies[b].slave[i])] = model.bodies[b].arm[i];
+      }
+    }
+    free_.assign(at(size()), 0.0);
+    std::copy(model.node_free.begin(), model.node_free.end(), free_.begin());
+    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+      for (std::size_t k = 0; k < 6; ++k) free_[at(body_base_) + 6 * b + k] = model.bodies[b].held[k] ? 0.0 : 1.0;
+    }
+  }
+
+  int size() const { return body_base_ + 6 * static_cast<int>(model_.bodies.size()); }
+  int body_base() const { return body_base_; }
+  double free(int dof) const { return free_[at(dof)]; }
+
+  // f = K u, free degrees of freedom only.
+  void apply(const std::vector<double>& u, std::vector<double>* f) const {
+    f->assign(at(size()), 0.0);
+    for (const BlockGroup& group : model_.groups) {
+      const BrickTemplate& shape = model_.templates[at(group.brick_template)];
+      const double* u_group = u.data() + group.first_line * kLine;
+      double* f_group = f->data() + group.first_line * kLine;
+      std::int32_t column = 0;
+      const double* k = shape.coefficient.data();
+      for (int n = 0; n < shape.node_count; ++n) {
+        for (unsigned mask = 1; mask < 8; ++mask) {
+          for (; column < shape.run_end[at(7 * n) + mask - 1]; ++column) {
+            const double* from = u_group + shape.column[at(column)];
+            for (unsigned c = 0; c < 3; ++c) {
+              if (!(mask >> c & 1u)) continue;
+              double* to = f_group + n * kLine + static_cast<int>(c) * kLanes;
+              for (int lane = 0; lane < kLanes; ++lane) to[lane] += *k * from[lane];
+              ++k;
+            }
+          }
+        }
+      }
+    }
+    for_each_spring([&](const Participants& p, double stiffness, std::int32_t) {
+      double jump = 0.0;
+      for (int i = 0; i < p.count; ++i) jump += p.coefficient[i] * u[at(p.dof[i])];
+      for (int i = 0; i < p.count; ++i) (*f)[at(p.dof[i])] += p.coefficient[i] * stiffness * jump;
+    });
+    for (std::size_t i = 0; i < f->size(); ++i) (*f)[i] *= free_[i];
+  }
+
+  // Row sums of |K|, the diagonal of K and the part of it that contact points bring. Rotations are measured in units of
+  // the radius of gyration (any positive scale gives a valid bound), so that mass goes with all six of a body.
+  struct Rows {
+    std::vector<double> sum, diagonal, contact_diagonal;
+    std::vector<int> family;  // of the stiffest contact point of a row, -1: none
+  };
+  Rows rows(const Inertia& inertia) const {
+    Rows rows;
+    rows.sum.assign(at(size()), 0.0);
+    rows.diagonal = rows.contact_diagonal = rows.sum;
+    rows.family.assign(at(size()), -1);
+    std::vector<double> stiffest(at(size()), 0.0);
+    for (std::size_t t = 0; t < model_.templates.size(); ++t) {
+      for (int row = 0; row < 3 * model_.templates[t].node_count; ++row) {
+        double sum = 0.0, diagonal = 0.0;
+        for (const auto& [column, k] : stiffness_row(model_.templates[t], row)) {
+          sum += std::abs(k);
+          if (column == row) diagonal = k;
+        }
+        for (const BlockGroup& group : model_.groups) {
+          if (group.brick_template != static_cast<int>(t)) continue;
+          for (int lane = 0; lane < group.block_count; ++lane) {
+            const std::size_t i = at((group.first_line + row / 3) * kLine + row % 3 * kLanes + lane);
+            rows.sum[i] += sum;
+            rows.diagonal[i] += diagonal;
+          }
+        }
+      }
+    }
+    for_each_spring([&](Participants p, double stiffness, std::int32_t point) {
+      double all = 0.0;
+      for (int i = 0; i < p.count; ++i) {
+        p.coefficient[i] *= free_[at(p.dof[i])] / length_scale(p.dof[i], inertia);
+        all += std::abs(p.coefficient[i]);
+      }
+      for (int i = 0; i < p.count; ++i) {
+        const std::size_t dof = at(p.dof[i]);
+        const double diagonal = stiffness * p.coefficient[i] * p.coefficient[i];
+        rows.sum[dof] += stiffness * std::abs(p.coefficient[i]) * all;
+        rows.diagonal[dof] += diagonal;
+        rows.contact_diagonal[dof] += diagonal;
+        if (diagonal > stiffest[dof]) {
+          stiffest[dof] = diagonal;
+          rows.family[dof] = family_of(point);
+        }
+      }
+    });
+    return rows;
+  }
+
+  // Inertia of a degree of freedom; with `scaled`, rotations in units of the radius of gyration.
+  double inertia_of(int dof, const Inertia& inertia, bool scaled) const {
+    if (dof < body_base_) return inertia.node[at(dof)];
+    const std::size_t body = at((dof - body_base_) / 6), k = at((dof - body_base_) % 6);
+    return k < 3 || scaled ? inertia.body_mass[body] : inertia.body_inertia[body][k - 3];
+  }
+
+  Vec3 position(int dof) const {
+    if (dof >= body_base_) return model_.bodies[at((dof - body_base_) / 6)].centre;
+    return model_.position[at(dof / kLine * kLanes + dof % kLanes)];
+  }
+
+  std::string name(int dof) const {
+    if (dof >= body_base_) {
+      const RigidBody& body = model_.bodies[at((dof - body_base_) / 6)];
+      return fmt::format("rigid block {}{}", body.block, body.name.empty() ? "" : " '" + body.name + "'");
+    }
+    for (const BlockGroup& group : model_.groups) {
+      const int node = dof / kLine - group.first_line;
+      if (node < 0 || node >= model_.templates[at(group.brick_template)].node_count) continue;
+      return fmt::format("block {}, gridpoint {}", group.block[at(dof % kLanes)], node);
+    }
+    return fmt::format("offset {}", dof);
+  }
+
+ private:
+  // The degrees of freedom that one component of one contact point's jump depends on.
+  struct Participants {
+    int count = 0;
+    int dof[14];
+    double coefficient[14];
+    void add(int d, double c) {
+      dof[count] = d;
+      coefficient[count++] = c;
+    }
+  };
+
+  std::size_t slave_index(int offset) const {
+    return at((offset / kLine - model_.block_line_count) * kLanes + offset % kLanes);
+  }
+
+  int family_of(std::int32_t point) const { return model_.assembly.joints[at(model_.point_joint[at(point)])].family; }
+
+  double length_scale(int dof, const Inertia& inertia) const {
+    if (dof < body_base_ || (dof - body_base_) % 6 < 3) return 1.0;
+    const std::size_t body = at((dof - body_base_) / 6), k = at((dof - body_base_) % 6 - 3);
+    return std::sqrt(inertia.body_inertia[body][k] / inertia.body_mass[body]);
+  }
+
+  void add_gridpoint(int offset, int c, double sign, Participants* p) const {
+    if (offset < model_.block_line_count * kLine) {
+      p->add(offset + kLanes * c, sign);
+      return;
+    }
+    const int body = slave_body_[slave_index(offset)];
+    const Vec3& r = slave_arm_[slave_index(offset)];
+    const int base = body_base_ + 6 * body;
+    // u = u_c + theta x r: component c has +r of the next but one axis from the next rotation, and the reverse.
+    const int next = (c + 1) % 3, last = (c + 2) % 3;
+    p->add(base + c, sign);
+    p->add(base + 3 + next, sign * r[at(last)]);
+    p->add(base + 3 + last, -sign * r[at(next)]);
+  }
+
+  template <class Visit>
+  void for_each_spring(Visit visit) const {
+    for (std::int32_t i = 0; i < model_.point_count; ++i) {
+      const ContactFamily& family = model_.families[at(family_of(i))];
+      for (int c = 0; c < 3; ++c) {
+        Participants p;
+        add_gridpoint(model_.node_a[at(i)], c, -1.0, &p);
+        add_gridpoint(model_.node_b[at(i)], c, +1.0, &p);
+        const bool normal = c == model_.point_axis[at(i)];
+        visit(p, (normal ? family.normal_stiffness : family.shear_stiffness) * model_.area[at(i)], i);
+      }
+    }
+  }
+
+  const Model& model_;
+  int body_base_;
+  std::vector<int> slave_body_;
+  std::vector<Vec3> slave_arm_;
+  std::vector<double> free_;
+};
+
+struct Lanczos {
+  double largest = 0.0;        // eigenvalue of M^-1/2 K M^-1/2, 1/s2
+  std::vector<double> vector;  // its eigenvector, in the scaled coordinates
+  int steps = 0;
+};
+
+// Lanczos without reorthogonalisation: the largest Ritz value converges all the same, lost orthogonality only makes
+// copies of it. A second sweep with the same recurrence gives the vector without storing a basis.
+Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia) {
+  const std::size_t n = at(system.size());
+  std::vector<double> scale(n, 0.0);
+  std::size_t free_count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double m = system.inertia_of(static_cast<int>(i), inertia, false);
+    if (system.free(static_cast<int>(i)) == 0.0 || m <= 0.0) continue;
+    scale[i] = 1.0 / std::sqrt(m);
+    ++free_count;
+  }
+  std::vector<double> start(n, 0.0);
+  std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
+  double norm = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    if (scale[i] > 0.0) start[i] = static_cast<double>(random >> 11) * 0x1p-53 - 0.5;
+    norm += start[i] * start[i];
+  }
+  for (double& x : start) x /= std::sqrt(norm);
+
+  constexpr int kMaxSteps = 600;       // enough for walls of 1000 blocks by a factor of 3
+  constexpr double kTolerance = 1e-8;  // relative residual of the eigenvalue
+  std::vector<double> alpha, beta, product(n), scaled(n);
+  Lanczos result;
+  Eigen::VectorXd ritz;
+  const auto sweep = [&](int steps, const Eigen::VectorXd* weights) {
+    std::vector<double> q = start, previous(n, 0.0);
+    for (int j = 0; j < steps; ++j) {
+      if (weights) {
+        for (std::size_t i = 0; i < n; ++i) result.vector[i] += (*weights)[j] * q[i];
+        if (j + 1 == steps) return;
+      }
+      for (std::size_t i = 0; i < n; ++i) scaled[i] = scale[i] * q[i];
+      system.apply(scaled, &product);
+      double a = 0.0, b = 0.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        product[i] *= scale[i];
+        a += product[i] * q[i];
+      }
+      const double old_beta = j > 0 ? beta[at(j - 1)] : 0.0;
+      for (std::size_t i = 0; i < n; ++i) {
+        product[i] -= a * q[i] + old_beta * previous[i];
+        b += product[i] * product[i];
+      }
+      b = std::sqrt(b);
+      if (!weights) {
+        alpha.push_back(a);
+        beta.push_back(b);
+        const bool exhausted = b <= 1e-14 * std::abs(a) || static_cast<std::size_t>(j) + 1 >= free_count;
+        if (exhausted || j % 10 == 9 || j + 1 == steps) {
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+          solver.computeFromTridiagonal(Eigen::Map<Eigen::VectorXd>(alpha.data(), j + 1),
+                                        Eigen::Map<Eigen::VectorXd>(beta.data(), j));
+          result.largest = solver.eigenvalues()[j];
+          ritz = solver.eigenvectors().col(j);
+          result.steps = j + 1;
+          if (exhausted || b * std::abs(ritz[j]) < kTolerance * result.largest) return;
+        }
+      }
+      previous.swap(q);
+      for (std::size_t i = 0; i < n; ++i) q[i] = product[i] / b;
+    }
+  };
+  if (free_count == 0) return result;
+  sweep(kMaxSteps, nullptr);
+  result.vector.assign(n, 0.0);
+  sweep(result.steps, &ritz);
+  return result;
+}
+
+std::string with_contact_share(const Model& model, const UndamagedSystem& system, const UndamagedSystem::Rows& rows,
+                               int dof) {
+  std::string text = system.name(dof);
+  const std::size_t i = at(dof);
+  if (rows.family[i] >= 0 && rows.diagonal[i] > 0.0) {
+    text += fmt::format(", joint family '{}' brings {:.0f} % of its stiffness", model.families[at(rows.family[i])].name,
+                        100.0 * rows.contact_diagonal[i] / rows.diagonal[i]);
+  }
+  return text;
+}
+
+TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia) {
+  TimeStepReport report;
+  report.model_mass = model.total_mass();
+  const auto rows = system.rows(inertia);
+  double worst_sum = 0.0, worst_diagonal = 0.0;
+  int sum_dof = -1, diagonal_dof = -1;
+  for (int i = 0; i < system.size(); ++i) {
+    const double m = system.inertia_of(i, inertia, true);
+    if (system.free(i) == 0.0 || m <= 0.0) continue;
+    if (rows.sum[at(i)] / m > worst_sum) {
+      worst_sum = rows.sum[at(i)] / m;
+      sum_dof = i;
+    }
+    if (rows.diagonal[at(i)] / m > worst_diagonal) {
+      worst_diagonal = rows.diagonal[at(i)] / m;
+      diagonal_dof = i;
+    }
+  }
+  const auto limit = [&](double omega_squared, int dof) {
+    TimeStepLimit result;
+    result.value = omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
+    if (dof >= 0) {
+      result.position = system.position(dof);
+      result.where = with_contact_share(model, system, rows, dof);
+    }
+    return result;
+  };
+  report.gershgorin = limit(worst_sum, sum_dof);
+  report.nodal = limit(worst_diagonal, diagonal_dof);
+
+  const Lanczos lanczos = largest_eigenvalue(system, inertia);
+  int dof = -1;
+  for (std::size_t i = 0; i < lanczos.vector.size(); ++i) {
+    if (dof < 0 || std::abs(lanczos.vector[i]) > std::abs(lanczos.vector[at(dof)])) dof = static_cast<int>(i);
+  }
+  report.critical = limit(lanczos.largest, dof);
+  report.lanczos_steps = lanczos.steps;
+  return report;
+}
+
+}  // namespace
+
+TimeStepReport time_step_limits(const Model& model, const Inertia& inertia) {
+  return limits(model, UndamagedSystem(model), inertia);
+}
+
+void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f) {
+  UndamagedSystem(model).apply(u, f);
+}
+
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia) {
+  const UndamagedSystem system(model);
+  inertia->node = model.node_mass;
+  for (double& m : inertia->node) m *= settings.mass_scaling;
+  for (const RigidBody& body : model.bodies) {
+    inertia->body_mass.push_back(settings.mass_scaling * body.mass);
+    inertia->body_inertia.push_back({settings.mass_scaling * body.inertia[0], settings.mass_scaling * body.inertia[1],
+                                     settings.mass_scaling * body.inertia[2]});
+  }
+
+  if (settings.selective_time_step > 0.0) {
+    // omega_max^2 <= max (row sum / inertia): inertia that keeps every row at 4/(dt/fraction)^2 is enough for the step.
+    const auto rows = system.rows(*inertia);
+    const double target = settings.selective_time_step / settings.time_step_fraction;
+    const double factor = 0.25 * target * target;
+    for (int line = 0; line < model.block_line_count; ++line) {
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const std::size_t i = at(line * kLine + lane);
+        if (inertia->node[i] <= 0.0) continue;
+        double needed = inertia->node[i];
+        for (std::size_t c = 0; c < 3; ++c) needed = std::max(needed, factor * rows.sum[i + kLanes * c]);
+        for (std::size_t c = 0; c < 3; ++c) inertia->node[i + kLanes * c] = needed;
+      }
+    }
+    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+      double ratio = 1.0;
+      for (std::size_t k = 0; k < 6; ++k) {
+        ratio = std::max(ratio, factor * rows.sum[at(system.body_base()) + 6 * b + k] / inertia->body_mass[b]);
+      }
+      inertia->body_mass[b] *= ratio;
+      for (double& moment : inertia->body_inertia[b]) moment *= ratio;
+    }
+  }
+
+  TimeStepReport report = limits(model, system, *inertia);
+  double in_use = 0.0;
+  for (int line = 0; line < model.block_line_count; ++line) {
+    for (int lane = 0; lane < kLanes; ++lane) in_use += inertia->node[at(line * kLine + lane)];
+  }
+  for (double m : inertia->body_mass) in_use += m;
+  report.added_mass = std::max(0.0, in_use - report.model_mass);
+
+  if (!std::isfinite(report.critical.value) && !(settings.selective_time_step > 0.0)) {
+    throw Error(Exit::bad_input,
+                "the model has no stiffness (no deformable block, no contact point), so no time step follows "
+                "from it; give solver.selective_time_step");
+  }
+  // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability:
+  // dt <= 2/omega (sqrt(1 + xi^2) - xi) with the damping ratio xi at the highest frequency.
+  double reduction = 1.0;
+  if (settings.damping == DampingKind::viscous) {
+    const double omega = 2.0 / report.critical.value;
+    const double xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
+    reduction = std::sqrt(1.0 + xi * xi) - xi;
+  }
+  report.time_step =
+      settings.selective_time_step > 0.0
+          ? std::min(settings.selective_time_step, settings.time_step_fraction * reduction * report.critical.value)
+          : settings.time_step_fraction * reduction * report.critical.value;
+  return report;
+}
+
+}  // namespace quoin
