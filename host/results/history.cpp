@@ -1,0 +1,50 @@
+#include "results/history.h"
+
+#include <fmt/format.h>
+
+#include "results/file.h"
+
+namespace quoin {
+
+Response response(const HistoryRow& row, const Stage& stage) {
+  // A stage monitored along y still has a horizontal response: the one along the wall.
+  const size_t axis = stage.direction == 1 ? 0 : static_cast<size_t>(stage.direction);
+  const double force = stage.direction == 1 ? -row.joint_force[0] : row.resistance;
+  return {row.monitor_displacement[axis], force, row.vertical_force};
+}
+
+History::History(const std::filesystem::path& path, const Scene& scene)
+    : path_(path), scene_(scene), stream_(part_name(path), std::ios::trunc) {
+  stream_ << "stage,stage_name,step,time_s,displacement_m,vertical_displacement_m,horizontal_force_N,vertical_force_N,"
+             "unbalanced_ratio,kinetic_energy_J";
+  if (scene.output.energy)
+    stream_ << ",strain_energy_J,contact_energy_J,dissipated_tension_J,dissipated_cohesion_J,dissipated_friction_J,"
+               "dissipated_crushing_J,external_work_J,damping_work_J,energy_balance_error_J";
+  stream_ << '\n';
+}
+
+void History::add(const HistoryRow& row) {
+  const Stage& stage = scene_.stages[static_cast<size_t>(row.stage)];
+  const Response r = response(row, stage);
+  std::string line = fmt::format("{},\"{}\",{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g}", row.stage + 1,
+                                 stage.name, row.step, row.time, r.displacement, row.monitor_displacement[1],
+                                 r.horizontal_force, r.vertical_force, row.unbalanced_ratio, row.kinetic_energy);
+  if (scene_.output.energy) {
+    const Energies e = row.energies.value_or(Energies{});
+    line += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g}", e.strain, e.contact_stored,
+                        e.dissipated[0], e.dissipated[1], e.dissipated[2], e.dissipated[3], e.external, e.damping,
+                        e.balance_error());
+  }
+  stream_ << line << '\n';
+  rows_.push_back(row);
+}
+
+void History::finish() {
+  stream_.close();
+  if (!stream_)
+    throw Error(Exit::bad_input,
+                path_.string() + ": cannot be written; free space or choose another folder with --out");
+  finish_file(path_);
+}
+
+}  // namespace quoin

@@ -1,0 +1,35 @@
+// history.csv: one row per recorded step, SI units, named in the header.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "step/simulation.h"
+
+namespace quoin {
+
+// A row as people plot it: the wall's horizontal response, and what presses it.
+struct Response {
+  double displacement = 0.0;      // horizontal, of the monitor body since the start, m
+  double horizontal_force = 0.0;  // resistance positive, N
+  double vertical_force = 0.0;    // compression positive, N
+};
+Response response(const HistoryRow& row, const Stage& stage);
+
+class History {
+ public:
+  // Rows go to PATH.part as they come; finish() renames it.
+  History(const std::filesystem::path& path, const Scene& scene);
+  void add(const HistoryRow& row);
+  void finish();
+  const std::vector<HistoryRow>& rows() const { return rows_; }
+
+ private:
+  std::filesystem::path path_;
+  const Scene& scene_;
+  std::ofstream stream_;
+  std::vector<HistoryRow> rows_;
+};
+
+}  // namespace quoin

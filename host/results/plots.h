@@ -1,0 +1,26 @@
+// Pictures through gnuplot: curve.png and cracks.png. Scripts and data stay in DIR/plots, to be changed and run again.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "results/surface.h"
+#include "step/simulation.h"
+
+namespace quoin {
+
+// The highest resistance of a history, as absolute values. row: -1 when the history is empty.
+struct Peak {
+  int row = -1;
+  double force = 0.0, displacement = 0.0, vertical_force = 0.0;
+};
+Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
+
+// Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing.
+std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
+                       const std::string& law);
+std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
+                        const std::vector<HistoryRow>& rows, const std::string& law);
+
+}  // namespace quoin

@@ -1,0 +1,118 @@
+#include "results/summary.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "results/file.h"
+#include "results/plots.h"
+#include "scene/generate.h"
+
+#ifndef QUOIN_VERSION
+#define QUOIN_VERSION "unknown"
+#endif
+
+namespace quoin {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json laws_of(const Simulation& simulation) {
+  Json laws = Json::object();
+  for (const ContactFamily& family : simulation.model().families) {
+    const Law& law = family.material->law();
+    laws[family.name] = {{"law", law.law->id}, {"version", law.law->version}, {"library", law.library->path()}};
+  }
+  return laws;
+}
+
+Json settings_of(const Scene& scene, const RunInfo& info) {
+  const SolverSettings& s = scene.solver;
+  Json stages = Json::array();
+  for (const Stage& stage : scene.stages) {
+    Json j = {{"name", stage.name}, {"ramp_time_s", stage.ramp_time}};
+    if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
+    if (stage.displacement) j["displacement_m"] = *stage.displacement;
+    if (stage.duration) j["duration_s"] = *stage.duration;
+    Json controls = Json::array();
+    for (const BodyControl& c : stage.controls) {
+      Json velocity = Json::array();
+      for (size_t i = 0; i < 3; ++i)
+        velocity.push_back(c.kind[i] == DofKind::free ? Json("free") : Json(c.velocity[i]));
+      controls.push_back({{"body", c.body}, {"velocity_m_per_s", velocity}, {"force_N", c.force}});
+    }
+    j["controls"] = controls;
+    stages.push_back(j);
+  }
+  const char* damping = s.damping == DampingKind::none ? "none" : s.damping == DampingKind::local ? "local" : "viscous";
+  return {{"set", info.overrides},
+          {"time_step_fraction", s.time_step_fraction},
+          {"mass_scaling", s.mass_scaling},
+          {"selective_time_step_s", s.selective_time_step},
+          {"damping", damping},
+          {"local_damping", s.local_damping},
+          {"mass_damping_per_s", s.mass_damping},
+          {"stiffness_damping_s", s.stiffness_damping},
+          {"stages", stages}};
+}
+
+}  // namespace
+
+std::string law_names(const Assembly& assembly) {
+  std::set<std::string> names;
+  std::string each;
+  for (const JointFamily& family : assembly.families) {
+    names.insert(family.law);
+    each += (each.empty() ? "" : ", ") + family.name + ": " + family.law;
+  }
+  return names.size() == 1 ? *names.begin() : each;
+}
+
+void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
+                   const RunInfo& info) {
+  const Scene& scene = simulation.scene();
+  const Model& model = simulation.model();
+  const TimeStepReport& step = simulation.time_step_report();
+  const Peak peak = find_peak(rows, scene);
+  const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
+
+  Json json;
+  json["version"] = QUOIN_VERSION;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["law"] = law_names(simulation.assembly());
+  json["status"] = info.status;
+  json["interrupted"] = info.status == "interrupted";
+  if (!info.message.empty()) json["message"] = info.message;
+  json["peak_horizontal_force_N"] = peak.force;
+  json["displacement_at_peak_m"] = peak.displacement;
+  json["vertical_stress_at_peak_Pa"] = area > 0 ? Json(peak.vertical_force / area) : Json(nullptr);
+  json["bed_area_m2"] = area;
+  json["steps"] = simulation.step();
+  json["simulated_time_s"] = simulation.time();
+  json["time_step_s"] = step.time_step;
+  json["critical_time_step_s"] = step.critical.value;
+  json["model_mass_kg"] = step.model_mass;
+  json["added_mass_kg"] = step.added_mass;
+  json["wall_clock_s"] = info.wall_clock_s;
+  json["threads"] = simulation.thread_count();
+  json["instruction_set"] = simulation.instruction_set();
+  // Beams are rigid bodies, and counted apart.
+  const auto& bricks = simulation.assembly().bricks;
+  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.body.empty(); });
+  json["blocks"] = static_cast<long>(bricks.size()) - beams;
+  json["beams"] = beams;
+  json["zones"] = model.zone_count();
+  json["contact_points"] = model.point_count;
+  const auto counts = simulation.condition_counts();
+  Json& states = json["contact_points_by_state"];
+  for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
+                            Condition::crushing, Condition::crushed_out})
+    states[condition_name(c)] = counts[static_cast<size_t>(c)];
+  json["laws"] = laws_of(simulation);
+  json["settings"] = settings_of(scene, info);
+  write_file(path, json.dump(2) + "\n");
+}
+
+}  // namespace quoin

@@ -1,0 +1,25 @@
+// summary.json: what a run was and what came out, in one object.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "step/simulation.h"
+
+namespace quoin {
+
+struct RunInfo {
+  std::string status = "done";  // done, interrupted, failed
+  std::string message;          // of a failure
+  std::vector<std::string> overrides;
+  double wall_clock_s = 0.0;  // process start to end
+};
+
+// The laws in use: one name, or "mortar: a, unit: b" when families differ.
+std::string law_names(const Assembly& assembly);
+
+void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
+                   const RunInfo& info);
+
+}  // namespace quoin

@@ -1,0 +1,125 @@
+#include "results/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace quoin {
+
+namespace {
+
+// Reference positions agree to rounding; a micrometre grid tells gridpoints apart.
+std::int64_t micrometres(double length) { return std::llround(length * 1e6); }
+
+std::uint64_t key_of(const Vec3& p, const Vec3& origin) {
+  std::uint64_t key = 0;
+  for (size_t i = 0; i < 3; ++i)
+    key = key << 21 | (static_cast<std::uint64_t>(micrometres(p[i] - origin[i])) & 0x1fffff);
+  return key;
+}
+
+Crack classify(const JointPoint& p) {
+  constexpr double kVisible = 0.02;  // less damage than this is no crack that one could see
+  if (p.contact.condition == Condition::crushed_out || p.contact.condition == Condition::crushing)
+    return Crack::crushed;
+  const double damage = std::max(p.damage_tension, p.damage_shear);
+  if (damage < kVisible) return Crack::intact;
+  const bool opening = p.opening > p.slip;
+  if (damage < 1.0) return opening ? Crack::opening_begun : Crack::sliding_begun;
+  return opening ? Crack::open : Crack::slipped;
+}
+
+}  // namespace
+
+Surfaces::Surfaces(const Simulation& simulation) : bricks_(simulation.assembly().bricks) {
+  for (size_t b = 0; b < bricks_.size(); ++b) {
+    meshes_.push_back(simulation.block_mesh(static_cast<int>(b)));
+    auto& index = gridpoint_.emplace_back();
+    if (bricks_[b].rigid) continue;
+    for (size_t i = 0; i < meshes_[b].gridpoint.size(); ++i)
+      index[key_of(meshes_[b].gridpoint[i], bricks_[b].origin)] = static_cast<int>(i);
+  }
+
+  // The points of a joint form a grid over its two tangential axes.
+  std::map<int, std::map<std::pair<std::int64_t, std::int64_t>, int>> grids;
+  const auto points = simulation.contact_points();
+  for (size_t i = 0; i < points.size(); ++i) {
+    std::array<double, 2> tangential{};
+    for (size_t axis = 0, k = 0; axis < 3; ++axis) {
+      if (std::abs(points[i].normal[axis]) < 0.5) tangential[k++] = points[i].position[axis];
+    }
+    grids[points[i].joint][{micrometres(tangential[0]), micrometres(tangential[1])}] = static_cast<int>(i);
+  }
+  for (const auto& [joint, grid] : grids) {
+    std::set<std::int64_t> rows, columns;
+    for (const auto& [place, point] : grid) {
+      rows.insert(place.first);
+      columns.insert(place.second);
+    }
+    for (auto r = rows.begin(); r != rows.end() && std::next(r) != rows.end(); ++r) {
+      for (auto c = columns.begin(); c != columns.end() && std::next(c) != columns.end(); ++c) {
+        const auto p00 = grid.find({*r, *c}), p10 = grid.find({*std::next(r), *c});
+        const auto p11 = grid.find({*std::next(r), *std::next(c)}), p01 = grid.find({*r, *std::next(c)});
+        if (p00 == grid.end() || p10 == grid.end() || p11 == grid.end() || p01 == grid.end()) continue;
+        quads_.push_back({p00->second, p10->second, p11->second, p01->second});
+      }
+    }
+  }
+}
+
+Vec3 Surfaces::displacement_at(int block, const Vec3& position, const std::vector<Vec3>& displacement) const {
+  const size_t b = static_cast<size_t>(block);
+  const Brick& brick = bricks_[b];
+  if (!brick.rigid) {
+    const auto found = gridpoint_[b].find(key_of(position, brick.origin));
+    return found == gridpoint_[b].end() ? Vec3{} : displacement[static_cast<size_t>(found->second)];
+  }
+  // Rigid: 8 corners, x fastest; interpolation between them is exact.
+  Vec3 u{};
+  for (size_t corner = 0; corner < 8; ++corner) {
+    double weight = 1.0;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double f = (position[axis] - brick.origin[axis]) / brick.size[axis];
+      weight *= (corner >> axis & 1) != 0 ? f : 1.0 - f;
+    }
+    for (size_t axis = 0; axis < 3; ++axis) u[axis] += weight * displacement[corner][axis];
+  }
+  return u;
+}
+
+std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) const {
+  std::vector<std::vector<Vec3>> displacement;
+  for (size_t b = 0; b < bricks_.size(); ++b)
+    displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
+  const auto contacts = simulation.contact_points();
+  const auto xi_t = simulation.state("xi_t"), xi_s = simulation.state("xi_s");
+  const auto slip = simulation.state("slip"), closure = simulation.state("w");
+  auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };
+
+  std::vector<JointPoint> points;
+  points.reserve(contacts.size());
+  for (const ContactPoint& c : contacts) {
+    const size_t i = static_cast<size_t>(c.index);
+    JointPoint p{};
+    p.contact = c;
+    const Vec3 a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
+    const Vec3 b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
+    for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (a[axis] + b[axis]) / 2;
+    p.opening = std::max(0.0, c.jump[0]);
+    p.slip = std::isfinite(slip[i]) ? slip[i] : std::hypot(c.jump[1], c.jump[2]);
+    // The flags say what is certain for every law; between them, linear softening has damage = xi.
+    auto damage = [&](std::uint32_t begun, std::uint32_t complete, double xi) {
+      if ((c.flags & complete) != 0) return 1.0;
+      return (c.flags & begun) != 0 ? std::min(1.0, std::isfinite(xi) ? xi : 0.5) : 0.0;
+    };
+    p.damage_tension = damage(QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE, xi_t[i]);
+    p.damage_shear = damage(QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE, xi_s[i]);
+    p.closure = or_zero(closure[i]);
+    p.crack = classify(p);
+    points.push_back(p);
+  }
+  return points;
+}
+
+}  // namespace quoin
