@@ -1,0 +1,107 @@
+#include "law/csv_table.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "law/property_text.h"
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace {
+
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> result;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    std::string cell = line.substr(begin, end - begin);
+    const auto first = cell.find_first_not_of(" \t\r\"");
+    cell = first == std::string::npos ? "" : cell.substr(first, cell.find_last_not_of(" \t\r\"") - first + 1);
+    result.push_back(std::move(cell));
+    begin = end + 1;
+  }
+  return result;
+}
+
+}  // namespace
+
+int CsvTable::column(const std::string& name) const {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (columns[i] == name) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+CsvTable read_csv(const std::string& file) {
+  const auto fail = [&](int line, const std::string& message) {
+    throw Error(Exit::bad_input,
+                line > 0 ? fmt::format("{}:{}: {}", file, line, message) : fmt::format("{}: {}", file, message));
+  };
+  std::error_code fault;
+  if (!std::filesystem::exists(file, fault)) fail(0, "no such file");
+  if (std::filesystem::is_directory(file, fault)) fail(0, "is a folder, not a CSV file");
+  std::ifstream stream(file);
+  if (!stream) fail(0, "cannot be read; check its permissions");
+
+  CsvTable table;
+  table.file = file;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') continue;
+    const std::vector<std::string> fields = cells(line);
+    if (table.columns.empty()) {
+      for (std::size_t i = 0; i < fields.size(); ++i) {
+        if (fields[i].empty()) fail(number, fmt::format("column {} has no name", i + 1));
+        if (table.column(fields[i]) >= 0) fail(number, fmt::format("column '{}' twice", fields[i]));
+        table.columns.push_back(fields[i]);
+      }
+      continue;
+    }
+    if (fields.size() != table.columns.size()) {
+      fail(number,
+           fmt::format("{} values, but the header names {} columns: '{}'", fields.size(), table.columns.size(), line));
+    }
+    std::vector<double> row(fields.size());
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      if (!parse_number(fields[i], row[i])) {
+        fail(number, fmt::format("{} = '{}' is no number", table.columns[i], fields[i]));
+      }
+      if (!std::isfinite(row[i])) fail(number, fmt::format("{} = '{}' is not finite", table.columns[i], fields[i]));
+    }
+    table.rows.push_back(std::move(row));
+    table.lines.push_back(number);
+  }
+  if (table.columns.empty()) fail(0, "is empty; the first line must name the columns");
+  if (table.rows.empty()) fail(0, "has no row below its header");
+  return table;
+}
+
+void write_file(const std::string& file, const std::string& content) {
+  const std::string part = fmt::format("{}.part{}", file, getpid());
+  const auto fail = [&](const std::string& reason) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}", file, reason));
+  };
+  {
+    std::ofstream stream(part, std::ios::binary);
+    if (!stream) fail("check that its folder exists and may be written");
+    stream << content;
+    stream.flush();
+    if (!stream) fail("the disk may be full");
+  }
+  std::error_code fault;
+  std::filesystem::rename(part, file, fault);
+  if (fault) fail(fault.message());
+}
+
+std::string full_precision(double value) { return fmt::format("{:.17g}", value); }
+
+}  // namespace quoin

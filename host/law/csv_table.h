@@ -1,0 +1,29 @@
+// Small tables of numbers in CSV: read with the place of every fault, written whole or not at all.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace quoin {
+
+struct CsvTable {
+  std::string file;
+  std::vector<std::string> columns;
+  std::vector<std::vector<double>> rows;  // rows[i][column]
+  std::vector<int> lines;                 // line of the file of each row
+
+  int column(const std::string& name) const;  // -1: none
+};
+
+// The first line names the columns; '#' begins a comment line; blank lines are skipped. Throws Error(bad_input) with
+// file, line and value: no such file, a number that is none or not finite, a row of another length, a column twice, no
+// row.
+CsvTable read_csv(const std::string& file);
+
+// Writes beside the file and renames: a reader never sees half a file. Throws Error(bad_input) when it cannot.
+void write_file(const std::string& file, const std::string& content);
+
+// Shortest decimal that reads back as the same double would be unreadable in columns: 17 significant digits.
+std::string full_precision(double value);
+
+}  // namespace quoin

@@ -1,0 +1,104 @@
+// The loader: every way a library can be wrong ends in Error(law_refused) that says what, why and what to do.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "law/law_library.h"
+#include "law/property_text.h"
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+// The refusal's message; fails the test when nothing is refused, or with another exit code.
+template <typename Call>
+std::string refusal(Call call, Exit expected = Exit::law_refused) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, expected) << error.what();
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return {};
+}
+
+void expect_words(const std::string& message, std::initializer_list<const char*> words) {
+  for (const char* word : words) EXPECT_NE(message.find(word), std::string::npos) << word << " in: " << message;
+}
+
+std::vector<PropertySetting> elastic_properties() {
+  return {{"normal_stiffness", {82e9}, {}, {"scene.toml:3: joints.mortar.normal_stiffness"}},
+          {"shear_stiffness", {36e9}, {}, {"scene.toml:4: joints.mortar.shear_stiffness"}}};
+}
+
+TEST(Loader, FindsAShippedLawByName) {
+  const Law law = Law::find("elastic");
+  EXPECT_STREQ(law.law->id, "elastic");
+  EXPECT_EQ(law.state_index("no such state"), -1);
+  const Material material(law, elastic_properties());
+  EXPECT_EQ(material.number("normal_stiffness"), 82e9);
+  EXPECT_EQ(material.stiffness_bounds().shear, 36e9);
+  EXPECT_EQ(material.initial_state("bonded").size(), law.law->state_count);
+}
+
+TEST(Loader, LoadsFromAPathAndFromACopy) {
+  const std::string path = LawLibrary::load("elastic")->path();
+  EXPECT_NE(Law::find(path).law, nullptr);
+  const auto first = LawLibrary::load(path, true);
+  const auto second = LawLibrary::load(path, true);
+  EXPECT_NE(&first->info(), &second->info()) << "a copy must be a library of its own";
+  EXPECT_EQ(first->path(), path);
+}
+
+TEST(Loader, NamesEverythingThatItTried) {
+  expect_words(refusal([] { Law::find("no_such_law"); }), {"no_such_law", "tried", "laws/no_such_law.so", "elastic"});
+  expect_words(refusal([] { Law::find("./no_such_file.so"); }), {"./no_such_file.so", "no such file"});
+  expect_words(refusal([] { Law::find("/tmp/"); }), {"folder"});
+  expect_words(refusal([] { Law::find(""); }), {"no law was named"});
+}
+
+TEST(Loader, RefusesWhatIsNoLaw) {
+  const auto text = std::filesystem::temp_directory_path() / "quoin_loader_test.so";
+  std::ofstream(text) << "not a library\n";
+  expect_words(refusal([&] { Law::find(text.string()); }), {"dynamic loader", "shared library"});
+  std::filesystem::remove(text);
+}
+
+TEST(Loader, UnknownInitialStateNamesTheKnown) {
+  const Material material(Law::find("elastic"), elastic_properties());
+  expect_words(refusal([&] { material.initial_state("wet"); }, Exit::bad_input), {"wet", "elastic", "bonded"});
+}
+
+TEST(Loader, FaultsCarryTheirSource) {
+  auto settings = elastic_properties();
+  settings[0].numbers[0] = -1.0;
+  settings[1].numbers[0] = 0.0;
+  const std::string message = refusal([&] { Material(Law::find("elastic"), settings); });
+  expect_words(
+      message,
+      {"scene.toml:3: joints.mortar.normal_stiffness: ", "scene.toml:4: joints.mortar.shear_stiffness: ", "-1"});
+}
+
+TEST(Loader, ALaterSettingReplacesAnEarlierOne) {
+  auto settings = elastic_properties();
+  settings.push_back({"normal_stiffness", {1e9}, {}, {"--set"}});
+  EXPECT_EQ(Material(Law::find("elastic"), settings).number("normal_stiffness"), 1e9);
+}
+
+TEST(PropertyText, NumbersWordsAndTables) {
+  const Law law = Law::find("elastic");
+  EXPECT_EQ(parse_setting(*law.law, "normal_stiffness=8.2e10", {"--set"}).numbers, std::vector<double>{8.2e10});
+  expect_words(refusal([&] { parse_setting(*law.law, "normal_stiffness=8.2e10x", {"--set"}); }, Exit::bad_input),
+               {"--set normal_stiffness", "8.2e10x", "Pa/m"});
+  expect_words(refusal([&] { parse_setting(*law.law, "normal_stiffness", {"--set"}); }, Exit::usage), {"id=value"});
+  double value = 0.0;
+  EXPECT_TRUE(parse_number(" +1e3 ", value));
+  EXPECT_EQ(value, 1e3);
+  for (const char* wrong : {"", "1e", "1,0", "0x10", "one"}) EXPECT_FALSE(parse_number(wrong, value)) << wrong;
+}
+
+}  // namespace
+}  // namespace quoin

@@ -1,0 +1,190 @@
+// `quoin path` as a user calls it: tables in and out, path tests, and every kind of bad input.
+#include "cli/path_command.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "law/csv_table.h"
+#include "law/formula.h"
+#include "law/path_file.h"
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+class PathCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() / (std::string("quoin_path_") + test->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    const std::string file = (folder_ / name).string();
+    std::ofstream(file) << text;
+    return file;
+  }
+  std::string out() const { return (folder_ / "out.csv").string(); }
+
+  // Exit code as main would return it; the message of a refusal in message_.
+  int run(std::vector<std::string> words) {
+    CLI::App app;
+    int exit_code = 0;
+    message_.clear();
+    add_path_command(app, exit_code);
+    words.insert(words.begin(), "path");
+    std::reverse(words.begin(), words.end());  // CLI11 takes them back to front
+    try {
+      app.parse(words);
+    } catch (const CLI::ParseError& error) {
+      message_ = error.what();
+      return static_cast<int>(Exit::usage);
+    } catch (const Error& error) {
+      message_ = error.what();
+      return static_cast<int>(error.exit_code);
+    }
+    return exit_code;
+  }
+  int elastic(const std::string& jumps) {
+    return run({"--law", "elastic", "--set", "normal_stiffness=2e9", "--set", "shear_stiffness=1e9", "--jumps", jumps,
+                "--out", out()});
+  }
+
+  std::filesystem::path folder_;
+  std::string message_;
+};
+
+TEST_F(PathCommand, WritesOneRowPerIncrement) {
+  ASSERT_EQ(elastic(write("in.csv", "dn,ds,dt\n-1e-6,0,0\n-2e-6,1e-6,-3e-6\n")), 0) << message_;
+  std::ifstream stream(out());
+  std::string header;
+  std::getline(stream, header);
+  EXPECT_TRUE(header.starts_with("dn,ds,dt,sigma,tau_s,tau_t")) << header;
+  EXPECT_TRUE(header.ends_with(
+      "flags,energy_stored,dissipated_tension,dissipated_cohesion,dissipated_friction,dissipated_crushing,work"))
+      << header;
+  const CsvTable table = read_csv(out());
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_DOUBLE_EQ(table.rows[1][3], -4e3);
+  EXPECT_DOUBLE_EQ(table.rows[1][4], 1e3);
+  EXPECT_DOUBLE_EQ(table.rows[1][5], -3e3);
+  // kn dn^2/2 + ks (ds^2 + dt^2)/2: exact for the trapezoid of a straight line in the first step, and here because all
+  // is linear
+  EXPECT_NEAR(table.rows[1][table.column("work")], 0.5 * (4e3 * 2e-6 + 1e3 * 1e-6 + 3e3 * 3e-6), 1e-15);
+  EXPECT_NEAR(table.rows[1][table.column("energy_stored")], table.rows[1][table.column("work")], 1e-15);
+}
+
+TEST_F(PathCommand, NormalStressControl) {
+  ASSERT_EQ(elastic(write("in.csv", "sigma,ds,dt\n-1e6,0,0\n-1e6,1e-6,0\n")), 0) << message_;
+  const CsvTable table = read_csv(out());
+  EXPECT_NEAR(table.rows[1][0], -5e-4, 1e-13);
+  EXPECT_NEAR(table.rows[1][3], -1e6, 1e-4);
+}
+
+TEST_F(PathCommand, BadTablesNameFileLineAndValue) {
+  const auto refused = [&](const std::string& text, std::initializer_list<const char*> words) {
+    EXPECT_EQ(elastic(write("bad.csv", text)), 3) << text;
+    for (const char* word : words) EXPECT_NE(message_.find(word), std::string::npos) << word << " in: " << message_;
+    EXPECT_FALSE(std::filesystem::exists(out())) << "nothing may be written for bad input";
+  };
+  refused("dn,ds,dt\n0,0,0\n0,zero,0\n", {"bad.csv:3", "zero", "ds"});
+  refused("dn,ds,dt\n0,0\n", {"bad.csv:2", "2 values"});
+  refused("dn,ds,dt\n0,nan,0\n", {"bad.csv:2", "nan", "finite"});
+  refused("dn,ds,dt\n0,inf,0\n", {"bad.csv:2", "inf"});
+  refused("dn,ds\n0,0\n", {"bad.csv", "dn,ds,dt"});
+  refused("dn,ds,ds\n0,0,0\n", {"bad.csv:1", "twice"});
+  refused("dn,ds,dt\n", {"bad.csv", "no row"});
+  refused("", {"bad.csv", "empty"});
+  EXPECT_EQ(elastic((folder_ / "none.csv").string()), 3);
+  EXPECT_NE(message_.find("no such file"), std::string::npos);
+}
+
+TEST_F(PathCommand, UsageAndRefusalsHaveTheirExitCodes) {
+  const std::string jumps = write("in.csv", "dn,ds,dt\n0,0,0\n");
+  EXPECT_EQ(run({}), 2);
+  EXPECT_EQ(run({"--law", "elastic", "--jumps", jumps}), 2);
+  EXPECT_EQ(run({"--nonsense"}), 2);
+  EXPECT_EQ(run({"--law", "no_such_law", "--jumps", jumps, "--out", out()}), 4);
+  EXPECT_EQ(run({"--law", "elastic", "--set", "normal_stiffness=-1", "--set", "shear_stiffness=1", "--jumps", jumps,
+                 "--out", out()}),
+            4);
+  EXPECT_NE(message_.find("--set normal_stiffness"), std::string::npos) << message_;
+  EXPECT_EQ(run({"--law", "elastic", "--set", "normal_stiffness=x", "--jumps", jumps, "--out", out()}), 3);
+}
+
+constexpr char kElasticPath[] = R"(title = "Elastic"
+law = "elastic"
+let = ["twice = 2*kn"]
+plot = ["dn sigma"]
+[properties]
+normal_stiffness = 2e9
+shear_stiffness = 1e9
+[[point]]
+dn = 1e-6
+steps = 4
+along = ["sigma = kn*dn"]
+expect = [{check = "sigma = twice*dn/2", value = 2e3}, "tau_s = 0"]
+[[point]]
+ds = "1e-6*sin(pi/2*p)"
+dt = "1e-6*(1 - cos(pi/2*p))"
+steps = 10
+along = ["tau_s = ks*ds", {check = "tau <= 1.5*ks*1e-6"}]
+)";
+
+TEST_F(PathCommand, PathTestsPassAndFail) {
+  EXPECT_EQ(run({write("good.toml", kElasticPath)}), 0) << message_;
+  std::string wrong = kElasticPath;
+  wrong.replace(wrong.find("kn*dn\""), 6, "3*dn\"");
+  const PathOutcome outcome = run_path(read_path_file(write("wrong.toml", wrong)));
+  EXPECT_EQ(outcome.failures.size(), 4u);
+  EXPECT_EQ(run({write("wrong.toml", wrong)}), 5);
+}
+
+TEST_F(PathCommand, PlotsBesideTheClosedForm) {
+  EXPECT_EQ(run({write("good.toml", kElasticPath), "--plot", folder_.string()}), 0) << message_;
+  EXPECT_GT(std::filesystem::file_size(folder_ / "good.png"), 1000u);
+}
+
+TEST_F(PathCommand, BadPathFilesNameFileLineAndKey) {
+  const auto refused = [&](const std::string& from, const std::string& to, std::initializer_list<const char*> words) {
+    std::string text = kElasticPath;
+    const auto at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    EXPECT_EQ(run({write("bad.toml", text)}), 3) << to;
+    for (const char* word : words) EXPECT_NE(message_.find(word), std::string::npos) << word << " in: " << message_;
+  };
+  refused("steps = 4", "stepz = 4", {"bad.toml:10", "stepz"});
+  refused("steps = 4", "steps = 0.5", {"bad.toml:10", "0.5"});
+  refused("sigma = kn*dn", "sigma = kn*nonsense", {"bad.toml:11", "nonsense"});
+  refused("sigma = kn*dn", "sigma = kn*(dn", {"bad.toml:11", "')'"});
+  refused("sigma = kn*dn", "sigma : kn*dn", {"bad.toml:11", "quantity = formula"});
+  refused("tau_s = 0", "tension = 0", {"bad.toml:12", "tension"});
+  refused("dn = 1e-6", "dn = 1e-6\nsigma = 0.0", {"bad.toml:8", "not both"});
+  refused("law = \"elastic\"", "", {"bad.toml", "law is missing"});
+  refused("title = \"Elastic\"", "title = Elastic", {"bad.toml:1"});
+}
+
+TEST(Formula, Arithmetic) {
+  const Variables variables{{"x", 3.0}, {"y", -2.0}};
+  const auto value = [&](const char* text) { return Formula(text)(variables); };
+  EXPECT_EQ(value("1 + 2*x^2 - y"), 21.0);
+  EXPECT_EQ(value("-x^2"), -9.0);
+  EXPECT_EQ(value("2^3^2"), 512.0);
+  EXPECT_EQ(value("8/2/2"), 2.0);
+  EXPECT_EQ(value("if(x > y, max(x, y), 7)"), 3.0);
+  EXPECT_NEAR(value("tan(deg(45))"), 1.0, 1e-15);
+  EXPECT_THROW(Formula("1 +"), std::invalid_argument);
+  EXPECT_THROW(Formula("min(1)"), std::invalid_argument);
+  EXPECT_THROW(Formula("1 2"), std::invalid_argument);
+  EXPECT_THROW(value("z"), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace quoin
