@@ -1,0 +1,87 @@
+#include "geometry/broad_phase.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "scene/error.h"
+
+namespace quoin::geometry {
+
+std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
+  const int n = int(boxes.size());
+  std::vector<Pair> pairs;
+  if (n < 2) return pairs;
+  std::vector<double> extent(boxes.size());
+  Box all;
+  for (int i = 0; i < n; ++i) {
+    const Vector e = boxes[i].upper - boxes[i].lower;
+    extent[i] = std::max({e.x, e.y, e.z});
+    if (!std::isfinite(extent[i]))
+      throw Error(Exit::numerical, fmt::format("block {}: its position is not a number", i));
+    all.include(boxes[i].lower), all.include(boxes[i].upper);
+  }
+  // Cells as large as a typical large block: each box touches at most 8 cells; the few boxes beyond go another way.
+  std::vector<double> sorted = extent;
+  std::nth_element(sorted.begin(), sorted.begin() + n * 9 / 10, sorted.end());
+  const double cell = 1.01 * sorted[n * 9 / 10] + 1e-300;
+  const Vector span = all.upper - all.lower;
+  int64_t count[3];
+  for (int k = 0; k < 3; ++k) count[k] = std::min<int64_t>(int64_t(span[k] / cell) + 1, int64_t{1} << 20);
+  auto cell_of = [&](double x, int k) {
+    return std::clamp<int64_t>(int64_t((x - all.lower[k]) / cell), 0, count[k] - 1);
+  };
+
+  struct Entry {
+    int64_t key;
+    int32_t box;
+  };
+  std::vector<Entry> entries;
+  entries.reserve(size_t(n) * 4);
+  std::vector<int32_t> large;
+  for (int i = 0; i < n; ++i) {
+    int64_t lo[3], hi[3], cells = 1;
+    for (int k = 0; k < 3; ++k) {
+      lo[k] = cell_of(boxes[i].lower[k], k), hi[k] = cell_of(boxes[i].upper[k], k);
+      cells *= hi[k] - lo[k] + 1;
+    }
+    if (cells > 64) {
+      large.push_back(i);
+      continue;
+    }
+    for (int64_t z = lo[2]; z <= hi[2]; ++z) {
+      for (int64_t y = lo[1]; y <= hi[1]; ++y) {
+        for (int64_t x = lo[0]; x <= hi[0]; ++x) entries.push_back({(z * count[1] + y) * count[0] + x, i});
+      }
+    }
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.box < b.box; });
+  for (size_t begin = 0; begin < entries.size();) {
+    size_t end = begin;
+    while (end < entries.size() && entries[end].key == entries[begin].key) ++end;
+    for (size_t i = begin; i < end; ++i) {
+      for (size_t j = i + 1; j < end; ++j) {
+        const int32_t a = entries[i].box, b = entries[j].box;
+        if (!overlap(boxes[a], boxes[b])) continue;
+        // A pair that shares several cells is reported by the cell that holds the lower corner of the common box.
+        const Vector corner = max(boxes[a].lower, boxes[b].lower);
+        const int64_t home = (cell_of(corner.z, 2) * count[1] + cell_of(corner.y, 1)) * count[0] + cell_of(corner.x, 0);
+        if (home == entries[begin].key) pairs.push_back({a, b});
+      }
+    }
+    begin = end;
+  }
+  std::vector<bool> is_large(boxes.size(), false);
+  for (int32_t l : large) is_large[l] = true;
+  for (int32_t l : large) {
+    for (int32_t i = 0; i < n; ++i) {
+      if (i == l || (is_large[i] && i < l) || !overlap(boxes[i], boxes[l])) continue;
+      pairs.push_back({std::min(i, l), std::max(i, l)});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace quoin::geometry

@@ -1,0 +1,45 @@
+// Overlap of two faces projected onto their common plane, and quadrature points on it.
+#pragma once
+
+#include <vector>
+
+#include "geometry/vector.h"
+
+namespace quoin::geometry {
+
+struct Point2 {
+  double x, y;
+};
+using Polygon = std::vector<Point2>;  // convex, counter-clockwise
+
+double area(const Polygon& polygon);
+Point2 centroid(const Polygon& polygon);
+
+// Part of the convex polygon `subject` inside the convex polygon `window`, into `result`; empty when they do not
+// overlap. Corners closer than `tolerance` (m) are merged. `scratch` avoids allocations.
+void clip(const Polygon& subject, const Polygon& window, double tolerance, Polygon& result, Polygon& scratch);
+
+// A point and its share of the area.
+struct QuadraturePoint {
+  Point2 at;
+  double area;  // m2
+};
+
+// Every rule here: weights > 0, sum = area, linear functions exact (so constant stress gives the right force and
+// moment: the patch test). Points at the corners let a rocking block turn about its true edge.
+//   vertex_rule: corners only; a rectangle gets a quarter at each. Triangles get a third.
+//   cubic_rule:  fan about the centroid, 7 points a triangle (corners 1/20, mid-sides 2/15, centre 9/20), cubics exact,
+//   so
+//                the rotational stiffness of an elastic joint is exact too.
+//   grid_rule:   vertex rule on cells no longer than `spacing`, for stress profiles inside one joint. Quadrilaterals
+//   are
+//                divided like a brick's face, other polygons in a fan.
+void vertex_rule(const Polygon& polygon, std::vector<QuadraturePoint>& points);
+void cubic_rule(const Polygon& polygon, std::vector<QuadraturePoint>& points);
+void grid_rule(const Polygon& polygon, double spacing, std::vector<QuadraturePoint>& points);
+
+// Adds a point, or its area to a point that lies within `tolerance` already (from index `first` on); index of the
+// point.
+size_t add_merged(std::vector<QuadraturePoint>& points, size_t first, const QuadraturePoint& p, double tolerance);
+
+}  // namespace quoin::geometry

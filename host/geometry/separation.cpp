@@ -1,0 +1,116 @@
+#include "geometry/separation.h"
+
+namespace quoin::geometry {
+namespace {
+
+// Signed distance of the nearest vertex of `other` in front of the plane of a face.
+double face_distance(const Placed& p, int face, const Placed& other) {
+  const Vector n = p.normals[face];
+  const double offset = dot(n, p.vertices[p.shape->faces[face][0]]);
+  double least = 1e300;
+  const size_t count = other.shape->vertices.size();
+  for (size_t i = 0; i < count; ++i) least = std::min(least, dot(n, other.vertices[i]));
+  return least - offset;
+}
+
+struct Edge {
+  Vector point, direction;
+  Vector left, right;  // normals of its faces
+};
+Edge edge(const Placed& p, int i) {
+  const auto& e = p.shape->edges[i];
+  return {p.vertices[e.tail], p.vertices[e.head] - p.vertices[e.tail], p.normals[e.left], p.normals[e.right]};
+}
+
+// The edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere); only such pairs
+// can be the closest ones.
+bool arcs_cross(const Edge& a, const Edge& b) {
+  const Vector c = -b.left, d = -b.right;
+  const Vector ba = cross(a.right, a.left), dc = cross(d, c);
+  const double cba = dot(c, ba), dba = dot(d, ba), adc = dot(a.left, dc), bdc = dot(a.right, dc);
+  return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
+}
+
+bool edge_axis(const Placed& a, const Edge& ea, const Edge& eb, Separation& s) {
+  const Vector m = cross(ea.direction, eb.direction);
+  const double sine2 = dot(m, m), scale2 = dot(ea.direction, ea.direction) * dot(eb.direction, eb.direction);
+  if (sine2 < 1e-6 * scale2) return false;  // parallel: a face normal is as good
+  s.normal = m / std::sqrt(sine2);
+  if (dot(s.normal, ea.point - a.centre) < 0) s.normal = -s.normal;
+  s.distance = dot(s.normal, eb.point - ea.point);
+  s.feature = Separation::edges;
+  return true;
+}
+
+}  // namespace
+
+int facing(const Placed& p, const Vector& direction) {
+  int best = 0;
+  for (size_t f = 1; f < p.shape->faces.size(); ++f) {
+    // the margin keeps the choice among parallel candidates independent of rounding
+    if (dot(p.normals[f], direction) > dot(p.normals[best], direction) + 1e-9) best = int(f);
+  }
+  return best;
+}
+
+Separation separate(const Placed& a, const Placed& b, double stop_beyond, double preference,
+                    const Separation* previous) {
+  Separation kept;
+  kept.distance = -1e300;
+  if (previous != nullptr && previous->feature != Separation::none) {
+    kept = *previous;
+    if (kept.feature == Separation::face_of_a) {
+      kept.distance = face_distance(a, kept.index_a, b);
+      kept.normal = a.normals[kept.index_a];
+    } else if (kept.feature == Separation::face_of_b) {
+      kept.distance = face_distance(b, kept.index_b, a);
+      kept.normal = -b.normals[kept.index_b];
+    } else {
+      const Edge ea = edge(a, kept.index_a), eb = edge(b, kept.index_b);
+      if (!arcs_cross(ea, eb) || !edge_axis(a, ea, eb, kept)) kept.distance = -1e300, kept.feature = Separation::none;
+    }
+    if (kept.distance > stop_beyond) return kept;
+  }
+  Separation best;
+  best.distance = -1e300;
+  for (size_t f = 0; f < a.shape->faces.size(); ++f) {
+    const double d = face_distance(a, int(f), b);
+    if (d > best.distance) best = {Separation::face_of_a, int(f), -1, d, a.normals[f]};
+    if (d > stop_beyond) return best;
+  }
+  for (size_t f = 0; f < b.shape->faces.size(); ++f) {
+    const double d = face_distance(b, int(f), a);
+    const bool other_body = best.feature == Separation::face_of_a;
+    if (d > best.distance + (other_body ? preference : 0.0))
+      best = {Separation::face_of_b, -1, int(f), d, -b.normals[f]};
+    if (d > stop_beyond) return best;
+  }
+  Separation crossing;
+  crossing.distance = best.distance + preference;
+  bool found = false;
+  for (size_t i = 0; i < a.shape->edges.size(); ++i) {
+    const Edge ea = edge(a, int(i));
+    for (size_t j = 0; j < b.shape->edges.size(); ++j) {
+      const Edge eb = edge(b, int(j));
+      if (!arcs_cross(ea, eb)) continue;
+      Separation s;
+      if (!edge_axis(a, ea, eb, s) || s.distance <= crossing.distance) continue;
+      s.index_a = int(i), s.index_b = int(j);
+      crossing = s;
+      found = true;
+      if (s.distance > stop_beyond) return s;
+    }
+  }
+  if (found) best = crossing;
+  if (kept.feature != Separation::none && kept.distance >= best.distance - preference) return kept;
+  return best;
+}
+
+std::pair<Vector, Vector> closest_points(const Vector& p, const Vector& u, const Vector& q, const Vector& v) {
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
+  const Vector w = q - p;
+  const double a = (dot(w, u) * vv - dot(w, v) * uv) / det, b = (dot(w, u) * uv - dot(w, v) * uu) / det;
+  return {p + a * u, q + b * v};
+}
+
+}  // namespace quoin::geometry

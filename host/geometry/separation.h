@@ -1,0 +1,40 @@
+// Where two convex polyhedra touch, or how far they are apart: the separating axis of greatest separation, which is the
+// normal of 3DEC's common plane. Candidates are the face normals of both and the cross products of their edges.
+#pragma once
+
+#include "geometry/polyhedron.h"
+
+namespace quoin::geometry {
+
+// A polyhedron in space: the topology of a shape with the vertices and normals of the moment.
+struct Placed {
+  const ConvexPolyhedron* shape;
+  const Vector* vertices;  // m
+  const Vector* normals;   // outward
+  Vector centre;           // any inner point, m
+};
+inline Placed placed(const ConvexPolyhedron& s, const Vector& centre) {
+  return {&s, s.vertices.data(), s.normals.data(), centre};
+}
+
+struct Separation {
+  enum Feature : int { none = 0, face_of_a = 1, face_of_b = 2, edges = 3 };
+  Feature feature = none;
+  int index_a = -1, index_b = -1;  // face or edge; -1 for the body that offers no face
+  double distance = 0.0;           // along the normal, m; > 0 apart, < 0 overlapping
+  Vector normal;                   // unit, from a to b
+};
+
+// `previous` (same pair, an earlier time) is tried first: when it still separates by more than `stop_beyond` nothing
+// else is looked at, and between axes that agree within `preference` (m) the feature of `previous` is kept, then faces
+// before edges, so that the reference does not flicker. A positive distance is a lower bound of the true distance.
+Separation separate(const Placed& a, const Placed& b, double stop_beyond, double preference,
+                    const Separation* previous = nullptr);
+
+// Face of p whose outward normal is closest to `direction`.
+int facing(const Placed& p, const Vector& direction);
+
+// Points of two lines (point, direction) that are closest to each other.
+std::pair<Vector, Vector> closest_points(const Vector& p, const Vector& u, const Vector& q, const Vector& v);
+
+}  // namespace quoin::geometry

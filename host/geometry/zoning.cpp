@@ -1,0 +1,231 @@
+#include "geometry/zoning.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <optional>
+
+#include "scene/error.h"
+
+namespace quoin::geometry {
+namespace {
+
+// Corner i of the result is at bits (x, y, z) of i, as in geometry::box; nothing when the shape is not a six-sided
+// brick.
+std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
+  if (shape.vertices.size() != 8 || shape.faces.size() != 6 || shape.edges.size() != 12) return std::nullopt;
+  for (const auto& f : shape.faces) {
+    if (f.size() != 4) return std::nullopt;
+  }
+  std::array<std::vector<int>, 8> neighbours;
+  for (const auto& e : shape.edges) neighbours[e.tail].push_back(e.head), neighbours[e.head].push_back(e.tail);
+  for (const auto& nb : neighbours) {
+    if (nb.size() != 3) return std::nullopt;
+  }
+  auto common = [&](int a, int b, int other) {
+    for (int i : neighbours[a]) {
+      for (int j : neighbours[b]) {
+        if (i == j && i != other) return i;
+      }
+    }
+    return -1;
+  };
+  std::array<int, 8> c{};
+  c[0] = 0;
+  c[1] = neighbours[0][0], c[2] = neighbours[0][1], c[4] = neighbours[0][2];
+  const Vector &o = shape.vertices[c[0]], u = shape.vertices[c[1]] - o, v = shape.vertices[c[2]] - o,
+               w = shape.vertices[c[4]] - o;
+  if (dot(u, cross(v, w)) < 0) std::swap(c[1], c[2]);
+  c[3] = common(c[1], c[2], c[0]), c[5] = common(c[1], c[4], c[0]), c[6] = common(c[2], c[4], c[0]);
+  if (c[3] < 0 || c[5] < 0 || c[6] < 0) return std::nullopt;
+  c[7] = common(c[3], c[5], c[1]);
+  if (c[7] < 0) return std::nullopt;
+  return c;
+}
+
+int face_of_triangle(const ConvexPolyhedron& shape, const Vector& a, const Vector& b, const Vector& c, double size) {
+  for (size_t f = 0; f < shape.faces.size(); ++f) {
+    const Vector &n = shape.normals[f], &o = shape.vertices[shape.faces[f][0]];
+    const double worst = std::max({std::abs(dot(n, a - o)), std::abs(dot(n, b - o)), std::abs(dot(n, c - o))});
+    if (worst <= 3 * shape_tolerance * size && dot(n, cross(b - a, c - a)) > 0) return int(f);
+  }
+  return -1;
+}
+
+// Surface triangles are the zone faces that no second zone shares.
+void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m) {
+  const double size = longest_extent(shape.vertices);
+  std::map<std::array<int, 3>, std::array<int, 3>> open;
+  double sum = 0.0;
+  m.worst_quality = 1.0;
+  for (auto& t : m.zones) {
+    double volume =
+        dot(m.nodes[t[1]] - m.nodes[t[0]], cross(m.nodes[t[2]] - m.nodes[t[0]], m.nodes[t[3]] - m.nodes[t[0]])) / 6;
+    if (volume < 0) std::swap(t[2], t[3]), volume = -volume;
+    double squares = 0.0;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        const Vector e = m.nodes[t[i]] - m.nodes[t[j]];
+        squares += dot(e, e);
+        m.longest_edge = std::max(m.longest_edge, norm(e));
+      }
+    }
+    const double quality = 12 * std::cbrt(9 * volume * volume) / squares;
+    sum += quality;
+    m.worst_quality = std::min(m.worst_quality, quality);
+    for (const std::array<int, 3>& f : {std::array{t[0], t[2], t[1]}, std::array{t[0], t[1], t[3]},
+                                        std::array{t[1], t[2], t[3]}, std::array{t[2], t[0], t[3]}}) {
+      std::array<int, 3> key = f;
+      std::sort(key.begin(), key.end());
+      if (!open.emplace(key, f).second) open.erase(key);
+    }
+  }
+  m.mean_quality = sum / double(m.zones.size());
+  for (const auto& [key, f] : open) {
+    const int face = face_of_triangle(shape, m.nodes[f[0]], m.nodes[f[1]], m.nodes[f[2]], size);
+    if (face < 0) {
+      throw Error(Exit::bad_input, fmt::format("block {}: zoning failed near {} (a surface triangle lies on no face)",
+                                               name, place(m.nodes[f[0]])));
+    }
+    m.surface.push_back({f, face});
+  }
+}
+
+// Every zone into 8: the corners, and the inner octahedron along its shortest diagonal.
+void refine(Zoning& m) {
+  std::map<std::pair<int, int>, int> middle;
+  auto mid = [&](int a, int b) {
+    const auto [it, added] = middle.try_emplace({std::min(a, b), std::max(a, b)}, int(m.nodes.size()));
+    if (added) m.nodes.push_back(0.5 * (m.nodes[a] + m.nodes[b]));
+    return it->second;
+  };
+  std::vector<std::array<int, 4>> finer;
+  finer.reserve(8 * m.zones.size());
+  for (const auto& t : m.zones) {
+    const int ab = mid(t[0], t[1]), ac = mid(t[0], t[2]), ad = mid(t[0], t[3]);
+    const int bc = mid(t[1], t[2]), bd = mid(t[1], t[3]), cd = mid(t[2], t[3]);
+    finer.insert(finer.end(), {{t[0], ab, ac, ad}, {t[1], ab, bc, bd}, {t[2], ac, bc, cd}, {t[3], ad, bd, cd}});
+    const int diagonals[3][2] = {{ab, cd}, {ac, bd}, {ad, bc}};
+    const int rings[3][4] = {{ac, bc, bd, ad}, {ab, bc, cd, ad}, {ab, bd, cd, ac}};
+    int best = 0;
+    double length[3];
+    for (int k = 0; k < 3; ++k) {
+      length[k] = norm(m.nodes[diagonals[k][0]] - m.nodes[diagonals[k][1]]);
+      if (length[k] < length[best] * (1 - 1e-9)) best = k;
+    }
+    for (int k = 0; k < 4; ++k) {
+      finer.push_back({diagonals[best][0], diagonals[best][1], rings[best][k], rings[best][(k + 1) % 4]});
+    }
+  }
+  m.zones = std::move(finer);
+}
+
+}  // namespace
+
+Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int parity, const std::string& name) {
+  const auto corners = brick_corners(shape);
+  if (!corners || n[0] < 1 || n[1] < 1 || n[2] < 1) {
+    throw Error(Exit::bad_input,
+                fmt::format("block {}: divisions need a six-sided block of brick topology and positive counts", name));
+  }
+  Zoning m;
+  m.nodes = shape.vertices;
+  const int nx = n[0] + 1, ny = n[1] + 1, nz = n[2] + 1;
+  std::vector<int> id(size_t(nx) * ny * nz);
+  auto at = [&](int i, int j, int k) -> int& { return id[(size_t(k) * ny + j) * nx + i]; };
+  for (int k = 0; k < nz; ++k) {
+    for (int j = 0; j < ny; ++j) {
+      for (int i = 0; i < nx; ++i) {
+        const bool end[3] = {i == 0 || i == n[0], j == 0 || j == n[1], k == 0 || k == n[2]};
+        if (end[0] && end[1] && end[2]) {
+          at(i, j, k) = (*corners)[(i > 0 ? 1 : 0) + (j > 0 ? 2 : 0) + (k > 0 ? 4 : 0)];
+          continue;
+        }
+        const double x = double(i) / n[0], y = double(j) / n[1], z = double(k) / n[2];
+        Vector p;
+        for (int c = 0; c < 8; ++c) {
+          p += (c & 1 ? x : 1 - x) * (c & 2 ? y : 1 - y) * (c & 4 ? z : 1 - z) * shape.vertices[(*corners)[c]];
+        }
+        at(i, j, k) = int(m.nodes.size());
+        m.nodes.push_back(p);
+      }
+    }
+  }
+  for (int k = 0; k < n[2]; ++k) {
+    for (int j = 0; j < n[1]; ++j) {
+      for (int i = 0; i < n[0]; ++i) {
+        int c[8];
+        for (int b = 0; b < 8; ++b) c[b] = at(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
+        if ((i + j + k + parity) % 2 == 0) {  // four corners cut off, one inner tetrahedron
+          m.zones.insert(m.zones.end(), {{c[0], c[1], c[2], c[4]},
+                                         {c[3], c[2], c[1], c[7]},
+                                         {c[5], c[4], c[7], c[1]},
+                                         {c[6], c[7], c[4], c[2]},
+                                         {c[1], c[2], c[4], c[7]}});
+        } else {
+          m.zones.insert(m.zones.end(), {{c[1], c[0], c[3], c[5]},
+                                         {c[2], c[3], c[0], c[6]},
+                                         {c[4], c[5], c[6], c[0]},
+                                         {c[7], c[6], c[5], c[3]},
+                                         {c[0], c[3], c[5], c[6]}});
+        }
+      }
+    }
+  }
+  finish(shape, name, m);
+  return m;
+}
+
+Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::string& name) {
+  const double size = longest_extent(shape.vertices);
+  if (!(target_edge > 0))
+    throw Error(Exit::bad_input, fmt::format("block {}: zone edge {} m must be > 0", name, target_edge));
+  const double estimate = 10 * mass_properties(shape).volume / (target_edge * target_edge * target_edge);
+  if (estimate > 1e7) {
+    throw Error(Exit::bad_input,
+                fmt::format("block {}: zone edge {:.3g} m gives about {:.1e} zones, more than 1e7; take a larger "
+                            "edge",
+                            name, target_edge, estimate));
+  }
+  if (const auto c = brick_corners(shape)) {
+    std::array<int, 3> n{1, 1, 1};
+    for (int axis = 0; axis < 3; ++axis) {
+      double longest = 0.0;
+      for (int b = 0; b < 8; ++b) {
+        if (b >> axis & 1) continue;
+        longest = std::max(longest, norm(shape.vertices[(*c)[b]] - shape.vertices[(*c)[b | 1 << axis]]));
+      }
+      n[axis] = std::max(1, int(std::ceil(longest / target_edge - 1e-6)));
+    }
+    return make_brick_zones(shape, n, 0, name);
+  }
+  Zoning m;
+  m.nodes = shape.vertices;
+  const int centre = int(m.nodes.size());
+  m.nodes.push_back(mass_properties(shape).centroid);
+  for (size_t f = 0; f < shape.faces.size(); ++f) {
+    const auto& face = shape.faces[f];
+    if (face.size() == 3) {
+      m.zones.push_back({centre, face[0], face[1], face[2]});
+      continue;
+    }
+    const int middle = int(m.nodes.size());
+    m.nodes.push_back(face_centroid(shape, int(f)));
+    for (size_t i = 0; i < face.size(); ++i) m.zones.push_back({centre, middle, face[i], face[(i + 1) % face.size()]});
+  }
+  auto longest = [&] {
+    double l = 0.0;
+    for (const auto& t : m.zones) {
+      for (int i = 0; i < 4; ++i) {
+        for (int j = i + 1; j < 4; ++j) l = std::max(l, norm(m.nodes[t[i]] - m.nodes[t[j]]));
+      }
+    }
+    return l;
+  };
+  (void)size;
+  while (longest() > 1.5 * target_edge) refine(m);
+  finish(shape, name, m);
+  return m;
+}
+
+}  // namespace quoin::geometry

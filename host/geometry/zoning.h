@@ -1,0 +1,36 @@
+// Tetrahedral zoning of convex polyhedra.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "geometry/polyhedron.h"
+
+namespace quoin::geometry {
+
+struct Zoning {
+  std::vector<Vector> nodes;              // gridpoints, m; the first ones are the vertices of the shape, in order
+  std::vector<std::array<int, 4>> zones;  // positive volume
+  struct SurfaceTriangle {
+    std::array<int, 3> node;  // counter-clockwise seen from outside
+    int face;                 // of the shape
+  };
+  std::vector<SurfaceTriangle> surface;
+  double longest_edge = 0.0;  // m
+  // Mean-ratio quality 12 (3 V)^(2/3) / sum of squared edges: 1 for the regular tetrahedron, 0 for a flat one.
+  double worst_quality = 1.0, mean_quality = 1.0;
+};
+
+// Zones with edges not much longer than `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs,
+// wedges cut from them) are divided like a brick, n x m x k hexahedra of 5 zones; any other shape in a fan about its
+// centroid, then every zone into 8 until the longest edge is within the target. Throws Error(bad_input) when the target
+// is not positive or would give more than ten million zones.
+Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::string& name);
+
+// The same with given divisions for six-sided shapes: along the edges 0-1, 0-2, 0-4 of geometry::box. parity: which of
+// the two 5-zone patterns the first hexahedron has.
+Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> divisions, int parity,
+                        const std::string& name);
+
+}  // namespace quoin::geometry

@@ -1,0 +1,185 @@
+// Separation, overlap and quadrature, broad phase against closed forms and brute force.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <random>
+
+#include "geometry/broad_phase.h"
+#include "geometry/overlap.h"
+#include "geometry/separation.h"
+
+namespace quoin::geometry {
+namespace {
+
+ConvexPolyhedron moved(ConvexPolyhedron s, const Quaternion& q, const Vector& by) {
+  for (Vector& p : s.vertices) p = matrix(q) * p + by;
+  update_normals(s);
+  return s;
+}
+ConvexPolyhedron cube(double a) { return box({-a / 2, -a / 2, -a / 2}, {a, a, a}); }
+
+TEST(Separation, FaceFace) {
+  const auto a = cube(1), b = moved(cube(1), {}, {0.3, 1.02, 0.1});
+  const auto s = separate(placed(a, {}), placed(b, {0.3, 1.02, 0.1}), 1e9, 1e-6);
+  EXPECT_NE(s.feature, Separation::edges);
+  EXPECT_NEAR(s.distance, 0.02, 1e-14);
+  EXPECT_NEAR(s.normal.y, 1.0, 1e-15);
+}
+
+TEST(Separation, VertexOverFace) {
+  // A cube standing on its corner: body diagonal upright.
+  const Vector diagonal = normalized(Vector{1, 1, 1}), up{0, 1, 0};
+  const Vector axis = cross(diagonal, up);
+  const Quaternion q = rotation(std::asin(norm(axis)) * normalized(axis));
+  const double half = std::sqrt(3.0) / 2;
+  const auto floor = box({-5, -1, -5}, {10, 1, 10}), b = moved(cube(1), q, {0.2, half - 0.01, 0.4});
+  const auto s = separate(placed(floor, {0, -0.5, 0}), placed(b, {0.2, half - 0.01, 0.4}), 1e9, 1e-6);
+  EXPECT_EQ(s.feature, Separation::face_of_a);
+  EXPECT_NEAR(s.distance, -0.01, 1e-12);
+  EXPECT_NEAR(s.normal.y, 1.0, 1e-15);
+}
+
+TEST(Separation, CrossingEdges) {
+  // Two cubes, each with an edge towards the other, the edges at right angles.
+  const double h = std::sqrt(2.0) / 2, gap = 0.03;
+  const auto a = moved(cube(1), rotation({0, 0, std::numbers::pi / 4}), {0, -h, 0});  // ridge along z at the origin
+  const auto b = moved(cube(1), rotation({std::numbers::pi / 4, 0, 0}), {0, h + gap, 0});  // ridge along x
+  const auto s = separate(placed(a, {0, -h, 0}), placed(b, {0, h + gap, 0}), 1e9, 1e-6);
+  EXPECT_EQ(s.feature, Separation::edges);
+  EXPECT_NEAR(s.distance, gap, 1e-12);
+  EXPECT_NEAR(s.normal.y, 1.0, 1e-12);
+  const auto& ea = a.edges[s.index_a];
+  const auto& eb = b.edges[s.index_b];
+  const auto [p, q] = closest_points(a.vertices[ea.tail], a.vertices[ea.head] - a.vertices[ea.tail],
+                                     b.vertices[eb.tail], b.vertices[eb.head] - b.vertices[eb.tail]);
+  EXPECT_NEAR(norm(p), 0.0, 1e-12);
+  EXPECT_NEAR(norm(q - Vector{0, gap, 0}), 0.0, 1e-12);
+}
+
+// The separating-axis distance of random cubes against a brute-force scan of directions, and symmetry of the roles.
+TEST(Separation, RandomPairsAgreeWithScanOfDirections) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 40; ++round) {
+    auto any = [&] { return Vector{normal(random), normal(random), normal(random)}; };
+    const Vector at = 1.1 * normalized(any());
+    const auto a = moved(cube(1), rotation(any()), {}),
+               b = moved(box({-0.4, -0.3, -0.6}, {0.8, 0.6, 1.2}), rotation(any()), at);
+    const auto s = separate(placed(a, {}), placed(b, at), 1e9, 1e-9);
+    const auto r = separate(placed(b, at), placed(a, {}), 1e9, 1e-9);
+    EXPECT_NEAR(s.distance, r.distance, 1e-12);
+    EXPECT_NEAR(norm(s.normal + r.normal), 0.0, 1e-9);
+    auto along = [&](const Vector& n) {
+      double low = 1e9, high = -1e9;
+      for (const Vector& p : b.vertices) low = std::min(low, dot(n, p));
+      for (const Vector& p : a.vertices) high = std::max(high, dot(n, p));
+      return low - high;
+    };
+    EXPECT_NEAR(along(s.normal), s.distance, 1e-12);
+    if (s.distance > 0) continue;  // apart, a vertex pair may be the closest: then the value is a lower bound
+    for (int k = 0; k < 4000; ++k) EXPECT_LE(along(normalized(any())), s.distance + 1e-12);
+  }
+}
+
+TEST(Separation, KeepsTheReferenceBetweenEqualAxes) {
+  const auto a = cube(1), b = moved(cube(1), {}, {0, 0.9999, 0});
+  const auto first = separate(placed(a, {}), placed(b, {0, 0.9999, 0}), 1e9, 1e-3);
+  const auto tilted = moved(cube(1), rotation({0, 0, 1e-4}), {0, 0.99995, 0});
+  const auto second = separate(placed(a, {}), placed(tilted, {0, 0.99995, 0}), 1e9, 1e-3, &first);
+  EXPECT_EQ(first.feature, second.feature);
+  EXPECT_EQ(first.index_a, second.index_a);
+}
+
+double integral(const std::vector<QuadraturePoint>& points, int i, int j) {
+  double sum = 0;
+  for (const auto& q : points) sum += q.area * std::pow(q.at.x, i) * std::pow(q.at.y, j);
+  return sum;
+}
+// Exact integral of x^i y^j, i + j <= 3, over a polygon by Gauss points of degree 5 on its fan.
+double exact(const Polygon& p, int i, int j) {
+  const double a = 0.797426985353087, b = 0.101286507323456, c = 0.059715871789770, d = 0.470142064105115;
+  double sum = 0;
+  for (size_t k = 1; k + 1 < p.size(); ++k) {
+    const Point2 u = p[0], v = p[k], w = p[k + 1];
+    const double s = 0.5 * ((v.x - u.x) * (w.y - u.y) - (v.y - u.y) * (w.x - u.x));
+    auto add = [&](double l, double m, double n, double weight) {
+      sum += s * weight * std::pow(l * u.x + m * v.x + n * w.x, i) * std::pow(l * u.y + m * v.y + n * w.y, j);
+    };
+    add(1. / 3, 1. / 3, 1. / 3, 0.225);
+    for (auto [l, m, weight] : {std::tuple{a, b, 0.125939180544827}, {c, d, 0.132394152788506}}) {
+      add(l, m, m, weight), add(m, l, m, weight), add(m, m, l, weight);
+    }
+  }
+  return sum;
+}
+
+TEST(Overlap, ClosedForms) {
+  const Polygon unit{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  Polygon result, scratch;
+  clip(unit, {{0.25, -1}, {2, -1}, {2, 0.5}, {0.25, 0.5}}, 1e-9, result, scratch);
+  EXPECT_NEAR(area(result), 0.375, 1e-15);
+  EXPECT_NEAR(centroid(result).x, 0.625, 1e-15);
+  const double r = std::sqrt(0.5);  // square turned by 45 degrees about the same centre: regular octagon
+  clip(unit, {{0.5 - r, 0.5}, {0.5, 0.5 - r}, {0.5 + r, 0.5}, {0.5, 0.5 + r}}, 1e-9, result, scratch);
+  EXPECT_EQ(result.size(), 8u);
+  EXPECT_NEAR(area(result), 2 * std::sqrt(2.0) - 2, 1e-14);
+  clip(unit, {{1, 0}, {2, 0}, {2, 1}, {1, 1}}, 1e-9, result, scratch);
+  EXPECT_TRUE(result.empty());
+  clip(unit, unit, 1e-9, result, scratch);
+  EXPECT_EQ(result.size(), 4u);
+  EXPECT_NEAR(area(result), 1.0, 1e-15);
+}
+
+TEST(Overlap, RulesArePositiveAndExact) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> angle(0, 2 * std::numbers::pi);
+  for (int n = 3; n < 9; ++n) {
+    std::vector<double> a;
+    for (int i = 0; i < n; ++i) a.push_back(angle(random));
+    std::sort(a.begin(), a.end());
+    Polygon p;
+    for (double t : a) p.push_back({0.3 + 0.5 * std::cos(t), -0.2 + 0.7 * std::sin(t)});
+    if (area(p) < 0.05) continue;
+    for (int rule = 0; rule < 4; ++rule) {
+      std::vector<QuadraturePoint> points;
+      if (rule == 0) vertex_rule(p, points);
+      if (rule == 1) cubic_rule(p, points);
+      if (rule == 2) grid_rule(p, 0.2, points);
+      if (rule == 3) grid_rule(p, 10, points);
+      for (const auto& q : points) EXPECT_GT(q.area, 0.0);
+      for (int i = 0; i <= 3; ++i) {
+        for (int j = 0; i + j <= (rule == 1 ? 3 : 1); ++j)
+          EXPECT_NEAR(integral(points, i, j), exact(p, i, j), 1e-13) << n << rule;
+      }
+    }
+  }
+  std::vector<QuadraturePoint> points;
+  vertex_rule({{0, 0}, {2, 0}, {2, 1}, {0, 1}}, points);
+  for (const auto& q : points) EXPECT_NEAR(q.area, 0.5, 1e-15);
+  points.clear();
+  grid_rule({{0, 0}, {2, 0}, {2, 1}, {0, 1}}, 0.5, points);
+  EXPECT_EQ(points.size(), 15u);
+}
+
+TEST(BroadPhase, AgreesWithBruteForce) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(0, 1);
+  std::vector<Box> boxes;
+  for (int i = 0; i < 2000; ++i) {
+    const Vector p{10 * u(random), 4 * u(random), 2 * u(random)};
+    const double size = i % 500 == 3 ? 9.0 : 0.1 + 0.3 * u(random);
+    boxes.push_back({p, p + Vector{size, 0.5 * size, size * u(random)}});
+  }
+  std::vector<Pair> brute;
+  for (int i = 0; i < 2000; ++i) {
+    for (int j = i + 1; j < 2000; ++j) {
+      if (overlap(boxes[i], boxes[j])) brute.push_back({i, j});
+    }
+  }
+  const auto pairs = overlapping_pairs(boxes);
+  EXPECT_GT(pairs.size(), 3000u);
+  EXPECT_EQ(pairs, brute);
+}
+
+}  // namespace
+}  // namespace quoin::geometry

@@ -1,0 +1,227 @@
+// Shapes, mass properties, validation, zoning and mesh files against closed forms.
+#include "geometry/polyhedron.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "geometry/mesh_file.h"
+#include "geometry/zoning.h"
+#include "scene/error.h"
+
+namespace quoin::geometry {
+namespace {
+
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "not refused";
+}
+
+ConvexPolyhedron octahedron(double a) {
+  return from_vertices({{a, 0, 0}, {-a, 0, 0}, {0, a, 0}, {0, -a, 0}, {0, 0, a}, {0, 0, -a}}, "octahedron");
+}
+
+ConvexPolyhedron prism(int sides, double radius, double height) {
+  std::vector<Vector> p;
+  for (int i = 0; i < sides; ++i) {
+    const double a = 2 * std::numbers::pi * i / sides;
+    for (double z : {0.0, height}) p.push_back({radius * std::cos(a), radius * std::sin(a), z});
+  }
+  return from_vertices(p, "prism");
+}
+
+TEST(Polyhedron, HullOfBoxHasSixQuadrilaterals) {
+  std::vector<Vector> p = box({1, 2, 3}, {0.4, 0.175, 0.2}).vertices;
+  p.push_back({1.2, 2.1, 3.1});  // inside
+  p.push_back({1.2, 2.0, 3.1});  // on a face
+  p.push_back({1.2, 2.0, 3.0});  // on an edge
+  std::shuffle(p.begin(), p.end(), std::mt19937(7));
+  const ConvexPolyhedron s = from_vertices(p, "b");
+  EXPECT_EQ(s.vertices.size(), 8u);
+  ASSERT_EQ(s.faces.size(), 6u);
+  EXPECT_EQ(s.edges.size(), 12u);
+  for (const auto& f : s.faces) EXPECT_EQ(f.size(), 4u);
+}
+
+TEST(Polyhedron, PrismsOfManySides) {
+  for (int n : {3, 5, 8, 17, 40}) {
+    const ConvexPolyhedron s = prism(n, 0.5, 2.0);
+    EXPECT_EQ(s.faces.size(), size_t(n) + 2);
+    const double base = 0.5 * n * 0.25 * std::sin(2 * std::numbers::pi / n);
+    EXPECT_NEAR(mass_properties(s).volume, 2 * base, 1e-12);
+    EXPECT_NEAR(norm(mass_properties(s).centroid - Vector{0, 0, 1}), 0.0, 1e-12);
+  }
+}
+
+TEST(Polyhedron, MassPropertiesOfBoxAndOctahedron) {
+  const auto m = mass_properties(box({-3, 1, 10}, {2, 3, 5}));
+  EXPECT_NEAR(m.volume, 30.0, 1e-12);
+  EXPECT_NEAR(norm(m.centroid - Vector{-2, 2.5, 12.5}), 0.0, 1e-13);
+  EXPECT_NEAR(m.inertia.row[0].x, 30.0 * (9 + 25) / 12, 1e-10);
+  EXPECT_NEAR(m.inertia.row[1].y, 30.0 * (4 + 25) / 12, 1e-10);
+  EXPECT_NEAR(m.inertia.row[2].z, 30.0 * (4 + 9) / 12, 1e-10);
+  EXPECT_NEAR(m.inertia.row[0].y, 0.0, 1e-10);
+  const double a = 0.7, v = 4.0 / 3 * a * a * a;  // regular octahedron: I = m a^2 / 5
+  const auto o = mass_properties(octahedron(a));
+  EXPECT_NEAR(o.volume, v, 1e-14);
+  EXPECT_NEAR(o.inertia.row[0].x, v * a * a / 5, 1e-14);
+  EXPECT_NEAR(o.inertia.row[2].z, v * a * a / 5, 1e-14);
+}
+
+TEST(Polyhedron, RandomHullsAreConvexAndClosed) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int round = 0; round < 50; ++round) {
+    std::vector<Vector> p;
+    for (int i = 0; i < 30; ++i) p.push_back({normal(random), normal(random), normal(random)});
+    const ConvexPolyhedron s = from_vertices(p, "random");
+    EXPECT_EQ(s.vertices.size() + s.faces.size(), s.edges.size() + 2);
+    Vector closed;
+    for (size_t f = 0; f < s.faces.size(); ++f) {
+      closed += face_area(s, int(f)) * s.normals[f];
+      for (const Vector& q : p) EXPECT_LE(dot(q - s.vertices[s.faces[f][0]], s.normals[f]), 1e-5);
+    }
+    EXPECT_LT(norm(closed), 1e-12);
+  }
+}
+
+TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
+  const ConvexPolyhedron b = box({0, 0, 0}, {1, 1, 1});
+  EXPECT_NE(refusal([] {
+              from_vertices({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, "k7");
+            }).find("block k7: has 3 vertices"),
+            std::string::npos);
+  EXPECT_NE(refusal([] {
+              from_vertices({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, "flat");
+            }).find("one plane"),
+            std::string::npos);
+  EXPECT_NE(refusal([] {
+              from_vertices({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, "line");
+            }).find("one line"),
+            std::string::npos);
+  EXPECT_NE(refusal([] {
+              from_vertices({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, std::nan("")}}, "n");
+            }).find("vertex 3 is not a number"),
+            std::string::npos);
+  auto faces = b.faces;
+  std::swap(faces[2][1], faces[2][3]);  // one face inverted
+  EXPECT_NE(refusal([&] { from_faces(b.vertices, faces, "one"); }).find("inverted"), std::string::npos);
+  faces = b.faces;
+  for (auto& f : faces) std::reverse(f.begin(), f.end());
+  EXPECT_NE(refusal([&] { from_faces(b.vertices, faces, "all"); }).find("block all: is inverted"), std::string::npos);
+  faces = b.faces;
+  faces.pop_back();
+  EXPECT_NE(refusal([&] { from_faces(b.vertices, faces, "open"); }).find("surface is open"), std::string::npos);
+  auto vertices = b.vertices;
+  vertices[7] = {1.2, 1.1, 1};  // warps two faces
+  EXPECT_NE(refusal([&] { from_faces(vertices, b.faces, "warped"); }).find("not planar"), std::string::npos);
+  // An L-shaped prism: closed and planar, but not convex.
+  std::vector<Vector> l;
+  for (double z : {0.0, 1.0}) {
+    for (auto [x, y] : {std::pair{0., 0.}, {2., 0.}, {2., 1.}, {1., 1.}, {1., 2.}, {0., 2.}}) l.push_back({x, y, z});
+  }
+  std::vector<std::vector<int>> lf = {{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}};
+  for (int i = 0; i < 6; ++i) lf.push_back({i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i});
+  const std::string text = refusal([&] { from_faces(l, lf, "L"); });
+  EXPECT_NE(text.find("block L: is not convex: vertex"), std::string::npos) << text;
+}
+
+TEST(Zoning, FillsTheVolumeAndCoversTheSurface) {
+  const struct {
+    ConvexPolyhedron shape;
+    double edge, worst_allowed;
+  } cases[] = {{box({0, 0, 0}, {0.4, 0.2, 0.1}), 0.1, 0.7},
+               {octahedron(1.0), 0.4, 0.1},
+               {prism(7, 0.5, 1.0), 0.25, 0.1},
+               {from_vertices({{0, 0, 0}, {1, 0, 0}, {0.2, 0.9, 0.1}, {0.3, 0.2, 0.8}}, "tet"), 0.3, 0.2},
+               // voussoir: brick topology, not a box
+               {from_vertices({{0, 1, 0},
+                               {0, 1.2, 0},
+                               {0.5, 0.9, 0},
+                               {0.6, 1.08, 0},
+                               {0, 1, 1},
+                               {0, 1.2, 1},
+                               {0.5, 0.9, 1},
+                               {0.6, 1.08, 1}},
+                              "v"),
+                0.2, 0.2}};
+  for (const auto& c : cases) {
+    const Zoning z = make_zones(c.shape, c.edge, "block");
+    double volume = 0.0;
+    for (const auto& t : z.zones) {
+      const double v =
+          dot(z.nodes[t[1]] - z.nodes[t[0]], cross(z.nodes[t[2]] - z.nodes[t[0]], z.nodes[t[3]] - z.nodes[t[0]])) / 6;
+      EXPECT_GT(v, 0.0);
+      volume += v;
+    }
+    EXPECT_NEAR(volume, mass_properties(c.shape).volume, 1e-9);
+    std::vector<double> covered(c.shape.faces.size(), 0.0);
+    for (const auto& t : z.surface) {
+      const Vector m = cross(z.nodes[t.node[1]] - z.nodes[t.node[0]], z.nodes[t.node[2]] - z.nodes[t.node[0]]);
+      EXPECT_GT(dot(m, c.shape.normals[t.face]), 0.0);
+      covered[t.face] += norm(m) / 2;
+    }
+    for (size_t f = 0; f < covered.size(); ++f) EXPECT_NEAR(covered[f], face_area(c.shape, int(f)), 1e-9);
+    EXPECT_LE(z.longest_edge, 2.0 * c.edge);
+    EXPECT_GT(z.worst_quality, c.worst_allowed);
+    for (size_t i = 0; i < c.shape.vertices.size(); ++i) EXPECT_EQ(norm(z.nodes[i] - c.shape.vertices[i]), 0.0);
+  }
+  EXPECT_NE(refusal([] { make_zones(box({0, 0, 0}, {1, 1, 1}), -1, "q"); }).find("block q"), std::string::npos);
+  EXPECT_NE(refusal([] { make_zones(box({0, 0, 0}, {1, 1, 1}), 1e-4, "q"); }).find("more than 1e7"), std::string::npos);
+}
+
+TEST(MeshFile, OffObjAndStl) {
+  const std::string folder = ::testing::TempDir();
+  const ConvexPolyhedron b = box({0, 0, 0}, {2, 1, 1});
+  {
+    std::ofstream off(folder + "b.off");
+    off << "OFF\n# a box\n8 6 0\n";
+    for (const Vector& p : b.vertices) off << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    for (const auto& f : b.faces) off << "4 " << f[0] << ' ' << f[1] << ' ' << f[2] << ' ' << f[3] << '\n';
+    std::ofstream(folder + "b.obj") << to_obj({{"first", b}, {"second", box({5, 0, 0}, {1, 1, 1})}});
+    std::ofstream stl(folder + "b.stl");
+    stl << "solid brick\n";
+    std::string binary(84, ' ');
+    uint32_t count = 0;
+    for (const auto& f : b.faces) {
+      for (int i = 1; i < 3; ++i) {
+        stl << "facet normal 0 0 0\nouter loop\n";
+        float record[12] = {};
+        int k = 3;
+        for (int c : {f[0], f[i], f[i + 1]}) {
+          const Vector& p = b.vertices[c];
+          stl << "vertex " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+          for (int a = 0; a < 3; ++a) record[k++] = float(p[a]);
+        }
+        stl << "endloop\nendfacet\n";
+        binary.append(reinterpret_cast<const char*>(record), 48).append(2, '\0');
+        ++count;
+      }
+    }
+    stl << "endsolid brick\n";
+    std::memcpy(binary.data() + 80, &count, 4);
+    std::ofstream(folder + "binary.stl", std::ios::binary) << binary;
+  }
+  for (const char* file : {"b.off", "b.obj", "b.stl", "binary.stl"}) {
+    const auto shapes = read_mesh_file(folder + file, 0.001);
+    ASSERT_FALSE(shapes.empty()) << file;
+    EXPECT_EQ(shapes[0].shape.faces.size(), 6u) << file;
+    EXPECT_NEAR(mass_properties(shapes[0].shape).volume, 2e-9, 1e-18) << file;
+  }
+  EXPECT_EQ(read_mesh_file(folder + "b.obj").size(), 2u);
+  EXPECT_EQ(read_mesh_file(folder + "b.obj")[1].name, "second");
+  std::ofstream(folder + "bad.off") << "OFF\n4 4 0\n0 0 0\n1 0 x\n";
+  EXPECT_NE(refusal([&] { read_mesh_file(folder + "bad.off"); }).find("bad.off:4: 'x' is not a number"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { read_mesh_file(folder + "none.ply"); }).find("cannot be opened"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace quoin::geometry
