@@ -1,0 +1,409 @@
+// The fracture-energy contact law, top to bottom as in LAW.md: softening, tension, closed, shear, energies, tangent.
+// One vector lane is one contact point. Symbols are LAW.md's; all in SI units, sigma > 0 is tension, d_n > 0 opens.
+#if defined(QUOIN_FRACTURE_ENERGY_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_FRACTURE_ENERGY_EQUATIONS_H
+#undef QUOIN_FRACTURE_ENERGY_EQUATIONS_H
+#else
+#define QUOIN_FRACTURE_ENERGY_EQUATIONS_H
+#endif
+
+#include "fracture_energy/parameters.h"
+#include "fracture_energy/root.h"
+#include "fracture_energy/softening.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::fracture_energy::HWY_NAMESPACE {
+using namespace quoin::shim::HWY_NAMESPACE;
+
+// Parameters of each lane's point: one material's everywhere, or made from property columns.
+struct Lanes {
+  V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr;
+  V u0;          // elastic opening at ft
+  V lt, inv_lt;  // kappa grows by lt per unit of xi
+  V su, inv_su;  // slip per unit of xi_s
+  V wu, inv_wu;  // plastic closure per unit of F's argument
+  // A mode without strength drop completes at its first movement: what xi jumps to, else 0.
+  V xi_at_first_opening, xi_at_first_slip;
+  V end;         // f(xi >= end) = 0
+  M admissible;  // no snap-back (LAW.md, statement 6); false only for columns
+
+  HWY_INLINE Lanes(const Parameters& p, V kn_, V ks_, V ft_, V c0_, V cr_, V mu0_, V mur_, V tan_psi_, V fc_, V fcr_,
+                   V G1, V G2, V Gc)
+      : kn(kn_), ks(ks_), ft(ft_), c0(c0_), cr(cr_), mu0(mu0_), mur(mur_), tan_psi(tan_psi_), fc(fc_), fcr(fcr_) {
+    const V A = splat(p.A), m = splat(p.slope), one = splat(1.0), half = splat(0.5);
+    const M drops_t = hn::Gt(ft, zero()), drops_s = hn::Gt(c0, cr);
+    const M finite_fc = hn::Lt(fc, splat(HUGE_VAL)), drops_c = hn::And(finite_fc, hn::Gt(fc, fcr));
+    end = splat(p.end);
+    u0 = hn::Div(ft, kn);
+    lt = hn::IfThenElseZero(drops_t, hn::Div(hn::NegMulAdd(hn::Mul(half, ft), u0, G1), hn::Mul(ft, A)));
+    inv_lt = hn::IfThenElseZero(drops_t, hn::Div(one, lt));
+    const V cohesion_drop = hn::Sub(c0, cr);
+    su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(cohesion_drop, A)));
+    inv_su = hn::IfThenElseZero(drops_s, hn::Div(one, su));
+    const V crushing_drop = hn::Sub(fc, fcr);
+    wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(crushing_drop, A)));
+    inv_wu = hn::IfThenElseZero(drops_c, hn::Div(one, wu));
+    xi_at_first_opening = hn::IfThenZeroElse(drops_t, end);
+    xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
+    const V P = hn::IfThenElseZero(finite_fc, fc);
+    const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, hn::Sub(mu0, mur), cohesion_drop)));
+    admissible = hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero()));
+    admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
+    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
+    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, crushing_drop)), hn::Not(drops_c)));
+    const V smallest = hn::Min(hn::Min(ft, cr), hn::Min(hn::Min(mur, tan_psi), fcr));
+    admissible = hn::And(admissible, hn::Ge(smallest, zero()));
+    admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
+    admissible = hn::And(admissible, hn::And(hn::Le(cr, c0), hn::Le(fcr, fc)));
+  }
+};
+
+// LAW.md, "State".
+struct State {
+  V xi_t, xi_s, w, v;
+  V tau_s, tau_t;
+};
+
+struct Increment {
+  V d_n;       // total, at the end of the step
+  V d_s, d_t;  // sliding over the step
+};
+
+struct Result {
+  State state;
+  V sigma;
+  V slip;  // over the step, >= 0
+  V e;     // effective opening
+  M open, opens, slips, crushes;
+};
+
+struct Energies {
+  V stored, tension, cohesion, friction, crushing;
+};
+
+struct Tangent {
+  V entry[9];
+};
+
+// Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
+inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
+
+template <class Softening, bool kShared, bool kCrushing, bool kDilation>
+struct Equations {
+  const Lanes& p;
+  const Softening f;
+
+  // ---- Tension, e > 0 -------------------------------------------------------------------------------------------
+
+  HWY_INLINE V kappa(V xi) const { return hn::MulAdd(xi, p.lt, p.u0); }
+
+  // Secant stiffness ft f/kappa, written so that it is exactly kn at xi = 0; 0 where ft = 0.
+  HWY_INLINE V secant(V xi) const {
+    const V ratio = hn::Div(hn::Mul(f.factor(xi), p.u0), kappa(xi));
+    return hn::IfThenElseZero(hn::Gt(p.ft, zero()), hn::Mul(p.kn, ratio));
+  }
+  HWY_INLINE V secant_slope(V xi) const {  // d secant / d xi
+    const V k = kappa(xi);
+    const V top = hn::Sub(hn::Mul(f.slope(xi), k), hn::Mul(f.factor(xi), p.lt));
+    return hn::IfThenElseZero(hn::Gt(p.ft, zero()), hn::Div(hn::Mul(p.ft, top), hn::Mul(k, k)));
+  }
+
+  // ---- Closed, e <= 0 -------------------------------------------------------------------------------------------
+
+  HWY_INLINE V crushing_strength(V w) const {  // F(w)
+    return hn::MulAdd(hn::Sub(p.fc, p.fcr), f.factor(hn::Mul(w, p.inv_wu)), p.fcr);
+  }
+  HWY_INLINE V crushing_slope(V w) const {  // dF/dw <= 0
+    return hn::Mul(hn::Mul(hn::Sub(p.fc, p.fcr), p.inv_wu), f.slope(hn::Mul(w, p.inv_wu)));
+  }
+
+  HWY_INLINE V overstress(V d_n_less_v, V w) const {
+    return hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, w))), crushing_strength(w));
+  }
+  // w at which the elastic stress is -F(w). Out of line: rare, and it keeps the common path small.
+  HWY_NOINLINE V crushing_closure(const M& crushes, const V& d_n_less_v, const V& w_old, const V& tolerance) const {
+    // F >= fcr, so that w cannot pass the closure at which the elastic stress is fcr.
+    const V highest = hn::Neg(hn::Add(d_n_less_v, hn::Div(p.fcr, p.kn)));
+    const V w = find_root(crushes, w_old, hn::Max(w_old, highest), hn::Mul(splat(0.25), tolerance),
+                          [&](V x, V& value, V& slope) {
+                            value = overstress(d_n_less_v, x);
+                            slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));
+                          });
+    return select(crushes, hn::Max(w, w_old), w_old);
+  }
+
+  struct Closed {
+    V sigma, w;
+    M crushes;
+  };
+  // sigma = kn (d_n + w - v), never below -F(w); w grows from w_old until it is not.
+  HWY_INLINE Closed closed(M where, V d_n_less_v, V w_old, V tolerance) const {
+    Closed c{hn::Mul(p.kn, hn::Add(d_n_less_v, w_old)), w_old, hn::MaskFromVec(zero())};
+    if constexpr (kCrushing) {
+      c.crushes = hn::And(where, hn::Gt(overstress(d_n_less_v, w_old), tolerance));
+      if (!none(c.crushes)) {
+        c.w = crushing_closure(c.crushes, d_n_less_v, w_old, tolerance);
+      }
+      c.sigma = hn::Max(hn::Mul(p.kn, hn::Add(d_n_less_v, c.w)), hn::Neg(crushing_strength(c.w)));
+    }
+    return c;
+  }
+  HWY_INLINE V closed_slope(const Closed& c) const {  // d sigma / d d_n
+    if constexpr (!kCrushing) return p.kn;
+    const V soft = crushing_slope(c.w);
+    return select(c.crushes, hn::Div(hn::Mul(p.kn, soft), hn::Add(p.kn, soft)), p.kn);
+  }
+
+  // ---- Shear ----------------------------------------------------------------------------------------------------
+
+  // Everything that depends on the slip of this step, at its end.
+  struct AtSlip {
+    V xi_s, v, w, sigma, S;
+    M crushes;
+    // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
+    V sigma_slip, sigma_n, S_slip, S_n;
+  };
+
+  struct Step {
+    V d_n, w_old, v_old;
+    V e;           // with the old w and v
+    V xi_t, xi_s;  // after the opening of this step
+    V xi_t_by_n;   // d xi_t / d d_n of that opening
+    V tolerance;   // stress, Pa
+    M open;
+    Closed normal;  // with the old v
+  };
+
+  // Joint solution for a given slip: xi_s, dilation uplift v, crushing w, sigma and the strength S, all at final
+  // values.
+  template <bool kSlopes>
+  HWY_INLINE AtSlip at_slip(const Step& step, V slip) const {
+    return at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, step.xi_s));
+  }
+  template <bool kSlopes>
+  HWY_INLINE AtSlip at_xi(const Step& step, V xi_s) const {
+    AtSlip a;
+    a.xi_s = xi_s;
+    const V factor = f.factor(a.xi_s);
+    const V damage = hn::Sub(splat(1.0), factor);
+    const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), damage, p.mu0);
+    const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr));
+
+    a.v = step.v_old;
+    Closed c = step.normal;
+    if constexpr (kDilation) {
+      const V uplift = hn::Mul(hn::Mul(p.tan_psi, p.su), f.area(step.xi_s, a.xi_s));
+      a.v = select(step.open, step.v_old, hn::Add(step.v_old, uplift));
+      c = closed(hn::Not(step.open), hn::Sub(step.d_n, a.v), step.w_old, step.tolerance);
+    }
+    const V xi = kShared ? a.xi_s : step.xi_t;
+    const V K = secant(xi);
+    a.w = c.w;
+    a.crushes = c.crushes;
+    a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
+    const V S = hn::NegMulAdd(a.sigma, mu, cohesion);  // tension reduces S: Coulomb's line continues to its apex
+    a.S = positive_part(S);
+
+    if constexpr (kSlopes) {
+      const V df = f.slope(a.xi_s);
+      const V mu_xi = hn::Mul(hn::Sub(p.mu0, p.mur), df);
+      const V cohesion_xi = hn::Mul(select(step.open, p.c0, hn::Sub(p.c0, p.cr)), df);
+      const V K_xi = hn::Mul(secant_slope(xi), step.e);
+      const V stiffness = closed_slope(c);
+      V uplift_slope = zero();
+      if constexpr (kDilation) uplift_slope = hn::Mul(p.tan_psi, factor);
+      const V sigma_slip_open = kShared ? hn::Mul(K_xi, p.inv_su) : zero();
+      a.sigma_slip = select(step.open, sigma_slip_open, hn::Neg(hn::Mul(stiffness, uplift_slope)));
+      a.sigma_n = select(step.open, hn::MulAdd(K_xi, step.xi_t_by_n, K), stiffness);
+      const V S_xi = hn::NegMulAdd(a.sigma, mu_xi, cohesion_xi);
+      a.S_slip = hn::NegMulAdd(mu, a.sigma_slip, hn::Mul(S_xi, p.inv_su));
+      a.S_n = hn::Neg(hn::Mul(mu, a.sigma_n));
+      if constexpr (kShared) a.S_n = hn::MulAdd(hn::IfThenElseZero(step.open, S_xi), step.xi_t_by_n, a.S_n);
+      const M held = hn::Gt(S, zero());
+      a.S_slip = hn::IfThenElseZero(held, a.S_slip);
+      a.S_n = hn::IfThenElseZero(held, a.S_n);
+    }
+    return a;
+  }
+
+  // Slip that brings |tau*| - ks slip down to S(slip): beyond the end of softening S is constant; before it the root of
+  // a falling function.
+  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial) const {
+    const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
+    const AtSlip end = at_xi<false>(step, hn::Max(step.xi_s, p.end));
+    const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, end.S)), p.ks);
+    const M beyond = hn::Ge(slip_beyond, slip_at_end);
+    const M within = hn::AndNot(beyond, slips);
+    V slip = slip_beyond;
+    if (!none(within)) {
+      const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
+      const V root =
+          find_root(within, zero(), highest, hn::Mul(splat(0.25), step.tolerance), [&](V x, V& value, V& slope) {
+            const AtSlip a = at_slip<true>(step, x);
+            value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), a.S);
+            slope = hn::Neg(hn::Add(p.ks, a.S_slip));
+          });
+      slip = select(within, root, slip);
+    }
+    return hn::IfThenElseZero(slips, slip);
+  }
+
+  // ---- The step: w from d_n and the old v; opening xi; then (v, slip, xi, sigma, w) jointly; tau last ------------
+
+  template <bool kEnergies, bool kTangent>
+  HWY_INLINE Result evaluate(const Increment& in, const State& old, Energies* energies, Tangent* tangent) const {
+    Step step;
+    step.d_n = in.d_n;
+    step.w_old = old.w;
+    step.v_old = old.v;
+    step.e = hn::Sub(hn::Add(in.d_n, old.w), old.v);
+    step.open = hn::Gt(step.e, zero());
+
+    const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
+    const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
+    const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
+    const V reach = hn::Add(hn::Abs(in.d_n), hn::Add(old.w, old.v));
+    const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Mul(p.kn, reach)), trial);
+    step.tolerance = hn::Mul(splat(kYieldTolerance), scale);
+
+    // Opening: xi = (e - u0)/lt beyond kappa(xi).
+    const V tolerance_e = hn::Mul(splat(kYieldTolerance), hn::Max(p.u0, reach));
+    Result r;
+    r.opens = hn::And(step.open, hn::Gt(hn::Sub(step.e, kappa(old.xi_t)), tolerance_e));
+    const V xi_opened = hn::Max(hn::Mul(hn::Sub(step.e, p.u0), p.inv_lt), p.xi_at_first_opening);
+    step.xi_t = select(r.opens, hn::Max(old.xi_t, xi_opened), old.xi_t);
+    step.xi_s = kShared ? step.xi_t : old.xi_s;
+    step.xi_t_by_n = hn::IfThenElseZero(r.opens, p.inv_lt);
+
+    step.normal = closed(hn::Not(step.open), hn::Sub(in.d_n, old.v), old.w, step.tolerance);
+
+    // Elastic trial against the strength before any slip; when the joint opens or closes, tau returns to the new S.
+    AtSlip a = at_slip<kTangent>(step, zero());
+    r.slips = hn::Gt(hn::Sub(trial, a.S), step.tolerance);
+    const V S_before_slip = a.S;
+    r.slip = zero();
+    r.state.tau_s = trial_s;
+    r.state.tau_t = trial_t;
+    V tau = trial;
+    Step solved = step;
+    if (!none(r.slips)) {
+      r.slip = slip_to_strength(r.slips, step, trial);
+      // A cohesion without drop is complete at the first slip.
+      solved.xi_s = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
+      a = at_slip<kTangent>(solved, r.slip);
+      tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
+      const V keep = hn::Div(positive_part(tau), trial);
+      r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
+      r.state.tau_t = select(r.slips, hn::Mul(trial_t, keep), trial_t);
+    }
+
+    r.open = step.open;
+    r.crushes = a.crushes;
+    r.sigma = a.sigma;
+    r.e = hn::Sub(hn::Add(in.d_n, a.w), a.v);
+    r.state.w = a.w;
+    r.state.v = a.v;
+    r.state.xi_s = a.xi_s;
+    r.state.xi_t = kShared ? a.xi_s : step.xi_t;
+
+    if constexpr (kEnergies) *energies = energies_of(old, step, solved, a, r, trial, S_before_slip, tau);
+    if constexpr (kTangent) *tangent = tangent_of(a, r, trial_s, trial_t, trial, tau);
+    return r;
+  }
+
+  // ---- Energies, from internal variables only -------------------------------------------------------------------
+
+  HWY_NOINLINE Energies energies_of(const State& old, const Step& step, const Step& solved, const AtSlip& a,
+                                    const Result& r, const V& trial, const V& S_before_slip, const V& tau) const {
+    const V half = splat(0.5);
+    Energies E;
+    const V normal = hn::Mul(half, select(r.open, hn::Mul(r.sigma, r.e), hn::Mul(p.kn, hn::Mul(r.e, r.e))));
+    E.stored = hn::Add(normal, hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
+
+    // Opening: envelope area passed less the change of what is stored, f kappa ft/2 on the envelope:
+    // ft/2 (2 lt area - f1 kappa1 + f0 kappa0), with f0 kappa0 - f1 kappa1 = kappa0 (f0 - f1) - f1 lt (xi1 - xi0).
+    const V passed = hn::Mul(splat(2.0), hn::Mul(p.lt, f.area(old.xi_t, step.xi_t)));
+    const V freed = hn::Sub(hn::Mul(kappa(old.xi_t), f.drop(old.xi_t, step.xi_t)),
+                            hn::Mul(hn::Mul(f.factor(step.xi_t), p.lt), hn::Sub(step.xi_t, old.xi_t)));
+    E.tension = hn::IfThenElseZero(r.opens, hn::Mul(hn::Mul(half, p.ft), hn::Add(passed, freed)));
+    if constexpr (kShared) {  // slip lowers the secant under a standing opening
+      const V lost = hn::Sub(secant(step.xi_t), secant(a.xi_s));
+      const V by_slip = hn::Mul(hn::Mul(half, lost), hn::Mul(step.e, step.e));
+      E.tension = hn::Add(E.tension, hn::IfThenElseZero(hn::And(r.open, r.slips), by_slip));
+    }
+    E.tension = positive_part(E.tension);
+
+    // Slip. Exact integrals over the slip of mu and of the closed joint's cohesion.
+    const V softened = hn::Mul(p.su, f.area(solved.xi_s, a.xi_s));  // integral of f over the slip
+    const V friction_path = hn::MulAdd(hn::Sub(p.mu0, p.mur), softened, hn::Mul(p.mur, r.slip));
+    const V pressure = positive_part(hn::Neg(r.sigma));
+    E.friction = positive_part(hn::Mul(pressure, hn::Sub(friction_path, hn::Sub(a.v, step.v_old))));
+    const V cohesion_closed = hn::MulAdd(hn::Sub(p.c0, p.cr), softened, hn::Mul(p.cr, r.slip));
+    V cohesion_open;
+    if constexpr (kShared) {
+      // S(slip) = c0 f - sigma(xi) mu: Simpson up to the end of softening, nothing is left beyond it.
+      const V up_to = hn::Min(r.slip, hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s))));
+      const V middle = at_slip<false>(step, hn::Mul(half, up_to)).S;
+      const V last = at_slip<false>(step, up_to).S;
+      const V sum = hn::Add(hn::MulAdd(splat(4.0), middle, S_before_slip), last);
+      cohesion_open = hn::Mul(hn::Div(up_to, splat(6.0)), sum);
+    } else {
+      cohesion_open = hn::NegMulAdd(r.sigma, friction_path, hn::Mul(p.c0, softened));
+    }
+    // Where S fell below the old tau at once (opening, brittle drop), the slip also frees the excess.
+    const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
+    const V start = solved_start_strength(step, solved, S_before_slip);
+    const V excess = positive_part(hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), start));
+    const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), p.ks);
+    E.cohesion = hn::Add(positive_part(select(r.open, cohesion_open, cohesion_closed)), freed_at_once);
+    E.cohesion = hn::IfThenElseZero(r.slips, E.cohesion);
+    E.friction = hn::IfThenElseZero(r.slips, E.friction);
+
+    E.crushing = zero();
+    if constexpr (kCrushing) {
+      const V work =
+          hn::Mul(hn::Mul(hn::Sub(p.fc, p.fcr), p.wu), f.area(hn::Mul(step.w_old, p.inv_wu), hn::Mul(a.w, p.inv_wu)));
+      const V total = hn::MulAdd(p.fcr, hn::Sub(a.w, step.w_old), work);  // without drop F is fc = fcr all along
+      E.crushing = hn::IfThenElseZero(r.crushes, positive_part(total));
+    }
+    return E;
+  }
+  // Strength at which the slip of this step starts: after the drop of a mode that completes at its first slip.
+  HWY_INLINE V solved_start_strength(const Step& step, const Step& solved, V S_before_slip) const {
+    const M dropped = hn::Gt(solved.xi_s, step.xi_s);
+    if (none(dropped)) return S_before_slip;
+    return select(dropped, at_slip<false>(solved, zero()).S, S_before_slip);
+  }
+
+  // ---- Consistent tangent: implicit derivative of the end-of-step equations --------------------------------------
+
+  HWY_INLINE Tangent tangent_of(const AtSlip& a, const Result& r, V trial_s, V trial_t, V trial, V tau) const {
+    const V one = splat(1.0);
+    const V inv_trial = hn::IfThenElseZero(hn::Gt(trial, zero()), hn::Div(one, trial));
+    const V n_s = hn::Mul(trial_s, inv_trial), n_t = hn::Mul(trial_t, inv_trial);
+    // |tau*| - ks slip - S(slip, d_n) = 0
+    const V inv_slope = hn::Div(one, hn::Add(p.ks, a.S_slip));
+    const V slip_by_trial = hn::IfThenElseZero(r.slips, inv_slope);
+    const V slip_by_n = hn::IfThenElseZero(r.slips, hn::Neg(hn::Mul(a.S_n, inv_slope)));
+    const V along = hn::NegMulAdd(p.ks, slip_by_trial, one);         // d|tau| / d|tau*|
+    const V across = select(r.slips, hn::Mul(tau, inv_trial), one);  // |tau| / |tau*|
+    const V tau_by_n = hn::Neg(hn::Mul(p.ks, slip_by_n));
+    const V sigma_by_trial = hn::Mul(hn::Mul(a.sigma_slip, slip_by_trial), p.ks);
+    const V spread = hn::Sub(along, across);
+    Tangent t;
+    t.entry[0] = hn::MulAdd(a.sigma_slip, slip_by_n, a.sigma_n);
+    t.entry[1] = hn::Mul(sigma_by_trial, n_s);
+    t.entry[2] = hn::Mul(sigma_by_trial, n_t);
+    t.entry[3] = hn::Mul(tau_by_n, n_s);
+    t.entry[4] = hn::Mul(p.ks, hn::MulAdd(spread, hn::Mul(n_s, n_s), across));
+    t.entry[5] = hn::Mul(p.ks, hn::Mul(spread, hn::Mul(n_s, n_t)));
+    t.entry[6] = hn::Mul(tau_by_n, n_t);
+    t.entry[7] = t.entry[5];
+    t.entry[8] = hn::Mul(p.ks, hn::MulAdd(spread, hn::Mul(n_t, n_t), across));
+    return t;
+  }
+};
+
+}  // namespace quoin::fracture_energy::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

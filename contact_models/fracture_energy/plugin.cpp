@@ -1,0 +1,317 @@
+// The fracture-energy law behind the C ABI: metadata, admissibility (LAW.md, statement 6), migration.
+#include "shim/plugin.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fracture_energy/kernel.h"
+
+namespace quoin::fracture_energy {
+namespace {
+using namespace quoin::shim;
+
+constexpr std::uint32_t kColumn = QUOIN_PROPERTY_PER_POINT;
+constexpr std::uint32_t kFinite = QUOIN_PROPERTY_UPPER_OPEN;
+constexpr std::uint32_t kStiffness = QUOIN_PROPERTY_REQUIRED | kColumn | QUOIN_PROPERTY_LOWER_OPEN | kFinite;
+
+constexpr quoin_property_info number(const char* id, const char* symbol, const char* unit, const char* text,
+                                     double value = 0.0, const char* from = nullptr) {
+  return number_property(id, symbol, unit, text, kColumn | kFinite, value, 0.0, kInfinity, from);
+}
+constexpr quoin_property_info angle(const char* id, const char* symbol, const char* text, const char* from = nullptr) {
+  return number_property(id, symbol, "deg", text, kColumn | kFinite, 0.0, 0.0, 90.0, from);
+}
+
+constexpr quoin_property_info kKn =
+    number_property("normal_stiffness", "kn", "Pa/m", "elastic normal stiffness", kStiffness, 0.0, 0.0, kInfinity);
+constexpr quoin_property_info kKs =
+    number_property("shear_stiffness", "ks", "Pa/m", "elastic shear stiffness", kStiffness, 0.0, 0.0, kInfinity);
+constexpr quoin_property_info kFt = number("tensile_strength", "ft", "Pa", "tensile strength");
+constexpr quoin_property_info kC0 = number("cohesion", "c0", "Pa", "cohesion");
+constexpr quoin_property_info kCr =
+    number("cohesion_residual", "cr", "Pa", "residual cohesion, while the joint is closed");
+constexpr quoin_property_info kPhi0 = angle("friction_angle", "phi0", "friction angle, mu0 = tan(phi0)");
+constexpr quoin_property_info kPhir =
+    angle("friction_angle_residual", "phir", "friction angle at full damage", "friction_angle");
+constexpr quoin_property_info kPsi0 = angle("dilation_angle", "psi0", "dilation angle, fading with f");
+constexpr quoin_property_info kFc =
+    number_property("compressive_strength", "fc", "Pa", "compressive strength; infinite: no crushing", kColumn,
+                    kInfinity, 0.0, kInfinity);
+constexpr quoin_property_info kFcr =
+    number("compressive_strength_residual", "fcr", "Pa", "residual compressive strength");
+constexpr quoin_property_info kG1 =
+    number("fracture_energy_tension", "G1", "J/m2", "total area under the tension curve; needed when ft > 0");
+constexpr quoin_property_info kG2 = number("fracture_energy_shear", "G2", "J/m2",
+                                           "work above residual and friction over the slip; needed when c0 > cr");
+constexpr quoin_property_info kGc =
+    number("fracture_energy_compression", "Gc", "J/m2",
+           "work above fcr over the plastic closure; needed when fc is finite and > fcr");
+constexpr const char* kShapes[] = {"linear", "exponential", "table"};
+constexpr quoin_property_info kSoftening = {sizeof(quoin_property_info),
+                                            "softening",
+                                            "f",
+                                            "-",
+                                            "shape of the softening function, one for all modes",
+                                            QUOIN_PROPERTY_CHOICE,
+                                            0,
+                                            0.0,
+                                            0.0,
+                                            0.0,
+                                            nullptr,
+                                            "linear",
+                                            3,
+                                            kShapes};
+constexpr quoin_property_info kTable = {
+    sizeof(quoin_property_info),
+    "softening_table",
+    "f",
+    "-",
+    "pairs xi, f from 0, 1 to f = 0, xi rising and f falling strictly; for softening = table",
+    QUOIN_PROPERTY_TABLE,
+    0,
+    0.0,
+    -kInfinity,
+    kInfinity,
+    nullptr,
+    nullptr,
+    0,
+    nullptr};
+constexpr const char* kCouplings[] = {"shared", "none"};
+constexpr quoin_property_info kCoupling = {sizeof(quoin_property_info),
+                                           "coupling",
+                                           "-",
+                                           "-",
+                                           "shared: one damage for tension and shear; none: one each",
+                                           QUOIN_PROPERTY_CHOICE,
+                                           0,
+                                           0.0,
+                                           0.0,
+                                           0.0,
+                                           nullptr,
+                                           "shared",
+                                           2,
+                                           kCouplings};
+
+constexpr quoin_state_info history(const char* id, const char* unit, const char* text) {
+  return scalar_state(id, unit, text, QUOIN_ROLE_HISTORY, QUOIN_STATE_MONOTONIC, 0.0, kInfinity);
+}
+constexpr quoin_state_info kXiTInfo = history("xi_t", "-", "internal variable of tension");
+constexpr quoin_state_info kXiSInfo = history("xi_s", "-", "internal variable of shear; equals xi_t when shared");
+constexpr quoin_state_info kWInfo = history("w", "m", "plastic closure by crushing");
+constexpr quoin_state_info kVInfo = history("v", "m", "uplift by dilation");
+constexpr quoin_state_info kSlipInfo =
+    scalar_state("slip", "m", "accumulated slip", QUOIN_ROLE_DIAGNOSTIC, QUOIN_STATE_MONOTONIC, 0.0, kInfinity);
+
+// Reads, checks and stores the softening function; false when it cannot be used.
+bool read_softening(const PropertyValues& values, Parameters& m, Report& report) {
+  const std::string& shape = values.text("softening");
+  const std::vector<double>& pairs = values.table("softening_table");
+  if (shape != "table") {
+    if (!pairs.empty())
+      report.faults.push_back("softening_table: given, but softening = " + shape + "; set softening = table");
+    if (shape == "exponential") {
+      m.shape = Shape::exponential;
+      m.A = 1.0, m.slope = 1.0, m.end = kExponentialEnd;
+    }
+    return true;
+  }
+  m.shape = Shape::table;
+  const auto refuse = [&](const std::string& why) {
+    report.faults.push_back("softening_table: " + why +
+                            "; needs xi, f pairs from 0, 1 to f = 0, xi rising and f falling strictly");
+    return false;
+  };
+  const std::size_t n = pairs.size() / 2;
+  if (pairs.size() % 2 != 0 || n < 2)
+    return refuse(std::to_string(pairs.size()) + " numbers are not two or more pairs");
+  if (n > static_cast<std::size_t>(SofteningTable::kMaxPoints)) {
+    return refuse(std::to_string(n) + " points are more than " + std::to_string(SofteningTable::kMaxPoints));
+  }
+  if (pairs[0] != 0.0 || pairs[1] != 1.0) return refuse("starts at " + to_text(pairs[0]) + ", " + to_text(pairs[1]));
+  SofteningTable& t = m.table;
+  t.points = static_cast<int>(n);
+  m.slope = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    t.x[k] = pairs[2 * k];
+    t.f[k] = pairs[2 * k + 1];
+    if (k == 0) continue;
+    if (!(t.x[k] > t.x[k - 1]) || !(t.f[k] < t.f[k - 1]) || !std::isfinite(t.x[k])) {
+      return refuse("point " + std::to_string(k + 1) + " (" + to_text(t.x[k]) + ", " + to_text(t.f[k]) + ")");
+    }
+    t.area[k] = t.area[k - 1] + 0.5 * (t.f[k] + t.f[k - 1]) * (t.x[k] - t.x[k - 1]);
+    m.slope = std::max(m.slope, (t.f[k - 1] - t.f[k]) / (t.x[k] - t.x[k - 1]));
+  }
+  if (t.f[n - 1] != 0.0) return refuse("ends at f = " + to_text(t.f[n - 1]));
+  m.A = t.area[n - 1];
+  m.end = t.x[n - 1];
+  return true;
+}
+
+// LAW.md, statement 6: order of strengths and angles, and no snap-back in any mode that loses strength.
+void check_admissible(const Parameters& m, const PropertyValues& values, Report& report) {
+  const Properties& g = m.given;
+  const auto not_above = [&](const char* id, const char* limit) {
+    if (values.number(id) > values.number(limit)) {
+      report.faults.push_back(std::string(id) + " = " + to_text(values.number(id)) + ": must not exceed " + limit +
+                              " = " + to_text(values.number(limit)));
+    }
+  };
+  not_above("cohesion_residual", "cohesion");
+  not_above("friction_angle_residual", "friction_angle");
+  not_above("compressive_strength_residual", "compressive_strength");
+  not_above("dilation_angle", "friction_angle");
+
+  const auto snaps_back = [&](const char* id, double value, double bound, const char* why) {
+    report.faults.push_back(std::string(id) + " = " + to_text(value) +
+                            " J/m2: the joint would snap back; must be greater than " + to_text(bound) + " J/m2 (" +
+                            why + "); raise it, or lower the strength or raise the stiffness");
+  };
+  const double lowest_G1 = 0.5 * g.ft * g.ft / g.kn;
+  if (g.ft > 0.0 && !(g.G1 > lowest_G1)) snaps_back("fracture_energy_tension", g.G1, lowest_G1, "ft^2/(2 kn)");
+  const bool crushes = std::isfinite(g.fc);
+  const double P = crushes ? g.fc : 0.0;
+  const double drop = g.c0 - g.cr;
+  const double friction_drop = g.mu0 - g.mur;
+  if (drop > 0.0) {
+    const double lowest_G2 = m.slope * std::max(g.c0, drop + P * friction_drop) * drop * m.A / g.ks;
+    if (!(g.G2 > lowest_G2)) {
+      snaps_back("fracture_energy_shear", g.G2, lowest_G2, "m max(c0, c0 - cr + P (mu0 - mur)) (c0 - cr) A/ks, P = fc");
+    } else if (!crushes && friction_drop > 0.0) {
+      const double confinement = (g.G2 * g.ks / (drop * m.A) / m.slope - drop) / friction_drop;
+      report.warnings.push_back("friction_angle_residual: softening of friction is unstable beyond a confinement of " +
+                                to_text(confinement) + " Pa; give compressive_strength, or keep the confinement below");
+    }
+  }
+  if (crushes && g.fc > g.fcr) {
+    const double lowest_Gc = m.slope * (g.fc - g.fcr) * (g.fc - g.fcr) * m.A / g.kn;
+    if (!(g.Gc > lowest_Gc)) snaps_back("fracture_energy_compression", g.Gc, lowest_Gc, "m (fc - fcr)^2 A/kn");
+  }
+  if (g.ft * g.mu0 > g.c0) {
+    report.warnings.push_back("tensile_strength: ft tan(phi0) = " + to_text(g.ft * g.mu0) + " Pa exceeds cohesion = " +
+                              to_text(g.c0) + " Pa; the shear strength is 0 before ft is reached");
+  }
+}
+
+struct FractureEnergyLaw {
+  struct Material {
+    Parameters parameters;
+    Kernels kernels;
+  };
+  static constexpr const char* id = "fracture_energy";
+  static constexpr const char* name = "Fracture-energy joint";
+  static constexpr const char* citation =
+      "Pulatsu, Erdogmus, Lourenco, Lemos, Tuncay (2020), Simulation of the in-plane structural behavior of "
+      "unreinforced "
+      "masonry walls and buildings using DEM, section 2 and Figure 3";
+  static constexpr const char* description =
+      "Softening in tension, shear and compression with fracture energies; Coulomb friction, residuals, dilation.";
+  static constexpr std::uint64_t capabilities =
+      QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS | QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE;
+  // The first kPropertyColumnCount in the order of PropertyColumn.
+  static constexpr std::array<const quoin_property_info*, 16> properties = {
+      &kKn, &kKs,  &kFt, &kC0, &kCr, &kPhi0,      &kPhir,  &kPsi0,
+      &kFc, &kFcr, &kG1, &kG2, &kGc, &kSoftening, &kTable, &kCoupling};
+  static constexpr std::array<const quoin_state_info*, kStateCount> states = {&kXiTInfo, &kXiSInfo, &kWInfo, &kVInfo,
+                                                                              &kSlipInfo};
+  static constexpr std::array<const char*, 2> initial_states = {"bonded", "dry"};
+
+  static int property_column(std::string_view column_id) {
+    for (int k = 0; k < kPropertyColumnCount; ++k) {
+      if (column_id == properties[static_cast<std::size_t>(k)]->id) return k;
+    }
+    return -1;
+  }
+
+  static Material make(const PropertyValues& values, Report& report) {
+    const auto tangent = [&](const char* property) { return std::tan(values.number(property) * (M_PI / 180.0)); };
+    Material material{};
+    Parameters& m = material.parameters;
+    m.given = {values.number("normal_stiffness"),           values.number("shear_stiffness"),
+               values.number("tensile_strength"),           values.number("cohesion"),
+               values.number("cohesion_residual"),          tangent("friction_angle"),
+               tangent("friction_angle_residual"),          tangent("dilation_angle"),
+               values.number("compressive_strength"),       values.number("compressive_strength_residual"),
+               values.number("fracture_energy_tension"),    values.number("fracture_energy_shear"),
+               values.number("fracture_energy_compression")};
+    m.shared = values.text("coupling") != "none";
+    m.crushing = std::isfinite(m.given.fc);
+    m.dilation = m.given.tan_psi > 0.0;
+    if (read_softening(values, m, report)) check_admissible(m, values, report);
+    material.kernels = select_kernels(m);
+    return material;
+  }
+
+  static bool initial_state(const Material& material, std::string_view state, double* values) {
+    if (state != "bonded" && state != "dry") return false;
+    std::fill(values, values + kStateCount, 0.0);
+    if (state == "dry") values[kXiT] = values[kXiS] = material.parameters.end;
+    return true;
+  }
+
+  static void stiffness_bounds(const Material& material, double& normal, double& shear) {
+    normal = material.parameters.given.kn;
+    shear = material.parameters.given.ks;
+  }
+
+  static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
+    const Kernels& k = material.kernels;
+    const Kernel kernel = columns.property_columns ? k.columns : columns.extras() ? k.full : k.lean;
+    kernel(material.parameters, columns, count, summary);
+  }
+
+  static double factor(const Parameters& m, double xi) {
+    if (m.shape == Shape::exponential) return xi < m.end ? std::exp(-xi) : 0.0;
+    if (m.shape == Shape::linear) return std::max(0.0, 1.0 - xi);
+    for (int k = 1; k < m.table.points; ++k) {
+      const auto [x0, x1, f0, f1] = std::array{m.table.x[k - 1], m.table.x[k], m.table.f[k - 1], m.table.f[k]};
+      if (xi < x1) return f0 + (f1 - f0) * (xi - x0) / (x1 - x0);
+    }
+    return 0.0;
+  }
+
+  // Traction stays as it is: e is chosen so that sigma(e) equals it, and a point whose traction lies outside the
+  // strength that its history leaves is refused. A joint that another law has failed comes in fully softened.
+  static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
+    const Parameters& m = material.parameters;
+    const Properties& g = m.given;
+    const double failed = from.state("failed", 0.0) > 0.0 ? m.end : 0.0;
+    double xi_t = std::max(failed, from.state("xi_t", 0.0));
+    double xi_s = std::max(failed, from.state("xi_s", xi_t));
+    if (m.shared) xi_t = xi_s = std::max(xi_t, xi_s);
+    const double w = from.state("w", 0.0), v = from.state("v", 0.0);
+    to.states[kXiT] = xi_t, to.states[kXiS] = xi_s, to.states[kW] = w, to.states[kV] = v;
+    to.states[kSlip] = from.state("slip", 0.0);
+
+    const double slack = 1e-9 * std::max({std::abs(from.sigma), g.ft, g.c0, std::hypot(from.tau_s, from.tau_t)});
+    const double f_t = factor(m, xi_t);
+    const double drop_c = g.fc - g.fcr;
+    const double wu = std::isfinite(g.fc) && drop_c > 0.0 ? g.Gc / (drop_c * m.A) : kInfinity;
+    const double F = std::isfinite(g.fc) ? g.fcr + drop_c * factor(m, w / wu) : kInfinity;
+    bool inside = from.sigma >= -F - slack && from.sigma <= g.ft * f_t + slack;
+
+    double e = from.sigma / g.kn;
+    if (from.sigma > 0.0) {
+      const double u0 = g.ft / g.kn;
+      const double lt = g.ft > 0.0 ? (g.G1 - 0.5 * g.ft * u0) / (g.ft * m.A) : 0.0;
+      e = f_t > 0.0 ? from.sigma * (u0 + xi_t * lt) / (g.ft * f_t) : 0.0;
+    } else if (from.sigma == 0.0) {
+      e = std::max(0.0, f_t == 0.0 ? from.normal_jump + w - v : 0.0);  // an open crack keeps its width
+    }
+    to.normal_shift = e - w + v - from.normal_jump;
+
+    const double f_s = factor(m, xi_s);
+    const double mu = g.mu0 + (g.mur - g.mu0) * (1.0 - f_s);
+    const double cohesion = e > 0.0 ? g.c0 * f_s : g.cr + (g.c0 - g.cr) * f_s;
+    const double tau = std::hypot(from.tau_s, from.tau_t);
+    inside = inside && tau <= std::max(0.0, cohesion - from.sigma * mu) + slack;
+    to.energy_stored = 0.5 * from.sigma * e + 0.5 * tau * tau / g.ks;
+    to.status = inside && std::isfinite(e) ? QUOIN_POINT_OK : QUOIN_POINT_FAILED;
+  }
+};
+
+}  // namespace
+}  // namespace quoin::fracture_energy
+
+extern "C" QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text) {
+  return quoin::shim::single_law_library<quoin::fracture_energy::FractureEnergyLaw>(host, text);
+}

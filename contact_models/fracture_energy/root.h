@@ -1,0 +1,44 @@
+// Root of a falling scalar function, one problem a lane.
+#if defined(QUOIN_ROOT_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_ROOT_H
+#undef QUOIN_ROOT_H
+#else
+#define QUOIN_ROOT_H
+#endif
+
+#include "shim/lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::fracture_energy::HWY_NAMESPACE {
+using namespace quoin::shim::HWY_NAMESPACE;
+
+// Newton's method kept inside a shrinking bracket. function(x, value, slope) gives value > 0 at low and <= 0 at high.
+// A lane stops when |value| <= tolerance or its bracket has no number left inside; a lane's result does not depend on
+// its neighbours. Every fourth step bisects, so that kinks (ends of branches, tables) cannot stall it: 200 steps are
+// far beyond the 4 x 53 halvings' worth of any bracket in practice and only bound the loop.
+template <class Function>
+HWY_INLINE V find_root(M active, V low, V high, V tolerance, const Function& function) {
+  V x = low;
+  M running = active;
+  for (int step = 0; step < 200; ++step) {
+    V value, slope;
+    function(x, value, slope);
+    running = hn::AndNot(hn::Le(hn::Abs(value), tolerance), running);
+    if (none(running)) break;
+    const M before = hn::Gt(value, zero());
+    low = select(before, x, low);
+    high = select(before, high, x);
+    const V middle = hn::MulAdd(splat(0.5), hn::Sub(high, low), low);
+    const V newton = hn::Sub(x, hn::Div(value, slope));
+    // Newton may land on the upper end, which is a root where the strength is used up; not a number fails the test.
+    const V next = step % 4 == 3 ? middle : select(hn::Gt(newton, low), hn::Min(newton, high), middle);
+    const M stuck = hn::Or(hn::Eq(next, x), hn::Ge(low, high));
+    running = hn::AndNot(stuck, running);
+    x = select(running, next, x);
+  }
+  return x;
+}
+
+}  // namespace quoin::fracture_energy::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
