@@ -1,7 +1,9 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "elastic/kernel.cpp"
-#include "elastic/equations.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
+
+// After foreach_target.h, which includes this file once for every instruction set.
+#include "elastic/equations.h"
 
 #if HWY_ONCE
 #include "elastic/kernel.h"

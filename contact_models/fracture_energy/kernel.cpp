@@ -1,14 +1,15 @@
 // The loop over points around the equations, compiled for every instruction set.
 #include "fracture_energy/kernel.h"
 
-#include <cmath>
-
 #include "quoin/quoin.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fracture_energy/kernel.cpp"
-#include "fracture_energy/equations.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
+
+// After foreach_target.h, which includes this file once for every instruction set.
+#include "fracture_energy/equations.h"
+#include "shim/friction_column.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::fracture_energy::HWY_NAMESPACE {
@@ -28,21 +29,12 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
     const double* column = c.in[kProperty + k];
     return column == nullptr ? splat(value) : load(column, i);
   };
-  const auto tangent = [&](int k, V value) {
-    const double* column = c.in[kProperty + k];
-    if (column == nullptr) return value;
-    HWY_ALIGN double lanes[kMaxLanes];
-    for (std::size_t lane = 0; lane < hn::Lanes(D()); ++lane) {
-      const double degrees = column[i + lane];
-      lanes[lane] = degrees >= 0.0 && degrees < 90.0 ? std::tan(degrees * (M_PI / 180.0)) : -1.0;
-    }
-    return hn::Load(D(), lanes);
-  };
-  const V mu0 = tangent(kColumnPhi0, splat(g.mu0));
-  const V mur = tangent(kColumnPhir, hn::Min(splat(g.mur), mu0));
+  const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(g.mu0));
+  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(g.mur), mu0));
+  const V tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, splat(g.tan_psi));
   return Lanes(m, number(kColumnKn, g.kn), number(kColumnKs, g.ks), number(kColumnFt, g.ft), number(kColumnC0, g.c0),
-               number(kColumnCr, g.cr), mu0, mur, tangent(kColumnPsi0, splat(g.tan_psi)), number(kColumnFc, g.fc),
-               number(kColumnFcr, g.fcr), number(kColumnG1, g.G1), number(kColumnG2, g.G2), number(kColumnGc, g.Gc));
+               number(kColumnCr, g.cr), mu0, mur, tan_psi, number(kColumnFc, g.fc), number(kColumnFcr, g.fcr),
+               number(kColumnG1, g.G1), number(kColumnG2, g.G2), number(kColumnGc, g.Gc));
 }
 
 HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
@@ -119,7 +111,7 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
     if constexpr (kCrushing) moved = hn::Or(moved, hn::And(sound, r.crushes));
     const bool yields = !none(hn::And(moved, hn::FirstN(d, count - i)));
     summary.yielding |= yields;
-    const bool in_place = state_out(kXiT) == c.in[kStateOld + int{kXiT}];
+    const bool in_place = state_out(kXiT) == c.in[kStateOld + kXiT];
     if (yields || !in_place) {
       store(r.state.xi_t, state_out(kXiT), i);
       store(r.state.xi_s, state_out(kXiS), i);

@@ -11,27 +11,23 @@ inline constexpr int kMaxPropertyColumns = 20;
 // Columns are padded to this many points: the widest vector of doubles that kernels may use (AVX-512).
 inline constexpr std::size_t kMaxLanes = 8;
 
-// Indices into Columns::in.
-enum In : int {
-  kNormalJump = 0,
-  kSlipIncrement = 1,  // 2
-  kTractionOld = 3,    // 3
-  kStateOld = 6,       // kMaxStates
-  kProperty = kStateOld + kMaxStates,
-  kInCount = kProperty + kMaxPropertyColumns
-};
+// Indices into Columns::in; plain integers, since laws add their own column numbers to them.
+inline constexpr int kNormalJump = 0;
+inline constexpr int kSlipIncrement = 1;  // 2
+inline constexpr int kTractionOld = 3;    // 3
+inline constexpr int kStateOld = 6;       // kMaxStates
+inline constexpr int kProperty = kStateOld + kMaxStates;
+inline constexpr int kInCount = kProperty + kMaxPropertyColumns;
 
 // Indices into Columns::out. Null: not wanted.
-enum Out : int {
-  kTractionNew = 0,  // 3
-  kStateNew = 3,     // kMaxStates
-  kEnergyStored = kStateNew + kMaxStates,
-  kDissipated,                 // 4
-  kTangent = kDissipated + 4,  // 9
-  kFlags = kTangent + 9,       // as doubles; the shim converts
-  kStatus,
-  kOutCount
-};
+inline constexpr int kTractionNew = 0;  // 3
+inline constexpr int kStateNew = 3;     // kMaxStates
+inline constexpr int kEnergyStored = kStateNew + kMaxStates;
+inline constexpr int kDissipated = kEnergyStored + 1;  // 4
+inline constexpr int kTangent = kDissipated + 4;       // 9
+inline constexpr int kFlags = kTangent + 9;            // as doubles; the shim converts
+inline constexpr int kStatus = kFlags + 1;
+inline constexpr int kOutCount = kStatus + 1;
 
 struct Columns {
   const double* in[kInCount] = {};

@@ -1,0 +1,146 @@
+// The standard brittle joint law that the paper compares with (Figure 8): LAW.md, "The other laws that ship". At the
+// first failure in tension or in shear the strengths drop at once to their residuals; compression is elastic.
+#if defined(QUOIN_COULOMB_SLIP_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_COULOMB_SLIP_EQUATIONS_H
+#undef QUOIN_COULOMB_SLIP_EQUATIONS_H
+#else
+#define QUOIN_COULOMB_SLIP_EQUATIONS_H
+#endif
+
+#include "coulomb_slip/parameters.h"
+#include "shim/lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::coulomb_slip::HWY_NAMESPACE {
+using namespace quoin::shim::HWY_NAMESPACE;
+
+struct Lanes {
+  V kn, ks, ft, ftr, c0, cr, mu0, mur;
+};
+
+struct Increment {
+  V d_n;       // total, at the end of the step
+  V d_s, d_t;  // sliding over the step
+};
+
+struct State {
+  M failed;
+  V tau_s, tau_t;
+};
+
+struct Result {
+  State state;
+  V sigma, slip;
+  M open, fails, slips;
+};
+
+struct Energies {
+  V stored, tension, cohesion, friction;
+};
+
+struct Tangent {
+  V entry[9];
+};
+
+// Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
+inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
+
+struct Equations {
+  const Lanes& p;
+
+  HWY_INLINE V strength(V sigma, M open, M failed) const {
+    const V mu = select(failed, p.mur, p.mu0);
+    const V intact = p.c0;
+    const V residual = hn::IfThenZeroElse(open, p.cr);
+    return positive_part(hn::NegMulAdd(sigma, mu, select(failed, residual, intact)));
+  }
+
+  // Recoverable energy of the normal spring cut off at the tensile strength: a cut-off without memory of its opening,
+  // so that the joint always closes at d_n = 0.
+  HWY_INLINE V normal_energy(V d_n, V cut_off) const {
+    const V elastic = hn::Min(d_n, hn::Div(cut_off, p.kn));
+    const V beyond = hn::Sub(d_n, elastic);
+    return hn::MulAdd(cut_off, beyond, hn::Mul(splat(0.5), hn::Mul(p.kn, hn::Mul(elastic, elastic))));
+  }
+
+  template <bool kFull>
+  HWY_INLINE Result evaluate(const Increment& in, const State& old, Energies* energies, Tangent* tangent) const {
+    const V half = splat(0.5);
+    const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
+    const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
+    const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
+    const V elastic = hn::Mul(p.kn, in.d_n);
+    const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Abs(elastic)), trial);
+    const V tolerance = hn::Mul(splat(kYieldTolerance), scale);
+
+    // Tension cut-off; a failure drops every strength, before the shear strength is looked at.
+    Result r;
+    r.open = hn::Gt(in.d_n, zero());
+    const M breaks = hn::AndNot(old.failed, hn::Gt(hn::Sub(elastic, p.ft), tolerance));
+    M failed = hn::Or(old.failed, breaks);
+    V cut_off = select(failed, p.ftr, p.ft);
+    r.sigma = hn::Min(elastic, cut_off);
+
+    const V S_before_slip = strength(r.sigma, r.open, failed);
+    r.slips = hn::Gt(hn::Sub(trial, S_before_slip), tolerance);
+    const M shears = hn::AndNot(failed, r.slips);
+    V S = S_before_slip;
+    V tau = trial;
+    r.state.tau_s = trial_s;
+    r.state.tau_t = trial_t;
+    r.slip = zero();
+    if (!none(r.slips)) {
+      failed = hn::Or(failed, r.slips);
+      cut_off = select(failed, p.ftr, p.ft);
+      r.sigma = hn::Min(elastic, cut_off);
+      S = strength(r.sigma, r.open, failed);
+      tau = select(r.slips, S, trial);
+      r.slip = hn::IfThenElseZero(r.slips, hn::Div(hn::Sub(trial, S), p.ks));
+      const V keep = hn::Div(tau, trial);
+      r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
+      r.state.tau_t = select(r.slips, hn::Mul(trial_t, keep), trial_t);
+    }
+    r.state.failed = failed;
+    r.fails = hn::Or(breaks, shears);
+
+    if constexpr (kFull) {
+      energies->stored = hn::Add(normal_energy(in.d_n, cut_off), hn::Div(hn::Mul(half, hn::Mul(tau, tau)), p.ks));
+      // The drop of the cut-off frees what the joint stores above it: at ft when tension breaks it, at the standing
+      // opening when slip does.
+      const V opening_at_drop = select(breaks, hn::Div(p.ft, p.kn), in.d_n);
+      const V freed = hn::Sub(normal_energy(opening_at_drop, p.ft), normal_energy(opening_at_drop, p.ftr));
+      energies->tension = hn::IfThenElseZero(r.fails, positive_part(freed));
+      const V pressure = positive_part(hn::Neg(r.sigma));
+      energies->friction = hn::IfThenElseZero(r.slips, hn::Mul(hn::Mul(pressure, p.mur), r.slip));
+      // Slip at S, and the excess over S that a drop frees at once.
+      const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
+      const V excess = positive_part(hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), S));
+      const V cohesive = hn::Sub(hn::Mul(S, r.slip), energies->friction);
+      const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), p.ks);
+      energies->cohesion = hn::IfThenElseZero(r.slips, hn::Add(positive_part(cohesive), freed_at_once));
+
+      const M plateau = hn::Gt(elastic, cut_off);
+      const V sigma_n = hn::IfThenZeroElse(plateau, p.kn);
+      const V inv_trial = hn::IfThenElseZero(hn::Gt(trial, zero()), hn::Div(splat(1.0), trial));
+      const V n_s = hn::Mul(trial_s, inv_trial), n_t = hn::Mul(trial_t, inv_trial);
+      const V across = select(r.slips, hn::Mul(tau, inv_trial), splat(1.0));
+      const V along = hn::IfThenZeroElse(r.slips, splat(1.0));
+      const M rubs = hn::And(r.slips, hn::Gt(S, zero()));
+      const V tau_n = hn::IfThenElseZero(rubs, hn::Neg(hn::Mul(p.mur, sigma_n)));
+      const V spread = hn::Sub(along, across);
+      tangent->entry[0] = sigma_n;
+      tangent->entry[1] = tangent->entry[2] = zero();
+      tangent->entry[3] = hn::Mul(tau_n, n_s);
+      tangent->entry[4] = hn::Mul(p.ks, hn::MulAdd(spread, hn::Mul(n_s, n_s), across));
+      tangent->entry[5] = hn::Mul(p.ks, hn::Mul(spread, hn::Mul(n_s, n_t)));
+      tangent->entry[6] = hn::Mul(tau_n, n_t);
+      tangent->entry[7] = tangent->entry[5];
+      tangent->entry[8] = hn::Mul(p.ks, hn::MulAdd(spread, hn::Mul(n_t, n_t), across));
+    }
+    return r;
+  }
+};
+
+}  // namespace quoin::coulomb_slip::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

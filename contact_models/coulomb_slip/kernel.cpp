@@ -1,0 +1,125 @@
+// The loop over points around the equations, compiled for every instruction set.
+#include "coulomb_slip/kernel.h"
+
+#include <cmath>
+
+#include "quoin/quoin.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "coulomb_slip/kernel.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+
+// After foreach_target.h, which includes this file once for every instruction set.
+#include "coulomb_slip/equations.h"
+#include "shim/friction_column.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::coulomb_slip::HWY_NAMESPACE {
+using namespace quoin::shim;
+
+inline Lanes lanes_at(const Parameters& m, const Columns& c, std::size_t i) {
+  const auto number = [&](int k, double value) {
+    const double* column = c.in[kProperty + k];
+    return column == nullptr ? splat(value) : load(column, i);
+  };
+  const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(m.mu0));
+  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(m.mur), mu0));
+  return {number(kColumnKn, m.kn),
+          number(kColumnKs, m.ks),
+          number(kColumnFt, m.ft),
+          number(kColumnFtr, m.ftr),
+          number(kColumnC0, m.c0),
+          number(kColumnCr, m.cr),
+          mu0,
+          mur};
+}
+
+HWY_INLINE M admissible(const Lanes& p) {
+  const M stiff = hn::And(hn::Gt(p.kn, zero()), hn::Gt(p.ks, zero()));
+  const V smallest = hn::Min(p.ftr, hn::Min(p.cr, p.mur));
+  const M ordered = hn::And(hn::Le(p.ftr, p.ft), hn::And(hn::Le(p.cr, p.c0), hn::Le(p.mur, p.mu0)));
+  return hn::And(hn::And(stiff, ordered), hn::Ge(smallest, zero()));
+}
+
+template <bool kFull>
+void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+  const D d;
+  const Lanes material_lanes = lanes_at(material, Columns{}, 0);
+  const V one = splat(1.0);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const Lanes p = kFull && c.property_columns ? lanes_at(material, c, i) : material_lanes;
+    const Equations law{p};
+    const Increment in{load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
+    const V failed_old = load(c.in[kStateOld + kFailed], i);
+    const State old{hn::Gt(failed_old, zero()), load(c.in[kTractionOld + 1], i), load(c.in[kTractionOld + 2], i)};
+
+    Energies energies;
+    Tangent tangent;
+    Result r = law.evaluate<kFull>(in, old, &energies, &tangent);
+
+    // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
+    V collected = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, zero()));
+    collected = gather_non_finite(r.state.tau_t, gather_non_finite(in.d_n, gather_non_finite(failed_old, collected)));
+    M sound = is_finite(collected);
+    if (kFull && c.property_columns) sound = hn::And(sound, admissible(p));
+    V failed = hn::IfThenElseZero(r.state.failed, one);
+    if (!all(sound)) {
+      r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
+      r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
+      r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
+      failed = select(sound, failed, failed_old);
+      r.slip = hn::IfThenElseZero(sound, r.slip);
+      r.slips = hn::And(sound, r.slips);
+      r.fails = hn::And(sound, r.fails);
+      summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
+    }
+
+    store(r.sigma, c.out[kTractionNew], i);
+    store(r.state.tau_s, c.out[kTractionNew + 1], i);
+    store(r.state.tau_t, c.out[kTractionNew + 2], i);
+    store(failed, c.out[kStateNew + kFailed], i);
+    if (c.out[kStateNew + kSlip]) {
+      store(hn::Add(load(c.in[kStateOld + kSlip], i), r.slip), c.out[kStateNew + kSlip], i);
+    }
+    const M moved = hn::Or(r.fails, r.slips);
+    summary.yielding |= !none(hn::And(moved, hn::FirstN(d, count - i)));
+
+    if constexpr (kFull) {
+      const auto put = [&](int k, V value) {
+        if (c.out[k]) store(hn::IfThenElseZero(sound, value), c.out[k], i);
+      };
+      put(kEnergyStored, energies.stored);
+      put(kDissipated + QUOIN_DISSIPATED_TENSION, energies.tension);
+      put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
+      put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
+      put(kDissipated + QUOIN_DISSIPATED_CRUSHING, zero());
+      for (int k = 0; k < 9; ++k) put(kTangent + k, tangent.entry[k]);
+      const M damaged = hn::Gt(failed, zero());
+      V flags = flag_if(r.open, QUOIN_FLAG_OPEN);
+      flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
+      flags = hn::Add(flags, flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_TENSION_COMPLETE |
+                                                  QUOIN_FLAG_SHEAR_DAMAGED | QUOIN_FLAG_SHEAR_COMPLETE));
+      put(kFlags, hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING)));
+      if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+    }
+  }
+}
+
+void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+  c.extras() ? run<true>(material, c, count, summary) : run<false>(material, c, count, summary);
+}
+
+}  // namespace quoin::coulomb_slip::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace quoin::coulomb_slip {
+
+HWY_EXPORT(evaluate);
+
+void evaluate(const Parameters& material, const shim::Columns& columns, std::size_t count, shim::Summary& summary) {
+  HWY_DYNAMIC_DISPATCH(evaluate)(material, columns, count, summary);
+}
+
+}  // namespace quoin::coulomb_slip
+#endif

@@ -1,0 +1,29 @@
+// Friction and dilation angles given point by point, in degrees, as coefficients.
+#if defined(QUOIN_SHIM_FRICTION_COLUMN_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_SHIM_FRICTION_COLUMN_H
+#undef QUOIN_SHIM_FRICTION_COLUMN_H
+#else
+#define QUOIN_SHIM_FRICTION_COLUMN_H
+#endif
+
+#include <cmath>
+
+#include "shim/lanes.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::shim::HWY_NAMESPACE {
+
+// tan of column[i ...], -1 (refused by the law) outside [0, 90); value where there is no column.
+inline V friction_column(const double* column, std::size_t i, V value) {
+  if (column == nullptr) return value;
+  HWY_ALIGN double lanes[kMaxLanes];
+  for (std::size_t lane = 0; lane < hn::Lanes(D()); ++lane) {
+    const double degrees = column[i + lane];
+    lanes[lane] = degrees >= 0.0 && degrees < 90.0 ? std::tan(degrees * (M_PI / 180.0)) : -1.0;
+  }
+  return hn::Load(D(), lanes);
+}
+
+}  // namespace quoin::shim::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
