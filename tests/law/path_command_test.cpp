@@ -118,7 +118,7 @@ TEST_F(PathCommand, UsageAndRefusalsHaveTheirExitCodes) {
   EXPECT_EQ(run({"--law", "elastic", "--set", "normal_stiffness=x", "--jumps", jumps, "--out", out()}), 3);
 }
 
-constexpr char kElasticPath[] = R"(title = "Elastic"
+constexpr char kElasticPath[] = R"toml(title = "Elastic"
 law = "elastic"
 let = ["twice = 2*kn"]
 plot = ["dn sigma"]
@@ -135,7 +135,7 @@ ds = "1e-6*sin(pi/2*p)"
 dt = "1e-6*(1 - cos(pi/2*p))"
 steps = 10
 along = ["tau_s = ks*ds", {check = "tau <= 1.5*ks*1e-6"}]
-)";
+)toml";
 
 TEST_F(PathCommand, PathTestsPassAndFail) {
   EXPECT_EQ(run({write("good.toml", kElasticPath)}), 0) << message_;
