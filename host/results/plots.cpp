@@ -20,7 +20,7 @@ namespace quoin {
 namespace {
 
 // Text of a title or label inside double quotes of gnuplot, with its enhanced mode switched off by noenhanced.
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string result;
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -122,7 +122,7 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   write_file(folder / "plots" / "curve.dat", data);
 
   const Peak peak = find_peak(rows, scene);
-  std::string script = fmt::format(R"(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
+  std::string script = fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
 set title {} noenhanced font "Sans,23"
 set xlabel "horizontal displacement of the top beam (mm)"
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
@@ -133,11 +133,11 @@ set xtics nomirror
 set ytics nomirror textcolor rgb "#b3321e"
 set grid xtics ytics linecolor rgb "#d8d8d8" linewidth 0.7
 set key bottom right spacing 1.3 samplen 3 noenhanced
-)",
-                                   quoted(title_of(scene)));
+)gp",
+                                   gnuplot_text(title_of(scene)));
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
-                  quoted("horizontal force, law " + law));
+                  gnuplot_text("horizontal force, law " + law));
   if (area > 0) {
     script +=
         "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"#5a7186\"\nset y2range [0:*]\n"
@@ -152,10 +152,8 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
         "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{2:.6g} center offset 0,1.1 font \"Sans,19\" front\n"
         "set offsets graph 0, graph 0.02, graph 0.12, 0\n",
         peak.force / 1e3, peak.displacement * 1e3, peak.force / 1e3);
-    plot += fmt::format(
-        ", \\\n     \"<echo {:.6g} {:.6g}\" with points pointtype 7 pointsize 1.6 linecolor rgb "
-        "\"#b3321e\" notitle",
-        peak.displacement * 1e3, peak.force / 1e3);
+    script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", peak.displacement * 1e3, peak.force / 1e3);
+    plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
   }
   return draw(folder, "curve", script + plot + "\n");
 }
@@ -271,7 +269,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   const int pixels_x = static_cast<int>(std::max(1000.0, (width + 2 * sway + 2 * margin) * scale + 60));
   const int pixels_y = static_cast<int>((height + sway + 2 * margin) * scale + 250);
   const std::string script = fmt::format(
-      R"(set terminal pngcairo size {},{} font "Sans,17"
+      R"gp(set terminal pngcairo size {},{} font "Sans,17"
 set title {} . "\n" . {} noenhanced font "Sans,18"
 set size ratio -1
 set xrange [{:.6g}:{:.6g}]
@@ -283,8 +281,8 @@ set style fill solid 1.0 border linecolor rgb "#a08a72"
 plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
      "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle, \
      "bricks.dat" with lines linewidth 0.8 linecolor rgb "#b09a80" notitle{}
-)",
-      pixels_x, pixels_y, quoted(title_of(scene)), quoted(subtitle), low[0] * 1e3 - margin - sway,
+)gp",
+      pixels_x, pixels_y, gnuplot_text(title_of(scene)), gnuplot_text(subtitle), low[0] * 1e3 - margin - sway,
       high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, plot);
   return draw(folder, "cracks", script);
 }

@@ -1,0 +1,88 @@
+#include "cli/check_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "cli/prepare.h"
+#include "model/time_step.h"
+#include "scene/generate.h"
+
+namespace quoin {
+
+namespace {
+
+void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepReport& report) {
+  fmt::print("  {:<44} {:.4g} s  ({:.2f} of 2/omega_max)\n", name, limit.value, limit.value / report.critical.value);
+  if (!limit.where.empty())
+    fmt::print("      set at ({:.3f}, {:.3f}, {:.3f}) m: {}\n", limit.position[0], limit.position[1], limit.position[2],
+               limit.where);
+}
+
+void check(const SceneOptions& options) {
+  const Scene scene = prepare_scene(options);
+  Assembly assembly = assemble(scene);
+  auto materials = make_materials(assembly);
+  const Model model(std::move(assembly), std::move(materials));
+  Inertia inertia;
+  const TimeStepReport report = choose_time_step(model, scene.solver, &inertia);
+
+  const auto& bricks = model.assembly.bricks;
+  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.body.empty(); });
+  fmt::print("{}: {}\n", options.scene, scene.title.empty() ? "(no title)" : scene.title);
+  fmt::print("  blocks {}  beams {}  zones {}  contact points {}  joints {}  mass {:.4g} kg\n",
+             static_cast<long>(bricks.size()) - beams, beams, model.zone_count(), model.point_count,
+             model.assembly.joints.size(), report.model_mass);
+  for (const ContactFamily& family : model.families) {
+    fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
+               family.material->api().id, family.material->api().version, family.point_count, family.normal_stiffness,
+               family.shear_stiffness);
+    if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
+  }
+  fmt::print("time step\n");
+  print_limit("2/omega_max of the assembled system", report.critical, report);
+  print_limit("Gershgorin row sums (guaranteed)", report.gershgorin, report);
+  print_limit("nodal 2 sqrt(m/k), eq. 3 (not safe)", report.nodal, report);
+  fmt::print("  {:<44} {:.4g} s  ({:.2f} of 2/omega_max)\n", "in use", report.time_step,
+             report.time_step / report.critical.value);
+  if (report.added_mass != 0.0)
+    fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
+               100 * report.added_mass / report.model_mass);
+  fmt::print("stages\n");
+  for (const Stage& stage : scene.stages) {
+    std::string end;
+    auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
+    if (stage.equilibrium_ratio) add(fmt::format("unbalanced/mean contact force <= {:g}", *stage.equilibrium_ratio));
+    double seconds = stage.duration.value_or(0.0);
+    if (stage.displacement) {
+      add(fmt::format("displacement {:g} mm", *stage.displacement * 1e3));
+      for (const BodyControl& c : stage.controls) {
+        const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
+        if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
+      }
+    }
+    if (stage.duration) add(fmt::format("{:g} s", *stage.duration));
+    fmt::print("  {:<16} until {}{}\n", stage.name, end,
+               seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / report.time_step) : "");
+  }
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, int&) {
+  CLI::App* command = app.add_subcommand("check", "Validate a scene; print sizes and time steps without running");
+  auto options = std::make_shared<SceneOptions>();
+  command->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.toml");
+  command->add_option("--law", options->law, "Law for all joints in place of the scene's")->type_name("NAME_OR_PATH");
+  command->add_option("--set", options->overrides, "Set a key of the scene; may be repeated")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  command->footer(
+      "Examples:\n"
+      "  quoin check host/scenes/solid_wall_030.toml\n"
+      "  quoin check host/scenes/solid_wall_030.toml --set wall.zones=[8,4,2]");
+  command->callback([options] { check(*options); });
+}
+
+}  // namespace quoin

@@ -1,0 +1,53 @@
+// The program `quoin`: one file a command, registered here. Exit codes are those of scene/error.h.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+
+#include "cli/check_command.h"
+#include "cli/models_command.h"
+#include "cli/path_command.h"
+#include "cli/run_command.h"
+#include "scene/error.h"
+
+int main(int argc, char** argv) {
+  using quoin::Exit;
+  CLI::App app{
+      "Quoin: discrete-element analysis of masonry with contact laws that are loaded at run time.\n\n"
+      "Examples:\n"
+      "  quoin run host/scenes/solid_wall_030.toml          a wall test, to out/solid_wall_030\n"
+      "  quoin check host/scenes/solid_wall_030.toml        sizes and time step, without running\n"
+      "  quoin models fracture_energy                       properties and states of a law"};
+  app.name("quoin");
+  app.footer(
+      "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
+      "5 numerical failure, 130 interrupted (what was computed is kept).");
+  app.set_version_flag("--version", "quoin " QUOIN_VERSION);
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(34);
+
+  int exit_code = 0;
+  quoin::add_run_command(app, exit_code);
+  quoin::add_check_command(app, exit_code);
+  quoin::add_models_command(app, exit_code);
+  quoin::add_path_command(app, exit_code);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool asked_for = error.get_exit_code() == 0;  // --help, --version
+    app.exit(error);
+    return asked_for ? 0 : static_cast<int>(Exit::usage);
+  } catch (const quoin::Error& error) {
+    if (error.exit_code != Exit::interrupted) fmt::print(stderr, "quoin: {}\n", error.what());
+    return static_cast<int>(error.exit_code);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "quoin: out of memory; make the scene smaller\n");
+    return static_cast<int>(Exit::numerical);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "quoin: internal error: {}; please report it with the scene\n", error.what());
+    return static_cast<int>(Exit::numerical);
+  }
+  return exit_code;
+}

@@ -1,0 +1,65 @@
+#include "cli/prepare.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "law/law_library.h"
+#include "law/property_text.h"
+#include "scene/error.h"
+#include "scene/read_scene.h"
+
+namespace quoin {
+
+namespace {
+
+void replace_law(JointFamily& family, const std::string& name, const Law& law) {
+  family.law = name;
+  std::vector<std::string> left_out;
+  std::erase_if(family.properties, [&](const PropertySetting& p) {
+    if (find_property(*law.law, p.id)) return false;
+    left_out.push_back(p.id);
+    return true;
+  });
+  if (!left_out.empty())
+    fmt::print(stderr, "quoin: joints.{}: law {} has no {}: left out\n", family.name, law.law->id,
+               fmt::join(left_out, ", "));
+  const char* const* states = law.law->initial_states;
+  const char* const* end = states + law.law->initial_state_count;
+  if (states != end && std::none_of(states, end, [&](const char* s) { return family.initial_state == s; })) {
+    fmt::print(stderr, "quoin: joints.{}: law {} has no initial state '{}': '{}' is used\n", family.name, law.law->id,
+               family.initial_state, *states);
+    family.initial_state = *states;
+  }
+}
+
+std::string value_text(const PropertySetting& p) {
+  return p.numbers.empty() ? p.text : fmt::format("{}", fmt::join(p.numbers, ", "));
+}
+
+}  // namespace
+
+Scene prepare_scene(const SceneOptions& options) {
+  Scene scene = read_scene(options.scene, options.overrides);
+  std::string faults;
+  for (auto& [name, family] : scene.joints) {
+    const Law law = Law::find(options.law.empty() ? family.law : options.law);
+    if (!options.law.empty()) replace_law(family, options.law, law);
+
+    std::vector<std::string> ids;
+    for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
+    std::vector<std::string> keys = ids;
+    keys.insert(keys.end(), {"law", "initial_state"});
+    for (const PropertySetting& p : family.properties) {
+      if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
+      faults += fmt::format("{}{} = {}: unknown key{}; law {} has: {}", faults.empty() ? "" : "\n", p.source.text,
+                            value_text(p), did_you_mean(p.id, keys), law.law->id, fmt::join(ids, ", "));
+    }
+  }
+  if (!faults.empty()) throw Error(Exit::bad_input, faults);
+  return scene;
+}
+
+}  // namespace quoin

@@ -1,0 +1,21 @@
+// What every command that takes a scene does first.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct SceneOptions {
+  std::string scene;
+  std::string law;  // replaces the law of every joint family; empty: as in the scene
+  std::vector<std::string> overrides;
+};
+
+// Reads the scene, replaces its laws when asked to (properties that the new law does not have are left out, with a word
+// on stderr), and refuses properties that no law knows, each with its place and a suggestion.
+Scene prepare_scene(const SceneOptions& options);
+
+}  // namespace quoin

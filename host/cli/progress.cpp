@@ -1,0 +1,74 @@
+#include "cli/progress.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace quoin {
+
+namespace {
+
+constexpr double kLineInterval = 5.0;  // s between lines when nobody watches a bar
+
+std::string time_left(double seconds) {
+  if (!(seconds >= 0)) return "--:--";
+  const long s = std::lround(std::min(seconds, 359999.0));
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+// Eighths of a character cell, so that the bar moves smoothly.
+std::string bar(double fraction, int width) {
+  static const char* const kEighths[] = {" ", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const int eighths = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * width * 8);
+  std::string result;
+  for (int i = 0; i < width; ++i) result += eighths >= 8 * (i + 1) ? "█" : kEighths[std::max(0, eighths - 8 * i)];
+  return result;
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
+
+void ProgressLine::clear() {
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  drawn_ = false;
+}
+
+void ProgressLine::message(const std::string& text) {
+  clear();
+  fmt::print(stderr, "{}\n", text);
+  std::fflush(stderr);
+}
+
+void ProgressLine::show(const Progress& p, double displacement, double force) {
+  const auto now = std::chrono::steady_clock::now();
+  const bool new_stage = p.stage != last_stage_;
+  if (!terminal_ && !new_stage && std::chrono::duration<double>(now - last_).count() < kLineInterval) return;
+  last_ = now;
+  last_stage_ = p.stage;
+  const std::string stage = fmt::format("{}/{} {}", p.stage + 1, p.stage_count, p.settings ? p.settings->name : "");
+  const std::string numbers =
+      fmt::format("{:3.0f} %  left {}  {:.3f} mm  {:.2f} kN  unbalanced {:.1e}  {:.0f} steps/s", 100 * p.fraction,
+                  time_left(p.seconds_left), displacement * 1e3, force / 1e3, p.unbalanced_ratio, p.steps_per_second);
+  if (!terminal_) {
+    fmt::print(stderr, "[{}] {}\n", stage, numbers);
+  } else {
+    winsize size{};
+    const int columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+    const int room = columns - static_cast<int>(stage.size() + numbers.size()) - 6;
+    std::string line = stage + " ";
+    if (room >= 6) line += "│" + bar(p.fraction, std::min(room, 40)) + "│ ";
+    line += numbers;
+    if (room < -4) line.resize(static_cast<size_t>(std::max(0, columns - 1)));  // too narrow: no bar, cut
+    fmt::print(stderr, "\r\033[K{}", line);
+    drawn_ = true;
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace quoin

@@ -1,0 +1,25 @@
+// Progress on stderr: a bar that is redrawn on a terminal, a line now and then otherwise.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "step/simulation.h"
+
+namespace quoin {
+
+class ProgressLine {
+ public:
+  ProgressLine();
+  void show(const Progress& progress, double displacement, double force);
+  void message(const std::string& text);  // a line of its own, above the bar
+
+ private:
+  void clear();
+  bool terminal_;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point last_{};
+  int last_stage_ = -1;
+};
+
+}  // namespace quoin

@@ -1,0 +1,233 @@
+#include "cli/run_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "cli/prepare.h"
+#include "cli/progress.h"
+#include "results/file.h"
+#include "results/history.h"
+#include "results/plots.h"
+#include "results/summary.h"
+#include "results/surface.h"
+#include "results/vtk.h"
+#include "scene/generate.h"
+#include "step/simulation.h"
+
+namespace quoin {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::atomic<Simulation*> running{nullptr};
+
+extern "C" void stop_running(int) {
+  if (Simulation* simulation = running.load()) simulation->request_stop();
+}
+
+// Ctrl-C asks the simulation to stop; a second one ends the program at once.
+class StopOnSignal {
+ public:
+  explicit StopOnSignal(Simulation& simulation) {
+    running = &simulation;
+    struct sigaction action {};
+    action.sa_handler = stop_running;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+  }
+  ~StopOnSignal() {
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+    running = nullptr;
+  }
+  StopOnSignal(const StopOnSignal&) = delete;
+  StopOnSignal& operator=(const StopOnSignal&) = delete;
+};
+
+// Since the start of the process, loading of libraries included.
+double process_seconds() {
+  static const auto at_main = std::chrono::steady_clock::now();
+  static const double before = [] {
+    // Field 22 of /proc/self/stat: start time in clock ticks since boot.
+    std::ifstream stat("/proc/self/stat"), uptime("/proc/uptime");
+    std::string text;
+    std::getline(stat, text);
+    const size_t bracket = text.rfind(')');
+    double up = 0.0, start = 0.0;
+    if (bracket == std::string::npos || !(uptime >> up)) return 0.0;
+    std::istringstream fields(text.substr(bracket + 2));
+    std::string skipped;
+    for (int field = 3; field < 22; ++field) fields >> skipped;
+    if (!(fields >> start)) return 0.0;
+    return std::max(0.0, up - start / static_cast<double>(sysconf(_SC_CLK_TCK)));
+  }();
+  return before + std::chrono::duration<double>(std::chrono::steady_clock::now() - at_main).count();
+}
+
+struct RunOptions {
+  SceneOptions scene;
+  std::string out;
+  int threads = 0;
+};
+
+// Removes what an earlier run left, so that a failed run cannot be taken for that one.
+void remove_old_results(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name :
+       {"summary.json", "history.csv", "history.csv.part", "curve.png", "cracks.png", "blocks.pvd", "joints.pvd"})
+    fs::remove(folder / name, ignored);
+  fs::remove_all(folder / "plots", ignored);
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if ((name.starts_with("blocks_") || name.starts_with("joints_")) && name.ends_with(".vtu"))
+      fs::remove(entry.path(), ignored);
+  }
+}
+
+// Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal.
+class Recorder : public Observer {
+ public:
+  Recorder(const fs::path& folder, const Scene& scene, const Surfaces& surfaces)
+      : scene_(scene), history_(folder / "history.csv", scene), frames_(folder, surfaces) {}
+
+  void on_stage_begin(const Simulation&, int stage) override {
+    const Stage& s = scene_.stages[static_cast<size_t>(stage)];
+    std::string end;
+    auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
+    if (s.equilibrium_ratio)
+      add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *s.equilibrium_ratio));
+    if (s.displacement) add(fmt::format("displacement {:g} mm", *s.displacement * 1e3));
+    if (s.duration) add(fmt::format("{:g} s", *s.duration));
+    progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end));
+  }
+  void on_row(const HistoryRow& row) override {
+    history_.add(row);
+    last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);
+  }
+  void on_progress(const Progress& progress) override {
+    progress_.show(progress, last_.displacement, last_.horizontal_force);
+  }
+  void on_frame(const Simulation& simulation, int, int) override { frames_.add_frame(simulation); }
+  void on_stage_end(const Simulation& simulation, int stage, const HistoryRow& last) override {
+    const Response r = response(last, scene_.stages[static_cast<size_t>(stage)]);
+    progress_.message(
+        fmt::format("stage {}/{} done after {} steps: {:.3f} mm, horizontal {:.2f} kN, vertical {:.2f} kN, "
+                    "unbalanced ratio {:.1e}",
+                    stage + 1, scene_.stages.size(), simulation.step(), r.displacement * 1e3, r.horizontal_force / 1e3,
+                    r.vertical_force / 1e3, last.unbalanced_ratio));
+  }
+
+  History& history() { return history_; }
+  VtkSeries& frames() { return frames_; }
+  ProgressLine& progress() { return progress_; }
+
+ private:
+  const Scene& scene_;
+  History history_;
+  VtkSeries frames_;
+  ProgressLine progress_;
+  Response last_;
+};
+
+void run(const RunOptions& options, int& exit_code) {
+  Scene scene = prepare_scene(options.scene);
+  const fs::path folder =
+      options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
+  Assembly assembly = assemble(scene);
+  Simulation simulation(std::move(scene), std::move(assembly), options.threads);
+  make_folder(folder);
+  remove_old_results(folder);
+
+  const OutputSettings& output = simulation.scene().output;
+  const std::string law = law_names(simulation.assembly());
+  const Surfaces surfaces(simulation);
+  Recorder recorder(folder, simulation.scene(), surfaces);
+  const TimeStepReport& step = simulation.time_step_report();
+  recorder.progress().message(fmt::format(
+      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
+      "threads, {}",
+      options.scene.scene, simulation.assembly().bricks.size(), simulation.model().zone_count(),
+      simulation.model().point_count, law, step.time_step, step.time_step / step.critical.value,
+      simulation.thread_count(), simulation.instruction_set()));
+
+  RunInfo info;
+  info.overrides = options.scene.overrides;
+  std::optional<Error> failure;
+  {
+    StopOnSignal guard(simulation);
+    try {
+      simulation.run(recorder);
+    } catch (const Error& error) {
+      if (error.exit_code != Exit::interrupted && error.exit_code != Exit::numerical) throw;
+      failure = error;
+      info.status = error.exit_code == Exit::interrupted ? "interrupted" : "failed";
+      info.message = error.what();
+    }
+  }
+
+  // What was computed is kept, whatever ended the run; the summary says what ended it.
+  recorder.history().finish();
+  if (output.frames > 0) {
+    if (failure) recorder.frames().add_frame(simulation);
+    recorder.frames().finish();
+  }
+  const auto& rows = recorder.history().rows();
+  if (output.plots) {
+    for (const std::string& notice :
+         {plot_curve(folder, rows, simulation.scene(), law), plot_cracks(folder, simulation, surfaces, rows, law)}) {
+      if (!notice.empty()) recorder.progress().message("quoin: " + notice);
+    }
+  }
+  info.wall_clock_s = process_seconds();
+  write_summary(folder / "summary.json", simulation, rows, info);
+
+  const Peak peak = find_peak(rows, simulation.scene());
+  fmt::print("peak {:.2f} kN at {:.3f} mm; {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
+             peak.displacement * 1e3, simulation.step(), info.wall_clock_s, folder.string());
+  if (failure) {
+    recorder.progress().message(failure->exit_code == Exit::interrupted
+                                    ? "quoin: interrupted; what was computed is kept in " + folder.string()
+                                    : fmt::format("quoin: {}", failure->what()));
+    exit_code = static_cast<int>(failure->exit_code);
+  }
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  process_seconds();  // starts the clock
+  CLI::App* command = app.add_subcommand("run", "Run a scene and write its results");
+  auto options = std::make_shared<RunOptions>();
+  command->add_option("scene", options->scene.scene, "Scene file; host/scenes/README.md lists its keys")
+      ->required()
+      ->type_name("SCENE.toml");
+  command->add_option("--out", options->out, "Folder for the results (default: out/<name of the scene>)")
+      ->type_name("DIR");
+  command->add_option("--threads", options->threads, "Threads (default: all of the machine)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's: a name or a library")
+      ->type_name("NAME_OR_PATH");
+  command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  command->footer(
+      "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd and joints.pvd (for ParaView).\n"
+      "Examples:\n"
+      "  quoin run host/scenes/solid_wall_030.toml\n"
+      "  quoin run host/scenes/solid_wall_030.toml --out /tmp/brittle --law coulomb_slip\n"
+      "  quoin run host/scenes/solid_wall_030.toml --law ./my_law.so --threads 2\n"
+      "  quoin run host/scenes/solid_wall_121.toml --set stage.shear.velocity=0.01 --set "
+      "joints.mortar.cohesion=0.35e6");
+  command->callback([options, &exit_code] { run(*options, exit_code); });
+}
+
+}  // namespace quoin
