@@ -45,11 +45,7 @@ static void say_nothing(quoin_text* text) {
   if (text->data != NULL && text->capacity > 0) text->data[0] = 0;
 }
 
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-static void
-say(quoin_text* text, const char* format, ...) {
+static void say(quoin_text* text, const char* format, ...) {
   char line[512]; /* a longer line is cut here */
   uint64_t i;
   va_list arguments;

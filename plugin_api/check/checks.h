@@ -1,0 +1,35 @@
+// The sections of the checker. Each runs in a child process of its own.
+#pragma once
+
+#include "library.h"
+#include "report.h"
+#include "subject.h"
+
+namespace check {
+
+// What the sections of one law work on.
+struct Subject {
+  const quoin_law& law;
+  Settings base;                 // accepted property values
+  std::vector<Settings> varied;  // base first, then variations
+};
+
+void check_library(Report& report, const Library& library);
+void check_metadata(Report& report, const quoin_law& law);  // tells whether it is safe to go on
+bool metadata_is_usable(const quoin_law& law);
+void check_materials(Report& report, const Subject& subject);
+void check_states(Report& report, const Subject& subject);
+void check_purity(Report& report, const Subject& subject);
+void check_memory(Report& report, const Subject& subject);
+void check_threads(Report& report, const Subject& subject);
+void check_optional(Report& report, const Subject& subject);
+void check_refusals(Report& report, const Subject& subject);
+void check_property_columns(Report& report, const Subject& subject);
+void check_failed_points(Report& report, const Subject& subject);
+void check_paths(Report& report, const Subject& subject);
+void check_energy(Report& report, const Subject& subject);
+void check_stiffness(Report& report, const Subject& subject);
+void check_zero_strengths(Report& report, const Subject& subject);
+void check_migration(Report& report, const Subject& subject);
+
+}  // namespace check

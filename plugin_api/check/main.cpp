@@ -1,0 +1,218 @@
+// quoin-check-law: does a law keep the contract of plugin_api/README.md?
+#include <cstdio>
+#include <cstring>
+
+#include "checks.h"
+
+namespace {
+
+using check::Report;
+
+constexpr int kPassed = 0, kFailed = 1, kUsage = 2, kNotLoadable = 4;
+
+const char* const kHelp =
+    "quoin-check-law LIB [--law ID] [--property id=value]... [--json]\n"
+    "\n"
+    "Checks every promise of the contact-law contract (plugin_api/README.md) on a law, without the Quoin host.\n"
+    "  LIB                  shared library with quoin_library_v1\n"
+    "  --law ID             only this law of the library\n"
+    "  --property id=value  property value: a number, a word, or a table x:y,x:y; the others take their default, or a\n"
+    "                       usual value of their unit when they are required\n"
+    "  --json               findings as JSON\n"
+    "exit: 0 kept, 1 broken, 2 usage, 4 the library cannot be loaded\n";
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+const char* state_of(const check::Outcome& outcome) {
+  if (outcome.failures > 0) return "FAILED";
+  return outcome.expectations > 0 ? "ok" : "skipped";
+}
+
+void print_text(const std::string& law, const check::Settings& settings, const Report& report) {
+  std::printf("law %s\n", law.c_str());
+  if (!settings.empty()) std::printf("  with");
+  for (const auto& [id, value] : settings) std::printf(" %s=%s", id.c_str(), value.c_str());
+  if (!settings.empty()) std::printf("\n");
+  for (const check::Clause& clause : check::clauses()) {
+    const auto found = report.outcomes().find(clause.id);
+    if (found == report.outcomes().end()) continue;
+    const check::Outcome& outcome = found->second;
+    std::printf("  %-7s %-5s %s\n", state_of(outcome), clause.id, clause.text);
+    for (const std::string& detail : outcome.details) std::printf("                - %s\n", detail.c_str());
+    if (outcome.failures > static_cast<int>(outcome.details.size())) {
+      std::printf("                - and %zu more\n", static_cast<size_t>(outcome.failures) - outcome.details.size());
+    }
+    if (outcome.expectations == 0) {
+      for (const std::string& reason : outcome.skipped) std::printf("                - %s\n", reason.c_str());
+    }
+  }
+  for (const std::string& note : report.notes()) std::printf("  note: %s\n", note.c_str());
+}
+
+std::string json_of(const std::string& law, const check::Settings& settings, const Report& report) {
+  std::string out = "    {\"law\": " + quoted(law) + ", \"passed\": " + (report.passed() ? "true" : "false") +
+                    ",\n     \"properties\": {";
+  const char* separator = "";
+  for (const auto& [id, value] : settings) {
+    out += separator + quoted(id) + ": " + quoted(value);
+    separator = ", ";
+  }
+  out += "},\n     \"clauses\": [";
+  separator = "\n";
+  for (const check::Clause& clause : check::clauses()) {
+    const auto found = report.outcomes().find(clause.id);
+    if (found == report.outcomes().end()) continue;
+    out += std::string(separator) + "      {\"id\": \"" + clause.id + "\", \"status\": \"" + state_of(found->second) +
+           "\", \"promise\": " + quoted(clause.text) + ", \"details\": [";
+    separator = "";
+    for (const std::string& detail : found->second.details) {
+      out += separator + quoted(detail);
+      separator = ", ";
+    }
+    out += "]}";
+    separator = ",\n";
+  }
+  out += "],\n     \"notes\": [";
+  separator = "";
+  for (const std::string& note : report.notes()) {
+    out += separator + quoted(note);
+    separator = ", ";
+  }
+  return out + "]}";
+}
+
+// The library's own findings are part of every law's report: who asks about a law must not miss them.
+Report check_law(const Report& library_report, const quoin_law& law, const check::Settings& given,
+                 check::Settings* used) {
+  Report report = library_report;
+  report.section("metadata", [&](Report& r) { check::check_metadata(r, law); });
+  if (!check::metadata_is_usable(law)) return report;
+  check::Subject subject = {law, check::base_settings(law, given), {}};
+  *used = subject.base;
+  bool accepted = false;
+  report.section("first material", [&](Report& r) {
+    r.clause("C4.1");
+    const check::Material material(law, subject.base);
+    if (material.handle == nullptr) r.note("give values that the law accepts with --property id=value");
+    r.expect(material.handle != nullptr, "refused: %s", material.message.c_str());
+  });
+  const auto found = report.outcomes().find("C4.1");
+  accepted = found != report.outcomes().end() && found->second.failures == 0;
+  if (!accepted) return report;
+
+  const struct {
+    const char* name;
+    void (*run)(Report&, const check::Subject&);
+  } sections[] = {
+      {"materials", check::check_materials},
+      {"zero strengths", check::check_zero_strengths},
+      {"states", check::check_states},
+      {"purity", check::check_purity},
+      {"memory", check::check_memory},
+      {"threads", check::check_threads},
+      {"optional outputs", check::check_optional},
+      {"refusals", check::check_refusals},
+      {"property columns", check::check_property_columns},
+      {"failed points", check::check_failed_points},
+      {"paths", check::check_paths},
+      {"energy", check::check_energy},
+      {"stiffness", check::check_stiffness},
+      {"migration", check::check_migration},
+  };
+  for (const auto& section : sections) {
+    report.section(section.name, [&](Report& r) {
+      r.clause("C4.1");
+      subject.varied = check::varied_settings(law, subject.base);
+      section.run(r, subject);
+    });
+  }
+  return report;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string path, only;
+  check::Settings given;
+  bool json = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const bool has_next = i + 1 < argc;
+    if (argument == "--help" || argument == "-h") {
+      std::fputs(kHelp, stdout);
+      return kPassed;
+    }
+    if (argument == "--json") {
+      json = true;
+    } else if (argument == "--law" && has_next) {
+      only = argv[++i];
+    } else if (argument == "--property" && has_next) {
+      const std::string setting = argv[++i];
+      const size_t equals = setting.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        std::fprintf(stderr, "--property %s: expected id=value\n", setting.c_str());
+        return kUsage;
+      }
+      given[setting.substr(0, equals)] = setting.substr(equals + 1);
+    } else if (path.empty() && !argument.empty() && argument[0] != '-') {
+      path = argument;
+    } else {
+      std::fprintf(stderr, "%s: not understood\n\n%s", argument.c_str(), kHelp);
+      return kUsage;
+    }
+  }
+  if (path.empty()) {
+    std::fputs(kHelp, stderr);
+    return kUsage;
+  }
+
+  const check::Library library = check::open_library(path);
+  if (library.entry == nullptr) {
+    std::fprintf(stderr, "%s: cannot be loaded: %s\n", path.c_str(), library.error.c_str());
+    return kNotLoadable;
+  }
+  Report library_report;
+  library_report.section("library", [&](Report& r) { check::check_library(r, library); });
+  const quoin_host_info host = check::host_info();
+  const quoin_library* info = library.entry(&host, nullptr);
+  if (info == nullptr || info->laws == nullptr) {
+    print_text("-", {}, library_report);
+    std::printf("%s: BROKEN\n", path.c_str());
+    return kFailed;
+  }
+  bool passed = true, found = false;
+  std::string entries;
+  if (!json) std::printf("%s: %s %s\n", path.c_str(), info->name, info->version);
+  for (uint64_t i = 0; i < info->law_count; ++i) {
+    const quoin_law& law = *info->laws[i];
+    const std::string id = law.id != nullptr ? law.id : "(null)";
+    if (!only.empty() && id != only) continue;
+    found = true;
+    check::Settings used;
+    const Report report = check_law(library_report, law, given, &used);
+    passed = passed && report.passed();
+    if (json) {
+      entries += (entries.empty() ? "" : ",\n") + json_of(id, used, report);
+    } else {
+      print_text(id, used, report);
+    }
+  }
+  if (!found) {
+    std::fprintf(stderr, "%s: no law %s\n", path.c_str(), only.c_str());
+    return kUsage;
+  }
+  if (json) {
+    std::printf("{\"library\": %s, \"passed\": %s, \"laws\": [\n%s\n]}\n", quoted(path).c_str(),
+                passed ? "true" : "false", entries.c_str());
+  } else {
+    std::printf("%s: %s\n", path.c_str(), passed ? "the contract is kept" : "the contract is BROKEN");
+  }
+  return passed ? kPassed : kFailed;
+}

@@ -1,0 +1,350 @@
+#include "subject.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace check {
+
+std::string shortest(double value) {
+  char text[64];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  return std::string(text, end.ptr);
+}
+
+double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+
+Text::Text() : bytes(1 << 16), text{sizeof(quoin_text), bytes.data(), bytes.size(), 0} {}
+
+const quoin_property_info* find_property(const quoin_law& law, const std::string& id) {
+  for (uint64_t p = 0; p < law.property_count; ++p) {
+    if (law.properties[p] != nullptr && law.properties[p]->id != nullptr && id == law.properties[p]->id) {
+      return law.properties[p];
+    }
+  }
+  return nullptr;
+}
+
+Values::Values(const quoin_law& law, const Settings& settings) {
+  for (const auto& [id, text] : settings) {
+    const quoin_property_info* property = find_property(law, id);
+    ids.push_back(id);
+    texts.push_back(text);
+    std::vector<double> list;
+    if (property == nullptr || property->kind != QUOIN_PROPERTY_CHOICE) {
+      for (const char* c = text.c_str(); *c != 0;) {
+        char* end = nullptr;
+        list.push_back(std::strtod(c, &end));
+        if (end == c) break;
+        c = *end == 0 ? end : end + 1;
+      }
+    }
+    numbers.push_back(list);
+  }
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const bool numeric = !numbers[i].empty();
+    values.push_back({sizeof(quoin_property_value), ids[i].c_str(), numbers[i].size(),
+                      numeric ? numbers[i].data() : nullptr, numeric ? nullptr : texts[i].c_str()});
+  }
+  for (const quoin_property_value& value : values) pointers.push_back(&value);
+}
+
+Material::Material(const quoin_law& law, const Settings& from) : settings(from), law_(law) {
+  const Values values(law, from);
+  Text text;
+  status = law.create_material(&law, values.pointers.size(), values.pointers.data(), &handle, &text.text);
+  message = text.str();
+}
+
+Material::~Material() {
+  if (handle != nullptr) law_.destroy_material(handle);
+}
+
+Material::Material(Material&& other) noexcept
+    : handle(other.handle), status(other.status), message(other.message), settings(other.settings), law_(other.law_) {
+  other.handle = nullptr;
+}
+
+double Material::number(const char* id) const {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  law_.material_number(handle, id, &value);
+  return value;
+}
+
+Settings base_settings(const quoin_law& law, const Settings& given) {
+  Settings settings = given;
+  for (uint64_t p = 0; p < law.property_count; ++p) {
+    const quoin_property_info& property = *law.properties[p];
+    if (property.kind != QUOIN_PROPERTY_NUMBER || !(property.flags & QUOIN_PROPERTY_REQUIRED) ||
+        given.count(property.id)) {
+      continue;
+    }
+    static const std::map<std::string, double> usual = {{"Pa/m", 4e10}, {"Pa", 3e5}, {"deg", 30},
+                                                        {"J/m2", 100},  {"-", 0.5},  {"m", 1e-3}};
+    const auto found = usual.find(property.unit);
+    double value = found == usual.end() ? 1.0 : found->second;
+    if (!(value >= property.lower && value <= property.upper)) {
+      value = std::isinf(property.lower)   ? property.upper - 1
+              : std::isinf(property.upper) ? property.lower + 1
+                                           : (property.lower + property.upper) / 2;
+    }
+    settings[property.id] = shortest(value);
+  }
+  return settings;
+}
+
+std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base) {
+  std::vector<Settings> all = {base};
+  std::mt19937_64 random(7);
+  for (int attempt = 0; attempt < 40 && all.size() < 3; ++attempt) {
+    Settings varied = base;
+    for (uint64_t p = 0; p < law.property_count; ++p) {
+      const quoin_property_info& property = *law.properties[p];
+      if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
+      const auto set = varied.find(property.id);
+      if (set == varied.end()) continue;  // left to its default
+      const double value = std::strtod(set->second.c_str(), nullptr);
+      const double other = value * std::exp(uniform(random, -0.3, 0.3));
+      if (std::isfinite(other) && other > property.lower && other < property.upper) {
+        set->second = shortest(other);
+      }
+    }
+    if (varied != base && Material(law, varied).handle != nullptr) all.push_back(varied);
+  }
+  return all;
+}
+
+Points Points::take(const std::vector<size_t>& indices) const {
+  const auto pick = [&](const std::vector<double>& from) {
+    std::vector<double> to;
+    for (const size_t i : indices) to.push_back(from[i]);
+    return to;
+  };
+  Points out;
+  out.normal_jump = pick(normal_jump);
+  for (size_t k = 0; k < 2; ++k) out.slip[k] = pick(slip[k]);
+  for (size_t k = 0; k < 3; ++k) out.traction[k] = pick(traction[k]);
+  for (const auto& column : state) out.state.push_back(pick(column));
+  return out;
+}
+
+Result Result::take(const std::vector<size_t>& indices) const {
+  const auto pick = [&](const auto& from) {
+    std::remove_cvref_t<decltype(from)> to;
+    if (from.empty()) return to;
+    for (const size_t i : indices) to.push_back(from[i]);
+    return to;
+  };
+  Result out;
+  for (size_t k = 0; k < 3; ++k) out.traction[k] = pick(traction[k]);
+  for (const auto& column : state) out.state.push_back(pick(column));
+  out.stored = pick(stored);
+  for (size_t k = 0; k < dissipated.size(); ++k) out.dissipated[k] = pick(dissipated[k]);
+  for (size_t k = 0; k < 9; ++k) out.tangent[k] = pick(tangent[k]);
+  out.flags = pick(flags);
+  out.point_status = pick(point_status);
+  return out;
+}
+
+double Result::dissipation(size_t i) const {
+  double sum = 0;
+  for (const auto& mode : dissipated) sum += mode.empty() ? 0.0 : mode[i];
+  return sum;
+}
+
+Points points_at(const quoin_law& law, const Material& material, size_t count, const char* initial_state) {
+  std::vector<double> values(law.state_count + 1);
+  law.initial_state(material.handle, initial_state != nullptr ? initial_state : law.initial_states[0], values.data());
+  Points points;
+  points.normal_jump.assign(count, 0.0);
+  for (auto& column : points.slip) column.assign(count, 0.0);
+  for (auto& column : points.traction) column.assign(count, 0.0);
+  for (uint64_t s = 0; s < law.state_count; ++s) points.state.emplace_back(count, values[s]);
+  return points;
+}
+
+Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted) {
+  const size_t n = points.size();
+  Result result;
+  quoin_batch batch = {};
+  batch.struct_size = sizeof batch;
+  batch.count = n;
+  batch.normal_jump = {points.normal_jump.data(), 1};
+  for (size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {points.slip[k].data(), 1};
+  const auto column = [&](std::vector<double>& data) {
+    data.assign(n, std::numeric_limits<double>::quiet_NaN());
+    return quoin_out{data.data(), 1};
+  };
+  for (size_t k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {points.traction[k].data(), 1};
+    batch.traction_new[k] = column(result.traction[k]);
+  }
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
+  result.state.resize(law.state_count);
+  for (uint64_t s = 0; s < law.state_count; ++s) {
+    state_old.push_back({points.state[s].data(), 1});
+    state_new.push_back(column(result.state[s]));
+  }
+  batch.state_old = state_old.data();
+  batch.state_new = state_new.data();
+  if ((wanted & kEnergy) && (law.capabilities & QUOIN_CAN_ENERGY)) {
+    batch.energy_stored = column(result.stored);
+    for (size_t k = 0; k < result.dissipated.size(); ++k) batch.dissipated[k] = column(result.dissipated[k]);
+  }
+  if ((wanted & kTangent) && (law.capabilities & QUOIN_CAN_TANGENT)) {
+    for (size_t k = 0; k < 9; ++k) batch.tangent[k] = column(result.tangent[k]);
+  }
+  if ((wanted & kFlags) && (law.capabilities & QUOIN_CAN_FLAGS)) {
+    result.flags.assign(n, 0xdeadbeefu);
+    batch.flags = {result.flags.data(), 1};
+  }
+  if (wanted & kStatus) {
+    result.point_status.assign(n, 0xdeadbeefu);
+    batch.status = {result.point_status.data(), 1};
+  }
+  batch.clamped_count = batch.failed_count = 77;
+  batch.worst_status = batch.any_yielding = 77;
+  result.status = law.evaluate(material.handle, &batch);
+  result.clamped = batch.clamped_count;
+  result.failed = batch.failed_count;
+  result.worst = batch.worst_status;
+  result.any_yielding = batch.any_yielding;
+  return result;
+}
+
+namespace {
+
+template <class T>
+std::string compare(const std::string& name, const std::vector<T>& a, const std::vector<T>& b) {
+  if (a.empty() || b.empty()) return "";
+  for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    if (std::memcmp(&a[i], &b[i], sizeof(T)) != 0) {
+      return name + " of point " + std::to_string(i) + ": " + shortest(static_cast<double>(a[i])) + " against " +
+             shortest(static_cast<double>(b[i]));
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string difference(const quoin_law& law, const Result& a, const Result& b) {
+  if (a.status != b.status) return "return values differ";
+  static const char* const tractions[3] = {"sigma", "tau_s", "tau_t"};
+  std::string text;
+  for (size_t k = 0; k < 3 && text.empty(); ++k) text = compare(tractions[k], a.traction[k], b.traction[k]);
+  for (size_t s = 0; s < a.state.size() && text.empty(); ++s) {
+    text = compare(law.states[s]->id, a.state[s], b.state[s]);
+  }
+  if (text.empty()) text = compare("energy_stored", a.stored, b.stored);
+  for (size_t k = 0; k < a.dissipated.size() && text.empty(); ++k) {
+    text = compare("dissipated[" + std::to_string(k) + "]", a.dissipated[k], b.dissipated[k]);
+  }
+  for (size_t k = 0; k < 9 && text.empty(); ++k) {
+    text = compare("tangent[" + std::to_string(k) + "]", a.tangent[k], b.tangent[k]);
+  }
+  if (text.empty()) text = compare("flags", a.flags, b.flags);
+  if (text.empty()) text = compare("status", a.point_status, b.point_status);
+  return text;
+}
+
+Scales::Scales(const quoin_law& law, const Material& material) {
+  quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
+  law.stiffness_bounds(material.handle, &bounds);
+  normal_stiffness = bounds.normal > 0 && std::isfinite(bounds.normal) ? bounds.normal : 1e10;
+  shear_stiffness = bounds.shear > 0 && std::isfinite(bounds.shear) ? bounds.shear : 1e10;
+  for (uint64_t p = 0; p < law.property_count; ++p) {
+    const quoin_property_info& property = *law.properties[p];
+    if (property.kind != QUOIN_PROPERTY_NUMBER) continue;
+    const double value = material.number(property.id);
+    if (!(value > 0) || !std::isfinite(value)) continue;
+    if (std::strcmp(property.unit, "Pa") == 0) strengths.push_back(value);
+    if (std::strcmp(property.unit, "J/m2") == 0) energies.push_back(value);
+  }
+  if (strengths.empty()) strengths.push_back(1e5);
+  traction = *std::max_element(strengths.begin(), strengths.end());
+}
+
+namespace {
+
+double pick(std::mt19937_64& random, const std::vector<double>& from) { return from[random() % from.size()]; }
+
+}  // namespace
+
+double Scales::opening(std::mt19937_64& random) const {
+  if (energies.empty() || uniform(random) < 0.4)
+    return uniform(random, 0, 3) * pick(random, strengths) / normal_stiffness;
+  return uniform(random, 0, 1.5) * pick(random, energies) / pick(random, strengths);
+}
+
+double Scales::closing(std::mt19937_64& random) const {
+  if (energies.empty() || uniform(random) < 0.8)
+    return -uniform(random, 0, 3) * pick(random, strengths) / normal_stiffness;
+  return -uniform(random, 0, 1) * pick(random, energies) / traction;
+}
+
+double Scales::sliding(std::mt19937_64& random) const {
+  if (energies.empty() || uniform(random) < 0.4)
+    return uniform(random, 0, 4) * pick(random, strengths) / shear_stiffness;
+  return uniform(random, 0, 1.5) * pick(random, energies) / pick(random, strengths);
+}
+
+Walk::Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
+           const char* initial_state)
+    : points(points_at(law, material, count, initial_state)),
+      normal_before(count, 0.0),
+      scales_(law, material),
+      steps_per_leg_(steps_per_leg),
+      random_(seed),
+      increment_(count) {}
+
+void Walk::new_leg(size_t i) {
+  const double target = uniform(random_) < 0.5 ? scales_.opening(random_) : scales_.closing(random_);
+  const double length = scales_.sliding(random_);
+  const double angle = uniform(random_, 0, 6.283185307179586);
+  const double kind = uniform(random_);  // a fifth of the legs only open or close, a fifth only slide
+  increment_[i] = {kind < 0.2 ? 0.0 : target - points.normal_jump[i], kind > 0.8 ? 0.0 : length * std::cos(angle),
+                   kind > 0.8 ? 0.0 : length * std::sin(angle)};
+  for (double& component : increment_[i]) component /= steps_per_leg_;
+}
+
+void Walk::aim() {
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (step_ % steps_per_leg_ == 0) new_leg(i);
+    normal_before[i] = points.normal_jump[i];
+    points.normal_jump[i] += increment_[i][0];
+    points.slip[0][i] = increment_[i][1];
+    points.slip[1][i] = increment_[i][2];
+  }
+  ++step_;
+}
+
+void Walk::advance(const Result& result) {
+  points.traction = result.traction;
+  points.state = result.state;
+}
+
+Points scattered_points(const quoin_law& law, const Material& material, size_t count, uint64_t seed) {
+  Walk walk(law, material, count, seed, 5);
+  Points points = walk.points;
+  for (int step = 0; step < 30; ++step) {
+    walk.aim();
+    // Each point keeps the inputs of one step of its path.
+    for (size_t i = 0; i < count; ++i) {
+      if (static_cast<int>(i * 7 % 30) != step) continue;
+      points.normal_jump[i] = walk.points.normal_jump[i];
+      for (size_t k = 0; k < 2; ++k) points.slip[k][i] = walk.points.slip[k][i];
+      for (size_t k = 0; k < 3; ++k) points.traction[k][i] = walk.points.traction[k][i];
+      for (size_t s = 0; s < points.state.size(); ++s) points.state[s][i] = walk.points.state[s][i];
+    }
+    walk.advance(evaluate(law, material, walk.points, 0));
+  }
+  return points;
+}
+
+}  // namespace check

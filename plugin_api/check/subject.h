@@ -1,0 +1,130 @@
+// The law under test, materials of it, and arrays of points to drive it with.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "quoin/quoin.h"
+
+namespace check {
+
+// Property values by id, as text like on the command line: a number, a word, or a table x:y,x:y.
+using Settings = std::map<std::string, std::string>;
+
+std::string shortest(double value);  // reads back to the same bits
+
+// A text buffer big enough for any message.
+struct Text {
+  Text();
+  std::string str() const { return std::string(bytes.data()); }
+  std::vector<char> bytes;
+  quoin_text text;
+};
+
+// Settings turned into the ABI's arrays, alive as long as this object.
+struct Values {
+  Values(const quoin_law& law, const Settings& settings);
+  std::vector<std::string> ids, texts;
+  std::vector<std::vector<double>> numbers;
+  std::vector<quoin_property_value> values;
+  std::vector<const quoin_property_value*> pointers;
+};
+
+class Material {
+ public:
+  Material(const quoin_law& law, const Settings& settings);  // handle null when refused
+  ~Material();
+  Material(Material&& other) noexcept;
+  Material(const Material&) = delete;
+  Material& operator=(const Material&) = delete;
+  quoin_material* handle = nullptr;
+  quoin_status status = QUOIN_OK;
+  std::string message;
+  Settings settings;
+  double number(const char* id) const;
+
+ private:
+  const quoin_law& law_;
+};
+
+const quoin_property_info* find_property(const quoin_law& law, const std::string& id);
+
+// Values from the metadata: what is given, defaults, and a usual value of the unit for what is required.
+Settings base_settings(const quoin_law& law, const Settings& given);
+// The base and up to two variations of it that the law accepts.
+std::vector<Settings> varied_settings(const quoin_law& law, const Settings& base);
+
+// N points, structure of arrays.
+struct Points {
+  std::vector<double> normal_jump;
+  std::array<std::vector<double>, 2> slip;
+  std::array<std::vector<double>, 3> traction;
+  std::vector<std::vector<double>> state;
+  size_t size() const { return normal_jump.size(); }
+  Points take(const std::vector<size_t>& indices) const;
+};
+Points points_at(const quoin_law& law, const Material& material, size_t count, const char* initial_state);
+
+struct Result {
+  quoin_status status = QUOIN_OK;
+  std::array<std::vector<double>, 3> traction;
+  std::vector<std::vector<double>> state;
+  std::vector<double> stored;
+  std::array<std::vector<double>, QUOIN_DISSIPATED_COUNT> dissipated;
+  std::array<std::vector<double>, 9> tangent;
+  std::vector<uint32_t> flags, point_status;
+  uint64_t clamped = 0, failed = 0;
+  uint32_t worst = 0, any_yielding = 0;
+  double dissipation(size_t i) const;
+  Result take(const std::vector<size_t>& indices) const;
+};
+
+constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kAll = 15;
+
+Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted = kAll);
+
+// Empty when all bits agree (outputs that one side lacks are not compared), else what differs first.
+std::string difference(const quoin_law& law, const Result& a, const Result& b);
+
+// Lengths and tractions at which a material does something, from its properties and bounds.
+struct Scales {
+  Scales(const quoin_law& law, const Material& material);
+  double normal_stiffness, shear_stiffness;
+  std::vector<double> strengths;  // Pa
+  std::vector<double> energies;   // J/m2
+  double traction;                // largest strength
+  double opening(std::mt19937_64& random) const;
+  double closing(std::mt19937_64& random) const;
+  double sliding(std::mt19937_64& random) const;
+};
+
+// Points on random paths of straight legs: they open, close, crush, slide and come back.
+class Walk {
+ public:
+  Walk(const quoin_law& law, const Material& material, size_t count, uint64_t seed, int steps_per_leg,
+       const char* initial_state = nullptr);
+  void aim();                   // sets the next step's inputs in points
+  void advance(const Result&);  // takes the outputs as the next old state
+  Points points;
+  std::vector<double> normal_before;  // d_n at the start of the step
+
+ private:
+  void new_leg(size_t i);
+  Scales scales_;
+  int steps_per_leg_;
+  int step_ = 0;
+  std::mt19937_64 random_;
+  std::vector<std::array<double, 3>> increment_;
+};
+
+// Typical inputs: points somewhere on their random paths.
+Points scattered_points(const quoin_law& law, const Material& material, size_t count, uint64_t seed);
+
+double uniform(std::mt19937_64& random, double low = 0, double high = 1);
+
+}  // namespace check
