@@ -605,6 +605,18 @@ void check_failed_points(Report& report, const Subject& subject) {
       const bool is_bad = i % 5 == 2;
       if (is_bad) {
         report.clause("C7.1");
+        // The old sigma and the states may be of no use to a law (sigma follows from d_n, a mode may be switched off):
+        // then the point does not fail, and nothing but the column itself shows the bad value.
+        const bool may_be_unused = input == 3 || input >= 6;
+        if (may_be_unused && result.point_status[i] == QUOIN_POINT_OK) {
+          bool same = true;
+          for (size_t k = 0; k < 3; ++k) same = same && result.traction[k][i] == expected.traction[k][i];
+          for (size_t s = 0; s < points.state.size(); ++s) {
+            same = same && (s + 6 == input || result.state[s][i] == expected.state[s][i]);
+          }
+          report.expect(same, "%s = %g: neither failed nor unused", name.c_str(), column[i]);
+          continue;
+        }
         report.expect(result.point_status[i] == QUOIN_POINT_FAILED, "%s = %g: status %u", name.c_str(), column[i],
                       result.point_status[i]);
         bool kept = true;
@@ -639,6 +651,7 @@ void check_failed_points(Report& report, const Subject& subject) {
                   static_cast<unsigned long long>(result.failed), static_cast<unsigned long long>(failed),
                   static_cast<unsigned long long>(result.clamped), static_cast<unsigned long long>(clamped),
                   result.worst, worst);
+    if (input >= 6 || input == 3) continue;
     const Result unasked = evaluate(law, material, points, 0);
     report.expect(unasked.failed == failed && unasked.worst == worst, "the summary is another one without status");
   }

@@ -34,8 +34,9 @@ typedef struct quoin_property_column {
   quoin_in values;
 } quoin_property_column;
 
-/* Per-point status. FAILED: an input of the point (traction and state included) is not finite, or its own properties
- * are refused; traction and state are copied from the old ones, energy, dissipation, tangent and flags are 0. */
+/* Per-point status. FAILED: an input of the point that the law uses (old traction and state included) is not finite, or
+ * its own properties are refused; traction and state are copied from the old ones, energy, dissipation, tangent and
+ * flags are 0. */
 #define QUOIN_POINT_OK 0u
 #define QUOIN_POINT_CLAMPED 1u /* an input was outside the law's range and was limited; outputs are valid */
 #define QUOIN_POINT_FAILED 2u  /* not a number, or per-point properties refused: outputs equal the old state */

@@ -1,0 +1,390 @@
+/* Laws that each break one promise: the template law with one fault put around it. BROKEN is the number of the fault;
+ * 0 is the same construction without any fault, which the checker must pass. The fault that belongs to each number, and
+ * the clause that the checker must name, are in faults.cmake. */
+#define _GNU_SOURCE
+#define quoin_library_v1 template_library_v1
+#include "../../../plugin_api/template/template_law.c"
+#undef quoin_library_v1
+
+#include <fenv.h>
+
+QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text);
+
+/* ---- The template with two states: the slipped length (history) and the number of steps (diagnostic). -------------
+ */
+
+static const quoin_state_info state_table[2] = {
+    {sizeof(quoin_state_info), "slid", "m", "length slid so far", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR,
+     QUOIN_STATE_MONOTONIC, 0, 0.0, HUGE_VAL},
+    {sizeof(quoin_state_info), "steps", "-", "steps with an increment", QUOIN_ROLE_DIAGNOSTIC, QUOIN_STATE_SCALAR, 0, 0,
+     0.0, BROKEN == 32 ? 3.0 : HUGE_VAL},
+};
+static const quoin_state_info* const state_list[2] = {&state_table[0], &state_table[1]};
+
+#if BROKEN == 3 || BROKEN == 4
+static void loud(quoin_text* text) {
+  static const char message[] = "this is the reason, told at some length and without looking at the buffer's end";
+  if (text == NULL || text->struct_size < sizeof *text || text->data == NULL) return;
+#if BROKEN == 3
+  memcpy(text->data, message, sizeof message);
+  text->length = sizeof message - 1;
+#else
+  if (text->capacity > 0) {
+    const size_t n = text->capacity - 1 < sizeof message - 1 ? (size_t)text->capacity - 1 : sizeof message - 1;
+    memcpy(text->data, message, n);
+    text->data[n] = 0;
+    text->length = n;
+  }
+#endif
+}
+#endif
+
+static quoin_status make(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
+                         quoin_material** material, quoin_text* text) {
+#if BROKEN == 9 || BROKEN == 11 || BROKEN == 12
+  /* Accepts what it should refuse: not a number, values below the bound, unknown properties. */
+  const quoin_property_value* kept[16];
+  quoin_property_value changed[16];
+  static const double one = 1e9;
+  uint64_t i, n = 0;
+  for (i = 0; i < count && i < 16 && values != NULL; ++i) {
+    const quoin_property_value* value = values[i];
+    changed[n] = *value;
+    if (BROKEN == 9 && value->number_count == 1 && isnan(value->numbers[0])) changed[n].numbers = &one;
+    if (BROKEN == 11 && value->number_count == 1 && value->numbers[0] <= 0) changed[n].numbers = &one;
+    if (BROKEN == 12 && strcmp(value->id, "no_such_property") == 0) continue;
+    kept[n] = &changed[n];
+    ++n;
+  }
+  return create_material(self, n, values != NULL ? kept : NULL, material, text);
+#elif BROKEN == 10
+  /* Only the first fault is told. */
+  quoin_status status = create_material(self, count, values, material, text);
+  char* end = text != NULL && text->data != NULL && text->capacity > 0 ? strchr(text->data, '\n') : NULL;
+  if (end != NULL) {
+    *end = 0;
+    text->length = (uint64_t)(end - text->data);
+  }
+  return status;
+#elif BROKEN == 33
+  void* lost = malloc(100);
+  if (lost != NULL) memset(lost, 1, 100);
+  return create_material(self, count, values, material, text);
+#elif BROKEN == 42
+  quoin_status status = create_material(self, count, values, material, text);
+  if (status == QUOIN_ERROR_PROPERTY && material != NULL) *material = (quoin_material*)&state_table;
+  return status;
+#else
+  return create_material(self, count, values, material, text);
+#endif
+}
+
+#if BROKEN == 13
+/* Reads the caller's memory at every evaluation. */
+static const double* remembered;
+static quoin_status remember(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
+                             quoin_material** material, quoin_text* text) {
+  quoin_status status = make(self, count, values, material, text);
+  if (status == QUOIN_OK && material != NULL && count > 0) remembered = values[0]->numbers;
+  return status;
+}
+#endif
+
+static quoin_status number_of(const quoin_material* material, const char* id, double* value) {
+  quoin_status status = material_number(material, id, value);
+#if BROKEN == 43
+  if (status == QUOIN_OK) *value *= 2;
+#endif
+  return status;
+}
+
+static quoin_status begin(const quoin_material* material, const char* id, double* values) {
+#if BROKEN == 38
+  id = initial_states[0];
+#endif
+  if (material == NULL || id == NULL || values == NULL || strcmp(id, initial_states[0]) != 0)
+    return QUOIN_ERROR_ARGUMENT;
+  values[0] = values[1] = 0;
+  return QUOIN_OK;
+}
+
+static quoin_status bounds_of(const quoin_material* material, quoin_stiffness_bounds* bounds) {
+  quoin_status status = stiffness_bounds(material, bounds);
+#if BROKEN == 29
+  if (status == QUOIN_OK) bounds->shear *= 0.9;
+#endif
+  return status;
+}
+
+static double hidden; /* used by the faults that keep something of their own */
+
+static quoin_status step(const quoin_material* material, quoin_batch* batch) {
+  quoin_status status;
+  uint64_t i;
+  int k, in_place;
+  double* slid;
+  double* steps;
+  double* sigma_before = NULL;
+  unsigned char* bad;
+  quoin_batch inner;
+  if (material == NULL || batch == NULL) return QUOIN_ERROR_ARGUMENT;
+#if BROKEN == 40
+  if (batch->struct_size < sizeof *batch) return QUOIN_OK; /* a short batch is not refused */
+#endif
+  if (batch->struct_size < sizeof *batch) return QUOIN_ERROR_ARGUMENT;
+#if BROKEN == 22
+  if (batch->count == 0) return QUOIN_ERROR_ARGUMENT;
+#endif
+#if BROKEN == 36
+  if (batch->normal_jump.data == NULL && batch->count > 0) abort();
+#endif
+#if BROKEN == 20
+  if (batch->count > 0 && batch->status.data == NULL && batch->struct_size == sizeof *batch) *(volatile int*)NULL = 1;
+#endif
+#if BROKEN == 34
+  puts("evaluating");
+  fflush(stdout);
+#endif
+#if BROKEN == 35
+  fesetround(FE_UPWARD);
+#endif
+  if (batch->count > 0) {
+    if (batch->state_old == NULL || batch->state_new == NULL || batch->state_old[0].data == NULL ||
+        batch->state_new[0].data == NULL)
+      return QUOIN_ERROR_ARGUMENT;
+#if BROKEN == 21
+    if (batch->state_old[1].data == NULL) return QUOIN_ERROR_ARGUMENT; /* wants its diagnostics */
+#endif
+  }
+
+  /* The states first, into scratch: the template writes tractions that may be the old ones. */
+  slid = malloc((size_t)(batch->count + 1) * sizeof *slid);
+  steps = malloc((size_t)(batch->count + 1) * sizeof *steps);
+  bad = malloc((size_t)(batch->count + 1));
+  if (slid == NULL || steps == NULL || bad == NULL || !well_formed(batch)) {
+    free(slid);
+    free(steps);
+    free(bad);
+    return QUOIN_ERROR_ARGUMENT;
+  }
+  for (i = 0; i < batch->count; ++i) {
+    const double dd_s = get(batch->slip_increment[0], i), dd_t = get(batch->slip_increment[1], i);
+    slid[i] = get(batch->state_old[0], i) + sqrt(dd_s * dd_s + dd_t * dd_t);
+    steps[i] = batch->state_old[1].data != NULL ? get(batch->state_old[1], i) + (dd_s * dd_s + dd_t * dd_t > 0) : 0;
+    bad[i] = !isfinite(slid[i]);
+    for (k = 0; k < 3; ++k) bad[i] = bad[i] || !isfinite(get(batch->traction_old[k], i));
+    bad[i] = bad[i] || !isfinite(get(batch->normal_jump, i));
+#if BROKEN == 31
+    if (!bad[i] && get(batch->normal_jump, i) < 0) slid[i] *= 0.9; /* heals */
+#endif
+#if BROKEN == 37
+    ((quoin_material*)(uintptr_t)material)->ks *= 1 + 1e-9; /* history kept in the material */
+#endif
+  }
+  in_place = batch->count > 0 && batch->traction_old[0].data == batch->traction_new[0].data;
+  (void)in_place;
+  (void)sigma_before;
+#if BROKEN == 17
+  if (in_place) { /* clears the output before it reads the input */
+    for (i = 0; i < batch->count; ++i) put(batch->traction_new[1], i, 0.0);
+  }
+#endif
+
+  inner = *batch;
+#if BROKEN == 16
+  inner.normal_jump.stride = inner.normal_jump.stride < 0 ? -inner.normal_jump.stride : inner.normal_jump.stride;
+  if (batch->normal_jump.stride < 0) inner.normal_jump.data -= (batch->count - 1) * (uint64_t)inner.normal_jump.stride;
+#endif
+#if BROKEN == 13
+  {
+    quoin_material borrowed = *material;
+    if (remembered != NULL) borrowed.kn = *remembered;
+    status = evaluate(&borrowed, &inner);
+  }
+#else
+  status = evaluate(material, &inner);
+#endif
+  batch->clamped_count = inner.clamped_count;
+  batch->failed_count = inner.failed_count;
+  batch->worst_status = inner.worst_status;
+  batch->any_yielding = 0;
+  if (status != QUOIN_OK) {
+    free(slid);
+    free(steps);
+    free(bad);
+    return status;
+  }
+
+  for (i = 0; i < batch->count; ++i) {
+    const double old = get(batch->state_old[0], i);
+    if (bad[i] && isfinite(get(batch->normal_jump, i)) && !isfinite(old)) {
+      /* Only the wrapper's own state is bad: the point fails here (its tractions are not used in place by the tests).
+       */
+      for (k = 0; k < 3; ++k) put(batch->traction_new[k], i, get(batch->traction_old[k], i));
+      put(batch->energy_stored, i, 0.0);
+      for (k = 0; k < 9; ++k) put(batch->tangent[k], i, 0.0);
+      put_u32(batch->flags, i, 0);
+      put_u32(batch->status, i, QUOIN_POINT_FAILED);
+      ++batch->failed_count;
+      batch->worst_status = QUOIN_POINT_FAILED;
+    }
+    if (bad[i]) {
+      put(batch->state_new[0], i, old);
+      if (batch->state_new[1].data != NULL) put(batch->state_new[1], i, get(batch->state_old[1], i));
+    } else {
+      if (slid[i] != old) {
+        batch->any_yielding = 1;
+        if (batch->flags.data != NULL) {
+          batch->flags.data[(int64_t)i * batch->flags.stride] |= QUOIN_FLAG_YIELDING;
+        }
+      }
+      put(batch->state_new[0], i, slid[i]);
+      if (batch->state_new[1].data != NULL) put(batch->state_new[1], i, steps[i]);
+    }
+#if BROKEN >= 14
+    if (!bad[i]) {
+      const double sigma = get((quoin_in){batch->traction_new[0].data, batch->traction_new[0].stride}, i);
+      const double tau_s = get((quoin_in){batch->traction_new[1].data, batch->traction_new[1].stride}, i);
+      const double tau_t = get((quoin_in){batch->traction_new[2].data, batch->traction_new[2].stride}, i);
+      (void)sigma;
+      (void)tau_s;
+      (void)tau_t;
+#if BROKEN == 14
+      if (hidden != 0 && i == 0) put(batch->traction_new[0], i, sigma * (1 + 1e-15 * hidden)); /* the call before */
+#elif BROKEN == 15
+      if (i + 1 == batch->count && batch->count % 2 == 1) put(batch->traction_new[0], i, sigma * (1 + 4e-16));
+#elif BROKEN == 18
+      hidden = sigma; /* shared by all threads */
+      {
+        volatile int pause;
+        for (pause = 0; pause < 20; ++pause) {
+        }
+      }
+      put(batch->traction_new[0], i, hidden);
+#elif BROKEN == 19
+      if (batch->traction_new[0].stride > 1)
+        batch->traction_new[0].data[(int64_t)i * batch->traction_new[0].stride - 1] = 0;
+#elif BROKEN == 24
+      if (i == 3) batch->failed_count += 1;
+#elif BROKEN == 25
+      put(batch->traction_new[1], i, tau_s * (1 - 1e-7)); /* creeps */
+#elif BROKEN == 26
+      put(batch->traction_new[1], i, tau_s > 1e5 ? 1e5 : tau_s); /* a limit of its own for s */
+#elif BROKEN == 27
+      put(batch->energy_stored, i, sigma * sigma / (2 * material->kn)); /* forgets the shear */
+#elif BROKEN == 28
+      put(batch->dissipated[QUOIN_DISSIPATED_FRICTION], i, -1e-6 * (slid[i] - old) * fabs(sigma));
+#elif BROKEN == 30
+      put(batch->tangent[4], i, material->ks * 1.1);
+#elif BROKEN == 39
+      batch->any_yielding = 0;
+#elif BROKEN == 44
+      put(batch->energy_stored, i, 2 * (sigma * sigma / material->kn + (tau_s * tau_s + tau_t * tau_t) / material->ks));
+#endif
+    }
+#endif
+#if BROKEN == 23
+    /* A failed point gets zeros instead of its old values. */
+    if (bad[i]) put(batch->traction_new[0], i, 0.0);
+#endif
+#if BROKEN == 45
+    /* One bad point spoils the next. */
+    if (i > 0 && bad[i - 1] && !bad[i]) put(batch->traction_new[0], i, 0.0);
+#endif
+  }
+#if BROKEN == 14
+  hidden = batch->count > 0 ? (double)(batch->count % 97) : 0;
+#endif
+  free(slid);
+  free(steps);
+  free(bad);
+  return QUOIN_OK;
+}
+
+#if BROKEN == 41
+/* Takes the law over, but forgets that the reference of the normal jump has to move. */
+static quoin_status migrate(const quoin_material* material, quoin_migration* m, quoin_text* text) {
+  uint64_t i, s, k;
+  (void)material;
+  say_nothing(text);
+  m->failed_count = 0;
+  for (i = 0; i < m->count; ++i) {
+    put(m->normal_shift, i, 1e-6);
+    put(m->energy_jump, i, 0.0);
+    put_u32(m->status, i, QUOIN_POINT_OK);
+    for (s = 0; s < 2; ++s) {
+      put(m->state_new[s], i, 0.0);
+      for (k = 0; k < m->from_state_count; ++k) {
+        if (strcmp(m->from_state_ids[k], state_table[s].id) == 0) put(m->state_new[s], i, get(m->from_states[k], i));
+      }
+    }
+  }
+  return QUOIN_OK;
+}
+#endif
+
+#if BROKEN == 1
+QUOIN_EXPORT int quoin_helper(void);
+int quoin_helper(void) { return 1; }
+#endif
+
+static quoin_property_info changed_properties[PROPERTY_COUNT];
+static const quoin_property_info* const changed_list[PROPERTY_COUNT] = {&changed_properties[0], &changed_properties[1]};
+static quoin_convention changed_convention;
+static quoin_law changed_law;
+static const quoin_law* const changed_laws[] = {&changed_law};
+static quoin_library changed_library;
+
+const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text) {
+  const quoin_library* from;
+#if BROKEN == 2
+  if (host != NULL && host->struct_size >= sizeof *host) {
+    quoin_host_info pretended = *host;
+    pretended.abi_major = QUOIN_ABI_MAJOR;
+    from = template_library_v1(&pretended, text);
+  } else {
+    from = NULL;
+  }
+#else
+  from = template_library_v1(host, text);
+#endif
+#if BROKEN == 3 || BROKEN == 4
+  if (from == NULL) loud(text);
+#endif
+  if (from == NULL) return NULL;
+  (void)hidden;
+  changed_library = *from;
+  changed_law = law;
+  changed_convention = convention;
+  memcpy(changed_properties, property_table, sizeof changed_properties);
+  changed_library.laws = changed_laws;
+  changed_law.convention = &changed_convention;
+  changed_law.properties = changed_list;
+  changed_law.state_count = 2;
+  changed_law.states = state_list;
+  changed_law.create_material = make;
+  changed_law.material_number = number_of;
+  changed_law.initial_state = begin;
+  changed_law.stiffness_bounds = bounds_of;
+  changed_law.evaluate = step;
+#if BROKEN == 5
+  changed_properties[1].default_from = NULL;
+  changed_properties[1].default_value = -1;
+#elif BROKEN == 6
+  changed_properties[1].unit = "psi/in";
+#elif BROKEN == 7
+  changed_properties[1].id = "normal_stiffness";
+#elif BROKEN == 8
+  changed_convention.tension_sign = -1;
+#elif BROKEN == 13
+  changed_law.create_material = remember;
+#elif BROKEN == 41
+  changed_law.migrate_state = migrate;
+  changed_law.capabilities |= QUOIN_CAN_MIGRATE;
+#elif BROKEN == 46
+  changed_law.capabilities |= QUOIN_CAN_MIGRATE; /* and no function */
+#elif BROKEN == 47
+  changed_properties[1].default_from = "bulk_stiffness";
+#endif
+  return &changed_library;
+}
