@@ -1,0 +1,144 @@
+// The wall generator: counts that the paper prints, bonds, openings and conforming diagonals.
+#include "scene/generate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "scene/read_scene.h"
+
+namespace quoin {
+namespace {
+
+struct Counts {
+  int blocks = 0, zones = 0, unit_points = 0, head_points = 0, bed_points = 0;
+};
+
+// Contact points of joints between blocks of equal size: one for each gridpoint of the face.
+Counts count(const Assembly& a) {
+  Counts c;
+  for (const Brick& b : a.bricks) {
+    if (!b.rigid) ++c.blocks, c.zones += 5 * b.zones[0] * b.zones[1] * b.zones[2];
+  }
+  for (const Joint& j : a.joints) {
+    const Brick& b = a.bricks[static_cast<size_t>(j.block_a)];
+    const Brick& zoned = b.rigid ? a.bricks[static_cast<size_t>(j.block_b)] : b;
+    const auto& z = zoned.zones;
+    const int points = j.face_a < 2 ? (z[1] + 1) * (z[2] + 1) : (z[0] + 1) * (z[2] + 1);
+    (j.face_a == 3                                              ? c.bed_points
+     : a.families[static_cast<size_t>(j.family)].name == "unit" ? c.unit_points
+                                                                : c.head_points) += points;
+  }
+  return c;
+}
+
+Scene solid_wall(const std::vector<std::string>& overrides = {}) {
+  return read_scene(QUOIN_SCENES "/solid_wall_030.toml", overrides);
+}
+
+TEST(GenerateWall, SolidWallHasThePapersSizes) {
+  const Assembly a = assemble(solid_wall());
+  const Counts c = count(a);
+  EXPECT_EQ(c.blocks, 144);
+  EXPECT_EQ(c.zones, 11520);
+  EXPECT_EQ(c.unit_points + c.head_points, 1152);
+  EXPECT_EQ(c.bed_points, 2295);
+  EXPECT_EQ(a.bricks.size(), 146u);  // and two beams
+  EXPECT_EQ(a.bricks[144].body, "bottom_beam");
+  EXPECT_EQ(a.bricks[145].body, "top_beam");
+  EXPECT_DOUBLE_EQ(a.bricks[145].origin[1], 1.0);
+  EXPECT_DOUBLE_EQ(a.bricks[145].size[0], 0.99);
+  EXPECT_NEAR(bed_area(*solid_wall().wall), 0.099, 1e-15);
+}
+
+TEST(GenerateWall, ScenesDifferOnlyInPressure) {
+  const double pressures[] = {0.30e6, 1.21e6, 2.12e6};
+  const char* names[] = {"030", "121", "212"};
+  for (int i = 0; i < 3; ++i) {
+    const Scene s = read_scene(std::string(QUOIN_SCENES "/solid_wall_") + names[i] + ".toml");
+    EXPECT_NEAR(s.stages.at(0).controls.at(1).force[1], -pressures[i] * 0.099, 1e-9);
+    EXPECT_EQ(s.joints.at("mortar").properties.size(), 10u);
+    EXPECT_EQ(count(assemble(s)).zones, 11520);
+  }
+}
+
+// Running bond: 4 whole units and a half; the half at the right end of even courses, at the left of odd ones.
+TEST(GenerateWall, RunningBondMovesByHalfAUnit) {
+  const Assembly a = assemble(solid_wall({"wall.mid_unit_joints=false"}));
+  EXPECT_EQ(count(a).blocks, 16 * 5);
+  EXPECT_EQ(count(a).zones, 11520);
+  for (const Brick& b : a.bricks) {
+    if (b.rigid) continue;
+    const bool half = b.size[0] < 0.2;
+    EXPECT_EQ(b.zones[0], half ? 4 : 8);
+    if (half) {
+      EXPECT_NEAR(b.origin[0], b.course % 2 == 0 ? 0.88 : 0.0, 1e-12);
+    }
+  }
+  // Each bed of 9 half units is cut into 9 overlaps, the beams' beds into 5 units.
+  int beds = 0;
+  std::set<std::pair<int, int>> pairs;
+  for (const Joint& j : a.joints) {
+    if (j.face_a == 3) ++beds;
+    EXPECT_TRUE(pairs.insert({j.block_a, j.block_b}).second) << "a pair of blocks joined twice";
+  }
+  EXPECT_EQ(beds, 15 * 9 + 2 * 5);
+}
+
+TEST(GenerateWall, FirstCourseMayStartWithAHalf) {
+  const Assembly a = assemble(solid_wall({"wall.mid_unit_joints=false", "wall.first_course=half"}));
+  EXPECT_NEAR(a.bricks[0].size[0], 0.11, 1e-12);
+}
+
+TEST(GenerateWall, StackBondPutsHeadJointsAboveEachOther) {
+  const Assembly a = assemble(solid_wall({"wall.mid_unit_joints=false", "wall.bond=stack", "wall.units_per_course=4"}));
+  for (const Brick& b : a.bricks) {
+    if (!b.rigid) {
+      EXPECT_NEAR(b.size[0], 0.22, 1e-12);
+    }
+  }
+  EXPECT_EQ(count(a).blocks, 64);
+}
+
+TEST(GenerateWall, OpeningsLeaveHalfUnits) {
+  const std::string opening = "wall.opening=[{first_half_unit = 4, half_units = 2, first_course = 5, courses = 6}]";
+  const Assembly with_mid = assemble(solid_wall({opening}));
+  EXPECT_EQ(count(with_mid).blocks, 144 - 12);
+  const Assembly whole = assemble(solid_wall({opening, "wall.mid_unit_joints=false"}));
+  EXPECT_EQ(count(whole).zones, 11520 - 12 * 80);
+  for (const Brick& b : whole.bricks) {
+    const bool beside = b.course >= 5 && b.course < 11 && !b.rigid;
+    if (beside) {
+      EXPECT_TRUE(b.origin[0] + b.size[0] < 0.44 + 1e-9 || b.origin[0] > 0.66 - 1e-9);
+    }
+  }
+}
+
+TEST(GenerateWall, HalfThickness) {
+  const Assembly a = assemble(solid_wall({"wall.half_thickness=true"}));
+  EXPECT_EQ(a.symmetry_factor, 2.0);
+  EXPECT_TRUE(a.symmetry_plane_z0);
+  EXPECT_EQ(a.bricks[0].zones[2], 1);
+  EXPECT_DOUBLE_EQ(a.bricks[0].size[2], 0.05);
+}
+
+// Hexahedra of the whole wall are coloured like a chessboard, whatever the number of layers: the diagonals of facing
+// patterns coincide.
+TEST(GenerateWall, PatternsOfFacingBlocksConform) {
+  for (const char* zones : {"[4, 2, 2]", "[3, 1, 1]", "[3, 2, 1]", "[2, 1, 1]"}) {
+    for (const char* mid : {"true", "false"}) {
+      const Assembly a =
+          assemble(solid_wall({std::string("wall.zones=") + zones, std::string("wall.mid_unit_joints=") + mid}));
+      for (const Brick& b : a.bricks) {
+        if (b.rigid) continue;
+        const auto column = std::lround(b.origin[0] / b.size[0] * b.zones[0]);
+        const auto row = std::lround(b.origin[1] / b.size[1] * b.zones[1]);
+        EXPECT_EQ(b.parity, (column + row) % 2) << zones << " " << mid;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quoin

@@ -1,0 +1,230 @@
+// Scenes as they are read, and every kind of fault: the message has file:line, key, value and what is allowed.
+#include "scene/read_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Lines are numbered by hand: tests name them.
+const char* const kScene = R"(title = "small"
+[materials.brick]
+young_modulus = 16.7e9
+poisson_ratio = 0.15
+density = 1900
+[joints.mortar]
+law = "elastic"
+normal_stiffness = 82e9
+shear_stiffness = 36e9
+[wall]
+courses = 2
+units_per_course = 1.5
+unit = [0.2, 0.1, 0.1]
+mid_unit_joints = false
+unit_material = "brick"
+bed_joint = "mortar"
+head_joint = "mortar"
+beam_joint = "mortar"
+[[stage]]
+name = "press"
+kind = "pressure"
+pressure = 1e5
+[[stage]]
+kind = "shear"
+velocity = 0.01
+displacement = 0.001
+)";
+
+class ReadScene : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("quoin_scene_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+               std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Scene read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    const std::string file = (folder_ / "s.toml").string();
+    std::ofstream(file) << text;
+    return read_scene(file, overrides);
+  }
+
+  // The message about the scene with `from` replaced by `to`.
+  std::string fault(const std::string& from, const std::string& to, const std::vector<std::string>& overrides = {}) {
+    std::string text = kScene;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    return message(text, overrides);
+  }
+  std::string message(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    try {
+      read(text, overrides);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted";
+    return {};
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReadScene, FillsTheStructs) {
+  const Scene s = read(kScene);
+  EXPECT_EQ(s.title, "small");
+  EXPECT_EQ(s.materials.at("brick").density, 1900);
+  EXPECT_EQ(s.solver.time_step_fraction, 0.6);
+  EXPECT_EQ(s.wall->zones, (std::array<int, 3>{4, 2, 2}));
+  const JointFamily& mortar = s.joints.at("mortar");
+  ASSERT_EQ(mortar.properties.size(), 2u);
+  EXPECT_EQ(mortar.properties[0].id, "normal_stiffness");
+  EXPECT_EQ(mortar.properties[0].numbers, std::vector<double>{82e9});
+  EXPECT_THAT(mortar.properties[0].source.text, HasSubstr("s.toml:8: joints.mortar.normal_stiffness"));
+
+  ASSERT_EQ(s.stages.size(), 2u);
+  const Stage& press = s.stages[0];
+  EXPECT_EQ(press.name, "press");
+  ASSERT_TRUE(press.equilibrium_ratio);
+  const BodyControl& top = press.controls.at(1);
+  EXPECT_EQ(top.body, "top_beam");
+  EXPECT_EQ(top.kind[1], DofKind::free);
+  EXPECT_DOUBLE_EQ(top.force[1], -1e5 * 0.3 * 0.1);  // downwards, on the gross bed area
+  const Stage& shear = s.stages[1];
+  EXPECT_EQ(shear.controls.at(1).kind[1], DofKind::velocity);  // vertical displacement held
+  EXPECT_EQ(shear.controls.at(1).velocity, (Vec3{0.01, 0, 0}));
+  EXPECT_EQ(shear.displacement, 0.001);
+}
+
+TEST_F(ReadScene, PropertiesMayBeWordsAndTables) {
+  const Scene s = read(kScene, {"joints.mortar.softening=exponential", "joints.mortar.softening_table=[[0, 1], [1, 0]]",
+                                "joints.mortar.compressive_strength=inf"});
+  std::map<std::string, PropertySetting> p;
+  for (const auto& setting : s.joints.at("mortar").properties) p[setting.id] = setting;
+  EXPECT_EQ(p["softening"].text, "exponential");
+  EXPECT_EQ(p["softening_table"].numbers, (std::vector<double>{0, 1, 1, 0}));
+  EXPECT_TRUE(std::isinf(p["compressive_strength"].numbers.at(0)));
+}
+
+TEST_F(ReadScene, OverridesByNumberAndByName) {
+  const Scene s = read(kScene, {"stage.2.velocity=0.5", "stage.press.pressure=3e5", "wall.bond=stack",
+                                "solver.damping=none", "output.frames=0"});
+  EXPECT_EQ(s.stages[1].controls.at(1).velocity[0], 0.5);
+  EXPECT_DOUBLE_EQ(s.stages[0].controls.at(1).force[1], -3e5 * 0.03);
+  EXPECT_EQ(s.wall->bond, "stack");
+  EXPECT_EQ(s.solver.damping, DampingKind::none);
+  EXPECT_EQ(s.output.frames, 0);
+}
+
+TEST_F(ReadScene, UnknownKey) {
+  EXPECT_THAT(fault("courses = 2", "courses = 2\ncurses = 3"),
+              AllOf(HasSubstr("s.toml:12: wall.curses = 3"), HasSubstr("unknown key"),
+                    HasSubstr("did you mean 'courses'?"), HasSubstr("units_per_course")));
+  EXPECT_THAT(fault("title", "titel"), HasSubstr("s.toml:1: titel = "));
+}
+
+TEST_F(ReadScene, WrongType) {
+  EXPECT_THAT(fault("density = 1900", "density = \"heavy\""),
+              AllOf(HasSubstr("s.toml:5: materials.brick.density = 'heavy'"), HasSubstr("wrong type, text"),
+                    HasSubstr("more than 0"), HasSubstr("kg/m3")));
+  EXPECT_THAT(fault("courses = 2", "courses = 2.5"), HasSubstr("wall.courses = 2.5: wrong type"));
+  EXPECT_THAT(fault("[0.2, 0.1, 0.1]", "[0.2, 0.1]"), HasSubstr("a list of 3 numbers"));
+  EXPECT_THAT(fault("normal_stiffness = 82e9", "normal_stiffness = true"),
+              HasSubstr("s.toml:8: joints.mortar.normal_stiffness = true: wrong type"));
+  EXPECT_THAT(fault("[wall]\n", "[wall]\nopening = 3\n"), HasSubstr("wall.opening = 3: wrong type"));
+}
+
+TEST_F(ReadScene, OutOfRange) {
+  EXPECT_THAT(fault("courses = 2", "courses = -2"),
+              AllOf(HasSubstr("s.toml:11: wall.courses = -2"), HasSubstr("1 to 10000")));
+  EXPECT_THAT(fault("= 0.15", "= 0.6"), HasSubstr("0 to 0.49"));
+  EXPECT_THAT(fault("pressure = 1e5", "pressure = nan"), HasSubstr("stage.1.pressure = nan"));
+  EXPECT_THAT(fault("= 1.5", "= 1.3"), HasSubstr("multiple of 0.5"));
+  EXPECT_THAT(message(kScene, {"solver.time_step_fraction=1.5"}),
+              AllOf(HasSubstr("--set: solver.time_step_fraction = 1.5"), HasSubstr("more than 0 and at most 1")));
+}
+
+TEST_F(ReadScene, MissingKeysAndNames) {
+  EXPECT_THAT(fault("courses = 2\n", ""),
+              AllOf(HasSubstr("s.toml:10: wall.courses: missing"), HasSubstr("1 to 10000")));
+  EXPECT_THAT(fault("= \"brick\"", "= \"brik\""),
+              AllOf(HasSubstr("s.toml:15: wall.unit_material = 'brik'"), HasSubstr("did you mean 'brick'?")));
+  EXPECT_THAT(fault("mid_unit_joints = false\n", ""), HasSubstr("wall.unit_joint: missing"));
+  EXPECT_THAT(fault("displacement = 0.001\n", ""), HasSubstr("stage.2.displacement: missing"));
+  EXPECT_THAT(fault("kind = \"shear\"", "kind = \"custom\""), HasSubstr("stage.2.velocity = 0.01: unknown key"));
+}
+
+TEST_F(ReadScene, EveryFaultAtOnce) {
+  const std::string text =
+      fault("courses = 2", "courses = -2", {"wall.bond=stak", "materials.brick.density=-1", "sage.1.pressure=3"});
+  EXPECT_THAT(text, AllOf(HasSubstr("wall.courses"), HasSubstr("did you mean 'stack'?"), HasSubstr("density = -1"),
+                          HasSubstr("did you mean 'stage'?")));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3) << text;
+}
+
+TEST_F(ReadScene, OpeningsStayInsideTheWall) {
+  const std::string opening =
+      "[[wall.opening]]\nfirst_half_unit = 2\nhalf_units = 2\nfirst_course = 0\ncourses = 1\n[[stage]]\nname = "
+      "\"press\"";
+  EXPECT_THAT(fault("[[stage]]\nname = \"press\"", opening),
+              AllOf(HasSubstr("s.toml:21: wall.opening.1.half_units = 2"), HasSubstr("1 to 1")));
+}
+
+TEST_F(ReadScene, StagesThatNeverEndAreRefused) {
+  const std::string stages = std::string(kScene) + "[[stage]]\nkind = \"custom\"\n";
+  EXPECT_THAT(message(stages), AllOf(HasSubstr("s.toml:27: stage.3"), HasSubstr("never ends")));
+  EXPECT_THAT(fault("velocity = 0.01", "velocity = 0"), HasSubstr("never reach its displacement"));
+}
+
+TEST_F(ReadScene, CustomStages) {
+  const Scene s =
+      read(std::string(kScene) +
+           "[[stage]]\nkind = \"custom\"\nduration = 0.1\n[[stage.control]]\nbody = \"top_beam\"\nvelocity = "
+           "[0, \"free\", 0]\nforce = [0, -5, 0]\n");
+  EXPECT_EQ(s.stages[2].controls.at(0).kind[1], DofKind::free);
+  EXPECT_EQ(s.stages[2].controls[0].force[1], -5);
+  EXPECT_THAT(message(std::string(kScene) + "[[stage]]\nkind = \"custom\"\nduration = 0.1\n[[stage.control]]\nbody = "
+                                            "\"roof\"\nforce = [1, 0, 0]\n"),
+              AllOf(HasSubstr("stage.3.control.1.body = 'roof'"), HasSubstr("top_beam"), HasSubstr("control.1.force")));
+}
+
+TEST_F(ReadScene, SyntaxAndMissingFile) {
+  EXPECT_THAT(fault("density = 1900", "density = "), AllOf(HasSubstr("s.toml:5:"), HasSubstr("not valid TOML")));
+  try {
+    read_scene((folder_ / "none.toml").string());
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_THAT(error.what(), HasSubstr("none.toml: cannot read"));
+  }
+}
+
+TEST_F(ReadScene, BadOverrides) {
+  EXPECT_THAT(message(kScene, {"wall.courses"}), HasSubstr("dotted.key=value"));
+  EXPECT_THAT(message(kScene, {"stage.9.velocity=1"}), AllOf(HasSubstr("--set stage.9"), HasSubstr("which has 2")));
+  EXPECT_THAT(message(kScene, {"title.x=1"}), HasSubstr("title is not a table"));
+}
+
+TEST(DidYouMean, SuggestsOnlyWhatIsNear) {
+  EXPECT_EQ(did_you_mean("cohesoin", {"cohesion", "tensile_strength"}), ", did you mean 'cohesion'?");
+  EXPECT_EQ(did_you_mean("weather", {"cohesion", "law"}), "");
+}
+
+}  // namespace
+}  // namespace quoin
