@@ -171,6 +171,7 @@ struct Equations {
     V xi_t_by_n;   // d xi_t / d d_n of that opening
     V tolerance;   // stress, Pa
     M open;
+    bool any_open;  // in this vector
     Closed normal;  // with the old v
   };
 
@@ -197,10 +198,15 @@ struct Equations {
       c = closed(hn::Not(step.open), hn::Sub(step.d_n, a.v), step.w_old, step.tolerance);
     }
     const V xi = kShared ? a.xi_s : step.xi_t;
-    const V K = secant(xi);
     a.w = c.w;
     a.crushes = c.crushes;
-    a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
+    a.sigma = c.sigma;
+    V K = zero(), K_xi = zero();
+    if (step.any_open) {
+      K = secant(xi);
+      if constexpr (kSlopes) K_xi = hn::Mul(secant_slope(xi), step.e);
+      a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
+    }
     const V S = hn::NegMulAdd(a.sigma, mu, cohesion);  // tension reduces S: Coulomb's line continues to its apex
     a.S = positive_part(S);
 
@@ -208,7 +214,6 @@ struct Equations {
       const V df = f.slope(a.xi_s);
       const V mu_xi = hn::Mul(hn::Sub(p.mu0, p.mur), df);
       const V cohesion_xi = hn::Mul(select(step.open, p.c0, hn::Sub(p.c0, p.cr)), df);
-      const V K_xi = hn::Mul(secant_slope(xi), step.e);
       const V stiffness = closed_slope(c);
       V uplift_slope = zero();
       if constexpr (kDilation) uplift_slope = hn::Mul(p.tan_psi, factor);
@@ -248,6 +253,33 @@ struct Equations {
     return hn::IfThenElseZero(slips, slip);
   }
 
+  // ---- Nothing yields: the short path ---------------------------------------------------------------------------
+
+  // True, and the result filled in, when every lane is elastic at its full stiffness: closed above -F or not yet opened
+  // beyond u0, and |tau*| within S. The same bits as evaluate gives.
+  HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
+    const V e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
+    const V sigma = hn::Mul(p.kn, e);
+    const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
+    const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
+    const V factor = f.factor(old.xi_s);
+    const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), hn::Sub(splat(1.0), factor), p.mu0);
+    // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
+    const V S = positive_part(hn::NegMulAdd(sigma, mu, hn::Mul(hn::Sub(p.c0, p.cr), factor)));
+    const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
+    const M full_stiffness = hn::Le(e, hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
+    // Far below the range where squares overflow; infinite input takes the long path.
+    V lowest = splat(-1e150);
+    if constexpr (kCrushing) lowest = hn::Max(lowest, hn::Neg(crushing_strength(old.w)));
+    const M within = hn::And(hn::Ge(sigma, lowest), hn::Le(trial_squared, hn::Mul(S, S)));
+    if (!all(hn::And(full_stiffness, within))) return false;
+    r.sigma = sigma;
+    r.state = old;
+    r.state.tau_s = trial_s;
+    r.state.tau_t = trial_t;
+    return true;
+  }
+
   // ---- The step: w from d_n and the old v; opening xi; then (v, slip, xi, sigma, w) jointly; tau last ------------
 
   template <bool kEnergies, bool kTangent>
@@ -256,8 +288,9 @@ struct Equations {
     step.d_n = in.d_n;
     step.w_old = old.w;
     step.v_old = old.v;
-    step.e = hn::Sub(hn::Add(in.d_n, old.w), old.v);
+    step.e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
     step.open = hn::Gt(step.e, zero());
+    step.any_open = !none(step.open);
 
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
@@ -285,12 +318,11 @@ struct Equations {
     r.state.tau_s = trial_s;
     r.state.tau_t = trial_t;
     V tau = trial;
-    Step solved = step;
+    V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
       r.slip = slip_to_strength(r.slips, step, trial);
-      // A cohesion without drop is complete at the first slip.
-      solved.xi_s = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
-      a = at_slip<kTangent>(solved, r.slip);
+      xi_start = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
+      a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));
       tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
       const V keep = hn::Div(positive_part(tau), trial);
       r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
@@ -300,20 +332,20 @@ struct Equations {
     r.open = step.open;
     r.crushes = a.crushes;
     r.sigma = a.sigma;
-    r.e = hn::Sub(hn::Add(in.d_n, a.w), a.v);
+    r.e = hn::Add(hn::Sub(in.d_n, a.v), a.w);
     r.state.w = a.w;
     r.state.v = a.v;
     r.state.xi_s = a.xi_s;
     r.state.xi_t = kShared ? a.xi_s : step.xi_t;
 
-    if constexpr (kEnergies) *energies = energies_of(old, step, solved, a, r, trial, S_before_slip, tau);
+    if constexpr (kEnergies) *energies = energies_of(old, step, xi_start, a, r, trial, S_before_slip, tau);
     if constexpr (kTangent) *tangent = tangent_of(a, r, trial_s, trial_t, trial, tau);
     return r;
   }
 
   // ---- Energies, from internal variables only -------------------------------------------------------------------
 
-  HWY_NOINLINE Energies energies_of(const State& old, const Step& step, const Step& solved, const AtSlip& a,
+  HWY_NOINLINE Energies energies_of(const State& old, const Step& step, const V& xi_start, const AtSlip& a,
                                     const Result& r, const V& trial, const V& S_before_slip, const V& tau) const {
     const V half = splat(0.5);
     Energies E;
@@ -334,7 +366,7 @@ struct Equations {
     E.tension = positive_part(E.tension);
 
     // Slip. Exact integrals over the slip of mu and of the closed joint's cohesion.
-    const V softened = hn::Mul(p.su, f.area(solved.xi_s, a.xi_s));  // integral of f over the slip
+    const V softened = hn::Mul(p.su, f.area(step.xi_s, a.xi_s));  // integral of f over the slip
     const V friction_path = hn::MulAdd(hn::Sub(p.mu0, p.mur), softened, hn::Mul(p.mur, r.slip));
     const V pressure = positive_part(hn::Neg(r.sigma));
     E.friction = positive_part(hn::Mul(pressure, hn::Sub(friction_path, hn::Sub(a.v, step.v_old))));
@@ -352,7 +384,9 @@ struct Equations {
     }
     // Where S fell below the old tau at once (opening, brittle drop), the slip also frees the excess.
     const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
-    const V start = solved_start_strength(step, solved, S_before_slip);
+    V start = S_before_slip;
+    const M dropped = hn::Gt(xi_start, step.xi_s);
+    if (!none(dropped)) start = select(dropped, at_xi<false>(step, xi_start).S, start);
     const V excess = positive_part(hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), start));
     const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), p.ks);
     E.cohesion = hn::Add(positive_part(select(r.open, cohesion_open, cohesion_closed)), freed_at_once);
@@ -367,12 +401,6 @@ struct Equations {
       E.crushing = hn::IfThenElseZero(r.crushes, positive_part(total));
     }
     return E;
-  }
-  // Strength at which the slip of this step starts: after the drop of a mode that completes at its first slip.
-  HWY_INLINE V solved_start_strength(const Step& step, const Step& solved, V S_before_slip) const {
-    const M dropped = hn::Gt(solved.xi_s, step.xi_s);
-    if (none(dropped)) return S_before_slip;
-    return select(dropped, at_slip<false>(solved, zero()).S, S_before_slip);
   }
 
   // ---- Consistent tangent: implicit derivative of the end-of-step equations --------------------------------------

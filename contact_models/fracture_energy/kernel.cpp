@@ -58,13 +58,12 @@ template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kF
 void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
   const D d;
   const Softening softening(material);
-  const Lanes material_values = material_lanes(material);
+  Lanes p = material_lanes(material);
+  const Equations<Softening, kShared, kCrushing, kDilation> law{p, softening};
   const auto state_in = [&](int k, std::size_t i) { return load(c.in[kStateOld + k], i); };
   const auto state_out = [&](int k) { return c.out[kStateNew + k]; };
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const Lanes p = kColumns ? column_lanes(material, c, i) : material_values;
-    const Equations<Softening, kShared, kCrushing, kDilation> law{p, softening};
-
+    if constexpr (kColumns) p = column_lanes(material, c, i);
     const Increment in{load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
     State old;
     old.tau_s = load(c.in[kTractionOld + 1], i);
@@ -74,9 +73,32 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
     old.w = kCrushing || kFull ? state_in(kW, i) : zero();
     old.v = kDilation || kFull ? state_in(kV, i) : zero();
 
+    const bool in_place = state_out(kXiT) == c.in[kStateOld + kXiT];
+    const auto store_traction = [&](const Result& result) {
+      store(result.sigma, c.out[kTractionNew], i);
+      store(result.state.tau_s, c.out[kTractionNew + 1], i);
+      store(result.state.tau_t, c.out[kTractionNew + 2], i);
+    };
+    const auto store_state = [&](const Result& result) {
+      store(result.state.xi_t, state_out(kXiT), i);
+      store(result.state.xi_s, state_out(kXiS), i);
+      store(kCrushing || kFull ? result.state.w : state_in(kW, i), state_out(kW), i);
+      store(kDilation || kFull ? result.state.v : state_in(kV, i), state_out(kV), i);
+    };
+
     Energies energies;
     Tangent tangent;
     Result r;
+    if constexpr (!kFull) {
+      if (law.elastic(in, old, r)) {
+        store_traction(r);
+        if (!in_place) {
+          store_state(r);
+          if (state_out(kSlip)) store(state_in(kSlip, i), state_out(kSlip), i);
+        }
+        continue;
+      }
+    }
     if constexpr (kFull) {
       r = law.template evaluate<true, true>(in, old, &energies, &tangent);
     } else {
@@ -104,20 +126,12 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
       summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
     }
 
-    store(r.sigma, c.out[kTractionNew], i);
-    store(r.state.tau_s, c.out[kTractionNew + 1], i);
-    store(r.state.tau_t, c.out[kTractionNew + 2], i);
+    store_traction(r);
     M moved = hn::And(sound, hn::Or(r.opens, r.slips));
     if constexpr (kCrushing) moved = hn::Or(moved, hn::And(sound, r.crushes));
     const bool yields = !none(hn::And(moved, hn::FirstN(d, count - i)));
     summary.yielding |= yields;
-    const bool in_place = state_out(kXiT) == c.in[kStateOld + kXiT];
-    if (yields || !in_place) {
-      store(r.state.xi_t, state_out(kXiT), i);
-      store(r.state.xi_s, state_out(kXiS), i);
-      store(kCrushing || kFull ? r.state.w : state_in(kW, i), state_out(kW), i);
-      store(kDilation || kFull ? r.state.v : state_in(kV, i), state_out(kV), i);
-    }
+    if (yields || !in_place) store_state(r);
     if (state_out(kSlip)) store(hn::Add(state_in(kSlip, i), r.slip), state_out(kSlip), i);
 
     if constexpr (kFull) {

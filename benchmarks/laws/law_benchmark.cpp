@@ -1,0 +1,171 @@
+// Nanoseconds per contact point of the fracture-energy law, through the C ABI: by population of states, batch size and
+// instruction set, beside the same equations compiled as scalar code in the same run.
+//
+// Every iteration starts from the same stored state (old and new columns differ), so that a population stays what it
+// is.
+#include <benchmark/benchmark.h>
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "hwy/highway.h"
+#include "hwy/targets.h"
+#include "quoin/quoin.h"
+
+namespace {
+
+constexpr int kStates = 5;
+
+struct LoadedLaw {
+  const quoin_law* law = nullptr;
+  quoin_material* material = nullptr;
+
+  explicit LoadedLaw(const std::string& path) {
+    void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) {
+      fmt::print(stderr, "{}\n", dlerror());
+      std::exit(4);
+    }
+    const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
+    const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "law_benchmark", "1"};
+    law = entry(&host, nullptr)->laws[0];
+    // Table 1 of the paper, mortar joint.
+    const std::pair<const char*, double> numbers[] = {{"normal_stiffness", 82e9},
+                                                      {"shear_stiffness", 36e9},
+                                                      {"tensile_strength", 0.2e6},
+                                                      {"cohesion", 0.3e6},
+                                                      {"friction_angle", 35.0},
+                                                      {"compressive_strength", 5e6},
+                                                      {"fracture_energy_tension", 15.0},
+                                                      {"fracture_energy_shear", 125.0},
+                                                      {"fracture_energy_compression", 8000.0}};
+    std::vector<quoin_property_value> values;
+    for (const auto& [id, number] : numbers) {
+      values.push_back({sizeof(quoin_property_value), id, 1, &number, nullptr});
+    }
+    std::vector<const quoin_property_value*> pointers;
+    for (const quoin_property_value& value : values) pointers.push_back(&value);
+    if (law->create_material(law, pointers.size(), pointers.data(), &material, nullptr) != QUOIN_OK) std::exit(4);
+  }
+};
+
+enum class Population { elastic, softening, mixed, random };
+
+struct Points {
+  std::vector<double> jump, slip_s, slip_t, traction[3], traction_new[3], state[kStates], state_new[kStates];
+  std::vector<quoin_in> old_columns;
+  std::vector<quoin_out> new_columns;
+  quoin_batch batch{};
+
+  Points(std::size_t count, Population population) {
+    std::mt19937_64 random(20261121);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    const auto fill = [&](std::vector<double>& column) { column.assign(count, 0.0); };
+    fill(jump), fill(slip_s), fill(slip_t);
+    for (int k = 0; k < 3; ++k) fill(traction[k]), fill(traction_new[k]);
+    for (int k = 0; k < kStates; ++k) fill(state[k]), fill(state_new[k]);
+    for (std::size_t i = 0; i < count; ++i) {
+      Population kind = population;
+      // mixed: one point in eight softens, the rest is elastic, in blocks as in a wall with a crack; random: any state.
+      if (kind == Population::mixed) kind = i / 64 % 8 == 0 ? Population::softening : Population::elastic;
+      const double u = unit(random);
+      if (kind == Population::elastic) {
+        jump[i] = -1e-5 * unit(random);
+        slip_s[i] = 1e-9 * u;
+        traction[1][i] = 1e4 * unit(random);
+      } else if (kind == Population::softening) {
+        // closed and slipping with decaying cohesion, or opening on the envelope: joints, eight points each
+        state[0][i] = state[1][i] = 0.2 + 0.5 * u;
+        if (i / 8 % 2 == 0) {
+          jump[i] = -1e-5 * unit(random);
+          const double sigma = 82e9 * jump[i];
+          traction[1][i] = 0.3e6 * (1.0 - state[1][i]) - 0.7002075382 * sigma;
+          slip_s[i] = 1e-7;
+        } else {
+          jump[i] = 2.44e-6 + (state[0][i] + 1e-3) * 1.4878e-4;
+          slip_s[i] = 1e-9;
+        }
+      } else {
+        state[0][i] = state[1][i] = unit(random) < 0.5 ? 0.0 : 1.2 * unit(random);
+        state[2][i] = unit(random) < 0.9 ? 0.0 : 1e-4 * unit(random);
+        jump[i] = unit(random) < 0.5 ? -7e-5 * unit(random) : 1e-4 * unit(random);
+        traction[1][i] = 0.2e6 * unit(random);
+        slip_s[i] = 1e-6 * (u - 0.5);
+        slip_t[i] = 1e-6 * (unit(random) - 0.5);
+      }
+    }
+    for (int k = 0; k < kStates; ++k) {
+      const bool history = k < 4;
+      old_columns.push_back({history ? state[k].data() : nullptr, 1});
+      new_columns.push_back({history ? state_new[k].data() : nullptr, 1});
+    }
+    batch.struct_size = sizeof(quoin_batch);
+    batch.count = count;
+    batch.normal_jump = {jump.data(), 1};
+    batch.slip_increment[0] = {slip_s.data(), 1};
+    batch.slip_increment[1] = {slip_t.data(), 1};
+    for (int k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {traction[k].data(), 1};
+      batch.traction_new[k] = {traction_new[k].data(), 1};
+    }
+    batch.state_old = old_columns.data();
+    batch.state_new = new_columns.data();
+  }
+};
+
+void measure(benchmark::State& state, const LoadedLaw& loaded, Population population) {
+  Points points(static_cast<std::size_t>(state.range(0)), population);
+  for (auto _ : state) {
+    loaded.law->evaluate(loaded.material, &points.batch);
+    benchmark::ClobberMemory();
+  }
+  if (points.batch.failed_count != 0) state.SkipWithError("failed points");
+  if (state.range(0) >= 64 && (population == Population::elastic) == (points.batch.any_yielding != 0))
+    state.SkipWithError("wrong population");
+  state.counters["ns/point"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * 1e-9 * static_cast<double>(state.range(0)),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string shipped = std::string(QUOIN_LAWS) + "/fracture_energy.so";
+  const LoadedLaw scalar(QUOIN_SCALAR_LAW);
+  std::vector<LoadedLaw> laws;
+  laws.reserve(8);
+  const std::pair<const char*, Population> populations[] = {{"elastic", Population::elastic},
+                                                            {"softening", Population::softening},
+                                                            {"mixed", Population::mixed},
+                                                            {"random", Population::random}};
+  const auto add = [&](const std::string& name, const LoadedLaw& law, bool all_sizes) {
+    for (const auto& [population_name, population] : populations) {
+      auto* entry = benchmark::RegisterBenchmark(
+          (name + "/" + population_name).c_str(),
+          [&law, kind = population](benchmark::State& state) { measure(state, law, kind); });
+      for (const long count : {1L, 8L, 64L, 500L, 4000L, 60000L, 1000000L}) {
+        if (all_sizes || count == 500) entry->Arg(count);
+      }
+    }
+  };
+  add("scalar -O2", scalar, false);
+  // A material keeps the kernels of the instruction set that is the best one when it is made.
+  const std::int64_t supported = hwy::SupportedTargets();
+  for (const std::int64_t target : {std::int64_t{HWY_SSE4}, std::int64_t{HWY_AVX2}, std::int64_t{HWY_AVX3}}) {
+    if ((supported & target) == 0) {
+      fmt::print("{}: not on this machine, not measured\n", hwy::TargetName(target));
+      continue;
+    }
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    laws.emplace_back(shipped);
+    add(hwy::TargetName(target), laws.back(), target == HWY_AVX2 || target == HWY_AVX3);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+}
