@@ -1,0 +1,56 @@
+// The inner loops of a step, compiled for every instruction set that Highway knows and chosen at run time. Every lane
+// does the same operations in the same order whatever the vector length.
+#pragma once
+
+#include <cstdint>
+
+#include "model/model.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+// What one step needs besides the model. Pointers are to whole arrays of the simulation.
+struct StepData {
+  double time_step = 0.0;  // s
+  DampingKind damping = DampingKind::none;
+  double local_damping = 0.0;      // gamma
+  double mass_damping = 0.0;       // alpha, 1/s
+  double stiffness_damping = 0.0;  // beta, s
+  Vec3 gravity{};                  // m/s2
+
+  double* displacement = nullptr;        // lane layout
+  double* velocity = nullptr;            // lane layout, of half a step ago
+  const double* dt_over_mass = nullptr;  // lane layout, s/kg; 0 for held components
+  const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none
+  const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point
+  double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
+};
+
+// What a measured step records of a block group or a rigid body. Work is split into the half step that ends at the
+// time of the displacements and the half step that begins there, so that energies belong to one time.
+struct Measured {
+  double unbalanced_squared = 0.0;  // largest over gridpoints, N2
+  double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
+  double strain = 0.0;
+  double damping_before = 0.0, damping_after = 0.0;
+  double external_before = 0.0, external_after = 0.0;
+};
+
+// Jumps of a chunk: total opening, sliding over the last step. Room for kChunk each.
+struct ChunkJumps {
+  alignas(64) double normal[kChunk];
+  alignas(64) double slip_s[kChunk];
+  alignas(64) double slip_t[kChunk];
+};
+
+void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps);
+void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step);
+
+// Internal forces, sums of contact forces, weight, damping, central differences: one pass over the group. scratch: the
+// doubles of the group, used by stiffness-proportional damping only. measured may be null.
+void advance_group(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+                   Measured* measured);
+
+const char* kernel_instruction_set();  // "AVX2"
+
+}  // namespace quoin

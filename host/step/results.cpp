@@ -1,0 +1,352 @@
+// What can be read from a simulation between steps. Cold.
+#include <fmt/core.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "step/state.h"
+
+namespace quoin {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Vec3 read_line(const LaneVector<double>& values, std::size_t offset) {
+  return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
+}
+
+Condition condition_of(std::uint32_t flags) {
+  if (flags & QUOIN_FLAG_CRUSHING_COMPLETE) return Condition::crushed_out;
+  if (flags & QUOIN_FLAG_CRUSHED) return Condition::crushing;
+  if ((flags & QUOIN_FLAG_OPEN) && (flags & QUOIN_FLAG_TENSION_COMPLETE)) return Condition::open;
+  if (flags & QUOIN_FLAG_SLIPPING) return Condition::slipping;
+  if (flags & (QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_SHEAR_DAMAGED)) return Condition::softening;
+  return Condition::elastic;
+}
+
+// Bytes of a checkpoint, written and read by one and the same list of fields.
+struct Writer {
+  std::vector<std::uint8_t>& bytes;
+  template <class T>
+  void value(T& x) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto* from = reinterpret_cast<const std::uint8_t*>(&x);
+    bytes.insert(bytes.end(), from, from + sizeof x);
+  }
+  template <class Array>
+  void array(Array& x) {
+    std::uint64_t count = x.size();
+    value(count);
+    const auto* from = reinterpret_cast<const std::uint8_t*>(x.data());
+    bytes.insert(bytes.end(), from, from + count * sizeof(x[0]));
+  }
+};
+
+struct Reader {
+  const std::vector<std::uint8_t>& bytes;
+  std::size_t position = 0;
+  void take(void* to, std::size_t size) {
+    if (bytes.size() - position < size) throw Error(Exit::bad_input, "checkpoint: the data end too early");
+    if (size > 0) std::memcpy(to, bytes.data() + position, size);
+    position += size;
+  }
+  template <class T>
+  void value(T& x) {
+    take(&x, sizeof x);
+  }
+  template <class Array>
+  void array(Array& x) {
+    std::uint64_t count = 0;
+    value(count);
+    if (count > (bytes.size() - position) / sizeof(x[0]))
+      throw Error(Exit::bad_input, "checkpoint: the data end too early");
+    x.resize(count);
+    take(x.data(), count * sizeof(x[0]));
+  }
+};
+
+template <class Archive>
+void transfer(Archive&& archive, Simulation::Impl& s) {
+  archive.array(s.displacement);
+  archive.array(s.velocity);
+  for (auto& column : s.traction) archive.array(column);
+  for (auto& columns : s.law_state) archive.array(columns);
+  archive.array(s.normal_shift);
+  archive.array(s.bodies);
+  archive.array(s.ramps);
+  archive.value(s.gravity_from);
+  archive.value(s.gravity_to);
+  archive.value(s.data.gravity);
+  archive.value(s.step_count);
+  archive.value(s.stage);
+  archive.value(s.stage_step);
+  archive.value(s.monitor_start);
+  archive.value(s.energy_dissipated);
+  archive.value(s.energy_damping);
+  archive.value(s.energy_external);
+  archive.value(s.unbalanced_ratio);
+  archive.value(s.kinetic);
+  archive.value(s.calm_checks);
+  archive.value(s.next_frame);
+  archive.value(s.next_row);
+  archive.value(s.in_stage);
+}
+
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '1'};
+
+}  // namespace
+
+const char* condition_name(Condition condition) {
+  constexpr const char* names[kConditionCount] = {"crushed_out", "crushing",  "open",
+                                                  "slipping",    "softening", "elastic"};
+  return names[static_cast<std::size_t>(condition)];
+}
+
+Simulation::BlockMesh Simulation::block_mesh(int block) const {
+  const Model& model = impl_->model;
+  const Brick& brick = model.assembly.bricks[at(block)];
+  const Model::BlockPlace& place = model.place[at(block)];
+  BlockMesh mesh;
+  if (place.body >= 0) {
+    for (int corner = 0; corner < 8; ++corner) {
+      mesh.gridpoint.push_back({brick.origin[0] + (corner & 1) * brick.size[0],
+                                brick.origin[1] + (corner >> 1 & 1) * brick.size[1],
+                                brick.origin[2] + (corner >> 2) * brick.size[2]});
+    }
+    return mesh;
+  }
+  const BlockGroup& group = model.groups[at(place.group)];
+  const BrickTemplate& shape = model.templates[at(group.brick_template)];
+  for (int n = 0; n < shape.node_count; ++n)
+    mesh.gridpoint.push_back(model.position[at((group.first_line + n) * kLanes + place.lane)]);
+  for (const Zone& zone : shape.zone) mesh.zone.push_back(zone.node);
+  return mesh;
+}
+
+namespace {
+
+std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneVector<double>& values,
+                               Vec3 BodyState::*translation, Vec3 BodyState::*rotation,
+                               const Simulation::BlockMesh& mesh) {
+  const Model::BlockPlace& place = s.model.place[at(block)];
+  std::vector<Vec3> result;
+  if (place.body >= 0) {
+    const BodyState& body = s.bodies[at(place.body)];
+    const Vec3 &t = body.*translation, &w = body.*rotation, &centre = s.model.bodies[at(place.body)].centre;
+    for (const Vec3& p : mesh.gridpoint) {
+      const Vec3 r{p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
+      result.push_back(
+          {t[0] + w[1] * r[2] - w[2] * r[1], t[1] + w[2] * r[0] - w[0] * r[2], t[2] + w[0] * r[1] - w[1] * r[0]});
+    }
+    return result;
+  }
+  const BlockGroup& group = s.model.groups[at(place.group)];
+  for (std::size_t n = 0; n < mesh.gridpoint.size(); ++n) {
+    result.push_back(read_line(values, (at(group.first_line) + n) * kLine + at(place.lane)));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<Vec3> Simulation::block_displacement(int block) const {
+  return block_values(*impl_, block, impl_->displacement, &BodyState::displacement, &BodyState::rotation,
+                      block_mesh(block));
+}
+
+std::vector<Vec3> Simulation::block_velocity(int block) const {
+  return block_values(*impl_, block, impl_->velocity, &BodyState::velocity, &BodyState::spin, block_mesh(block));
+}
+
+std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
+  const Model& model = impl_->model;
+  const Model::BlockPlace& place = model.place[at(block)];
+  std::vector<std::array<double, 6>> result;
+  if (place.group < 0) return result;
+  const BrickTemplate& shape = model.templates[at(model.groups[at(place.group)].brick_template)];
+  const BlockMaterial& material = model.assembly.materials[at(shape.material)];
+  const auto u = block_displacement(block);
+  for (const Zone& zone : shape.zone) {
+    result.push_back(zone_stress(zone,
+                                 {u[at(zone.node[0])], u[at(zone.node[1])], u[at(zone.node[2])], u[at(zone.node[3])]},
+                                 material.young_modulus, material.poisson_ratio));
+  }
+  return result;
+}
+
+// Flags of the last step when it reported them, otherwise those of a step that moves nothing.
+std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
+  if (flags_step == step_count - 1) return flags;
+  std::vector<std::uint32_t> result(flags.size(), 0);
+  std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
+  for (std::size_t c = 0; c < model.chunks.size(); ++c) {
+    const ContactChunk& chunk = model.chunks[c];
+    const Material& material = *model.families[at(chunk.family)].material;
+    if (!(material.api().capabilities & QUOIN_CAN_FLAGS)) continue;
+    for (int i = 0; i < chunk.point_count; ++i) {
+      const std::size_t p = at(chunk.first_point + i);
+      const int component = kLanes * chunk.axis;
+      // The opening at the time of the last evaluation: displacements have moved on by one step since.
+      const auto before = [&](std::int32_t offset) {
+        return displacement[at(offset + component)] - data.time_step * velocity[at(offset + component)];
+      };
+      normal[at(i)] =
+          before(model.node_b[p]) - before(model.node_a[p]) + (normal_shift.empty() ? 0.0 : normal_shift[p]);
+    }
+    const LawCall& call = calls[c];
+    scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
+    quoin_batch batch = call.batch;
+    batch.normal_jump = {normal.data(), 1};
+    batch.slip_increment[0] = batch.slip_increment[1] = {zero.data(), 1};
+    batch.energy_stored = {};
+    for (auto& column : batch.dissipated) column = {};
+    std::vector<quoin_out> states = call.state_new;
+    for (std::size_t k = 0; k < 3; ++k) batch.traction_new[k] = {scratch_columns.data() + k * kChunk, 1};
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      if (states[k].data) states[k] = {scratch_columns.data() + (3 + k) * kChunk, 1};
+    }
+    batch.state_new = states.data();
+    batch.flags = {result.data() + chunk.first_point, 1};
+    material.api().evaluate(material.handle(), &batch);
+  }
+  return result;
+}
+
+std::vector<ContactPoint> Simulation::contact_points() const {
+  const Model& model = impl_->model;
+  const std::vector<std::uint32_t> flags = impl_->current_flags();
+  std::vector<ContactPoint> result;
+  result.reserve(at(model.point_count));
+  for (std::int32_t i = 0; i < model.point_count; ++i) {
+    const std::size_t p = at(i), n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
+    const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
+    ContactPoint point{};
+    point.index = i;
+    point.position = model.point_position[p];
+    point.normal[n] = point.s[s] = point.t[t] = 1.0;
+    point.area = model.area[p];
+    point.joint = model.point_joint[p];
+    point.family = joint.family;
+    // Normals point along +axis: joints given the other way round have changed sides.
+    point.block_a = joint.face_a % 2 == 1 ? joint.block_a : joint.block_b;
+    point.block_b = joint.face_a % 2 == 1 ? joint.block_b : joint.block_a;
+    const Vec3 a = read_line(impl_->displacement, at(model.node_a[p])),
+               b = read_line(impl_->displacement, at(model.node_b[p]));
+    point.jump = {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
+    point.traction = {impl_->traction[0][p], impl_->traction[1][p], impl_->traction[2][p]};
+    point.flags = flags[p];
+    point.condition = condition_of(flags[p]);
+    result.push_back(point);
+  }
+  return result;
+}
+
+std::vector<double> Simulation::state(const std::string& id) const {
+  std::vector<double> result(at(impl_->model.point_count), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t f = 0; f < impl_->model.families.size(); ++f) {
+    const ContactFamily& family = impl_->model.families[f];
+    const quoin_law& law = family.material->api();
+    const int k = family.material->law().state_index(id);
+    if (k < 0 || (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !impl_->keep_diagnostics)) continue;
+    for (int i = 0; i < family.point_count; ++i)
+      result[at(family.first_point + i)] = impl_->law_state[f][at(k * family.point_count + i)];
+  }
+  return result;
+}
+
+std::array<long, kConditionCount> Simulation::condition_counts() const {
+  std::array<long, kConditionCount> counts{};
+  for (std::uint32_t flags : impl_->current_flags()) ++counts[static_cast<std::size_t>(condition_of(flags))];
+  return counts;
+}
+
+// FNV-1a over 64-bit words.
+std::uint64_t Simulation::hash() const {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&](const LaneVector<double>& values) {
+    for (double value : values) {
+      std::uint64_t word;
+      std::memcpy(&word, &value, sizeof word);
+      hash = (hash ^ word) * 0x100000001b3u;
+    }
+  };
+  add(impl_->displacement);
+  add(impl_->velocity);
+  for (const auto& column : impl_->traction) add(column);
+  for (const auto& columns : impl_->law_state) add(columns);
+  return hash;
+}
+
+std::vector<std::uint8_t> Simulation::save() const {
+  std::vector<std::uint8_t> bytes(std::begin(kCheckpointMark), std::end(kCheckpointMark));
+  Writer writer{bytes};
+  for (const ContactFamily& family : impl_->model.families) {
+    std::string law = family.material->api().id;
+    std::uint64_t schema = family.material->api().state_schema;
+    writer.array(law);
+    writer.value(schema);
+  }
+  double dt = impl_->data.time_step;
+  writer.value(dt);
+  transfer(writer, *impl_);
+  return bytes;
+}
+
+void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
+  Impl& s = *impl_;
+  if (bytes.size() < sizeof kCheckpointMark ||
+      std::memcmp(bytes.data(), kCheckpointMark, sizeof kCheckpointMark) != 0) {
+    throw Error(Exit::bad_input, "checkpoint: not a checkpoint of this version");
+  }
+  Reader reader{bytes, sizeof kCheckpointMark};
+  for (ContactFamily& family : s.model.families) {
+    std::string law;
+    std::uint64_t schema = 0;
+    reader.array(law);
+    reader.value(schema);
+    if (law != family.material->api().id || schema != family.material->api().state_schema) {
+      throw Error(
+          Exit::bad_input,
+          fmt::format("checkpoint: joint family '{}' has states of law '{}' (schema {:#x}); here it has law "
+                      "'{}' (schema {:#x})",
+                      family.name, law, schema, family.material->api().id, family.material->api().state_schema));
+    }
+  }
+  double dt = 0.0;
+  reader.value(dt);
+  if (dt != s.data.time_step) {
+    throw Error(Exit::bad_input,
+                fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
+                            dt, s.data.time_step));
+  }
+  const std::vector<std::uint8_t> undo = save();
+  const auto sizes = [&] {
+    std::vector<std::size_t> all{s.displacement.size(), s.velocity.size(), s.bodies.size(), s.ramps.size()};
+    for (const auto& column : s.traction) all.push_back(column.size());
+    for (const auto& columns : s.law_state) all.push_back(columns.size());
+    return all;
+  };
+  const auto expected = sizes();
+  std::string fault;
+  try {
+    transfer(reader, s);
+    if (sizes() != expected || s.stage >= static_cast<int>(s.scene.stages.size()))
+      fault = "checkpoint: of another model";
+    if (!s.normal_shift.empty() && s.normal_shift.size() != at(s.model.point_count))
+      fault = "checkpoint: of another model";
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  if (!fault.empty()) {
+    restore(undo);
+    throw Error(Exit::bad_input, fault);
+  }
+  s.monitor = s.stage >= 0 ? s.model.body_index(s.scene.stages[at(s.stage)].monitor) : -1;
+  s.controls_settled = s.stage < 0;
+  s.flags_step = -1;
+  s.energies.reset();
+  s.bind_columns();
+}
+
+}  // namespace quoin

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <cmath>
+
+#include "step/state.h"
+
+namespace quoin {
+namespace {
+
+Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// Equation 1 for one degree of freedom. Returns the damping force.
+double advance_component(double force, double inertia, const StepData& step, double* velocity) {
+  double damping = 0.0;
+  if (step.damping == DampingKind::local) {
+    damping = step.local_damping * std::abs(force) * (*velocity < 0.0 ? -1.0 : 1.0);
+  } else if (step.damping == DampingKind::viscous) {
+    damping = step.mass_damping * inertia * *velocity;
+  }
+  *velocity += (force - damping) * (step.time_step / inertia);
+  return damping;
+}
+
+}  // namespace
+
+void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyState* state,
+                  Measured* measured) {
+  Vec3 force{}, moment{};
+  for (std::size_t i = 0; i < body.point.size(); ++i) {
+    const std::size_t point = static_cast<std::size_t>(body.point[i]);
+    const Vec3 f{body.sign[i] * step.force[0][point], body.sign[i] * step.force[1][point],
+                 body.sign[i] * step.force[2][point]};
+    const Vec3 m = cross(body.arm[i], f);
+    for (std::size_t c = 0; c < 3; ++c) {
+      force[c] += f[c];
+      moment[c] += m[c];
+    }
+  }
+  state->joint_force = force;
+
+  Measured work;
+  const double half_dt = 0.5 * step.time_step;
+  double unbalanced = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double before = state->velocity[c];
+    if (state->prescribed[c]) {
+      // The support does the work that the joints take from it.
+      state->velocity[c] = state->prescribed_velocity[c];
+      work.external_before -= force[c] * before * half_dt;
+      work.external_after -= force[c] * state->velocity[c] * half_dt;
+    } else if (!body.held[c]) {
+      const double given = state->applied_force[c] + body.mass * step.gravity[c];
+      const double damping = advance_component(force[c] + given, mass, step, &state->velocity[c]);
+      work.external_before += given * before * half_dt;
+      work.external_after += given * state->velocity[c] * half_dt;
+      work.damping_before += damping * before * half_dt;
+      work.damping_after += damping * state->velocity[c] * half_dt;
+      work.kinetic += 0.5 * mass * before * state->velocity[c];
+      unbalanced += (force[c] + given) * (force[c] + given);
+    }
+    if (state->prescribed[3 + c]) {
+      // Held: the support does no work unless the body was turning before it was caught.
+      work.external_before -= moment[c] * state->spin[c] * half_dt;
+      state->spin[c] = 0.0;
+    } else if (!body.held[3 + c]) {
+      const double spin = state->spin[c];
+      const double damping = advance_component(moment[c], inertia[c], step, &state->spin[c]);
+      work.damping_before += damping * spin * half_dt;
+      work.damping_after += damping * state->spin[c] * half_dt;
+      work.kinetic += 0.5 * inertia[c] * spin * state->spin[c];
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    state->displacement[c] += step.time_step * state->velocity[c];
+    state->rotation[c] += step.time_step * state->spin[c];
+  }
+  for (std::size_t i = 0; i < body.slave.size(); ++i) {
+    const Vec3 turn = cross(state->spin, body.arm[i]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t at = static_cast<std::size_t>(body.slave[i]) + kLanes * c;
+      step.velocity[at] = state->velocity[c] + turn[c];
+      step.displacement[at] += step.time_step * step.velocity[at];
+    }
+  }
+  if (measured) {
+    work.unbalanced_squared = unbalanced;
+    *measured = work;
+  }
+}
+
+}  // namespace quoin

@@ -1,0 +1,617 @@
+#include "step/simulation.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "step/state.h"
+
+namespace quoin {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr long kCheckInterval = 20;       // steps between two looks at the unbalanced force
+constexpr int kCalmChecks = 5;            // looks in a row that must pass: one may catch a swing at its turning point
+constexpr long kDefaultRows = 1000;       // rows of a stage with record_interval 0
+constexpr long kUnknownLength = 200;      // steps between rows of a stage whose length cannot be foreseen
+constexpr double kProgressPeriod = 0.25;  // s
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+}  // namespace
+
+// ---- The step ------------------------------------------------------------------------------------------------------
+
+// One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
+// Both phases go over independent pieces, each owned by one thread, so the bits do not depend on the number of threads.
+void Simulation::Impl::step_once(bool measure_step, bool report) {
+  apply_controls();
+  const auto start = timing ? Clock::now() : Clock::time_point();
+
+  auto contacts = [&](int thread) {
+    const auto t = static_cast<std::size_t>(thread);
+    for (int i = thread == 0 ? 0 : chunk_end[t - 1]; i < chunk_end[t]; ++i) {
+      contact_jumps(model, model.chunks[static_cast<std::size_t>(i)], data, jumps[t].get());
+      evaluate_law(i, *jumps[t], measure_step, report);
+      contact_forces(model, model.chunks[static_cast<std::size_t>(i)], data);
+    }
+  };
+  pool.run(contacts);
+  if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
+  const auto middle = timing ? Clock::now() : Clock::time_point();
+
+  auto blocks_and_bodies = [&](int thread) {
+    const auto t = static_cast<std::size_t>(thread);
+    const int group_count = static_cast<int>(model.groups.size());
+    for (int i = thread == 0 ? 0 : item_end[t - 1]; i < item_end[t]; ++i) {
+      Measured* const record = measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr;
+      if (i < group_count) {
+        advance_group(model, model.groups[static_cast<std::size_t>(i)], data, scratch[t].data(), record);
+      } else {
+        const auto b = static_cast<std::size_t>(i - group_count);
+        advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
+      }
+    }
+  };
+  pool.run(blocks_and_bodies);
+  if (measure_step) sum_measurements();
+  if (report) flags_step = step_count;
+  ++step_count;
+  ++stage_step;
+
+  if (timing) {
+    times.contacts += std::chrono::duration<double>(middle - start).count();
+    times.blocks += seconds_since(middle);
+    ++times.steps;
+  }
+}
+
+void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, bool measure_step, bool report) {
+  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(chunk_index)];
+  const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
+  LawCall& call = calls[static_cast<std::size_t>(chunk_index)];
+  quoin_batch& batch = call.batch;
+  batch.normal_jump = {jump.normal, 1};
+  batch.slip_increment[0] = {jump.slip_s, 1};
+  batch.slip_increment[1] = {jump.slip_t, 1};
+  const std::uint64_t capabilities = family.material->api().capabilities;
+  batch.flags = {report && (capabilities & QUOIN_CAN_FLAGS) ? flags.data() + chunk.first_point : nullptr, 1};
+  const quoin_status status = family.material->api().evaluate(family.material->handle(), &batch);
+  if (status != QUOIN_OK || batch.failed_count != 0) {
+    call.failed = true;
+    call.status = status;
+    law_failed.store(true, std::memory_order_relaxed);
+  }
+  if (!measure_step) return;
+
+  call.force_sum = call.stored = 0.0;
+  call.dissipated = {};
+  for (int i = chunk.first_point; i < chunk.first_point + chunk.point_count; ++i) {
+    const auto p = static_cast<std::size_t>(i);
+    call.force_sum += model.area[p] * std::sqrt(traction[0][p] * traction[0][p] + traction[1][p] * traction[1][p] +
+                                                traction[2][p] * traction[2][p]);
+    if (!batch.energy_stored.data) continue;
+    call.stored += model.area[p] * energy_columns[0][p];
+    for (std::size_t k = 0; k < 4; ++k) call.dissipated[k] += model.area[p] * energy_columns[k + 1][p];
+  }
+}
+
+void Simulation::Impl::report_failed_points() {
+  for (std::size_t c = 0; c < calls.size(); ++c) {
+    LawCall& call = calls[c];
+    if (!call.failed) continue;
+    const ContactChunk& chunk = model.chunks[c];
+    const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
+    const std::string law = family.material->api().id;
+    if (call.status != QUOIN_OK) {
+      throw Error(Exit::numerical,
+                  fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}", law,
+                              family.name, call.status, step_count));
+    }
+    // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
+    ChunkJumps jump;
+    contact_jumps(model, chunk, data, &jump);
+    std::vector<std::uint32_t> point_status(kChunk, QUOIN_POINT_OK);
+    call.batch.normal_jump = {jump.normal, 1};
+    call.batch.slip_increment[0] = {jump.slip_s, 1};
+    call.batch.slip_increment[1] = {jump.slip_t, 1};
+    call.batch.status = {point_status.data(), 1};
+    family.material->api().evaluate(family.material->handle(), &call.batch);
+    call.batch.status = {};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(chunk.point_count); ++i) {
+      if (point_status[i] != QUOIN_POINT_FAILED) continue;
+      const std::size_t p = static_cast<std::size_t>(chunk.first_point) + i;
+      const Vec3& x = model.point_position[p];
+      const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
+      throw Error(
+          Exit::numerical,
+          fmt::format("law '{}' failed at step {}, time {:.6g} s: joint {} (family '{}', blocks {} and {}), contact "
+                      "point at ({:.4f}, {:.4f}, {:.4f}) m, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, "
+                      "traction ({:.6g}, {:.6g}, {:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
+                      law, step_count, static_cast<double>(step_count) * data.time_step, model.point_joint[p],
+                      family.name, joint.block_a, joint.block_b, x[0], x[1], x[2], jump.normal[i], jump.slip_s[i],
+                      jump.slip_t[i], traction[0][p], traction[1][p], traction[2][p], scene.solver.time_step_fraction));
+    }
+  }
+  throw Error(Exit::numerical, fmt::format("a law failed at step {}", step_count));
+}
+
+// ---- Controls and measurements -------------------------------------------------------------------------------------
+
+void Simulation::Impl::apply_controls() {
+  if (controls_settled) return;
+  const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
+  const double elapsed = (static_cast<double>(stage_step) + 0.5) * data.time_step;
+  const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
+  const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      bodies[b].prescribed_velocity[c] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
+      bodies[b].applied_force[c] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
+  controls_settled = s >= 1.0;
+}
+
+void Simulation::Impl::sum_measurements() {
+  double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
+  Energies now;
+  for (const Measured& m : measured) {
+    unbalanced = std::max(unbalanced, m.unbalanced_squared);
+    if (std::isnan(m.unbalanced_squared)) unbalanced = m.unbalanced_squared;
+    now.kinetic += m.kinetic;
+    now.strain += m.strain;
+    damping_before += m.damping_before;
+    damping_after += m.damping_after;
+    external_before += m.external_before;
+    external_after += m.external_after;
+  }
+  double force_sum = 0.0;
+  for (const LawCall& call : calls) {
+    force_sum += call.force_sum;
+    now.contact_stored += call.stored;
+    for (std::size_t k = 0; k < 4; ++k) energy_dissipated[k] += call.dissipated[k];
+  }
+  kinetic = now.kinetic;
+  const double mean = model.point_count > 0 ? force_sum / model.point_count : 0.0;
+  unbalanced_ratio = unbalanced == 0.0 ? 0.0
+                     : mean > 0.0      ? std::sqrt(unbalanced) / mean
+                                       : std::numeric_limits<double>::infinity();
+  if (!want_energy) return;
+  now.dissipated = energy_dissipated;
+  now.damping = energy_damping + damping_before;
+  now.external = energy_external + external_before;
+  energy_damping += damping_before + damping_after;
+  energy_external += external_before + external_after;
+  energies = now;
+}
+
+HistoryRow Simulation::Impl::measure() const {
+  HistoryRow row;
+  row.stage = std::max(stage, 0);
+  row.step = step_count;
+  row.time = static_cast<double>(step_count) * data.time_step;
+  row.unbalanced_ratio = unbalanced_ratio;
+  row.kinetic_energy = kinetic;
+  row.energies = energies;
+  if (monitor < 0) return row;
+
+  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  const BodyState& body = bodies[static_cast<std::size_t>(monitor)];
+  const RigidBody& shape = model.bodies[static_cast<std::size_t>(monitor)];
+  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
+  for (std::size_t c = 0; c < 3; ++c) {
+    row.monitor_displacement[c] = body.displacement[c] - data.time_step * body.velocity[c];
+    row.joint_force[c] = model.assembly.symmetry_factor * body.joint_force[c];
+  }
+  row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
+  row.resistance = -row.joint_force[direction];
+  double mean_arm = 0.0;
+  for (const Vec3& arm : shape.arm) mean_arm += arm[1];
+  row.vertical_force = mean_arm <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
+  return row;
+}
+
+// ---- Stages --------------------------------------------------------------------------------------------------------
+
+void Simulation::Impl::begin_stage(int index) {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
+  for (const BodyControl& control : settings.controls) {
+    if (model.body_index(control.body) < 0) {
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no rigid block of "
+                              "that name",
+                              settings.source.text, settings.name, control.body));
+    }
+  }
+  const int new_monitor = model.body_index(settings.monitor);
+  if (!settings.monitor.empty() && new_monitor < 0) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
+                            "name",
+                            settings.source.text, settings.name, settings.monitor));
+  }
+  if (settings.displacement && new_monitor < 0) {
+    throw Error(Exit::bad_input, fmt::format("{}: stage '{}' ends by displacement but has no monitor body",
+                                             settings.source.text, settings.name));
+  }
+
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    BodyState& body = bodies[b];
+    const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
+      return !c.body.empty() && c.body == model.bodies[b].name;
+    });
+    const bool controlled = control != settings.controls.end();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool was_prescribed = body.prescribed[c];
+      const bool prescribed = controlled && control->kind[c] == DofKind::velocity;
+      // What a support has carried so far is the force from which a newly freed component starts.
+      const double carried =
+          was_prescribed ? -body.joint_force[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c];
+      ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c] : body.velocity[c];
+      ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
+      ramps[b].force_from[c] = prescribed ? 0.0 : carried;
+      ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+      body.prescribed[c] = prescribed;
+      body.prescribed[c + 3] = controlled;
+    }
+  }
+  gravity_from = data.gravity;
+  gravity_to = settings.gravity;
+  controls_settled = false;
+
+  stage = index;
+  stage_step = 0;
+  in_stage = true;
+  monitor = new_monitor;
+  monitor_start = monitor >= 0 ? bodies[static_cast<std::size_t>(monitor)].displacement : Vec3{};
+  calm_checks = 0;
+  next_frame = 0;
+  next_row = 0;
+  for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+long Simulation::Impl::chosen_record_interval() const {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (settings.record_interval > 0) return settings.record_interval;
+  double steps = std::numeric_limits<double>::infinity();
+  if (settings.duration) steps = *settings.duration / data.time_step;
+  if (settings.displacement && monitor >= 0) {
+    const double speed =
+        std::abs(ramps[static_cast<std::size_t>(monitor)].velocity_to[static_cast<std::size_t>(settings.direction)]);
+    if (speed > 0.0)
+      steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
+  }
+  if (!std::isfinite(steps)) return kUnknownLength;
+  return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
+}
+
+double Simulation::Impl::stage_fraction() const {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  double fraction = 0.0;
+  if (settings.duration) fraction = static_cast<double>(stage_step) * data.time_step / *settings.duration;
+  if (settings.displacement) {
+    const auto c = static_cast<std::size_t>(settings.direction);
+    const double moved = std::abs(bodies[static_cast<std::size_t>(monitor)].displacement[c] - monitor_start[c]);
+    fraction = std::max(fraction, moved / *settings.displacement);
+  }
+  return fraction;
+}
+
+bool Simulation::Impl::equilibrium_reached(const Stage& settings) {
+  if (!settings.equilibrium_ratio) return false;
+  const bool ramped = static_cast<double>(stage_step) * data.time_step >= settings.ramp_time;
+  calm_checks = ramped && unbalanced_ratio <= *settings.equilibrium_ratio ? calm_checks + 1 : 0;
+  return calm_checks >= kCalmChecks;
+}
+
+void Simulation::Impl::swap_law(const std::string& name, const std::string& law_name) {
+  const auto found =
+      std::find_if(model.families.begin(), model.families.end(), [&](const auto& f) { return f.name == name; });
+  if (found == model.families.end()) {
+    throw Error(Exit::bad_input, fmt::format("stage '{}' swaps the law of joint family '{}', which does not exist",
+                                             scene.stages[static_cast<std::size_t>(stage)].name, name));
+  }
+  ContactFamily& family = *found;
+  const auto f = static_cast<std::size_t>(found - model.families.begin());
+  // The new law gets the properties that it knows, as the scene gives them.
+  const Law law = Law::find(law_name);
+  std::vector<PropertySetting> properties;
+  for (const PropertySetting& setting : model.assembly.families[f].properties) {
+    for (std::uint64_t i = 0; i < law.law->property_count; ++i) {
+      if (setting.id == law.law->properties[i]->id) properties.push_back(setting);
+    }
+  }
+  const auto material = std::make_shared<const Material>(law, properties);
+  const quoin_law& old_api = family.material->api();
+  if (!(law.law->capabilities & QUOIN_CAN_MIGRATE) || !law.law->migrate_state) {
+    throw Error(Exit::law_refused,
+                fmt::format("law '{}' cannot take over the state of law '{}'", law.law->id, old_api.id));
+  }
+
+  const auto count = static_cast<std::size_t>(family.point_count), first = static_cast<std::size_t>(family.first_point);
+  if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
+  std::vector<double> jump(count), shift(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t component = kLanes * model.point_axis[first + i];
+    jump[i] = displacement[static_cast<std::size_t>(model.node_b[first + i] + component)] -
+              displacement[static_cast<std::size_t>(model.node_a[first + i] + component)] + normal_shift[first + i];
+  }
+  LaneVector<double> new_state(law.law->state_count * count, 0.0);
+  std::vector<const char*> ids;
+  std::vector<quoin_in> from;
+  std::vector<quoin_out> to;
+  for (std::uint64_t k = 0; k < old_api.state_count; ++k) {
+    ids.push_back(old_api.states[k]->id);
+    from.push_back({law_state[f].data() + k * count, 1});
+  }
+  for (std::uint64_t k = 0; k < law.law->state_count; ++k) to.push_back({new_state.data() + k * count, 1});
+  char message[1024] = "";
+  quoin_text text{sizeof(quoin_text), message, sizeof message, 0};
+  quoin_migration migration{};
+  migration.struct_size = sizeof migration;
+  migration.count = count;
+  migration.from_law = old_api.id;
+  migration.from_schema = old_api.state_schema;
+  migration.from_state_count = old_api.state_count;
+  migration.from_state_ids = ids.data();
+  migration.from_states = from.data();
+  migration.normal_jump = {jump.data(), 1};
+  for (std::size_t k = 0; k < 3; ++k) migration.traction[k] = {traction[k].data() + first, 1};
+  migration.normal_shift = {shift.data(), 1};
+  migration.state_new = to.data();
+  const quoin_status status = law.law->migrate_state(material->handle(), &migration, &text);
+  if (status != QUOIN_OK || migration.failed_count > 0) {
+    throw Error(Exit::law_refused,
+                fmt::format("law '{}' did not take over the state of law '{}' ({} of {} points refused): {}",
+                            law.law->id, old_api.id, migration.failed_count, count, message));
+  }
+  for (std::size_t i = 0; i < count; ++i) normal_shift[first + i] += shift[i];
+  family.material = material;
+  law_state[f] = std::move(new_state);
+  bind_columns();
+}
+
+// ---- Set-up --------------------------------------------------------------------------------------------------------
+
+Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
+                       std::vector<std::shared_ptr<const Material>> materials)
+    : scene(std::move(scene_in)),
+      model(std::move(assembly), std::move(materials)),
+      time_step(choose_time_step(model, scene.solver, &inertia)),
+      pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+      want_energy(scene.output.energy),
+      keep_diagnostics(scene.output.energy) {
+  const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
+  const auto points = static_cast<std::size_t>(model.point_count);
+  displacement.assign(doubles, 0.0);
+  velocity.assign(doubles, 0.0);
+  for (auto& column : traction) column.assign(points, 0.0);
+  for (auto& column : force) column.assign(points + kLanes, 0.0);
+  flags.assign(points, 0);
+  if (want_energy) {
+    for (auto& column : energy_columns) column.assign(points, 0.0);
+  }
+  bodies.resize(model.bodies.size());
+  ramps.resize(model.bodies.size());
+  measured.resize(model.groups.size() + model.bodies.size());
+
+  dt_over_mass.assign(doubles, 0.0);
+  for (std::size_t i = 0; i < doubles; ++i) {
+    if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0) dt_over_mass[i] = time_step.time_step / inertia.node[i];
+  }
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    const std::vector<double> initial = family.material->initial_state(model.assembly.families[f].initial_state);
+    LaneVector<double> columns;
+    for (double value : initial) columns.insert(columns.end(), static_cast<std::size_t>(family.point_count), value);
+    law_state.push_back(std::move(columns));
+  }
+
+  data.time_step = time_step.time_step;
+  data.damping = scene.solver.damping;
+  data.local_damping = scene.solver.local_damping;
+  data.mass_damping = scene.solver.mass_damping;
+  data.stiffness_damping = scene.solver.stiffness_damping;
+  bind_columns();
+  partition_work();
+}
+
+void Simulation::Impl::bind_columns() {
+  data.displacement = displacement.data();
+  data.velocity = velocity.data();
+  data.dt_over_mass = dt_over_mass.data();
+  data.normal_shift = normal_shift.empty() ? nullptr : normal_shift.data();
+  for (std::size_t k = 0; k < 3; ++k) {
+    data.traction[k] = traction[k].data();
+    data.force[k] = force[k].data();
+  }
+  calls.resize(model.chunks.size());
+  for (std::size_t c = 0; c < model.chunks.size(); ++c) {
+    const ContactChunk& chunk = model.chunks[c];
+    const auto f = static_cast<std::size_t>(chunk.family);
+    const ContactFamily& family = model.families[f];
+    const quoin_law& law = family.material->api();
+    LawCall& call = calls[c];
+    call.state_old.clear();
+    call.state_new.clear();
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      double* column = law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
+                       (chunk.first_point - family.first_point);
+      if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !keep_diagnostics) column = nullptr;
+      call.state_old.push_back({column, 1});
+      call.state_new.push_back({column, 1});
+    }
+    call.batch = {};
+    call.batch.struct_size = sizeof(quoin_batch);
+    call.batch.count = static_cast<std::uint64_t>(chunk.point_count);
+    for (std::size_t k = 0; k < 3; ++k) {
+      call.batch.traction_old[k] = {traction[k].data() + chunk.first_point, 1};
+      call.batch.traction_new[k] = {traction[k].data() + chunk.first_point, 1};
+    }
+    call.batch.state_old = call.state_old.data();
+    call.batch.state_new = call.state_new.data();
+    if (want_energy && (law.capabilities & QUOIN_CAN_ENERGY)) {
+      call.batch.energy_stored = {energy_columns[0].data() + chunk.first_point, 1};
+      for (std::size_t k = 0; k < 4; ++k)
+        call.batch.dissipated[k] = {energy_columns[k + 1].data() + chunk.first_point, 1};
+    }
+  }
+}
+
+void Simulation::Impl::partition_work() {
+  // Neighbouring pieces to one thread, cut where the estimated work reaches its share.
+  const auto cut = [&](const std::vector<double>& weight) {
+    double total = 0.0, so_far = 0.0;
+    for (double w : weight) total += w;
+    std::vector<int> end;
+    std::size_t i = 0;
+    for (int t = 0; t < pool.thread_count(); ++t) {
+      const double share = total * (t + 1) / pool.thread_count();
+      while (i < weight.size() && (t + 1 == pool.thread_count() || so_far + 0.5 * weight[i] <= share))
+        so_far += weight[i++];
+      end.push_back(static_cast<int>(i));
+    }
+    return end;
+  };
+  std::vector<double> weight;
+  for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
+  chunk_end = cut(weight);
+
+  constexpr double kBodyPoint =
+      20.0;  // one contact point of a rigid body costs about as much as 20 coefficients of a group
+  weight.clear();
+  std::size_t largest = 0;
+  for (const BlockGroup& group : model.groups) {
+    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+    weight.push_back(static_cast<double>(shape.coefficient.size()));
+    largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
+  }
+  for (const RigidBody& body : model.bodies)
+    weight.push_back(kBodyPoint * (static_cast<double>(body.point.size()) + 2.0));
+  item_end = cut(weight);
+  for (int t = 0; t < pool.thread_count(); ++t) {
+    scratch.emplace_back(largest, 0.0);
+    jumps.push_back(std::make_unique<ChunkJumps>());
+  }
+}
+
+// ---- The public class ----------------------------------------------------------------------------------------------
+
+Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
+  auto materials = make_materials(assembly);
+  impl_ = std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials));
+}
+
+Simulation::Simulation(Scene scene, Assembly assembly, int threads,
+                       std::vector<std::shared_ptr<const Material>> materials)
+    : impl_(std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials))) {}
+
+Simulation::~Simulation() = default;
+
+void Simulation::advance(long steps) {
+  if (impl_->stage < 0 && !impl_->scene.stages.empty()) impl_->begin_stage(0);
+  for (long i = 0; i < steps; ++i) impl_->step_once(impl_->want_energy || i + 1 == steps, i + 1 == steps);
+}
+
+void Simulation::run(Observer& observer) {
+  Impl& s = *impl_;
+  const int stage_count = static_cast<int>(s.scene.stages.size());
+  const int first = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
+  for (int index = first; index < stage_count; ++index) {
+    if (!s.in_stage) s.begin_stage(index);
+    observer.on_stage_begin(*this, index);
+    const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
+    const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
+    const long interval = s.chosen_record_interval();
+    auto last_progress = Clock::now();
+    long steps_then = s.stage_step;
+    double fraction_then = s.stage_fraction();
+
+    for (bool done = false; !done;) {
+      const bool stop = stop_requested();
+      const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
+      const bool row = stop || s.stage_step >= s.next_row;
+      const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
+      s.step_once(check || row || frame || s.want_energy, row || frame);
+
+      done = check && s.equilibrium_reached(settings);
+      if (s.stage_fraction() >= 1.0) done = true;
+      if (done && !(row || frame)) s.step_once(true, true);  // so that the last row is complete
+      if (row || done) {
+        const HistoryRow now = s.measure();
+        if (!std::isfinite(now.kinetic_energy)) {
+          throw Error(
+              Exit::numerical,
+              fmt::format(
+                  "velocities are not numbers at step {} of stage '{}'; the time step is {:.4g} s, {:g} of 2/omega_max",
+                  s.stage_step, settings.name, s.data.time_step, s.data.time_step / s.time_step.critical.value));
+        }
+        observer.on_row(now);
+        while (s.next_row < s.stage_step) s.next_row += interval;
+      }
+      if (frame) observer.on_frame(*this, index, s.next_frame++);
+      if (stop)
+        throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
+      if (!done && s.stage_step >= settings.max_steps) {
+        std::string reason = fmt::format("stage '{}' has not ended after {} steps", settings.name, s.stage_step);
+        if (settings.equilibrium_ratio) {
+          reason += fmt::format(": unbalanced force ratio {:.4g}, wanted {:.4g}", s.unbalanced_ratio,
+                                *settings.equilibrium_ratio);
+        }
+        throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
+      }
+      if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
+        const double seconds = seconds_since(last_progress);
+        Progress progress;
+        progress.stage = index;
+        progress.stage_count = stage_count;
+        progress.settings = &settings;
+        progress.step = s.stage_step;
+        progress.unbalanced_ratio = s.unbalanced_ratio;
+        const double by_length = s.stage_fraction();
+        progress.fraction = by_length;
+        if (settings.equilibrium_ratio && s.unbalanced_ratio > 0.0 && std::isfinite(s.unbalanced_ratio) &&
+            *settings.equilibrium_ratio < 1.0) {
+          progress.fraction = std::max(by_length, std::log(s.unbalanced_ratio) / std::log(*settings.equilibrium_ratio));
+        }
+        progress.fraction = std::clamp(progress.fraction, 0.0, 1.0);
+        progress.steps_per_second = static_cast<double>(s.stage_step - steps_then) / seconds;
+        progress.seconds_left =
+            by_length > fraction_then ? seconds * (1.0 - by_length) / (by_length - fraction_then) : -1.0;
+        observer.on_progress(progress);
+        last_progress = Clock::now();
+        steps_then = s.stage_step;
+        fraction_then = by_length;
+      }
+    }
+    // Frames that the end overtook: the last one shows the end.
+    if (frames > 0 && s.next_frame <= frames) observer.on_frame(*this, index, s.next_frame++);
+    s.in_stage = false;
+    observer.on_stage_end(*this, index, s.measure());
+  }
+}
+
+void Simulation::time_phases(bool on) {
+  impl_->timing = on;
+  impl_->times = {};
+}
+PhaseTimes Simulation::phase_times() const { return impl_->times; }
+const Scene& Simulation::scene() const { return impl_->scene; }
+const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
+const Model& Simulation::model() const { return impl_->model; }
+const TimeStepReport& Simulation::time_step_report() const { return impl_->time_step; }
+long Simulation::step() const { return impl_->step_count; }
+double Simulation::time() const { return static_cast<double>(impl_->step_count) * impl_->data.time_step; }
+int Simulation::thread_count() const { return impl_->pool.thread_count(); }
+const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
+HistoryRow Simulation::measure() const { return impl_->measure(); }
+LaneVector<double>& Simulation::displacement() { return impl_->displacement; }
+LaneVector<double>& Simulation::velocity() { return impl_->velocity; }
+
+}  // namespace quoin

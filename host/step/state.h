@@ -1,0 +1,129 @@
+// The state of a simulation and the pieces of a step; private to this folder.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "step/kernels.h"
+#include "step/simulation.h"
+#include "step/thread_pool.h"
+
+namespace quoin {
+
+// A rigid body in motion. Rotations are small: a vector.
+struct BodyState {
+  Vec3 displacement{}, rotation{};  // m, rad
+  Vec3 velocity{}, spin{};          // m/s, rad/s; of half a step ago
+  Vec3 joint_force{};               // of the contact points, at the time of the last law evaluation, N
+
+  // What controls impose in this step.
+  std::array<bool, 6> prescribed{};  // translations: velocity given; rotations: held
+  Vec3 prescribed_velocity{};
+  Vec3 applied_force{};
+};
+
+// Control of a body through a stage: from what was to what shall be, over the ramp.
+struct BodyRamp {
+  Vec3 velocity_from{}, velocity_to{};
+  Vec3 force_from{}, force_to{};
+};
+
+// One chunk's call of its law, with all columns in place; only the jumps differ by thread.
+struct LawCall {
+  quoin_batch batch{};
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
+  double force_sum = 0.0;  // of |force|, measured steps
+  bool failed = false;
+  quoin_status status = QUOIN_OK;
+  double stored = 0.0;                 // J, energy steps
+  std::array<double, 4> dissipated{};  // J during the last step, energy steps
+};
+
+// Moves one body by a step: sums, control or free motion, gridpoints. Fixed order throughout.
+void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyState* state,
+                  Measured* measured);
+
+struct Simulation::Impl {
+  Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
+
+  // --- the step -----------------------------------------------------------------------------------------------------
+  // measure: sums for unbalanced force and energies; report: flags by contact point too.
+  void step_once(bool measure, bool report);
+  void apply_controls();
+  void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
+  [[noreturn]] void report_failed_points();
+
+  // --- stages -------------------------------------------------------------------------------------------------------
+  void begin_stage(int index);
+  void swap_law(const std::string& family, const std::string& law);
+  HistoryRow measure() const;
+  double stage_fraction() const;  // by duration or displacement
+  bool equilibrium_reached(const Stage& settings);
+  long chosen_record_interval() const;
+  void sum_measurements();
+
+  void bind_columns();  // pointers of step data and law calls
+  void partition_work();
+  std::vector<std::uint32_t> current_flags() const;
+
+  Scene scene;
+  Model model;
+  Inertia inertia;
+  TimeStepReport time_step;
+  ThreadPool pool;
+
+  // State: everything that save() writes.
+  LaneVector<double> displacement, velocity;
+  LaneVector<double> traction[3];             // by contact point
+  std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other
+  LaneVector<double> normal_shift;            // by contact point: added to the opening (laws swapped in); else empty
+  std::vector<BodyState> bodies;
+  std::vector<BodyRamp> ramps;
+  Vec3 gravity_from{}, gravity_to{};
+  long step_count = 0;
+  int stage = -1;
+  long stage_step = 0;
+  Vec3 monitor_start{};
+  std::array<double, 4> energy_dissipated{};
+  double energy_damping = 0.0, energy_external = 0.0;  // up to the last half step
+  int calm_checks = 0;                                 // equilibrium checks passed in a row
+  int next_frame = 0;
+  long next_row = 0;  // stage_step of the next history row
+  bool in_stage = false;
+
+  // Rebuilt from the state or derived.
+  LaneVector<double> dt_over_mass;
+  LaneVector<double> force[3];           // by contact point, and a dummy
+  LaneVector<double> energy_columns[5];  // stored, dissipated by mode; scratch by contact point, energy runs only
+  std::vector<std::uint32_t> flags;
+  long flags_step = -1;  // step that computed them
+  std::vector<LawCall> calls;
+  std::vector<Measured> measured;  // groups, then bodies
+  double unbalanced_ratio = 0.0;
+  std::optional<Energies> energies;
+  double kinetic = 0.0;
+  int monitor = -1;
+  bool controls_settled = true;  // the ramp of the stage is over
+  bool want_energy = false;
+  bool keep_diagnostics = false;
+
+  StepData data;
+  std::vector<int> chunk_end, item_end;     // per thread; items: groups, then bodies
+  std::vector<LaneVector<double>> scratch;  // per thread
+  std::vector<std::unique_ptr<ChunkJumps>> jumps;
+  std::atomic<bool> law_failed{false};
+
+  bool timing = false;
+  PhaseTimes times;
+};
+
+// 10 t^3 - 15 t^4 + 6 t^5: from 0 to 1 with zero rate and acceleration at both ends.
+inline double smooth_step(double t) {
+  return t <= 0.0 ? 0.0 : t >= 1.0 ? 1.0 : t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
+}
+
+}  // namespace quoin

@@ -1,0 +1,75 @@
+// A few threads that run the same function side by side, many thousand times a second.
+#pragma once
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace quoin {
+
+// Threads wait by spinning for some microseconds (a phase of a step is not longer), then give way to others.
+class ThreadPool {
+ public:
+  explicit ThreadPool(int thread_count) : thread_count_(thread_count) {
+    for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
+  }
+  ~ThreadPool() {
+    job_ = nullptr;
+    generation_.fetch_add(1, std::memory_order_release);
+    for (std::thread& thread : threads_) thread.join();
+  }
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
+
+  int thread_count() const { return thread_count_; }
+
+  // Calls function(0) .. function(thread_count - 1), one on each thread, and returns when all are done. The function
+  // must not throw.
+  template <class Function>
+  void run(Function& function) {
+    if (thread_count_ == 1) {
+      function(0);
+      return;
+    }
+    job_ = [](void* f, int thread) { (*static_cast<Function*>(f))(thread); };
+    argument_ = &function;
+    busy_.store(thread_count_ - 1, std::memory_order_relaxed);
+    generation_.fetch_add(1, std::memory_order_release);
+    function(0);
+    wait([this] { return busy_.load(std::memory_order_acquire) == 0; });
+  }
+
+ private:
+  template <class Condition>
+  static void wait(Condition ready) {
+    constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is offered to others
+    for (int spins = 0; !ready(); ++spins) {
+      if (spins < kSpins) {
+#if defined(__x86_64__) || defined(__i386__)
+        __builtin_ia32_pause();
+#endif
+      } else {
+        std::this_thread::yield();
+      }
+    }
+  }
+
+  void work(int thread) {
+    for (unsigned seen = 0;;) {
+      wait([&] { return generation_.load(std::memory_order_acquire) != seen; });
+      ++seen;
+      if (!job_) return;
+      job_(argument_, thread);
+      busy_.fetch_sub(1, std::memory_order_release);
+    }
+  }
+
+  int thread_count_;
+  void (*job_)(void*, int) = nullptr;
+  void* argument_ = nullptr;
+  alignas(64) std::atomic<unsigned> generation_{0};
+  alignas(64) std::atomic<int> busy_{0};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace quoin
