@@ -1,7 +1,9 @@
 // C5 to C7: states, purity, memory, threads, refusals, failed points.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <latch>
 #include <limits>
 #include <numeric>
 #include <thread>
@@ -305,12 +307,15 @@ void check_threads(Report& report, const Subject& subject) {
   }
   report.clause("C6.5");
   constexpr size_t kThreads = 4;
-  constexpr int kRounds = 200;
+  constexpr auto kDuration = std::chrono::milliseconds(300);
   std::vector<std::string> faults(kThreads);
+  std::latch start(kThreads);
   std::vector<std::thread> threads;
   for (size_t t = 0; t < kThreads; ++t) {
     threads.emplace_back([&, t] {
-      for (int round = 0; round < kRounds && faults[t].empty(); ++round) {
+      start.arrive_and_wait();
+      const auto end = std::chrono::steady_clock::now() + kDuration;
+      for (int round = 0; std::chrono::steady_clock::now() < end && faults[t].empty(); ++round) {
         // Every thread works on its own part of the points: shared scratch memory is then visible.
         const size_t m = (t / 2 + static_cast<size_t>(round)) % materials.size();
         std::vector<size_t> part;

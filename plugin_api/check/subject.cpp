@@ -342,7 +342,7 @@ Points scattered_points(const quoin_law& law, const Material& material, size_t c
       for (size_t k = 0; k < 3; ++k) points.traction[k][i] = walk.points.traction[k][i];
       for (size_t s = 0; s < points.state.size(); ++s) points.state[s][i] = walk.points.state[s][i];
     }
-    walk.advance(evaluate(law, material, walk.points, 0));
+    walk.advance(evaluate(law, material, walk.points));
   }
   return points;
 }

@@ -67,8 +67,8 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   }
   return status;
 #elif BROKEN == 33
-  void* lost = malloc(100);
-  if (lost != NULL) memset(lost, 1, 100);
+  static void* volatile lost;
+  lost = malloc(100);
   return create_material(self, count, values, material, text);
 #elif BROKEN == 42
   quoin_status status = create_material(self, count, values, material, text);
@@ -117,6 +117,10 @@ static quoin_status bounds_of(const quoin_material* material, quoin_stiffness_bo
 }
 
 static double hidden; /* used by the faults that keep something of their own */
+
+#if BROKEN == 18
+static double scratch[1024];
+#endif
 
 static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   quoin_status status;
@@ -254,13 +258,11 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 #elif BROKEN == 15
       if (i + 1 == batch->count && batch->count % 2 == 1) put(batch->traction_new[0], i, sigma * (1 + 4e-16));
 #elif BROKEN == 18
-      hidden = sigma; /* shared by all threads */
-      {
-        volatile int pause;
-        for (pause = 0; pause < 20; ++pause) {
-        }
+      scratch[i % 1024] = sigma; /* shared by all threads */
+      if (i + 1 == batch->count) {
+        uint64_t j;
+        for (j = 0; j < batch->count; ++j) put(batch->traction_new[0], j, scratch[j % 1024]);
       }
-      put(batch->traction_new[0], i, hidden);
 #elif BROKEN == 19
       if (batch->traction_new[0].stride > 1)
         batch->traction_new[0].data[(int64_t)i * batch->traction_new[0].stride - 1] = 0;
