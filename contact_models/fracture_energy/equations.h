@@ -124,7 +124,7 @@ struct Equations {
   HWY_NOINLINE V crushing_closure(const M& crushes, const V& d_n_less_v, const V& w_old, const V& tolerance) const {
     // F >= fcr, so that w cannot pass the closure at which the elastic stress is fcr.
     const V highest = hn::Neg(hn::Add(d_n_less_v, hn::Div(p.fcr, p.kn)));
-    const V w = find_root(crushes, w_old, hn::Max(w_old, highest), hn::Mul(splat(0.25), tolerance),
+    const V w = find_root(crushes, w_old, w_old, hn::Max(w_old, highest), hn::Mul(splat(0.25), tolerance),
                           [&](V x, V& value, V& slope) {
                             value = overstress(d_n_less_v, x);
                             slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));
@@ -231,26 +231,29 @@ struct Equations {
     return a;
   }
 
-  // Slip that brings |tau*| - ks slip down to S(slip): beyond the end of softening S is constant; before it the root of
-  // a falling function.
-  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial) const {
+  // Slip that brings |tau*| - ks slip down to S(slip), and everything at it. Beyond the end of softening S is constant;
+  // before it the slip is the root of a falling function. xi_start: where the slip starts, the end for a cohesion
+  // without drop. Out of line: it keeps the elastic path small.
+  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial, const V& xi_start,
+                                  AtSlip& a) const {
     const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
-    const AtSlip end = at_xi<false>(step, hn::Max(step.xi_s, p.end));
-    const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, end.S)), p.ks);
-    const M beyond = hn::Ge(slip_beyond, slip_at_end);
-    const M within = hn::AndNot(beyond, slips);
-    V slip = slip_beyond;
-    if (!none(within)) {
-      const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
-      const V root =
-          find_root(within, zero(), highest, hn::Mul(splat(0.25), step.tolerance), [&](V x, V& value, V& slope) {
-            const AtSlip a = at_slip<true>(step, x);
-            value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), a.S);
-            slope = hn::Neg(hn::Add(p.ks, a.S_slip));
-          });
-      slip = select(within, root, slip);
-    }
-    return hn::IfThenElseZero(slips, slip);
+    const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, strength_beyond(step))), p.ks);
+    const M within = hn::AndNot(hn::Ge(slip_beyond, slip_at_end), slips);
+    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
+    const V guess = hn::IfThenElseZero(hn::AndNot(within, slips), slip_beyond);
+    return find_root(within, guess, zero(), highest, hn::Mul(splat(0.25), step.tolerance),
+                     [&](V slip, V& value, V& slope) {
+                       a = at_xi<true>(step, hn::MulAdd(slip, p.inv_su, xi_start));
+                       value = hn::Sub(hn::NegMulAdd(p.ks, slip, trial), a.S);
+                       slope = hn::Neg(hn::Add(p.ks, a.S_slip));
+                     });
+  }
+  // S once softening is complete: f = 0.
+  HWY_INLINE V strength_beyond(const Step& step) const {
+    if constexpr (kDilation) return at_xi<false>(step, hn::Max(step.xi_s, p.end)).S;
+    const V sigma_open = kShared ? zero() : hn::Mul(secant(step.xi_t), step.e);
+    const V sigma = select(step.open, sigma_open, step.normal.sigma);
+    return positive_part(hn::NegMulAdd(sigma, p.mur, hn::IfThenZeroElse(step.open, p.cr)));
   }
 
   // ---- Nothing yields: the short path ---------------------------------------------------------------------------
@@ -320,9 +323,8 @@ struct Equations {
     V tau = trial;
     V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
-      r.slip = slip_to_strength(r.slips, step, trial);
       xi_start = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
-      a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));
+      r.slip = slip_to_strength(r.slips, step, trial, xi_start, a);
       tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
       const V keep = hn::Div(positive_part(tau), trial);
       r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
