@@ -29,6 +29,16 @@ std::string gnuplot_text(const std::string& text) {
   return "\"" + result + "\"";
 }
 
+// Text inside gnuplot's enhanced mode, its special characters escaped.
+std::string enhanced(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (std::string("_^{}@&~\\").find(c) != std::string::npos) result += '\\';
+    result += c;
+  }
+  return result;
+}
+
 // Runs DIR/plots/NAME.gp; the picture appears under its name only when gnuplot is content.
 std::string draw(const std::filesystem::path& folder, const std::string& name, const std::string& script) {
   const std::filesystem::path plots = folder / "plots", picture = folder / (name + ".png");
@@ -78,12 +88,12 @@ struct CrackStyle {
   double width;
 };
 // From the least to the worst, the order of the legend and of drawing. Colours that stay apart for the colour-blind.
-constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{{{Crack::intact, "intact joint", "#8a7a68", 1.0},
-                                                            {Crack::sliding_begun, "sliding begun", "#6baed6", 4.5},
-                                                            {Crack::opening_begun, "opening begun", "#fdae2b", 4.5},
-                                                            {Crack::slipped, "slipped", "#08519c", 5.5},
-                                                            {Crack::open, "open crack", "#d7191c", 5.5},
-                                                            {Crack::crushed, "crushed", "#7b1fa2", 5.5}}};
+constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{{{Crack::intact, "intact joint", "#8a7a68", 1.2},
+                                                            {Crack::sliding_begun, "sliding begun", "#6baed6", 4.0},
+                                                            {Crack::opening_begun, "opening begun", "#fdae2b", 4.0},
+                                                            {Crack::slipped, "slipped", "#08519c", 5.0},
+                                                            {Crack::open, "open crack", "#d7191c", 5.0},
+                                                            {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
 
 std::string title_of(const Scene& scene) {
   return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;
@@ -127,14 +137,14 @@ set title {} noenhanced font "Sans,23"
 set xlabel "horizontal displacement of the top beam (mm)"
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
 set border 11 linecolor rgb "#404040"
-set xrange [0:*]
+set xrange [0:{:.6g}]
 set yrange [0:*]
 set xtics nomirror
 set ytics nomirror textcolor rgb "#b3321e"
-set grid xtics ytics linecolor rgb "#d8d8d8" linewidth 0.7
+set grid xtics ytics linecolor rgb "#c8c8c8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
-                                   gnuplot_text(title_of(scene)));
+                                   gnuplot_text(title_of(scene)), largest > 0 ? 1.02 * largest * 1e3 : 1.0);
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
                   gnuplot_text("horizontal force, law " + law));
@@ -150,7 +160,7 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
   if (peak.row >= 0 && peak.force > 0) {
     script += fmt::format(
         "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{2:.6g} center offset 0,1.1 font \"Sans,19\" front\n"
-        "set offsets graph 0, graph 0.02, graph 0.12, 0\n",
+        "set offsets 0, 0, graph 0.1, 0\n",
         peak.force / 1e3, peak.displacement * 1e3, peak.force / 1e3);
     script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", peak.displacement * 1e3, peak.force / 1e3);
     plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
@@ -227,63 +237,79 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
     if (p.crack > place->second.worst->crack) place->second.worst = &p;
     if (p.contact.position[2] > place->second.front->contact.position[2]) place->second.front = &p;
   }
-  std::array<std::string, kCrackCount> lines;
+  // Each half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
+  std::array<std::string, kCrackCount> quads;
+  std::string unit_quads;  // intact joints inside a unit, to be drawn so that the unit reads as one brick
+  auto add_half = [&](const JointPoint& worst, const JointPoint& a, const JointPoint& b, double from, double to) {
+    auto corner = [&](double t, Vec3 JointPoint::*side) {
+      Vec3 x{}, u{};
+      for (size_t axis = 0; axis < 2; ++axis) {
+        x[axis] = a.contact.position[axis] + t * (b.contact.position[axis] - a.contact.position[axis]);
+        u[axis] = (a.*side)[axis] + t * ((b.*side)[axis] - (a.*side)[axis]);
+      }
+      return moved(x, u);
+    };
+    const int unit = bricks[static_cast<size_t>(worst.contact.block_a)].unit;
+    const bool inside = unit >= 0 && unit == bricks[static_cast<size_t>(worst.contact.block_b)].unit;
+    std::string& data = inside && worst.crack == Crack::intact ? unit_quads : quads[static_cast<size_t>(worst.crack)];
+    data += corner(from, &JointPoint::side_a) + corner(to, &JointPoint::side_a) + corner(to, &JointPoint::side_b) +
+            corner(from, &JointPoint::side_b) + corner(from, &JointPoint::side_a) + "\n";
+  };
   for (const auto& [joint, places] : joints) {
     for (auto it = places.begin(); it != places.end() && std::next(it) != places.end(); ++it) {
-      const JointPoint *a = it->second.front, *b = std::next(it)->second.front;
-      Vec3 middle{}, shift{};
-      for (size_t axis = 0; axis < 3; ++axis) {
-        middle[axis] = (a->contact.position[axis] + b->contact.position[axis]) / 2;
-        shift[axis] = (a->displacement[axis] + b->displacement[axis]) / 2;
-      }
-      lines[static_cast<size_t>(it->second.worst->crack)] +=
-          moved(a->contact.position, a->displacement) + moved(middle, shift) + "\n";
-      lines[static_cast<size_t>(std::next(it)->second.worst->crack)] +=
-          moved(middle, shift) + moved(b->contact.position, b->displacement) + "\n";
+      const Seen &a = it->second, &b = std::next(it)->second;
+      add_half(*a.worst, *a.front, *b.front, 0.0, 0.5);
+      add_half(*b.worst, *a.front, *b.front, 0.5, 1.0);
     }
   }
   std::string plot;
-  for (const CrackStyle& style : kCrackStyles) {
-    const std::string& data = lines[static_cast<size_t>(style.crack)];
-    const std::string file = fmt::format("joints_{}.dat", static_cast<int>(style.crack));
+  auto add_quads = [&](const std::string& file, const std::string& data, const char* colour, double width) {
     write_file(folder / "plots" / file, data.empty() ? "NaN NaN\n" : data);
-    plot += fmt::format(", \\\n     \"{}\" with lines linewidth {} linecolor rgb \"{}\" notitle", file, style.width,
-                        style.colour);
-  }
+    for (const char* how : {"filledcurves closed fillcolor", "lines linecolor"})
+      plot += fmt::format(", \\\n     \"{}\" with {} rgb \"{}\"{} notitle", file, how, colour,
+                          *how == 'l' ? fmt::format(" linewidth {}", width) : std::string());
+  };
+  add_quads("joints_unit.dat", unit_quads, "#d3bfa4", 0.7);
+  for (const CrackStyle& style : kCrackStyles)
+    add_quads(fmt::format("joints_{}.dat", static_cast<int>(style.crack)), quads[static_cast<size_t>(style.crack)],
+              style.colour, style.width);
   for (const CrackStyle& style : kCrackStyles)
     plot += fmt::format(", \\\n     NaN with lines linewidth {} linecolor rgb \"{}\" title \"{}\"",
                         style.crack == Crack::intact ? 2.0 : 7.0, style.colour, style.label);
 
-  std::string subtitle = "law " + law;
+  std::string state = "law " + law;
   if (!rows.empty()) {
     const Response r = response(rows.back(), scene.stages[static_cast<size_t>(rows.back().stage)]);
-    subtitle += fmt::format(", top beam moved {:.2f} mm, horizontal force {:.1f} kN", std::abs(r.displacement) * 1e3,
-                            std::abs(r.horizontal_force) / 1e3);
+    state = fmt::format("top beam moved {:.2f} mm, horizontal force {:.1f} kN, law {}", std::abs(r.displacement) * 1e3,
+                        std::abs(r.horizontal_force) / 1e3, law);
   }
-  subtitle += fmt::format("; displacements drawn {:g} times larger", factor);
-  const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3;
-  const double margin = 0.05 * std::max(width, height);
-  const double sway = largest * factor * 1e3;
-  // A picture as wide or as high as the wall asks for, at one scale on both axes.
-  const double inner = 1150.0, scale = inner / std::max(width + 2 * sway + 2 * margin, height + 2 * margin);
-  const int pixels_x = static_cast<int>(std::max(1000.0, (width + 2 * sway + 2 * margin) * scale + 60));
-  const int pixels_y = static_cast<int>((height + sway + 2 * margin) * scale + 250);
+  // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
+  const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3, sway = largest * factor * 1e3;
+  const double margin = 0.03 * std::max(width, height);
+  const double range_x = width + 2 * (margin + sway), range_y = height + 2 * margin + 0.3 * sway;
+  const double scale = 1200.0 / std::max(range_x, range_y), above = 150.0, below = 110.0;
+  const double pixels_x = std::max(1000.0, range_x * scale + 40), pixels_y = range_y * scale + above + below;
   const std::string script = fmt::format(
-      R"gp(set terminal pngcairo size {},{} font "Sans,17"
-set title {} . "\n" . {} noenhanced font "Sans,18"
+      R"gp(set terminal pngcairo size {:.0f},{:.0f} font "Sans,17"
+set title "{{/*1.25 " . {} . "}}\n{{/*0.95 " . {} . "}}\n{{/*0.95 displacements drawn {:g} times larger}}"
 set size ratio -1
+set tmargin at screen {:.4f}
+set bmargin at screen {:.4f}
+set lmargin at screen 0.02
+set rmargin at screen 0.98
 set xrange [{:.6g}:{:.6g}]
 set yrange [{:.6g}:{:.6g}]
 unset border
 unset tics
-set key outside bottom center horizontal maxrows 2 samplen 2.5 spacing 1.3 width 2
-set style fill solid 1.0 border linecolor rgb "#a08a72"
+set key outside bottom center horizontal maxrows 2 samplen 2.5 spacing 1.4 width 3 reverse Left
+set style fill solid 1.0 noborder
 plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
-     "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle, \
-     "bricks.dat" with lines linewidth 0.8 linecolor rgb "#b09a80" notitle{}
+     "beams.dat" with lines linewidth 1.0 linecolor rgb "#808890" notitle, \
+     "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle{}
 )gp",
-      pixels_x, pixels_y, gnuplot_text(title_of(scene)), gnuplot_text(subtitle), low[0] * 1e3 - margin - sway,
-      high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, plot);
+      pixels_x, pixels_y, gnuplot_text(enhanced(title_of(scene))), gnuplot_text(enhanced(state)), factor,
+      1.0 - above / pixels_y, below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway,
+      low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, plot);
   return draw(folder, "cracks", script);
 }
 

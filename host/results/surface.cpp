@@ -103,9 +103,9 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
     const size_t i = static_cast<size_t>(c.index);
     JointPoint p{};
     p.contact = c;
-    const Vec3 a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
-    const Vec3 b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
-    for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (a[axis] + b[axis]) / 2;
+    p.side_a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
+    p.side_b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
+    for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
     p.opening = std::max(0.0, c.jump[0]);
     p.slip = std::isfinite(slip[i]) ? slip[i] : std::hypot(c.jump[1], c.jump[2]);
     // The flags say what is certain for every law; between them, linear softening has damage = xi.

@@ -17,9 +17,10 @@ inline constexpr int kCrackCount = 6;
 
 struct JointPoint {
   ContactPoint contact;
-  Vec3 displacement;  // mean of the two sides, m
-  double opening;     // m
-  double slip;        // plastic slip where the law keeps it, otherwise the sliding jump, m
+  Vec3 displacement;    // mean of the two sides, m
+  Vec3 side_a, side_b;  // displacements of the two sides, m
+  double opening;       // m
+  double slip;          // plastic slip where the law keeps it, otherwise the sliding jump, m
   double damage_tension, damage_shear;
   double closure;  // plastic closure by crushing, m
   Crack crack;
