@@ -1,0 +1,72 @@
+// Blocks of any convex shape and what acts on them: cold input of the general model. SI units (m, kg, s, Pa).
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "geometry/polyhedron.h"
+#include "geometry/zoning.h"
+#include "scene/scene.h"
+
+namespace quoin::blocks {
+
+using geometry::Matrix;
+using geometry::Quaternion;
+using geometry::Vector;
+
+struct Block {
+  std::string name;
+  int shape = 0;           // index into Assembly::shapes; many blocks may share one
+  Vector position;         // where the origin of the shape's coordinates goes, m
+  Quaternion orientation;  // and how its axes are turned
+  int material = 0;        // index into Assembly::materials
+  bool rigid = true;
+  double zone_edge = 0.0;  // deformable: target edge length of the zones, m
+  std::array<int, 3> divisions{0, 0,
+                               0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
+  bool fixed = false;               // held in all six degrees of freedom (prescribe() may drive it later)
+  int unit = -1, course = -1;       // for pictures
+};
+
+// Where two blocks meet for the first time: what the joint family may depend on.
+struct Meeting {
+  int block_a, block_b;
+  Vector position;  // m
+  Vector normal;    // from a to b
+};
+
+struct ContactSettings {
+  double skin = 0.0;  // m; pairs closer than this are watched; 0: 5 % of the smallest block's least extent
+  double joint_tolerance =
+      0.0;  // m; parallel faces closer than this at the start are a joint; 0: 1e-4 of the least extent
+  double point_spacing = 0.0;  // m; contact points inside a joint of rigid blocks no further apart; 0: corners only
+  bool cubic_points = false;   // rigid blocks: points that integrate cubics exactly (rotational stiffness exact)
+  // Contact geometry is frozen until two neighbours have moved against each other by more than this fraction of the
+  // smaller one's least extent; from then on contacts are detected anew whenever a pair has moved by that much again.
+  // 0: large displacement at once.
+  double small_displacement = 0.005;
+};
+
+struct Assembly {
+  std::vector<BlockMaterial> materials;
+  std::vector<JointFamily> families;
+  std::vector<geometry::ConvexPolyhedron> shapes;
+  std::vector<Block> blocks;
+  std::function<int(const Meeting&)> family_of;  // index into families; empty: family 0 for all
+  ContactSettings contact;
+
+  // Adds a block of its own shape; its index.
+  int add(geometry::ConvexPolyhedron shape, Block block);
+};
+
+// Piecewise linear in time; constant beyond its ends. Empty: 1 always.
+struct TimeSeries {
+  std::vector<double> time, value;  // s
+  double at(double t) const;
+  // Integral from time[0] to t of the series (ground velocity from ground acceleration).
+  double integral(double t) const;
+};
+
+}  // namespace quoin::blocks

@@ -1,0 +1,309 @@
+// From cold input to hot data: shapes, zones, masses, families; the joints of the start.
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "blocks/model.h"
+#include "scene/error.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+int Assembly::add(ConvexPolyhedron shape, Block block) {
+  block.shape = int(shapes.size());
+  shapes.push_back(std::move(shape));
+  blocks.push_back(std::move(block));
+  return int(blocks.size()) - 1;
+}
+
+double TimeSeries::at(double t) const {
+  if (time.empty()) return 1.0;
+  if (t <= time.front()) return value.front();
+  if (t >= time.back()) return value.back();
+  const size_t i = size_t(std::upper_bound(time.begin(), time.end(), t) - time.begin());
+  const double f = (t - time[i - 1]) / (time[i] - time[i - 1]);
+  return value[i - 1] + f * (value[i] - value[i - 1]);
+}
+
+double TimeSeries::integral(double t) const {
+  if (time.empty()) return t;
+  double sum = 0.0;
+  for (size_t i = 1; i < time.size() && time[i - 1] < t; ++i) {
+    const double end = std::min(t, time[i]);
+    sum += (end - time[i - 1]) * 0.5 * (value[i - 1] + at(end));
+  }
+  return t > time.back() ? sum + (t - time.back()) * value.back() : sum;
+}
+
+namespace {
+
+std::string label(const Assembly& a, int block) {
+  const Block& b = a.blocks[block];
+  return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
+}
+
+double least_extent_of(const ConvexPolyhedron& s) {
+  double least = 1e300;
+  for (size_t f = 0; f < s.faces.size(); ++f) {
+    double deepest = 0.0;
+    for (const Vector& p : s.vertices) deepest = std::max(deepest, dot(s.normals[f], s.vertices[s.faces[f][0]] - p));
+    least = std::min(least, deepest);
+  }
+  return least;
+}
+
+}  // namespace
+
+Model::Model(const Assembly& assembly, const SolverSettings& solver,
+             std::vector<std::shared_ptr<const Material>> materials)
+    : assembly_(assembly) {
+  set_damping(solver);
+  build(solver, std::move(materials));
+  find_time_step();
+}
+
+void Model::set_damping(const SolverSettings& solver) {
+  solver_ = solver;
+  if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0) {
+    for (Family& f : families_) {
+      for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
+      f.old_jump.assign(f.size(), 0.0);
+    }
+    zone_strain_.assign(zones_.size(), Matrix::zero());
+  }
+  if (critical_dt_ > 0) find_time_step();
+}
+
+void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials) {
+  if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
+  if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
+  if (solver.selective_time_step > 0) {
+    throw Error(Exit::bad_input,
+                "selective_time_step is for the small-displacement model of conforming bricks; use mass_scaling here");
+  }
+  for (size_t i = 0; i < assembly_.families.size(); ++i) {
+    const JointFamily& description = assembly_.families[i];
+    Family& f = families_.emplace_back();
+    f.material = i < materials.size() && materials[i]
+                     ? materials[i]
+                     : std::make_shared<const Material>(Law::find(description.law), description.properties);
+    f.initial = f.material->initial_state(description.initial_state);
+    const quoin_law& law = f.material->api();
+    bool has_dry = false;
+    for (uint64_t k = 0; k < law.initial_state_count; ++k) has_dry |= std::strcmp(law.initial_states[k], "dry") == 0;
+    f.dry = has_dry ? f.material->initial_state("dry") : f.initial;
+    const quoin_stiffness_bounds bounds = f.material->stiffness_bounds();
+    f.kn = bounds.normal, f.ks = bounds.shear;
+    f.state.resize(law.state_count);
+  }
+  double least = 1e300;
+  for (size_t i = 0; i < assembly_.blocks.size(); ++i) {
+    const Block& input = assembly_.blocks[i];
+    const auto fault = [&](const std::string& what) {
+      return Error(Exit::bad_input, fmt::format("block {}: {}", label(assembly_, int(i)), what));
+    };
+    if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
+    if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
+    const ConvexPolyhedron& shape = assembly_.shapes[input.shape];
+    const BlockMaterial& m = assembly_.materials[input.material];
+    const MassProperties mp = mass_properties(shape);
+    if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
+    if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
+    const Matrix turned = matrix(input.orientation);
+
+    ModelBlock& b = blocks_.emplace_back();
+    b.shape = &shape;
+    b.least_extent = least_extent_of(shape);
+    least = std::min(least, b.least_extent);
+    double surface = 0.0;
+    for (size_t f = 0; f < shape.faces.size(); ++f) surface += face_area(shape, int(f));
+    b.corner_area = surface / (3.0 * double(shape.vertices.size()));
+    b.first_corner = uint32_t(corner_.size());
+    b.first_normal = uint32_t(body_normal_.size());
+    for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - mp.centroid));
+    if (input.rigid) {
+      const Eigen3 axes = symmetric_eigen(mp.inertia);
+      Body body;
+      body.x = input.position + turned * mp.centroid;
+      body.q = normalized(input.orientation * quaternion(axes.vectors));
+      body.r = matrix(body.q);
+      body.weight_mass = m.density * mp.volume;
+      body.mass = body.weight_mass * solver.mass_scaling;
+      body.inertia = m.density * solver.mass_scaling * axes.values;
+      body.held = input.fixed ? 0x3f : 0;
+      b.body = int32_t(bodies_.size());
+      bodies_.push_back(body);
+      for (const Vector& p : shape.vertices) corner_.push_back(transposed_times(axes.vectors, p - mp.centroid));
+      for (const Vector& n : shape.normals) body_normal_.push_back(transposed_times(axes.vectors, n));
+    } else {
+      if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
+        throw fault(
+            fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
+                        m.name, m.young_modulus, m.poisson_ratio));
+      }
+      const Zoning z = input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, 0, label(assembly_, int(i)))
+                                              : make_zones(shape, input.zone_edge, label(assembly_, int(i)));
+      b.first_node = int32_t(node_x_.size()), b.node_count = int32_t(z.nodes.size());
+      b.first_zone = int32_t(zones_.size()), b.zone_count = int32_t(z.zones.size());
+      for (const Vector& p : z.nodes) {
+        node_x_.push_back(input.position + turned * p);
+        node_held_.push_back(input.fixed ? 7 : 0);
+      }
+      node_mass_.resize(node_x_.size(), 0.0);
+      for (const auto& t : z.zones) {
+        Zone zone;
+        for (int k = 0; k < 4; ++k) zone.node[k] = b.first_node + t[k];
+        const Vector &o = node_x_[zone.node[0]], e1 = node_x_[zone.node[1]] - o, e2 = node_x_[zone.node[2]] - o,
+                     e3 = node_x_[zone.node[3]] - o;
+        const double six = dot(e1, cross(e2, e3));
+        zone.volume = six / 6;
+        zone.gradient[1] = cross(e2, e3) / six;
+        zone.gradient[2] = cross(e3, e1) / six;
+        zone.gradient[3] = cross(e1, e2) / six;
+        zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
+        zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
+        zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
+        for (int k = 0; k < 4; ++k) node_mass_[zone.node[k]] += m.density * zone.volume / 4;
+        zones_.push_back(zone);
+      }
+      for (Zoning::SurfaceTriangle t : z.surface) {
+        for (int& n : t.node) n += b.first_node;
+        b.surface.push_back(t);
+      }
+      corner_.resize(corner_.size() + shape.vertices.size());
+      body_normal_.resize(body_normal_.size() + shape.normals.size());
+    }
+  }
+  node_reference_ = node_x_;
+  node_v_.resize(node_x_.size());
+  node_f_.resize(node_x_.size());
+  node_held_v_.resize(node_x_.size());
+  node_weight_mass_ = node_mass_;
+  for (double& m : node_mass_) m *= solver.mass_scaling;
+  placed_corner_.resize(corner_.size());
+  placed_normal_.resize(body_normal_.size());
+  block_contact_force_.resize(blocks_.size());
+  start_r_.resize(blocks_.size());
+  start_x_.resize(blocks_.size());
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    pose(int(i), start_x_[i], start_r_[i]);
+    blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
+  }
+  const ContactSettings& c = assembly_.contact;
+  size_ = least;
+  skin_ = c.skin > 0 ? c.skin : 0.05 * least;
+  reach_ = skin_ / 4;
+  joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
+  small_ = c.small_displacement > 0;
+  detect_contacts(true);
+  set_damping(solver);
+}
+
+void Model::pose(int block, Vector& x, Matrix& r) const {
+  const ModelBlock& b = blocks_[block];
+  if (b.body >= 0) {
+    x = bodies_[b.body].x, r = bodies_[b.body].r;
+    return;
+  }
+  // Deformable: mean of the corners, and axes along the first face. Strains are small, so any material axes do.
+  const auto& face = b.shape->faces[0];
+  const Vector* p = node_x_.data() + b.first_node;
+  x = {};
+  const size_t n = b.shape->vertices.size();
+  for (size_t i = 0; i < n; ++i) x += p[i];
+  x = x / double(n);
+  const Vector e1 = normalized(p[face[1]] - p[face[0]]);
+  const Vector e3 = normalized(cross(e1, p[face[2]] - p[face[0]]));
+  r = Matrix::columns(e1, cross(e3, e1), e3);
+}
+
+void Model::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
+
+void Model::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
+  const ModelBlock& b = blocks_[block];
+  if (b.body >= 0) {
+    Body& body = bodies_[b.body];
+    body.held = held, body.held_v = velocity, body.held_omega = omega;
+    return;
+  }
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_held_[i] = held & 7, node_held_v_[i] = velocity;
+}
+
+void Model::release(int block) { prescribe(block, {}, {}, 0); }
+
+void Model::set_velocity(int block, const Vector& velocity, const Vector& omega) {
+  const ModelBlock& b = blocks_[block];
+  if (b.body >= 0) {
+    Body& body = bodies_[b.body];
+    body.v = velocity, body.omega = omega;
+    const Vector w = transposed_times(body.r, omega);
+    body.momentum = body.r * Vector{body.inertia.x * w.x, body.inertia.y * w.y, body.inertia.z * w.z};
+    return;
+  }
+  const Vector centre = position(block);
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    node_v_[i] = velocity + cross(omega, node_x_[i] - centre);
+}
+
+void Model::add(Load load) {
+  const ModelBlock& b = blocks_.at(load.block);
+  if (b.body >= 0) {
+    const Body& body = bodies_[b.body];
+    load.arm = transposed_times(body.r, load.point - body.x);
+  } else {
+    // inside the zone that holds the point, or the nearest one: by shape functions
+    double best = -1e300;
+    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+      double n[4], least = 1e300;
+      for (int k = 0; k < 4; ++k) {
+        n[k] = (k == 0 ? 1.0 : 0.0) + dot(zones_[z].gradient[k], load.point - node_reference_[zones_[z].node[0]]);
+        least = std::min(least, n[k]);
+      }
+      if (least <= best) continue;
+      best = least;
+      load.share.clear();
+      for (int k = 0; k < 4; ++k) load.share.push_back({zones_[z].node[k], n[k]});
+      if (least >= -1e-9) break;
+    }
+  }
+  loads_.push_back(std::move(load));
+}
+
+void Model::add(Pressure pressure) {
+  const ModelBlock& b = blocks_.at(pressure.block);
+  if (pressure.face < 0 || pressure.face >= int(b.shape->faces.size())) {
+    throw Error(Exit::bad_input,
+                fmt::format("pressure on block {}: face {} does not exist; there are faces 0 to {}",
+                            label(assembly_, pressure.block), pressure.face, b.shape->faces.size() - 1));
+  }
+  if (b.body >= 0) {
+    ConvexPolyhedron local = *b.shape;
+    local.vertices.assign(corner_.begin() + b.first_corner,
+                          corner_.begin() + b.first_corner + long(b.shape->vertices.size()));
+    update_normals(local);
+    pressure.arm = face_centroid(local, pressure.face);
+    pressure.push = -face_area(local, pressure.face) * local.normals[pressure.face];
+  } else {
+    for (const auto& t : b.surface) {
+      if (t.face == pressure.face) pressure.triangles.push_back({t.node[0], t.node[1], t.node[2]});
+    }
+  }
+  pressures_.push_back(std::move(pressure));
+}
+
+void Model::add(GroundMotion motion) {
+  motion.direction = normalized(motion.direction);
+  motions_.push_back(std::move(motion));
+}
+
+void Model::track_energy(bool on) {
+  energy_ = on;
+  energies_ = {};
+  for (Family& f : families_) {
+    f.stored.assign(on ? f.size() : 0, 0.0);
+    for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
+  }
+}
+
+}  // namespace quoin::blocks

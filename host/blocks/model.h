@@ -1,0 +1,289 @@
+// The general path of the host: rigid and deformable convex blocks in large motion, and the contacts between them.
+//
+// Rigid blocks: position, quaternion, linear and angular momentum; central differences in translation; in rotation the
+// angular
+//   momentum is the unknown and the orientation follows by the implicit midpoint rule, so that a free block keeps its
+//   angular momentum to rounding and its energy without drift.
+// Deformable blocks: constant-strain tetrahedra, total Lagrangian with the Green strain and a linear (St.
+// Venant-Kirchhoff) law: equal to
+//   linear elasticity at small strain, and exactly indifferent to rotation, so that nothing needs to be co-rotated.
+// Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the points. Jumps are
+// measured
+//   in a frame that rides on a: d_n is the distance from the plane less its reference, the slip increment is the change
+//   of b's position in that frame; so traction turns with a, spin about n included, and a rigid rotation of both
+//   changes no bit of physics. The pair of forces acts at one point in space: force and moment balance exactly.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "blocks/assembly.h"
+#include "geometry/broad_phase.h"
+#include "geometry/separation.h"
+#include "law/law_library.h"
+
+namespace quoin::blocks {
+
+// Rigid block. Body frame: principal axes through the centre of mass.
+struct Body {
+  Vector x;                  // centre of mass, m
+  Quaternion q;              // body frame to space
+  Matrix r;                  // of q
+  Vector v;                  // m/s, at half steps
+  Vector momentum;           // angular, about the centre of mass, in space, at half steps
+  Vector omega;              // rad/s, in space, at half steps
+  Vector force, torque;      // of the step
+  double mass = 0.0;         // of inertia, kg (mass scaling included)
+  double weight_mass = 0.0;  // of weight, kg
+  Vector inertia;            // principal, kg m2
+  uint8_t held = 0;          // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
+  Vector held_v, held_omega;
+};
+
+struct Zone {
+  int32_t node[4];
+  Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
+  double volume;       // reference, m3
+  double lambda, mu;   // Pa
+};
+
+// A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
+struct Point {
+  int32_t a, b;                        // blocks
+  int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
+  Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
+  double offset = 0.0;          // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
+  Vector arm;                   // of the point in b's body frame (rigid b), m
+  double slid[2] = {0.0, 0.0};  // position along s, t at the last step, m
+  double area = 0.0;            // m2
+  Vector at;                    // in space, of the last step, m
+  double reference = 0.0;       // gap at which d_n = 0, m
+};
+
+// Where a point sits on a triangle of a deformable block.
+struct Facet {
+  int32_t node[3];
+  double weight[3];
+  double gradient[3][2];  // of the shape functions along s, t, 1/m; of the triangle that owns the plane
+};
+
+// Points of one joint family, law columns in structure-of-arrays form.
+struct Family {
+  std::shared_ptr<const Material> material;
+  std::vector<double> initial, dry;  // state values
+  double kn = 0.0, ks = 0.0;         // stiffness bounds, Pa/m
+  std::vector<Point> point;
+  std::vector<double> normal_jump, slip[2], traction[3];
+  std::vector<std::vector<double>> state;
+  std::vector<double> old_traction[3];  // when stiffness damping or contact inspection needs it
+  std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
+  std::vector<double> old_jump;
+  size_t size() const { return point.size(); }
+};
+
+// Two blocks close to each other.
+struct Contact {
+  geometry::Pair pair;
+  geometry::Separation separation;
+  int family = -1;
+  uint32_t first = 0, count = 0;  // points in Family::point
+  bool initial = false;           // a joint of the start
+  // pose of b seen from a at the last narrow detection
+  Vector relative_x;
+  Matrix relative_r;
+};
+
+struct Energies {  // J
+  double kinetic = 0.0, strain = 0.0, contact_stored = 0.0;
+  double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
+  double damping = 0.0;                            // taken by damping
+  double external = 0.0;                           // done by weight, loads and prescribed velocities
+  double detection = 0.0;  // stored energy lost (> 0) or gained when contact points were placed anew
+  double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
+  // what has appeared from nowhere (> 0) or vanished since the start
+  double balance_error(double at_start) const {
+    return kinetic + strain + contact_stored + dissipated_total() + damping + detection - external - at_start;
+  }
+};
+
+struct Load {
+  int block;
+  Vector point;  // in the block's frame of the start (space coordinates at the start), m; moves with the block
+  Vector force;  // N, direction fixed in space
+  TimeSeries factor;
+  std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
+  Vector arm;                                     // rigid: in the body frame
+};
+struct Pressure {
+  int block, face;
+  double value;  // Pa, > 0 pushes on the block; follows the face
+  TimeSeries factor;
+  std::vector<std::array<int32_t, 3>> triangles;  // deformable
+  Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
+};
+struct GroundMotion {
+  std::vector<int> blocks;
+  Vector direction;         // unit
+  TimeSeries acceleration;  // m/s2; integrated exactly (trapezoid) to the velocity prescribed
+};
+
+// One block in the model.
+struct ModelBlock {
+  const geometry::ConvexPolyhedron* shape;  // topology; body-frame vertices of rigid blocks are in `corner`
+  int32_t body = -1;                        // rigid: index into bodies
+  int32_t first_node = 0, node_count = 0;   // deformable
+  int32_t first_zone = 0, zone_count = 0;
+  uint32_t first_corner = 0;  // into corner arrays: vertices of the shape
+  uint32_t first_normal = 0;
+  double radius = 0.0;                                     // largest distance of a vertex from the centre, m
+  double least_extent = 0.0;                               // m
+  double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
+  std::vector<geometry::Zoning::SurfaceTriangle> surface;  // deformable, global node numbers
+  // pose at the last broad phase
+  Vector broad_x;
+  Matrix broad_r;
+};
+
+class Model {
+ public:
+  // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
+  // Throws Error(bad_input): blocks that overlap at the start (names, place, depth), bad shapes, materials or settings.
+  Model(const Assembly& assembly, const SolverSettings& solver,
+        std::vector<std::shared_ptr<const Material>> materials = {});
+
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  // One explicit step of length time_step(): the phases of the method.
+  void step();
+  void run(double duration);  // s
+  void run_steps(long steps) {
+    for (long i = 0; i < steps; ++i) step();
+  }
+
+  // What acts from now on.
+  void set_gravity(const Vector& g, TimeSeries factor = {});                                         // m/s2
+  void prescribe(int block, const Vector& velocity, const Vector& omega = {}, uint8_t held = 0x3f);  // m/s, rad/s
+  void release(int block);
+  void set_velocity(int block, const Vector& velocity, const Vector& omega = {});  // initial velocity of a free block
+  void add(Load load);
+  void add(Pressure pressure);
+  void add(GroundMotion motion);
+  void clear_loads() { loads_.clear(), pressures_.clear(), motions_.clear(); }
+  void set_damping(const SolverSettings& solver);
+  void track_energy(bool on);
+
+  double time() const { return time_; }
+  long steps() const { return step_count_; }
+  double time_step() const { return dt_; }
+  double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
+  bool small_displacement() const { return small_; }
+  long detections() const { return detections_; }
+  long narrow_calls() const { return narrow_calls_; }
+
+  // Results.
+  int block_count() const { return int(blocks_.size()); }
+  const Assembly& assembly() const { return assembly_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }
+  const std::vector<Family>& families() const { return families_; }
+  Vector position(int block) const;          // centre of mass, m
+  Matrix orientation(int block) const;       // rotation since the start
+  Vector velocity(int block) const;          // of the centre of mass, m/s
+  Vector angular_velocity(int block) const;  // rigid, rad/s
+  Vector contact_force(int block) const;     // of all contacts of the last step, N
+  Vector corner(int block, int vertex) const;
+  std::vector<Vector>& node_positions() { return node_x_; }
+  const std::vector<Vector>& node_positions() const { return node_x_; }
+  std::vector<Vector>& node_velocities() { return node_v_; }
+  const std::vector<Vector>& node_reference() const { return node_reference_; }
+  const std::vector<double>& node_mass() const { return node_mass_; }
+  const std::vector<Zone>& zones() const { return zones_; }
+  Matrix zone_stress(int zone) const;  // Cauchy, Pa, tension positive
+  const ModelBlock& block(int i) const { return blocks_[i]; }
+  const std::vector<Body>& bodies() const { return bodies_; }
+  Body& body(int block) { return bodies_[blocks_[block].body]; }
+  // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
+  void hold_node(int node, uint8_t held) { node_held_[node] = held; }
+  Energies energies() const { return energies_; }
+  double strain_energy() const;
+  Vector linear_momentum() const;
+  Vector angular_momentum(const Vector& about = {}) const;
+  double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
+  double mass() const;
+  size_t memory_bytes() const;
+  uint64_t hash() const;
+  // contact geometry checks, for tests
+  void detect_now() { detect_contacts(true); }
+
+ private:
+  // phases of the step
+  void internal_forces();
+  void contact_kinematics();
+  void contact_law();
+  void contact_forces();
+  void nodal_forces_and_damping();
+  void integrate();
+  bool moved_enough();
+  void detect_contacts(bool everything = false);
+
+  void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
+  void find_time_step();
+  double highest_frequency() const;  // rad/s
+  double local_stiffness_bound() const;
+  void evaluate_family(Family& f);
+  void place_blocks();
+  geometry::Placed placed(int block) const;
+  void pose(int block, Vector& x, Matrix& r) const;
+  double pair_motion(const Contact& c) const;
+  struct NewPoint;
+  void make_points(Contact& c, bool at_start, std::vector<NewPoint>& out);
+  void face_points(int owner, int owner_face, int carrier, bool at_start, std::vector<NewPoint>& out);
+  void edge_point(const Contact& c, std::vector<NewPoint>& out);
+  void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
+  void refresh_facet_frame(Point& p, Facet& facet, bool reanchor);
+  struct Location {
+    Vector at;
+    double jump = 0.0, slid[2] = {0.0, 0.0};
+  };
+  Location locate(const Point& p, const std::vector<Facet>& facets) const;
+  double stored_in_contacts() const;
+  void resize(Family& f, size_t n) const;
+
+  Assembly assembly_;
+  SolverSettings solver_;
+  std::vector<ModelBlock> blocks_;
+  std::vector<Body> bodies_;
+  std::vector<Vector> corner_;  // rigid: body frame; deformable: unused (corner gridpoints are used)
+  std::vector<Vector> placed_corner_, placed_normal_;
+  std::vector<Vector> body_normal_;  // rigid: face normals in the body frame
+  std::vector<Matrix> start_r_;      // orientation of every block's frame at the start
+  std::vector<Vector> start_x_;
+
+  std::vector<Vector> node_x_, node_reference_, node_v_, node_f_;
+  std::vector<double> node_mass_, node_weight_mass_;
+  std::vector<uint8_t> node_held_;
+  std::vector<Vector> node_held_v_;
+  std::vector<Zone> zones_;
+  std::vector<Matrix> zone_strain_;  // of the last step, when stiffness damping needs it
+
+  std::vector<Family> families_;
+  std::vector<Facet> facets_;
+  std::vector<Contact> contacts_;
+  std::vector<Vector> block_contact_force_;
+
+  std::vector<Load> loads_;
+  std::vector<Pressure> pressures_;
+  std::vector<GroundMotion> motions_;
+  Vector gravity_;
+  TimeSeries gravity_factor_;
+
+  double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
+  bool small_ = true, energy_ = false;
+  double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
+  long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
+  double total_force_ = 0.0, unbalanced_ = 0.0;
+  Energies energies_;
+};
+
+}  // namespace quoin::blocks

@@ -1,0 +1,124 @@
+// What can be asked of a model.
+#include <cstring>
+
+#include "blocks/model.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+Vector Model::position(int block) const {
+  const ModelBlock& b = blocks_[block];
+  if (b.body >= 0) return bodies_[b.body].x;
+  Vector sum;
+  double mass = 0.0;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    sum += node_mass_[i] * node_x_[i], mass += node_mass_[i];
+  return sum / mass;
+}
+
+Matrix Model::orientation(int block) const {
+  Vector x;
+  Matrix r;
+  pose(block, x, r);
+  return r * transposed(start_r_[block]);
+}
+
+Vector Model::velocity(int block) const {
+  const ModelBlock& b = blocks_[block];
+  if (b.body >= 0) return bodies_[b.body].v;
+  Vector sum;
+  double mass = 0.0;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    sum += node_mass_[i] * node_v_[i], mass += node_mass_[i];
+  return sum / mass;
+}
+
+Vector Model::angular_velocity(int block) const {
+  const ModelBlock& b = blocks_[block];
+  return b.body >= 0 ? bodies_[b.body].omega : Vector{};
+}
+
+Vector Model::contact_force(int block) const { return block_contact_force_[block]; }
+
+Vector Model::corner(int block, int vertex) const {
+  const ModelBlock& b = blocks_[block];
+  if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
+  const Body& body = bodies_[b.body];
+  return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
+}
+
+Matrix Model::zone_stress(int z) const {
+  const Zone& zone = zones_[z];
+  Matrix f = Matrix::zero();
+  for (int k = 0; k < 4; ++k) f += outer(node_x_[zone.node[k]], zone.gradient[k]);
+  const Matrix strain = 0.5 * (transposed(f) * f - Matrix{});
+  const Matrix second = 2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{};
+  return 1 / determinant(f) * (f * second * transposed(f));
+}
+
+double Model::strain_energy() const {
+  double sum = 0.0;
+  for (const Zone& zone : zones_) {
+    Matrix h = Matrix::zero();
+    for (int k = 0; k < 4; ++k) h += outer(node_x_[zone.node[k]] - node_reference_[zone.node[k]], zone.gradient[k]);
+    const Matrix e = 0.5 * (h + transposed(h) + transposed(h) * h);
+    double ee = 0.0;
+    for (const Vector& row : e.row) ee += dot(row, row);
+    sum += zone.volume * (0.5 * zone.lambda * trace(e) * trace(e) + zone.mu * ee);
+  }
+  return sum;
+}
+
+Vector Model::linear_momentum() const {
+  Vector p;
+  for (const Body& b : bodies_) p += b.mass * b.v;
+  for (size_t i = 0; i < node_x_.size(); ++i) p += node_mass_[i] * node_v_[i];
+  return p;
+}
+
+Vector Model::angular_momentum(const Vector& about) const {
+  // Velocities live half a step before positions; x - v dt/2 brings both to the same time (cross(v, v) = 0).
+  Vector l;
+  for (const Body& b : bodies_) l += b.momentum + b.mass * cross(b.x - about, b.v);
+  for (size_t i = 0; i < node_x_.size(); ++i) l += node_mass_[i] * cross(node_x_[i] - about, node_v_[i]);
+  return l;
+}
+
+double Model::unbalanced_ratio() const { return total_force_ > 0 ? unbalanced_ / total_force_ : 0.0; }
+
+double Model::mass() const {
+  double m = 0.0;
+  for (const Body& b : bodies_) m += b.weight_mass;
+  for (double x : node_weight_mass_) m += x;
+  return m;
+}
+
+size_t Model::memory_bytes() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  size_t sum = bytes(blocks_) + bytes(bodies_) + bytes(corner_) + bytes(placed_corner_) + bytes(placed_normal_) +
+               bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 5 + bytes(node_mass_) * 2 +
+               bytes(zones_) + bytes(facets_) + bytes(contacts_) + bytes(block_contact_force_) +
+               bytes(assembly_.blocks);
+  for (const Family& f : families_) sum += bytes(f.point) + (6 + f.state.size()) * f.size() * sizeof(double);
+  return sum;
+}
+
+uint64_t Model::hash() const {
+  uint64_t h = 1469598103934665603u;
+  const auto add = [&](const void* data, size_t bytes) {
+    const auto* p = static_cast<const unsigned char*>(data);
+    for (size_t i = 0; i < bytes; ++i) h = (h ^ p[i]) * 1099511628211u;
+  };
+  for (const Body& b : bodies_)
+    add(&b.x, sizeof b.x), add(&b.q, sizeof b.q), add(&b.v, sizeof b.v), add(&b.momentum, sizeof b.momentum);
+  add(node_x_.data(), node_x_.size() * sizeof(Vector));
+  add(node_v_.data(), node_v_.size() * sizeof(Vector));
+  for (const Family& f : families_) {
+    for (const auto& c : f.traction) add(c.data(), c.size() * sizeof(double));
+    for (const auto& c : f.state) add(c.data(), c.size() * sizeof(double));
+  }
+  return h;
+}
+
+}  // namespace quoin::blocks

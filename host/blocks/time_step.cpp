@@ -1,0 +1,212 @@
+// The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
+#include <fmt/format.h>
+
+#include "blocks/model.h"
+#include "scene/error.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+// Largest eigenvalue of the symmetric tridiagonal matrix (a on the diagonal, b beside it), by bisection on Sturm
+// counts.
+double largest_eigenvalue(const std::vector<double>& a, const std::vector<double>& b) {
+  double low = 0.0, high = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    high = std::max(high, a[i] + (i > 0 ? std::abs(b[i - 1]) : 0.0) + (i + 1 < a.size() ? std::abs(b[i]) : 0.0));
+  }
+  for (int k = 0; k < 100; ++k) {
+    const double x = 0.5 * (low + high);
+    bool above = false;  // some eigenvalue > x
+    double d = 1.0;
+    for (size_t i = 0; i < a.size(); ++i) {
+      d = a[i] - x - (i > 0 ? b[i - 1] * b[i - 1] / d : 0.0);
+      if (d == 0) d = 1e-300;
+      above |= d > 0;
+    }
+    (above ? low : high) = x;
+  }
+  return high;
+}
+
+}  // namespace
+
+// Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
+// only compared with its own earlier value, to learn whether the frequency must be computed anew.
+double Model::local_stiffness_bound() const {
+  std::vector<double> body(bodies_.size(), 0.0), node(node_x_.size(), 0.0);
+  for (const Family& f : families_) {
+    const double k = std::max(f.kn, f.ks);
+    for (const Point& p : f.point) {
+      const auto rigid = [&](int block) {
+        const Body& b = bodies_[blocks_[block].body];
+        if (b.held == 0x3f) return;
+        const Vector arm = p.at - b.x;
+        body[blocks_[block].body] +=
+            k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
+      };
+      const auto soft = [&](const Facet& facet) {
+        for (int i = 0; i < 3; ++i)
+          node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / node_mass_[facet.node[i]];
+      };
+      if (p.facet_a >= 0)
+        soft(facets_[p.facet_a]);
+      else
+        rigid(p.a);
+      if (p.facet_b >= 0)
+        soft(facets_[p.facet_b]);
+      else
+        rigid(p.b);
+    }
+  }
+  double bound = 0.0;
+  for (double x : body) bound = std::max(bound, x);
+  for (double x : node) bound = std::max(bound, x);
+  return bound;
+}
+
+double Model::highest_frequency() const {
+  // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
+  const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
+  std::vector<double> scale(n);
+  for (size_t i = 0; i < nb; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      scale[6 * i + k] = bodies_[i].held >> k & 1 ? 0.0 : 1 / std::sqrt(bodies_[i].mass);
+      scale[6 * i + 3 + k] = bodies_[i].held >> 3 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
+    }
+  }
+  for (size_t i = 0; i < nn; ++i) {
+    for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
+  }
+  std::vector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
+  const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
+    for (size_t i = 0; i < nb; ++i) {
+      const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
+      v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
+      w[i] = bodies_[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
+      f[i] = m[i] = {};
+    }
+    for (size_t i = 0; i < nn; ++i) {
+      const double *xi = x.data() + 6 * nb + 3 * i, *si = scale.data() + 6 * nb + 3 * i;
+      nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
+      nf[i] = {};
+    }
+    for (const Zone& zone : zones_) {
+      // linearised about the present configuration without initial stress: rotated gradients
+      Matrix deformation = Matrix::zero(), h = Matrix::zero();
+      for (int k = 0; k < 4; ++k) {
+        deformation += outer(node_x_[zone.node[k]], zone.gradient[k]);
+        h += outer(nv[zone.node[k]], zone.gradient[k]);
+      }
+      const Matrix raw = transposed(deformation) * h, strain = 0.5 * (raw + transposed(raw));
+      const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
+      for (int k = 0; k < 4; ++k) nf[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
+    }
+    for (const Family& family : families_) {
+      for (const Point& p : family.point) {
+        Vector va, vb;
+        if (p.facet_a >= 0) {
+          for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
+        } else {
+          const int i = blocks_[p.a].body;
+          va = v[i] + cross(w[i], p.at - bodies_[i].x);
+        }
+        if (p.facet_b >= 0) {
+          for (int k = 0; k < 3; ++k) vb += facets_[p.facet_b].weight[k] * nv[facets_[p.facet_b].node[k]];
+        } else {
+          const int i = blocks_[p.b].body;
+          vb = v[i] + cross(w[i], p.at - bodies_[i].x);
+        }
+        const Vector normal = p.facet_a >= 0 ? p.n : bodies_[blocks_[p.a].body].r * p.n;
+        const Vector d = vb - va;
+        const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
+        if (p.facet_a >= 0) {
+          for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
+        } else {
+          const int i = blocks_[p.a].body;
+          f[i] -= force, m[i] -= cross(p.at - bodies_[i].x, force);
+        }
+        if (p.facet_b >= 0) {
+          for (int k = 0; k < 3; ++k) nf[facets_[p.facet_b].node[k]] += facets_[p.facet_b].weight[k] * force;
+        } else {
+          const int i = blocks_[p.b].body;
+          f[i] += force, m[i] += cross(p.at - bodies_[i].x, force);
+        }
+      }
+    }
+    for (size_t i = 0; i < nb; ++i) {
+      const Vector torque = transposed_times(bodies_[i].r, m[i]);
+      for (int k = 0; k < 3; ++k) {
+        y[6 * i + k] = f[i][k] * scale[6 * i + k];
+        y[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
+      }
+    }
+    for (size_t i = 0; i < nn; ++i) {
+      for (int k = 0; k < 3; ++k) y[6 * nb + 3 * i + k] = nf[i][k] * scale[6 * nb + 3 * i + k];
+    }
+  };
+  std::vector<double> q(n), before(n, 0.0), y(n), alpha, beta;
+  uint64_t random = 88172645463325252u;  // fixed seed: the same step in every run
+  double length = 0.0;
+  for (size_t i = 0; i < n; ++i) {
+    random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+    q[i] = scale[i] == 0 ? 0.0 : double(random >> 11) / 9007199254740992.0 - 0.5;
+    length += q[i] * q[i];
+  }
+  if (length == 0) return 0.0;
+  for (double& x : q) x /= std::sqrt(length);
+  double value = 0.0;
+  for (int k = 0; k < 80; ++k) {
+    apply(q, y);
+    double a = 0.0;
+    for (size_t i = 0; i < n; ++i) a += q[i] * y[i];
+    alpha.push_back(a);
+    double b = 0.0;
+    for (size_t i = 0; i < n; ++i) {
+      y[i] -= a * q[i] + (beta.empty() ? 0.0 : beta.back() * before[i]);
+      b += y[i] * y[i];
+    }
+    b = std::sqrt(b);
+    const double last = value;
+    value = largest_eigenvalue(alpha, beta);
+    if (b <= 1e-10 * value || (k > 10 && value - last < 1e-6 * value)) break;
+    beta.push_back(b);
+    before = q;
+    for (size_t i = 0; i < n; ++i) q[i] = y[i] / b;
+  }
+  return std::sqrt(std::max(0.0, value));
+}
+
+void Model::find_time_step() {
+  const double omega = highest_frequency();
+  if (!std::isfinite(omega))
+    throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
+  stiffness_bound_ = local_stiffness_bound();
+  if (omega == 0) {
+    // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
+    double highest = 0.0;
+    for (const ModelBlock& b : blocks_) {
+      if (b.body < 0 || bodies_[b.body].held == 0x3f) continue;
+      const Body& body = bodies_[b.body];
+      for (const Family& f : families_) {
+        const double k = std::max(f.kn, f.ks) * b.corner_area * 4;
+        highest = std::max(highest, k / body.mass + k * b.radius * b.radius /
+                                                        std::min({body.inertia.x, body.inertia.y, body.inertia.z}));
+      }
+    }
+    critical_dt_ = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
+  } else {
+    critical_dt_ = 2 / omega;
+  }
+  double fraction = solver_.time_step_fraction;
+  if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {
+    const double xi = solver_.stiffness_damping / critical_dt_;  // damping ratio at omega_max: beta omega / 2
+    fraction *= std::sqrt(1 + xi * xi) - xi;
+  }
+  const double dt = fraction * critical_dt_;
+  dt_ = dt_ > 0 && step_count_ > 0 ? std::min(dt_, dt) : dt;
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,184 @@
+// One or a few rigid blocks: free motion, incline, bouncing, stacking, friction work, rocking, toppling.
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+// Torque-free symmetric top: omega precesses about the figure axis in the body frame at (I3 - I1) omega3 / I1.
+TEST(FreeMotion, SymmetricTop) {
+  Scene scene(elastic_joint(1e9, 1e9));
+  scene.brick({0, 0, 0}, {0.2, 0.2, 0.6});
+  auto m = scene.model(undamped());
+  m->set_velocity(0, {0.3, -0.2, 0.1}, {3.0, 0.0, 20.0});
+  Body& body = m->body(0);
+  m->track_energy(true);
+  // figure axis: the one with the different moment
+  int axis = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(body.inertia[k] - body.inertia[(k + 1) % 3]) > 1e-9 &&
+        std::abs(body.inertia[k] - body.inertia[(k + 2) % 3]) > 1e-9)
+      axis = k;
+  }
+  const int p = (axis + 1) % 3, q = (axis + 2) % 3;
+  const double i1 = body.inertia[p], i3 = body.inertia[axis];
+  const Vector start = geometry::transposed_times(body.r, body.omega), momentum = body.momentum;
+  m->step();
+  const double energy = m->energies().kinetic;
+  const double rate = (i3 - i1) * start[axis] / i1;
+  double phase = std::atan2(start[q], start[p]), turned = 0.0, energy_error = 0.0;
+  const double duration = 100 * 2 * pi / 20.0;  // a hundred turns
+  const double t0 = m->time();
+  while (m->time() < duration) {
+    m->step();
+    const Vector w = geometry::transposed_times(body.r, body.omega);
+    const double now = std::atan2(w[q], w[p]);
+    turned += std::remainder(now - phase, 2 * pi);
+    phase = now;
+    energy_error = std::max(energy_error, std::abs(m->energies().kinetic / energy - 1));
+  }
+  check("free symmetric top: precession rate over 100 turns", rate, turned / (m->time() - t0 + 1.5 * m->time_step()),
+        1e-4, "rad/s", "(I3 - I1) omega3 / I1");
+  check_error("free symmetric top: angular momentum, relative", norm(body.momentum - momentum) / norm(momentum), 1e-13,
+              "-");
+  check_error("free symmetric top: energy, largest relative", energy_error, 1e-6, "-");
+}
+
+// Dzhanibekov: rotation about the middle axis tumbles; momentum and energy stay.
+TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
+  Scene scene(elastic_joint(1e9, 1e9));
+  scene.brick({0, 0, 0}, {0.1, 0.25, 0.6});
+  auto m = scene.model(undamped());
+  m->set_velocity(0, {}, {0.01, 15.0, 0.01});
+  const Vector momentum = m->body(0).momentum;
+  m->track_energy(true);
+  m->step();
+  const double energy = m->energies().kinetic;
+  double flips = 0, before = 1, worst = 0;
+  for (int i = 0; i < 60000; ++i) {
+    m->step();
+    const double along = geometry::transposed_times(m->body(0).r, m->body(0).omega).y;
+    double w = 0;
+    const Vector body_omega = geometry::transposed_times(m->body(0).r, m->body(0).omega);
+    for (int k = 0; k < 3; ++k) w = std::abs(body_omega[k]) > std::abs(w) ? body_omega[k] : w;
+    (void)along;
+    if (w * before < 0) ++flips;
+    before = w;
+    worst = std::max(worst, std::abs(m->energies().kinetic / energy - 1));
+  }
+  check_error("tumbling block: angular momentum, relative", norm(m->body(0).momentum - momentum) / norm(momentum),
+              1e-12, "-");
+  check_error("tumbling block: energy, largest relative", worst, 1e-6, "-");
+  EXPECT_GT(flips, 0);
+}
+
+// A block on an incline of angle theta: gravity turns slowly instead of the plane.
+struct Slide {
+  double creep;         // m between 0.6 and 1 s after the turn
+  double acceleration;  // between 0.2 and 0.6 s after the turn
+};
+Slide incline(double theta, double mu) {
+  Scene scene(dry_joint(1e9, 1e9, std::atan(mu) * 180 / pi));
+  scene.brick({-1, -0.2, -1}, {30, 0.2, 2}, true);
+  const int b = scene.brick({0, 0, -0.1}, {0.4, 0.2, 0.2});
+  auto m = scene.model(viscous(0, 2e-4));
+  m->set_gravity({0, -gravity, 0});
+  m->run(0.05);
+  const double turn_time = 0.2;
+  for (double t = 0; t < 1; t += 0.005) {
+    m->set_gravity(gravity * Vector{std::sin(t * theta), -std::cos(t * theta), 0});
+    m->run(0.005 * turn_time);
+  }
+  m->set_gravity(gravity * Vector{std::sin(theta), -std::cos(theta), 0});
+  m->run(0.2);
+  const double v1 = m->velocity(b).x, t1 = m->time();
+  m->run(0.4);
+  const double a = (m->velocity(b).x - v1) / (m->time() - t1);
+  const double x1 = m->position(b).x;
+  m->run(0.4);
+  return {m->position(b).x - x1, a};
+}
+
+TEST(Incline, SticksBelowSlidesAbove) {
+  const double mu = 0.6, limit = std::atan(mu);
+  check_error("incline at 0.99 of the friction angle: creep in 0.4 s", incline(0.99 * limit, mu).creep, 1e-8, "m");
+  for (double factor : {1.05, 1.3}) {
+    const double theta = factor * limit, a = gravity * (std::sin(theta) - mu * std::cos(theta));
+    check("incline at " + std::to_string(factor).substr(0, 4) + " of the friction angle: acceleration", a,
+          incline(theta, mu).acceleration, 1e-3, "m/s2", "g (sin - mu cos)");
+  }
+}
+
+// Elastic bounce of a flat block without damping: the height returns; contact time pi sqrt(m / (kn A)).
+TEST(Bouncing, HeightAndContactTime) {
+  for (double fraction : {0.4, 0.1}) {
+    Scene scene(dry_joint(1e8, 1e8, 30));
+    scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
+    const double drop = 0.05;
+    const int b = scene.brick({-0.1, drop, -0.1}, {0.2, 0.2, 0.2});
+    auto m = scene.model(undamped(fraction));
+    m->set_gravity({0, -gravity, 0});
+    const double y0 = m->position(b).y;
+    double touched = -1, left = -1, highest = 0;
+    while (m->time() < 0.3) {
+      m->step();
+      const double pushed = norm(m->contact_force(b));
+      if (pushed > 0 && touched < 0) touched = m->time();
+      if (pushed == 0 && touched > 0 && left < 0) left = m->time();
+      if (left > 0) highest = std::max(highest, m->position(b).y - (y0 - drop));
+    }
+    const double mass = 2000 * 0.008, k = 1e8 * 0.04;
+    check("bounce: height regained, step " + std::to_string(fraction).substr(0, 3) + " of the limit", drop, highest,
+          0.02, "m", "undamped");
+    check("bounce: contact time, step " + std::to_string(fraction).substr(0, 3), pi * std::sqrt(mass / k),
+          left - touched, fraction < 0.2 ? 0.06 : 0.2, "s", "pi sqrt(m/(kn A))");
+  }
+}
+
+// A tower of ten blocks comes to rest: each joint carries the weight above it.
+TEST(Stacking, JointForcesAreWeightsAbove) {
+  Scene scene(dry_joint(1e10, 5e9, 35));
+  scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
+  const int n = 10;
+  for (int i = 0; i < n; ++i) scene.brick({0, 0.1 * i, 0}, {0.2, 0.1, 0.2});
+  auto m = scene.model(local(0.8));
+  m->set_gravity({0, -gravity, 0});
+  settle(*m, 1e-22, 20000);
+  const double weight = 2000 * 0.2 * 0.2 * 0.1 * gravity;
+  double worst = 0.0;
+  for (const Contact& c : m->contacts()) {
+    if (c.count == 0) continue;
+    const Family& f = m->families()[c.family];
+    double force = 0.0;
+    for (uint32_t i = c.first; i < c.first + c.count; ++i) force -= f.traction[0][i] * f.point[i].area;
+    worst = std::max(worst, std::abs(force / (weight * (n - c.pair.b + 1)) - 1));
+  }
+  check_error("stack of 10: joint force against weight above, worst relative", worst, 1e-6, "-");
+}
+
+// A block thrown along a plane: the friction dissipated is the kinetic energy lost; distance v^2 / (2 mu g).
+TEST(Friction, SlidingWork) {
+  const double mu = 0.5, v = 1.0;
+  Scene scene(dry_joint(1e9, 1e9, std::atan(mu) * 180 / pi));
+  scene.brick({-1, -0.2, -1}, {4, 0.2, 2}, true);
+  const int b = scene.brick({0, 0, -0.2}, {0.4, 0.1, 0.4});
+  auto m = scene.model(viscous(0, 2e-4));
+  m->set_gravity({0, -gravity, 0});
+  m->run(0.05);
+  m->track_energy(true);
+  m->set_velocity(b, {v, 0, 0});
+  const double x0 = m->position(b).x, mass = 2000 * 0.4 * 0.1 * 0.4;
+  m->step();
+  const Energies start = m->energies();
+  const double before = start.kinetic + start.contact_stored + start.damping + start.detection +
+                        start.dissipated_total() - start.external;
+  m->run(0.4);
+  check("sliding block: stopping distance", v * v / (2 * mu * gravity), m->position(b).x - x0, 5e-3, "m",
+        "v^2/(2 mu g)");
+  check("sliding block: friction work", 0.5 * mass * v * v, m->energies().dissipated[QUOIN_DISSIPATED_FRICTION], 5e-3,
+        "J", "m v^2/2");
+  check_error("sliding block: energy balance / kinetic energy",
+              m->energies().balance_error(before) / (0.5 * mass * v * v), 2e-3, "-");
+}
+
+}  // namespace
+}  // namespace quoin::verification

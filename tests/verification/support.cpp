@@ -1,0 +1,108 @@
+#include "support.h"
+
+#include <cstdio>
+#include <fstream>
+
+namespace quoin::verification {
+
+namespace {
+void write(const std::string& what, const std::string& expected, double measured, const std::string& error,
+           double tolerance, const std::string& unit, const std::string& note) {
+  char line[400];
+  std::snprintf(line, sizeof line, "%-58s %14s %14.7g %-5s error %-9s (<= %.2g) %s", what.c_str(), expected.c_str(),
+                measured, unit.c_str(), error.c_str(), tolerance, note.c_str());
+  std::printf("  | %s\n", line);
+  std::fflush(stdout);
+  std::ofstream("verification.csv", std::ios::app) << '"' << what << "\"," << expected << ',' << measured << ',' << unit
+                                                   << ',' << error << ',' << tolerance << ",\"" << note << "\"\n";
+}
+std::string text(double x, const char* format) {
+  char b[40];
+  std::snprintf(b, sizeof b, format, x);
+  return b;
+}
+}  // namespace
+
+void check(const std::string& what, double expected, double measured, double tolerance, const std::string& unit,
+           const std::string& note, double scale) {
+  const double reference = expected != 0 ? std::abs(expected) : scale;
+  const double error = std::abs(measured - expected) / reference;
+  write(what, text(expected, "%.7g"), measured, text(error, "%.2e"), tolerance, unit, note);
+  EXPECT_LE(error, tolerance) << what << ": expected " << expected << ", measured " << measured << ' ' << unit;
+}
+
+void check_error(const std::string& what, double error, double bound, const std::string& unit,
+                 const std::string& note) {
+  write(what, "0", error, text(std::abs(error), "%.2e"), bound, unit, note);
+  EXPECT_LE(std::abs(error), bound) << what;
+}
+
+JointFamily joint(const std::string& law, std::vector<std::pair<std::string, double>> properties) {
+  JointFamily f;
+  f.name = law, f.law = law;
+  for (const auto& [id, value] : properties) {
+    PropertySetting s;
+    s.id = id, s.numbers = {value};
+    f.properties.push_back(s);
+  }
+  return f;
+}
+JointFamily elastic_joint(double kn, double ks) {
+  return joint("elastic", {{"normal_stiffness", kn}, {"shear_stiffness", ks}});
+}
+JointFamily dry_joint(double kn, double ks, double angle) {
+  JointFamily f = joint("coulomb_slip", {{"normal_stiffness", kn}, {"shear_stiffness", ks}, {"friction_angle", angle}});
+  f.initial_state = "dry";
+  return f;
+}
+
+SolverSettings undamped(double fraction) {
+  SolverSettings s;
+  s.damping = DampingKind::none, s.time_step_fraction = fraction;
+  return s;
+}
+SolverSettings local(double gamma, double fraction) {
+  SolverSettings s;
+  s.damping = DampingKind::local, s.local_damping = gamma, s.time_step_fraction = fraction;
+  return s;
+}
+SolverSettings viscous(double mass, double stiffness, double fraction) {
+  SolverSettings s;
+  s.damping = DampingKind::viscous, s.mass_damping = mass, s.stiffness_damping = stiffness,
+  s.time_step_fraction = fraction;
+  return s;
+}
+
+Scene::Scene(JointFamily family, double density, double young, double poisson) {
+  assembly.families.push_back(std::move(family));
+  assembly.materials.push_back({"stone", young, poisson, density});
+}
+int Scene::brick(const Vector& lower, const Vector& size, bool fixed, const Quaternion& turn) {
+  Block b;
+  b.fixed = fixed, b.orientation = turn;
+  if (turn.w == 1.0) return assembly.add(box(lower, size), b);
+  // turned about the origin of space
+  return assembly.add(box(lower, size), b);
+}
+int Scene::block(const ConvexPolyhedron& shape, bool fixed) {
+  Block b;
+  b.fixed = fixed;
+  return assembly.add(shape, b);
+}
+int Scene::soft(const Vector& lower, const Vector& size, std::array<int, 3> divisions) {
+  Block b;
+  b.rigid = false, b.divisions = divisions;
+  return assembly.add(box(lower, size), b);
+}
+
+void settle(Model& m, double ratio, long most) {
+  double largest = 0.0;
+  m.track_energy(true);
+  for (long i = 0; i < most; ++i) {
+    m.step();
+    largest = std::max(largest, m.energies().kinetic);
+    if (i > 200 && i % 50 == 0 && m.energies().kinetic < ratio * largest) return;
+  }
+}
+
+}  // namespace quoin::verification

@@ -1,0 +1,55 @@
+// Shared by the verification cases: short ways to build models, and the table that every case adds its line to.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "blocks/model.h"
+
+namespace quoin::verification {
+
+using namespace quoin::blocks;
+using geometry::box;
+using geometry::ConvexPolyhedron;
+using geometry::cross;
+using geometry::dot;
+using geometry::norm;
+using geometry::normalized;
+constexpr double pi = std::numbers::pi;
+constexpr double gravity = 9.81;
+
+// A line of the verification table: fails the test when |measured - expected| > tolerance * scale, with scale =
+// |expected| or, where that is 0, `scale`. Lines go to standard output and to verification.csv in the working folder.
+void check(const std::string& what, double expected, double measured, double tolerance, const std::string& unit,
+           const std::string& note = "", double scale = 0.0);
+// The error of a quantity that has no single expected value (a drift, an imbalance), against its bound.
+void check_error(const std::string& what, double error, double bound, const std::string& unit,
+                 const std::string& note = "");
+
+JointFamily elastic_joint(double kn, double ks);
+// Dry friction: no tension, no cohesion, from the shipped law coulomb_slip.
+JointFamily dry_joint(double kn, double ks, double friction_angle_degrees);
+JointFamily joint(const std::string& law, std::vector<std::pair<std::string, double>> properties);
+
+SolverSettings undamped(double fraction = 0.5);
+SolverSettings local(double gamma = 0.8, double fraction = 0.5);
+SolverSettings viscous(double mass, double stiffness, double fraction = 0.5);
+
+struct Scene {
+  Assembly assembly;
+  explicit Scene(JointFamily family, double density = 2000, double young = 10e9, double poisson = 0.2);
+  // Rigid box, lower corner and size, m. fixed: held.
+  int brick(const Vector& lower, const Vector& size, bool fixed = false, const Quaternion& turn = {});
+  int block(const ConvexPolyhedron& shape, bool fixed = false);
+  int soft(const Vector& lower, const Vector& size, std::array<int, 3> divisions);
+  std::unique_ptr<Model> model(const SolverSettings& solver) const { return std::make_unique<Model>(assembly, solver); }
+};
+
+// Kinetic energy seen so far fell below `ratio` of its largest value: at rest.
+void settle(Model& m, double ratio = 1e-10, long most = 200000);
+
+}  // namespace quoin::verification
