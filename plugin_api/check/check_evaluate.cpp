@@ -302,7 +302,7 @@ void check_threads(Report& report, const Subject& subject) {
   std::vector<Result> expected;
   for (const Settings& settings : subject.varied) {
     materials.emplace_back(law, settings);
-    points.push_back(scattered_points(law, materials.back(), 257, 300 + points.size()));
+    points.push_back(scattered_points(law, materials.back(), 2001, 300 + points.size()));
     expected.push_back(evaluate(law, materials.back(), points.back()));
   }
   report.clause("C6.5");

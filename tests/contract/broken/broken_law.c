@@ -7,6 +7,7 @@
 #undef quoin_library_v1
 
 #include <fenv.h>
+#include <sched.h>
 
 QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text);
 
@@ -69,6 +70,7 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
 #elif BROKEN == 33
   static void* volatile lost;
   lost = malloc(100);
+  (void)lost;
   return create_material(self, count, values, material, text);
 #elif BROKEN == 42
   quoin_status status = create_material(self, count, values, material, text);
@@ -261,7 +263,10 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       scratch[i % 1024] = sigma; /* shared by all threads */
       if (i + 1 == batch->count) {
         uint64_t j;
-        for (j = 0; j < batch->count; ++j) put(batch->traction_new[0], j, scratch[j % 1024]);
+        sched_yield(); /* so that one processor shows the race as well as many */
+        for (j = 0; j < batch->count; ++j) {
+          if (!bad[j]) put(batch->traction_new[0], j, scratch[j % 1024]);
+        }
       }
 #elif BROKEN == 19
       if (batch->traction_new[0].stride > 1)
