@@ -1,0 +1,114 @@
+// The least that a program needs to drive a law through its shared library.
+#pragma once
+
+#include <dlfcn.h>
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "quoin/quoin.h"
+
+namespace quoin::test {
+
+inline const quoin_law& load_law(const std::string& name) {
+  void* handle = dlopen((std::string(QUOIN_LAWS) + "/" + name + ".so").c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) throw std::runtime_error(dlerror());
+  const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
+  const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "tests", "1"};
+  return *entry(&host, nullptr)->laws[0];
+}
+
+struct Values {
+  std::vector<std::pair<std::string, double>> numbers;
+  std::vector<std::pair<std::string, std::string>> words;
+  std::vector<double> table;
+};
+
+struct TestMaterial {
+  const quoin_law& law;
+  quoin_material* handle = nullptr;
+  std::string text;
+
+  TestMaterial(const quoin_law& law_, const Values& given) : law(law_) {
+    std::vector<quoin_property_value> values;
+    for (const auto& [id, number] : given.numbers) {
+      values.push_back({sizeof(quoin_property_value), id.c_str(), 1, &number, nullptr});
+    }
+    for (const auto& [id, word] : given.words) {
+      values.push_back({sizeof(quoin_property_value), id.c_str(), 0, nullptr, word.c_str()});
+    }
+    if (!given.table.empty()) {
+      values.push_back(
+          {sizeof(quoin_property_value), "softening_table", given.table.size(), given.table.data(), nullptr});
+    }
+    std::vector<const quoin_property_value*> pointers;
+    for (const quoin_property_value& value : values) pointers.push_back(&value);
+    char buffer[4000] = "";
+    quoin_text message{sizeof(quoin_text), buffer, sizeof buffer, 0};
+    law.create_material(&law, pointers.size(), pointers.data(), &handle, &message);
+    text = buffer;
+  }
+  ~TestMaterial() { law.destroy_material(handle); }
+  TestMaterial(const TestMaterial&) = delete;
+  TestMaterial& operator=(const TestMaterial&) = delete;
+};
+
+// Columns of a batch with stride 1, new apart from old, every output wanted.
+struct Batch {
+  std::size_t count, states;
+  std::vector<std::vector<double>> in,
+      out;  // in: jump, 2 slips, 3 tractions, states; out: 3 tractions, states, 1 + 4 + 9
+  std::vector<uint32_t> flags, status;
+
+  Batch(const quoin_law& law, std::size_t count_)
+      : count(count_),
+        states(law.state_count),
+        in(6 + states, std::vector<double>(count, 0.0)),
+        out(3 + states + 14, std::vector<double>(count, 0.0)),
+        flags(count, 0),
+        status(count, 0) {}
+
+  // Points [first, first + n); extras: energies, tangent, flags, status.
+  quoin_batch view(std::size_t first, std::size_t n, bool extras, std::vector<quoin_in>& old_states,
+                   std::vector<quoin_out>& new_states) {
+    quoin_batch b{};
+    b.struct_size = sizeof b;
+    b.count = n;
+    const auto input = [&](std::size_t k) { return quoin_in{in[k].data() + first, 1}; };
+    const auto output = [&](std::size_t k) { return quoin_out{out[k].data() + first, 1}; };
+    b.normal_jump = input(0);
+    b.slip_increment[0] = input(1);
+    b.slip_increment[1] = input(2);
+    for (std::size_t k = 0; k < 3; ++k) b.traction_old[k] = input(3 + k), b.traction_new[k] = output(k);
+    old_states.clear(), new_states.clear();
+    for (std::size_t k = 0; k < states; ++k) old_states.push_back(input(6 + k)), new_states.push_back(output(3 + k));
+    b.state_old = old_states.data();
+    b.state_new = new_states.data();
+    if (extras) {
+      b.energy_stored = output(3 + states);
+      for (std::size_t k = 0; k < 4; ++k) b.dissipated[k] = output(4 + states + k);
+      for (std::size_t k = 0; k < 9; ++k) b.tangent[k] = output(8 + states + k);
+      b.flags = {flags.data() + first, 1};
+      b.status = {status.data() + first, 1};
+    }
+    return b;
+  }
+
+  quoin_batch evaluate(const TestMaterial& material, bool extras = true) {
+    std::vector<quoin_in> old_states;
+    std::vector<quoin_out> new_states;
+    quoin_batch b = view(0, count, extras, old_states, new_states);
+    if (material.law.evaluate(material.handle, &b) != QUOIN_OK) throw std::runtime_error("evaluate refused the batch");
+    return b;
+  }
+
+  // The new state becomes the old one.
+  void advance() {
+    for (std::size_t k = 0; k < 3; ++k) in[3 + k] = out[k];
+    for (std::size_t k = 0; k < states; ++k) in[6 + k] = out[3 + k];
+  }
+};
+
+}  // namespace quoin::test
