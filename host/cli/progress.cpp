@@ -15,11 +15,14 @@ namespace {
 constexpr double kLineInterval = 5.0;  // s between lines when nobody watches a bar
 
 std::string time_left(double seconds) {
-  if (!(seconds >= 0)) return "--:--";
-  const long s = std::lround(std::min(seconds, 359999.0));
+  if (!(seconds >= 0 && seconds < 100 * 3600)) return "--:--";  // not known, or guessed from the first steps of a ramp
+  const long s = std::lround(seconds);
   return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
+
+// What would be printed as -0.00 is nothing.
+double without_sign_of_zero(double value, double last_digit) { return std::abs(value) < last_digit / 2 ? 0.0 : value; }
 
 // Eighths of a character cell, so that the bar moves smoothly.
 std::string bar(double fraction, int width) {
@@ -54,7 +57,8 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
   const std::string stage = fmt::format("{}/{} {}", p.stage + 1, p.stage_count, p.settings ? p.settings->name : "");
   const std::string numbers =
       fmt::format("{:3.0f} %  left {}  {:.3f} mm  {:.2f} kN  unbalanced {:.1e}  {:.0f} steps/s", 100 * p.fraction,
-                  time_left(p.seconds_left), displacement * 1e3, force / 1e3, p.unbalanced_ratio, p.steps_per_second);
+                  time_left(p.seconds_left), without_sign_of_zero(displacement * 1e3, 1e-3),
+                  without_sign_of_zero(force / 1e3, 1e-2), p.unbalanced_ratio, p.steps_per_second);
   if (!terminal_) {
     fmt::print(stderr, "[{}] {}\n", stage, numbers);
   } else {

@@ -124,8 +124,13 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
       sign = r.displacement < 0 ? -1.0 : 1.0;
     }
   }
-  for (const HistoryRow& row : rows) {
+  bool moving = false;  // pressing comes first, and would be a vertical line at 0
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const HistoryRow& row = rows[i];
     const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
+    const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == row.stage;
+    moving = moving || std::abs(r.displacement) > 1e-9 * largest;
+    if (!moving && next_is_still) continue;
     data += fmt::format("{:.7g} {:.7g} {:.7g}\n", sign * r.displacement * 1e3, sign * r.horizontal_force / 1e3,
                         area > 0 ? r.vertical_force / area / 1e6 : 0.0);
   }
@@ -141,7 +146,7 @@ set xrange [0:{:.6g}]
 set yrange [0:*]
 set xtics nomirror
 set ytics nomirror textcolor rgb "#b3321e"
-set grid xtics ytics linecolor rgb "#c8c8c8" linewidth 0.8
+set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
                                    gnuplot_text(title_of(scene)), largest > 0 ? 1.02 * largest * 1e3 : 1.0);

@@ -474,7 +474,7 @@ Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pre
     const bool velocity_known = t.number("velocity", velocity, kAny, "m/s", true);
     t.number("displacement", stage.displacement, kPositive, "m");
     t.choice("vertical", vertical, {"held", "pressure"});
-    if (!t.has("ramp_time")) stage.ramp_time = 0.01;
+    if (!t.has("ramp_time")) stage.ramp_time = 0.05;
     if (!t.has("displacement") && !t.has("duration") && !t.has("equilibrium_ratio"))
       t.find("displacement", "a number, more than 0 m (or give duration)", true);
     if (velocity_known && velocity == 0.0 && stage.displacement)
