@@ -10,7 +10,9 @@ namespace quoin {
 // Threads wait by spinning for some microseconds (a phase of a step is not longer), then give way to others.
 class ThreadPool {
  public:
-  explicit ThreadPool(int thread_count) : thread_count_(thread_count) {
+  explicit ThreadPool(int thread_count)
+      : thread_count_(thread_count),
+        spins_(thread_count > static_cast<int>(std::thread::hardware_concurrency()) ? 0 : kSpins) {
     for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
   }
   ~ThreadPool() {
@@ -41,10 +43,9 @@ class ThreadPool {
 
  private:
   template <class Condition>
-  static void wait(Condition ready) {
-    constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is offered to others
+  void wait(Condition ready) const {
     for (int spins = 0; !ready(); ++spins) {
-      if (spins < kSpins) {
+      if (spins < spins_) {
 #if defined(__x86_64__) || defined(__i386__)
         __builtin_ia32_pause();
 #endif
@@ -64,7 +65,10 @@ class ThreadPool {
     }
   }
 
+  static constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is offered to others
+
   int thread_count_;
+  int spins_;  // 0 with more threads than cores: waiting would keep the others from working
   void (*job_)(void*, int) = nullptr;
   void* argument_ = nullptr;
   alignas(64) std::atomic<unsigned> generation_{0};

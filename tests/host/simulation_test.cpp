@@ -1,0 +1,220 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+struct Recorder : Observer {
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  void on_frame(const Simulation&, int, int) override { ++frames; }
+  void on_stage_begin(const Simulation&, int) override { ++stages; }
+  std::vector<HistoryRow> rows;
+  int frames = 0, stages = 0;
+};
+
+// Pressed to equilibrium, then sheared with the height held: the paper's test on a smaller wall.
+Scene sheared_wall(double displacement, int courses = 6, double units = 2.5) {
+  Scene scene = wall_scene(courses, units);
+  Stage press;
+  press.name = "press";
+  BodyControl bottom;
+  bottom.body = "bottom_beam";
+  BodyControl top;
+  top.body = "top_beam";
+  top.kind[1] = DofKind::free;
+  top.force[1] = -0.3e6 * bed_area(*scene.wall);
+  press.controls = {bottom, top};
+  press.ramp_time = 0.002;
+  press.equilibrium_ratio = 1e-4;
+  press.max_steps = 200000;
+  press.monitor = "top_beam";
+  press.direction = 1;
+  Stage shear = press;
+  shear.name = "shear";
+  shear.equilibrium_ratio.reset();
+  top.kind[1] = DofKind::velocity;
+  top.force[1] = 0.0;
+  top.velocity[0] = 0.1;
+  shear.controls = {bottom, top};
+  shear.displacement = displacement;
+  shear.direction = 0;
+  scene.stages = {press, shear};
+  return scene;
+}
+
+// Bricks and joints in series: delta = sigma (L/E + sum 1/kn), and the beam carries the force that it was given.
+TEST(Simulation, PressedColumnIsASeriesOfSprings) {
+  Scene scene = wall_scene(4, 0.5);
+  scene.materials["brick"].poisson_ratio = 0.0;
+  Scene stages = sheared_wall(1e-4);
+  stages.stages.pop_back();
+  scene.stages = stages.stages;
+  const double force = 0.3e6 * bed_area(*scene.wall);
+  scene.stages[0].controls[1].force[1] = -force;
+  scene.stages[0].equilibrium_ratio = 1e-7;
+  Simulation simulation(scene, assemble(scene), 1);
+  Recorder recorder;
+  simulation.run(recorder);
+  const HistoryRow& last = recorder.rows.back();
+  EXPECT_NEAR(last.vertical_force, force, 1e-5 * force);
+  EXPECT_NEAR(last.resistance, -force, 1e-5 * force);  // the joints push the beam up
+  EXPECT_NEAR(last.displacement, -0.3e6 * (0.25 / kYoung + 5 / kNormal), 1e-5 * 0.3e6 * (0.25 / kYoung + 5 / kNormal));
+  EXPECT_LE(last.unbalanced_ratio, 1e-7);
+  for (const auto& stress : simulation.block_stress(1)) EXPECT_NEAR(stress[1], -0.3e6, 10.0);
+  const auto counts = simulation.condition_counts();
+  EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
+}
+
+TEST(Simulation, ThreadsDoNotChangeABit) {
+  std::uint64_t expected = 0;
+  for (int threads : {1, 2, 3, 4}) {
+    const Scene scene = sheared_wall(0.2e-3, 5, 2);
+    Simulation simulation(scene, assemble(scene), threads);
+    Recorder recorder;
+    simulation.run(recorder);
+    if (threads == 1) {
+      expected = simulation.hash();
+      EXPECT_EQ(recorder.stages, 2);
+      EXPECT_GT(recorder.rows.size(), 500u);
+      EXPECT_NEAR(recorder.rows.back().displacement, 0.2e-3, 1e-6);
+      EXPECT_GT(recorder.rows.back().resistance, 1e3);
+      const auto counts = simulation.condition_counts();
+      EXPECT_LT(counts[static_cast<std::size_t>(Condition::elastic)],
+                simulation.model().point_count);  // something has cracked
+    }
+    EXPECT_EQ(simulation.hash(), expected) << threads;
+  }
+}
+
+TEST(Simulation, MeasuringDoesNotChangeABit) {
+  Scene scene = sheared_wall(0.2e-3, 4, 2);
+  std::uint64_t expected = 0;
+  for (long interval : {7L, 1000L}) {
+    for (bool energy : {false, true}) {
+      scene.stages[0].record_interval = scene.stages[1].record_interval = interval;
+      scene.output.energy = energy;
+      Simulation simulation(scene, assemble(scene), 1);
+      simulation.advance(8000);
+      std::vector<double> all;
+      std::uint64_t hash = 0xcbf29ce484222325u;
+      for (double u : simulation.displacement()) hash = (hash ^ std::bit_cast<std::uint64_t>(u)) * 0x100000001b3u;
+      for (double v : simulation.velocity()) hash = (hash ^ std::bit_cast<std::uint64_t>(v)) * 0x100000001b3u;
+      if (expected == 0) expected = hash;
+      EXPECT_EQ(hash, expected);
+    }
+  }
+}
+
+TEST(Simulation, RestoredRunsGoOnBitForBit) {
+  const Scene scene = sheared_wall(0.3e-3, 4, 2);
+  struct Stopper : Recorder {
+    Simulation* simulation = nullptr;
+    std::size_t stop_at = 0;
+    void on_row(const HistoryRow& row) override {
+      Recorder::on_row(row);
+      if (rows.size() == stop_at) simulation->request_stop();
+    }
+  };
+  Simulation whole(scene, assemble(scene), 1);
+  Recorder all;
+  whole.run(all);
+
+  Simulation first(scene, assemble(scene), 1);
+  Stopper stopper;
+  stopper.simulation = &first;
+  stopper.stop_at = all.rows.size() / 2;
+  try {
+    first.run(stopper);
+    FAIL() << "not interrupted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::interrupted);
+  }
+  Simulation second(scene, assemble(scene), 2);
+  second.restore(first.save());
+  EXPECT_EQ(second.hash(), first.hash());
+  Recorder rest;
+  second.run(rest);
+  EXPECT_EQ(second.hash(), whole.hash());
+  EXPECT_EQ(second.step(), whole.step());
+
+  auto bytes = first.save();
+  bytes.resize(bytes.size() / 2);
+  const std::uint64_t before = second.hash();
+  EXPECT_THROW(second.restore(bytes), Error);
+  EXPECT_EQ(second.hash(), before);
+  const Scene other = sheared_wall(0.3e-3, 3, 2);
+  Simulation unlike(other, assemble(other), 1);
+  EXPECT_THROW(unlike.restore(first.save()), Error);
+}
+
+TEST(Simulation, EnergyBalanceOfACrackingWallCloses) {
+  Scene scene = sheared_wall(0.5e-3, 4, 2);
+  scene.output.energy = true;
+  Simulation simulation(scene, assemble(scene), 1);
+  Recorder recorder;
+  simulation.run(recorder);
+  const Energies e = *recorder.rows.back().energies;
+  EXPECT_GT(e.dissipated[0] + e.dissipated[1] + e.dissipated[2], 0.0);
+  EXPECT_LT(std::abs(e.balance_error()), 2e-3 * e.external);
+  RecordProperty("error", std::to_string(e.balance_error() / e.external));
+}
+
+TEST(Simulation, HalfOfTheThicknessGivesTheWholeForce) {
+  double force[2];
+  for (bool half : {false, true}) {
+    Scene scene = sheared_wall(0.1e-3, 4, 2);
+    scene.wall->half_thickness = half;
+    if (half) scene.stages[0].controls[1].force[1] *= 0.5;
+    Simulation simulation(scene, assemble(scene), 1);
+    Recorder recorder;
+    simulation.run(recorder);
+    force[half ? 1 : 0] = recorder.rows.back().resistance;
+  }
+  // The two halves of a brick are mirror images only up to the diagonals of their hexahedra.
+  EXPECT_NEAR(force[1], force[0], 0.01 * std::abs(force[0]));
+}
+
+TEST(Simulation, ReportsMissingEquilibriumAndUnknownBodies) {
+  Scene scene = sheared_wall(1e-4, 2, 1);
+  scene.stages[0].max_steps = 50;
+  Simulation hasty(scene, assemble(scene), 1);
+  Recorder recorder;
+  try {
+    hasty.run(recorder);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::numerical);
+    EXPECT_NE(std::string(error.what()).find("unbalanced force ratio"), std::string::npos) << error.what();
+  }
+  scene.stages[0].controls[0].body = "botom_beam";
+  Simulation misspelt(scene, assemble(scene), 1);
+  EXPECT_THROW(misspelt.run(recorder), Error);
+}
+
+TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
+  Scene scene = sheared_wall(1e-4, 2, 1);
+  Simulation simulation(scene, assemble(scene), 1);
+  simulation.advance(10);
+  simulation.displacement()[dof(simulation.model(), 0, 14, 1)] = NAN;
+  try {
+    simulation.advance(5);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::numerical);
+    EXPECT_NE(std::string(error.what()).find("joint"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Simulation, StableStepsOnlyAreNotPromisedAboveOne) {
+  Scene scene = sheared_wall(1e-4, 2, 1);
+  scene.solver.time_step_fraction = 1.1;
+  Simulation simulation(scene, assemble(scene), 1);
+  Recorder recorder;
+  EXPECT_THROW(simulation.run(recorder), Error);
+}
+
+}  // namespace
+}  // namespace quoin

@@ -1,0 +1,197 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+// A uniform stress over a grid of blocks: every block has the same strain, and each joint opens and slides by its
+// traction over its stiffness. Nothing in the middle may be out of balance.
+TEST(PatchTest, UniformStressIsReproduced) {
+  const double cases[][6] = {{0, -1e6, 0, 0, 0, 0}, {0, 0, 0, 1e6, 0, 0}, {3e5, -1e6, 2e5, 4e5, -3e5, 7e5}};
+  for (const auto& zones : {std::array{4, 2, 2}, std::array{3, 2, 1}}) {
+    for (const auto& [xx, yy, zz, xy, yz, zx] : cases) {
+      const Eigen::Matrix3d stress{{xx, xy, zx}, {xy, yy, yz}, {zx, yz, zz}};
+      const Eigen::Matrix3d strain =
+          (1 + kPoisson) / kYoung * stress - kPoisson / kYoung * stress.trace() * Eigen::Matrix3d::Identity();
+      Eigen::Matrix3d jump;  // column a: over a joint with normal a
+      for (int a = 0; a < 3; ++a) {
+        for (int c = 0; c < 3; ++c) jump(c, a) = stress(c, a) / (c == a ? kNormal : kShear);
+      }
+      Simulation simulation(bare_scene(), brick_grid({3, 3, 3}, {0.11, 0.0625, 0.1}, zones), 1);
+      const Model& model = simulation.model();
+      const double dt = simulation.time_step_report().time_step;
+      for (int block = 0; block < 27; ++block) {
+        const Eigen::Vector3d offset = jump * Eigen::Vector3d(block % 3, block / 3 % 3, block / 9);
+        const auto mesh = simulation.block_mesh(block);
+        for (int n = 0; n < static_cast<int>(mesh.gridpoint.size()); ++n) {
+          const Vec3& x = mesh.gridpoint[static_cast<std::size_t>(n)];
+          const Eigen::Vector3d u = strain * Eigen::Vector3d(x[0], x[1], x[2]) + offset;
+          for (int c = 0; c < 3; ++c) {
+            simulation.displacement()[dof(model, block, n, c)] = u[c];
+            simulation.velocity()[dof(model, block, n, c)] = u[c] / dt;  // as if it had come in one step
+          }
+        }
+      }
+      const LaneVector<double> before = simulation.velocity();
+      simulation.advance(1);
+
+      const double scale = stress.norm() * 0.11 * 0.1 / (zones[0] * zones[2]);  // force of a hexahedron's face
+      for (int n = 0; n < model.templates[0].node_count; ++n) {
+        for (int c = 0; c < 3; ++c) {
+          const std::size_t i = dof(model, 13, n, c);  // the middle block
+          EXPECT_LT(std::abs(simulation.velocity()[i] - before[i]) * model.node_mass[i] / dt, 1e-9 * scale);
+        }
+      }
+      for (const ContactPoint& point : simulation.contact_points()) {
+        const Eigen::Vector3d n(point.normal.data()), s(point.s.data()), t(point.t.data());
+        EXPECT_NEAR(point.traction[0], n.dot(stress * n), 1e-9 * stress.norm());
+        EXPECT_NEAR(point.traction[1], s.dot(stress * n), 1e-9 * stress.norm());
+        EXPECT_NEAR(point.traction[2], t.dot(stress * n), 1e-9 * stress.norm());
+      }
+    }
+  }
+}
+
+// A mode of a free block swings as central differences have it: cos(omega_d dt) = 1 - (omega dt)^2/2.
+TEST(Step, FreeBlockSwingsWithItsOwnFrequency) {
+  Simulation simulation(bare_scene(), brick_grid({1, 1, 1}, {0.11, 0.0625, 0.1}, {4, 2, 2}), 1);
+  const Model& model = simulation.model();
+  const Eigen::MatrixXd k = dense_stiffness(model.assembly.bricks[0], brick_material());
+  const Eigen::VectorXd mass = dense_mass(model.assembly.bricks[0], brick_material());
+  const Eigen::MatrixXd m = mass.asDiagonal();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m);
+  for (int mode : {6, 10, 50}) {  // the first 6 are rigid
+    const Eigen::VectorXd shape = 1e-4 * solver.eigenvectors().col(mode);
+    for (int i = 0; i < shape.size(); ++i) {
+      simulation.displacement()[dof(model, 0, i / 3, i % 3)] = shape[i];
+      simulation.velocity()[dof(model, 0, i / 3, i % 3)] = 0.0;
+    }
+    const double dt = simulation.time_step_report().time_step;
+    const double angle = std::acos(1.0 - 0.5 * solver.eigenvalues()[mode] * dt * dt);
+    constexpr int kSteps = 1000;
+    simulation.advance(kSteps);
+    double amplitude = 0.0;
+    for (int i = 0; i < shape.size(); ++i)
+      amplitude += shape[i] * mass[i] * simulation.displacement()[dof(model, 0, i / 3, i % 3)];
+    amplitude /= shape.dot(m * shape);
+    // Velocity 0 half a step before the start.
+    EXPECT_NEAR(amplitude, std::cos(angle * (kSteps + 0.5)) / std::cos(0.5 * angle), 1e-8) << mode;
+  }
+}
+
+TEST(Step, EnergyIsKeptWithoutDamping) {
+  Scene scene = bare_scene(0.9);
+  scene.output.energy = true;
+  Simulation simulation(scene, brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}), 1);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
+  for (std::size_t i = 0; i < simulation.velocity().size(); ++i) {
+    if (simulation.model().node_mass[i] > 0.0) simulation.velocity()[i] = uniform(random);
+  }
+  // At rest as a whole: a drifting block loses digits of its deformation to those of its place.
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+  const auto each = [&](auto visit) {
+    for (std::size_t i = 0; i < simulation.velocity().size(); ++i)
+      visit(i, static_cast<Eigen::Index>(i % kLine / kLanes));
+  };
+  each([&](std::size_t i, Eigen::Index c) {
+    momentum[c] += simulation.model().node_mass[i] * simulation.velocity()[i];
+  });
+  each([&](std::size_t i, Eigen::Index c) {
+    if (simulation.model().node_mass[i] > 0.0)
+      simulation.velocity()[i] -= momentum[c] / simulation.model().total_mass();
+  });
+  simulation.advance(1);
+  const auto total = [&] {
+    const Energies e = *simulation.measure().energies;
+    return e.kinetic + e.strain + e.contact_stored;
+  };
+  const double start = total();
+  ASSERT_GT(start, 0.0);
+  double worst = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    simulation.advance(1000);
+    worst = std::max(worst, std::abs(total() / start - 1.0));
+  }
+  EXPECT_LT(worst, 1e-8);
+  RecordProperty("worst", std::to_string(worst * 1e12) + "e-12");
+}
+
+// Every damping takes what it says it takes.
+TEST(Step, EnergyBalanceClosesWithDamping) {
+  for (DampingKind damping : {DampingKind::local, DampingKind::viscous}) {
+    Scene scene = bare_scene(0.5, damping);
+    scene.output.energy = true;
+    scene.solver.mass_damping = 500.0;
+    scene.solver.stiffness_damping = 2e-7;
+    Simulation simulation(scene, brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}), 1);
+    std::mt19937_64 random(3);
+    std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
+    for (std::size_t i = 0; i < simulation.velocity().size(); ++i) {
+      if (simulation.model().node_mass[i] > 0.0) simulation.velocity()[i] = uniform(random);
+    }
+    simulation.advance(1);
+    const double start = simulation.measure().energies->balance_error();
+    simulation.advance(3000);
+    const Energies end = *simulation.measure().energies;
+    EXPECT_GT(end.damping, 0.05 * start);
+    EXPECT_NEAR(end.balance_error(), start, 1e-9 * start);
+  }
+}
+
+// Mass-proportional damping alone: a rigid motion dies out like (1 - alpha dt)^n.
+TEST(Step, ViscousDampingSlowsAFreeBlock) {
+  Scene scene = bare_scene(0.6, DampingKind::viscous);
+  scene.solver.mass_damping = 1000.0;
+  Simulation simulation(scene, brick_grid({1, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1}), 1);
+  for (int n = 0; n < 8; ++n) simulation.velocity()[dof(simulation.model(), 0, n, 1)] = 0.3;
+  simulation.advance(500);
+  const double factor = 1.0 - 1000.0 * simulation.time_step_report().time_step;
+  EXPECT_NEAR(simulation.velocity()[dof(simulation.model(), 0, 3, 1)], 0.3 * std::pow(factor, 500), 1e-12);
+}
+
+TEST(Step, FreeFall) {
+  for (bool rigid : {false, true}) {
+    Scene scene = bare_scene();
+    scene.solver.mass_scaling = 1.0;
+    scene.solver.selective_time_step = 1e-6;
+    Stage stage;
+    stage.gravity = {0.0, -9.81, 0.0};
+    stage.duration = 1.0;
+    scene.stages = {stage};
+    Assembly assembly = brick_grid({1, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1});
+    assembly.bricks[0].rigid = rigid;
+    Simulation simulation(scene, assembly, 1);
+    simulation.advance(1000);
+    const double t = simulation.time();
+    for (const Vec3& v : simulation.block_velocity(0)) EXPECT_NEAR(v[1], -9.81 * t, 1e-12 * 9.81);
+  }
+}
+
+// A spinning rigid block under no force keeps turning; hung on elastic joints it swings without losing energy.
+TEST(Step, RigidBlocksKeepTheirEnergy) {
+  Scene scene = bare_scene(0.8);
+  scene.output.energy = true;
+  Stage stage;
+  stage.duration = 1e9;
+  BodyControl base;
+  base.body = "base";
+  stage.controls = {base};
+  stage.gravity = {0.0, -9.81, 0.0};
+  scene.stages = {stage};
+  Assembly assembly = brick_grid({1, 3, 1}, {0.2, 0.1, 0.3}, {1, 1, 1});
+  for (Brick& brick : assembly.bricks) brick.rigid = true;
+  assembly.bricks[0].body = "base";
+  Simulation simulation(scene, assembly, 1);
+  simulation.advance(20000);
+  const Energies e = *simulation.measure().energies;
+  EXPECT_GT(e.kinetic + e.contact_stored, 0.0);
+  EXPECT_NEAR(e.balance_error(), 0.0, 1e-9 * e.contact_stored);
+}
+
+}  // namespace
+}  // namespace quoin

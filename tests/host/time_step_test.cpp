@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+// Bricks between a rigid block below and one above: everything that has stiffness or inertia.
+Assembly sandwich() {
+  Assembly assembly = brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 2, 1});
+  Brick beam;
+  beam.rigid = true;
+  beam.size = {0.22, 0.05, 0.1};
+  beam.origin = {0.0, -0.05, 0.0};
+  beam.body = "bottom_beam";
+  assembly.bricks.push_back(beam);
+  beam.origin = {0.0, 0.125, 0.0};
+  beam.body = "top_beam";
+  assembly.bricks.push_back(beam);
+  for (int i = 0; i < 2; ++i) {
+    assembly.joints.push_back({4, i, 3, 0});
+    assembly.joints.push_back({2 + i, 5, 3, 0});
+  }
+  return assembly;
+}
+
+TEST(TimeStep, LanczosFindsTheLargestFrequencyOfTheDenseMatrix) {
+  const Assembly assembly = sandwich();
+  const Model model(assembly, make_materials(assembly));
+  Inertia inertia;
+  const TimeStepReport report = choose_time_step(model, {}, &inertia);
+  const int size = model.line_count * kLine + 6 * static_cast<int>(model.bodies.size());
+  Eigen::MatrixXd k(size, size);
+  std::vector<double> unit(static_cast<std::size_t>(size), 0.0), column;
+  for (int i = 0; i < size; ++i) {
+    unit[static_cast<std::size_t>(i)] = 1.0;
+    apply_undamaged_stiffness(model, unit, &column);
+    k.col(i) = Eigen::Map<Eigen::VectorXd>(column.data(), size);
+    unit[static_cast<std::size_t>(i)] = 0.0;
+  }
+  EXPECT_LT((k - k.transpose()).cwiseAbs().maxCoeff(), 1e-13 * k.cwiseAbs().maxCoeff());
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(size);
+  for (int i = 0; i < model.line_count * kLine; ++i) {
+    if (inertia.node[static_cast<std::size_t>(i)] > 0.0)
+      scale[i] = 1.0 / std::sqrt(inertia.node[static_cast<std::size_t>(i)]);
+  }
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto base = static_cast<Eigen::Index>(static_cast<std::size_t>(model.line_count * kLine) + 6 * b + c);
+      scale[base] = 1.0 / std::sqrt(model.bodies[b].mass);
+      scale[base + 3] = 1.0 / std::sqrt(model.bodies[b].inertia[c]);
+    }
+  }
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * k * scale.asDiagonal();
+  const Eigen::VectorXd lambda =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+  EXPECT_NEAR(report.critical.value, 2.0 / std::sqrt(lambda[size - 1]), 1e-7 * report.critical.value);
+  EXPECT_LE(report.gershgorin.value, report.critical.value);
+  EXPECT_GE(report.nodal.value, report.critical.value);
+  EXPECT_DOUBLE_EQ(report.time_step, 0.6 * report.critical.value);
+  // A free assembly has 6 rigid motions and no more; the dofs without inertia give zeros too.
+  const int idle = static_cast<int>((scale.array() == 0.0).count());
+  EXPECT_LT(std::abs(lambda[idle + 5]), 1e-9 * lambda[size - 1]);
+  EXPECT_GT(lambda[idle + 6], 1e-6 * lambda[size - 1]);
+}
+
+TEST(TimeStep, SingleBlockAgreesWithAnIndependentEigenSolution) {
+  const Assembly assembly = brick_grid({1, 1, 1}, {0.11, 0.0625, 0.1}, {4, 2, 2});
+  const Model model(assembly, make_materials(assembly));
+  Inertia inertia;
+  const TimeStepReport report = choose_time_step(model, {}, &inertia);
+  const Eigen::MatrixXd k = dense_stiffness(assembly.bricks[0], brick_material());
+  const Eigen::MatrixXd m = dense_mass(assembly.bricks[0], brick_material()).asDiagonal();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(k, m, Eigen::EigenvaluesOnly);
+  EXPECT_NEAR(report.critical.value, 2.0 / std::sqrt(solver.eigenvalues().maxCoeff()), 1e-7 * report.critical.value);
+}
+
+// Largest displacement after some steps from small random velocities; infinite when the step gave up.
+double largest_after(double fraction, int steps) {
+  Simulation simulation(bare_scene(fraction), sandwich(), 1);
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
+  for (std::size_t i = 0; i < simulation.velocity().size(); ++i) {
+    if (simulation.model().node_mass[i] > 0.0) simulation.velocity()[i] = uniform(random);
+  }
+  try {
+    simulation.advance(steps);
+  } catch (const Error&) {
+    return INFINITY;
+  }
+  double largest = 0.0;
+  for (double u : simulation.displacement()) largest = std::max(largest, std::abs(u));
+  return std::isfinite(largest) ? largest : INFINITY;
+}
+
+TEST(TimeStep, StableJustBelowTheLimitUnstableJustAbove) {
+  EXPECT_LT(largest_after(0.98, 3000), 1e-3);
+  EXPECT_GT(largest_after(1.02, 3000), 1e3);
+}
+
+TEST(TimeStep, MassScalingIsReported) {
+  const Assembly assembly = sandwich();
+  const Model model(assembly, make_materials(assembly));
+  Inertia inertia;
+  SolverSettings settings;
+  settings.mass_scaling = 4.0;
+  const TimeStepReport scaled = choose_time_step(model, settings, &inertia);
+  Inertia plain_inertia;
+  const TimeStepReport plain = choose_time_step(model, {}, &plain_inertia);
+  EXPECT_NEAR(scaled.time_step, 2.0 * plain.time_step, 1e-6 * plain.time_step);
+  EXPECT_NEAR(scaled.added_mass, 3.0 * model.total_mass(), 1e-9);
+  EXPECT_EQ(plain.added_mass, 0.0);
+
+  SolverSettings selective;
+  selective.selective_time_step = 1.3 * plain.time_step;
+  Inertia raised;
+  const TimeStepReport some = choose_time_step(model, selective, &raised);
+  EXPECT_EQ(some.time_step, selective.selective_time_step);
+  EXPECT_GT(some.added_mass, 0.0);
+  EXPECT_GE(some.critical.value * selective.time_step_fraction, some.time_step * (1 - 1e-9));
+  for (std::size_t i = 0; i < raised.node.size(); ++i) EXPECT_GE(raised.node[i], model.node_mass[i]);
+}
+
+}  // namespace
+}  // namespace quoin
