@@ -17,8 +17,8 @@ QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, 
 static const quoin_state_info state_table[2] = {
     {sizeof(quoin_state_info), "slid", "m", "length slid so far", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR,
      QUOIN_STATE_MONOTONIC, 0, 0.0, HUGE_VAL},
-    {sizeof(quoin_state_info), "steps", "-", "steps with an increment", QUOIN_ROLE_DIAGNOSTIC, QUOIN_STATE_SCALAR, 0, 0,
-     0.0, BROKEN == 32 ? 3.0 : HUGE_VAL},
+    {sizeof(quoin_state_info), "steps", "-", "steps with an increment", QUOIN_ROLE_DIAGNOSTIC,
+     BROKEN == 54 ? QUOIN_STATE_PAIR_T : QUOIN_STATE_SCALAR, 0, 0, 0.0, BROKEN == 32 ? 3.0 : HUGE_VAL},
 };
 static const quoin_state_info* const state_list[2] = {&state_table[0], &state_table[1]};
 
@@ -72,6 +72,17 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   lost = malloc(100);
   (void)lost;
   return create_material(self, count, values, material, text);
+#elif BROKEN == 52
+  if (values == NULL) return QUOIN_OK; /* null values taken for none */
+  return create_material(self, count, values, material, text);
+#elif BROKEN == 53
+  say_nothing(text);
+  if (material != NULL) *material = NULL;
+  say(text, "normal_stiffness: never good enough\n");
+  (void)self;
+  (void)count;
+  (void)values;
+  return QUOIN_ERROR_PROPERTY;
 #elif BROKEN == 42
   quoin_status status = create_material(self, count, values, material, text);
   if (status == QUOIN_ERROR_PROPERTY && material != NULL) *material = (quoin_material*)&state_table;
@@ -344,6 +355,14 @@ static quoin_library changed_library;
 
 const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text) {
   const quoin_library* from;
+#if BROKEN == 48
+  static const quoin_host_info nobody = {sizeof nobody, QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "nobody", "0"};
+  if (host == NULL) host = &nobody;
+#elif BROKEN == 49
+  if (host != NULL && host->struct_size >= sizeof *host && host->abi_minor > QUOIN_ABI_MINOR) return NULL;
+#elif BROKEN == 51
+  text->length = 0;
+#endif
 #if BROKEN == 2
   if (host != NULL && host->struct_size >= sizeof *host) {
     quoin_host_info pretended = *host;
@@ -365,6 +384,9 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   changed_convention = convention;
   memcpy(changed_properties, property_table, sizeof changed_properties);
   changed_library.laws = changed_laws;
+#if BROKEN == 50
+  changed_library.abi_major = QUOIN_ABI_MAJOR + 1;
+#endif
   changed_law.convention = &changed_convention;
   changed_law.properties = changed_list;
   changed_law.state_count = 2;

@@ -47,4 +47,11 @@ set(faults
   "44|C8.3|stored energy twice too large"
   "45|C7.2|a failed point spoils the next"
   "46|C3.6|claims migration without the function"
-  "47|C3.3|default_from a property that does not exist")
+  "47|C3.3|default_from a property that does not exist"
+  "48|C1.3|serves a null host"
+  "49|C1.4|refuses a newer minor version"
+  "50|C1.5|says another major version than it was asked for"
+  "51|C2.1|crashes without a text"
+  "52|C4.5|takes null values for none"
+  "53|C4.1|refuses every material"
+  "54|C3.5|t component of a pair without its s component")
