@@ -1,9 +1,6 @@
 #include "results/plots.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,65 +9,13 @@
 #include <tuple>
 
 #include "results/file.h"
+#include "results/gnuplot.h"
 #include "results/history.h"
 #include "scene/generate.h"
 
 namespace quoin {
 
 namespace {
-
-// Text of a title or label inside double quotes of gnuplot, with its enhanced mode switched off by noenhanced.
-std::string gnuplot_text(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c == '\n' ? ' ' : c;
-  }
-  return "\"" + result + "\"";
-}
-
-// Text inside gnuplot's enhanced mode, its special characters escaped.
-std::string enhanced(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (std::string("_^{}@&~\\").find(c) != std::string::npos) result += '\\';
-    result += c;
-  }
-  return result;
-}
-
-// Runs DIR/plots/NAME.gp; the picture appears under its name only when gnuplot is content.
-std::string draw(const std::filesystem::path& folder, const std::string& name, const std::string& script) {
-  const std::filesystem::path plots = folder / "plots", picture = folder / (name + ".png");
-  const std::string head = fmt::format(
-      "# Run again, after changes, with: cd {} && gnuplot {}.gp\n"
-      "if (!exists(\"target\")) target = \"../{}.png\"\n"
-      "set output target\n",
-      plots.string(), name, name);
-  write_file(plots / (name + ".gp"), head + script);
-
-  const std::string target = fmt::format("target='../{}.png.part'", name), file = name + ".gp";
-  const pid_t child = fork();
-  if (child == 0) {
-    const int null = open("/dev/null", O_WRONLY);
-    const int log = open((plots / (name + ".log")).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    dup2(null, STDOUT_FILENO);
-    dup2(log >= 0 ? log : null, STDERR_FILENO);
-    if (chdir(plots.c_str()) == 0) execlp("gnuplot", "gnuplot", "-e", target.c_str(), file.c_str(), nullptr);
-    _exit(127);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    std::error_code ignored;
-    std::filesystem::remove(part_name(picture), ignored);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-      return fmt::format("no {}.png: gnuplot is not installed (apt-get install gnuplot-nox); its script is kept in {}",
-                         name, plots.string());
-    return fmt::format("no {}.png: gnuplot failed, see {}", name, (plots / (name + ".log")).string());
-  }
-  finish_file(picture);
-  return {};
-}
 
 // A factor that people like: 1, 2 or 5 times a power of ten, not above x.
 double round_down(double x) {
@@ -170,7 +115,7 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
     script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", peak.displacement * 1e3, peak.force / 1e3);
     plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
   }
-  return draw(folder, "curve", script + plot + "\n");
+  return draw_picture(folder, "curve", script + plot + "\n");
 }
 
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
@@ -315,7 +260,7 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
       pixels_x, pixels_y, gnuplot_text(enhanced(title_of(scene))), gnuplot_text(enhanced(state)), factor,
       1.0 - above / pixels_y, below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway,
       low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, plot);
-  return draw(folder, "cracks", script);
+  return draw_picture(folder, "cracks", script);
 }
 
 }  // namespace quoin
