@@ -69,6 +69,9 @@ class Reader {
       if (equals == std::string::npos) fail(node, fmt::format("let: '{}': write name = formula", definition));
       std::string name = definition.substr(0, equals);
       name.erase(name.find_last_not_of(' ') + 1);
+      static const std::set<std::string> taken = {"part",  "dn",  "ds",  "dt",  "sigma",  "tau",  "tau_s",
+                                                  "tau_t", "dn0", "ds0", "dt0", "sigma0", "work", "flags"};
+      if (taken.count(name) != 0) fail(node, fmt::format("let: '{}' already has a meaning", name));
       path.definitions.emplace_back(name, formula(node, definition.substr(equals + 1)));
     }
     for (const toml::node& node : list(root, "plot")) {
@@ -311,9 +314,9 @@ PathOutcome run_path(const PathFile& path, const std::string& law_name) {
     const auto target = [&](const char* key, double from, double p) {
       const auto found = point.targets.find(key);
       if (found == point.targets.end()) return from;
-      segment["p"] = p;
+      segment["part"] = p;
       const double to = value_of(found->second, segment, point.line);
-      if (found->second.uses("p") || p == 1.0) return to;
+      if (found->second.uses("part") || p == 1.0) return to;
       return from + (to - from) * p;
     };
     const bool pressed = point.targets.count("sigma") != 0;
@@ -335,7 +338,7 @@ PathOutcome run_path(const PathFile& path, const std::string& law_name) {
       record();
 
       Variables here = segment;
-      here["p"] = p;
+      here["part"] = p;
       for (const auto& [name, value] : outcome.values.back()) here[name] = value;
       const auto verify = [&](const PathCheck& check) {
         const auto found = outcome.values.back().find(check.quantity);

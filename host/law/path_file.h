@@ -13,10 +13,10 @@
 //   tensile_strength = 0.16e6
 //   [[point]]                                   # the path goes from zero to each point in turn
 //   dn = "2*u0"                                 # dn (or sigma), ds, dt: number or formula; left out: stays. A formula
-//   ds = 0.0                                    # with p (0 to 1 over the segment) is followed as a curve, any other
-//   steps = 10                                  # target in equal parts. dn0, ds0, dt0, sigma0: start of the segment
-//   along = ["sigma = kn*dn"]                   # checked after every step of the segment
-//   expect = ["sigma = ft*f", {check = "xi_t = 0.5", value = 0.5, tolerance = 1e-10, scale = "ft", reason = "...",
+//   ds = 0.0                                    # with `part` (0 to 1 over the segment) is followed as a curve, any
+//   other steps = 10                                  # target in equal parts. dn0, ds0, dt0, sigma0: start of the
+//   segment along = ["sigma = kn*dn"]                   # checked after every step of the segment expect = ["sigma =
+//   ft*f", {check = "xi_t = 0.5", value = 0.5, tolerance = 1e-10, scale = "ft", reason = "...",
 //             source = "..."}]                  # checked at its end
 //
 // A check is `quantity = formula`, `<=` or `>=`. Quantities: dn ds dt sigma tau_s tau_t tau, every state of the law,

@@ -131,8 +131,8 @@ steps = 4
 along = ["sigma = kn*dn"]
 expect = [{check = "sigma = twice*dn/2", value = 2e3}, "tau_s = 0"]
 [[point]]
-ds = "1e-6*sin(pi/2*p)"
-dt = "1e-6*(1 - cos(pi/2*p))"
+ds = "1e-6*sin(pi/2*part)"
+dt = "1e-6*(1 - cos(pi/2*part))"
 steps = 10
 along = ["tau_s = ks*ds", {check = "tau <= 1.5*ks*1e-6"}]
 )toml";
@@ -165,6 +165,7 @@ TEST_F(PathCommand, BadPathFilesNameFileLineAndKey) {
   refused("sigma = kn*dn", "sigma = kn*nonsense", {"bad.toml:11", "nonsense"});
   refused("sigma = kn*dn", "sigma = kn*(dn", {"bad.toml:11", "')'"});
   refused("sigma = kn*dn", "sigma : kn*dn", {"bad.toml:11", "quantity = formula"});
+  refused("twice = 2", "part = 2", {"bad.toml:3", "already has a meaning"});
   refused("tau_s = 0", "tension = 0", {"bad.toml:12", "tension"});
   refused("dn = 1e-6", "dn = 1e-6\nsigma = 0.0", {"bad.toml:8", "not both"});
   refused("law = \"elastic\"", "", {"bad.toml", "law is missing"});
