@@ -17,6 +17,15 @@ constexpr double preference_fraction = 1e-4;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 
+// Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
+constexpr double small_rotation = 1e-3;
+
+// Angle of the rotation from r0 to r, rad; small angles: the Frobenius norm of r - r0 is sqrt(2) times it.
+double angle_between(const Matrix& r, const Matrix& r0) {
+  const Matrix d = r - r0;
+  return std::sqrt(0.5 * (dot(d.row[0], d.row[0]) + dot(d.row[1], d.row[1]) + dot(d.row[2], d.row[2])));
+}
+
 std::string label(const Assembly& a, int block) {
   const Block& b = a.blocks[block];
   return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
@@ -67,10 +76,7 @@ double Model::pair_motion(const Contact& c) const {
   Matrix ra, rb;
   pose(c.pair.a, xa, ra), pose(c.pair.b, xb, rb);
   const Vector shift = transposed_times(ra, xb - xa) - c.relative_x;
-  const Matrix turn = transposed(ra) * rb - c.relative_r;
-  // Frobenius norm of R - R0 is sqrt(2) times the angle, for small angles
-  const double angle =
-      std::sqrt(0.5 * (dot(turn.row[0], turn.row[0]) + dot(turn.row[1], turn.row[1]) + dot(turn.row[2], turn.row[2])));
+  const double angle = angle_between(transposed(ra) * rb, c.relative_r);
   return norm(shift) + angle * std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, norm(xb - xa)));
 }
 
@@ -93,9 +99,7 @@ bool Model::moved_enough() {
     Vector x;
     Matrix r;
     pose(int(i), x, r);
-    const Matrix turn = r - blocks_[i].broad_r;
-    const double angle = std::sqrt(
-        0.5 * (dot(turn.row[0], turn.row[0]) + dot(turn.row[1], turn.row[1]) + dot(turn.row[2], turn.row[2])));
+    const double angle = angle_between(r, blocks_[i].broad_r);
     moved = norm(x - blocks_[i].broad_x) + angle * blocks_[i].radius > 0.25 * skin_;
   }
   for (size_t i = 0; i < contacts_.size() && !moved; ++i) {
@@ -103,14 +107,13 @@ bool Model::moved_enough() {
     const double touching = fraction * std::min(blocks_[c.pair.a].least_extent, blocks_[c.pair.b].least_extent);
     moved = pair_motion(c) > std::max(touching, c.count > 0 ? 0.0 : 0.5 * c.separation.distance);
   }
-  if (small_ && !moved) {
-    // blocks that are not neighbours may come close too
-    for (size_t i = 0; i < blocks_.size() && !moved; ++i) {
-      Vector x;
-      Matrix r;
-      pose(int(i), x, r);
-      moved = norm(x - blocks_[i].broad_x) > 0.25 * skin_;
-    }
+  // Small displacement also means that no block has come near others that are not its neighbours, and that frozen
+  // frames on deformable blocks still point the right way.
+  for (size_t i = 0; i < blocks_.size() && !moved && small_; ++i) {
+    Vector x;
+    Matrix r;
+    pose(int(i), x, r);
+    moved = norm(x - start_x_[i]) > 0.25 * skin_ || angle_between(r, start_r_[i]) > small_rotation;
   }
   if (moved) small_ = false;  // for good: what has moved once will move again
   return moved;
@@ -128,9 +131,7 @@ void Model::detect_contacts(bool everything) {
     Vector x;
     Matrix r;
     pose(int(i), x, r);
-    const Matrix turn = r - blocks_[i].broad_r;
-    const double angle = std::sqrt(
-        0.5 * (dot(turn.row[0], turn.row[0]) + dot(turn.row[1], turn.row[1]) + dot(turn.row[2], turn.row[2])));
+    const double angle = angle_between(r, blocks_[i].broad_r);
     broad = norm(x - blocks_[i].broad_x) + angle * blocks_[i].radius > 0.2 * skin_;
   }
   std::vector<Pair> pairs;
@@ -235,7 +236,7 @@ void Model::detect_contacts(bool everything) {
   }
 
   // New arrays in the order of the pairs; history goes along.
-  const double stored_before = energy_ ? stored_in_contacts() : 0.0;
+  const double energy_before = energy_ ? energy_of_contacts_now() : 0.0;
   std::vector<Family> old(families_.size());
   std::vector<size_t> count(families_.size(), 0);
   for (size_t i = 0; i < next.size(); ++i) {
@@ -343,27 +344,8 @@ void Model::detect_contacts(bool everything) {
     fill[c.family] += c.count;
   }
   contacts_ = std::move(next);
-  if (energy_) {
-    // Stored energy of the new points at their own jumps: what appears or vanishes here is booked, not hidden.
-    double stored_after = 0.0, dissipated = 0.0;
-    for (Family& f : families_) {
-      if (f.size() == 0) continue;
-      Family trial = f;
-      for (const Contact& c : contacts_) {
-        if (c.family < 0 || &families_[c.family] != &f || !sources[size_t(&c - contacts_.data())].fresh) continue;
-        for (uint32_t i = c.first; i < c.first + c.count; ++i) {
-          trial.normal_jump[i] = locate(trial.point[i], facets_).jump;
-        }
-      }
-      for (auto& slip : trial.slip) std::fill(slip.begin(), slip.end(), 0.0);
-      evaluate_family(trial);
-      for (size_t i = 0; i < trial.size(); ++i) {
-        stored_after += trial.stored[i] * trial.point[i].area;
-        for (const auto& d : trial.dissipated) dissipated += d[i] * trial.point[i].area;
-      }
-    }
-    energies_.detection += stored_before - stored_after - dissipated;
-  }
+  // Both sides at the positions of now: what appears or vanishes with the new points is booked, not hidden.
+  if (energy_) energies_.detection += energy_before - energy_of_contacts_now();
   if (!at_start) {
     const double bound = local_stiffness_bound();
     if (bound > 1.01 * stiffness_bound_) find_time_step();
@@ -384,6 +366,25 @@ void Model::resize(Family& f, size_t n) const {
     f.stored.assign(n, 0.0);
     for (auto& c : f.dissipated) c.assign(n, 0.0);
   }
+}
+
+// Stored energy that the contact points would have at the positions of now without further slip, and what they would
+// dissipate on the way there, J.
+double Model::energy_of_contacts_now() {
+  double sum = 0.0;
+  for (const Family& f : families_) {
+    if (f.size() == 0) continue;
+    Family trial = f;
+    for (size_t i = 0; i < f.size(); ++i) trial.normal_jump[i] = locate(f.point[i], facets_).jump;
+    for (auto& slip : trial.slip) std::fill(slip.begin(), slip.end(), 0.0);
+    evaluate_family(trial);
+    for (size_t i = 0; i < trial.size(); ++i) {
+      double density = trial.stored[i];
+      for (const auto& d : trial.dissipated) density += d[i];
+      sum += density * trial.point[i].area;
+    }
+  }
+  return sum;
 }
 
 double Model::stored_in_contacts() const {
@@ -564,7 +565,7 @@ void Model::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
     p.facet_a = 0;  // numbered when the point is stored
     made.facet_a = facet;
     // edge contacts of deformable blocks keep the plane of the triangle they sit on
-    refresh_facet_frame(p, made.facet_a, false);
+    refresh_facet_frame(p, made.facet_a);
   } else {
     p.facet_b = 0;
     made.facet_b = facet;
@@ -572,7 +573,7 @@ void Model::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
 }
 
 // The frame of a deformable plane side: n of its triangle, s along its first edge.
-void Model::refresh_facet_frame(Point& p, Facet& facet, bool reanchor) {
+void Model::refresh_facet_frame(Point& p, Facet& facet) const {
   const Vector &x1 = node_x_[facet.node[0]], e2 = node_x_[facet.node[1]] - x1, e3 = node_x_[facet.node[2]] - x1;
   const double length = norm(e2);
   p.s = e2 / length;
@@ -582,10 +583,6 @@ void Model::refresh_facet_frame(Point& p, Facet& facet, bool reanchor) {
   facet.gradient[1][0] = 1 / length, facet.gradient[1][1] = -x3 / (length * y3);
   facet.gradient[2][0] = 0, facet.gradient[2][1] = 1 / y3;
   for (int k = 0; k < 2; ++k) facet.gradient[0][k] = -facet.gradient[1][k] - facet.gradient[2][k];
-  if (!reanchor) return;
-  // The point follows its carrier along the plane, so that the pair of forces stays collinear.
-  for (int i = 0; i < 3; ++i) facet.weight[i] += facet.gradient[i][0] * p.slid[0] + facet.gradient[i][1] * p.slid[1];
-  p.slid[0] = p.slid[1] = 0.0;
 }
 
 // Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.

@@ -205,6 +205,7 @@ class Model {
   Body& body(int block) { return bodies_[blocks_[block].body]; }
   // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
   void hold_node(int node, uint8_t held) { node_held_[node] = held; }
+  void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
   Energies energies() const { return energies_; }
   double strain_energy() const;
   Vector linear_momentum() const;
@@ -241,13 +242,14 @@ class Model {
   void face_points(int owner, int owner_face, int carrier, bool at_start, std::vector<NewPoint>& out);
   void edge_point(const Contact& c, std::vector<NewPoint>& out);
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
-  void refresh_facet_frame(Point& p, Facet& facet, bool reanchor);
+  void refresh_facet_frame(Point& p, Facet& facet) const;
   struct Location {
     Vector at;
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
   Location locate(const Point& p, const std::vector<Facet>& facets) const;
   double stored_in_contacts() const;
+  double energy_of_contacts_now();
   void resize(Family& f, size_t n) const;
 
   Assembly assembly_;

@@ -67,11 +67,18 @@ void Model::contact_kinematics() {
   for (Family& f : families_) {
     for (size_t i = 0; i < f.point.size(); ++i) {
       Point& p = f.point[i];
-      if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a], true);
+      if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
       const Location now = locate(p, facets_);
       p.at = now.at;
       f.normal_jump[i] = now.jump;
       for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - p.slid[k], p.slid[k] = now.slid[k];
+      if (p.facet_a >= 0 && !small_) {
+        // The foot on the triangle follows the point, so that the pair of forces stays collinear.
+        Facet& facet = facets_[p.facet_a];
+        for (int k = 0; k < 3; ++k)
+          facet.weight[k] += facet.gradient[k][0] * p.slid[0] + facet.gradient[k][1] * p.slid[1];
+        p.slid[0] = p.slid[1] = 0.0;
+      }
     }
   }
 }
