@@ -231,22 +231,40 @@ struct Equations {
     return a;
   }
 
-  // Slip that brings |tau*| - ks slip down to S(slip), and everything at it. Beyond the end of softening S is constant;
-  // before it the slip is the root of a falling function. xi_start: where the slip starts, the end for a cohesion
-  // without drop. Out of line: it keeps the elastic path small.
-  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial, const V& xi_start,
-                                  AtSlip& a) const {
+  // Slip that brings |tau*| - ks slip down to S(slip), and everything at it. Beyond the end of softening S is constant.
+  // Before it, a closed joint with linear softening and no dilation has S falling in a straight line; all else is the
+  // root of a falling function. S_before: S at no slip. xi_start: where the slip starts, the end for a cohesion without
+  // drop. Out of line: it keeps the elastic path small.
+  template <bool kSlopes>
+  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial, const V& S_before,
+                                  const V& xi_start, AtSlip& a) const {
     const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
     const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, strength_beyond(step))), p.ks);
     const M within = hn::AndNot(hn::Ge(slip_beyond, slip_at_end), slips);
-    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
-    const V guess = hn::IfThenElseZero(hn::AndNot(within, slips), slip_beyond);
-    return find_root(within, guess, zero(), highest, hn::Mul(splat(0.25), step.tolerance),
-                     [&](V slip, V& value, V& slope) {
-                       a = at_xi<true>(step, hn::MulAdd(slip, p.inv_su, xi_start));
-                       value = hn::Sub(hn::NegMulAdd(p.ks, slip, trial), a.S);
-                       slope = hn::Neg(hn::Add(p.ks, a.S_slip));
-                     });
+    V slip = hn::IfThenElseZero(hn::AndNot(within, slips), slip_beyond);
+    if (!none(within)) {
+      M curved = within;
+      if constexpr (Softening::kShape == Shape::linear) {
+        // S' = (c0 - cr) f' - sigma mu', f' = -1/su, mu' = -(mur - mu0) f'
+        const V fall = hn::NegMulAdd(step.normal.sigma, hn::Sub(p.mu0, p.mur), hn::Sub(p.c0, p.cr));
+        const V straight = hn::Div(hn::Sub(trial, S_before), hn::NegMulAdd(fall, p.inv_su, p.ks));
+        M direct = hn::AndNot(step.open, within);
+        if constexpr (kDilation) direct = hn::And(direct, hn::Eq(p.tan_psi, zero()));
+        slip = select(direct, hn::Min(straight, slip_at_end), slip);
+        curved = hn::AndNot(direct, within);
+      }
+      if (!none(curved)) {
+        const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
+        slip = find_root(curved, slip, zero(), highest, hn::Mul(splat(0.25), step.tolerance),
+                         [&](V x, V& value, V& slope) {
+                           const AtSlip at = at_xi<true>(step, hn::MulAdd(x, p.inv_su, xi_start));
+                           value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), at.S);
+                           slope = hn::Neg(hn::Add(p.ks, at.S_slip));
+                         });
+      }
+    }
+    a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start));
+    return slip;
   }
   // S once softening is complete: f = 0.
   HWY_INLINE V strength_beyond(const Step& step) const {
@@ -324,7 +342,7 @@ struct Equations {
     V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
       xi_start = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
-      r.slip = slip_to_strength(r.slips, step, trial, xi_start, a);
+      r.slip = slip_to_strength<kTangent>(r.slips, step, trial, S_before_slip, xi_start, a);
       tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
       const V keep = hn::Div(positive_part(tau), trial);
       r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
