@@ -1,0 +1,257 @@
+// Reading TOML tables with located faults: what all scene readers share.
+#pragma once
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/error.h"
+#include "scene/read_scene.h"
+#include "scene/scene.h"
+#include "scene/toml.h"
+
+namespace quoin::reader {
+
+inline std::string join(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, ", ")); }
+
+// Allowed values of a number, and how they read in a message.
+struct Range {
+  double lower = -HUGE_VAL, upper = HUGE_VAL;
+  bool lower_open = false;
+  bool holds(double v) const { return std::isfinite(v) && (lower_open ? v > lower : v >= lower) && v <= upper; }
+  std::string text() const {
+    if (std::isfinite(lower) && std::isfinite(upper))
+      return lower_open ? fmt::format("more than {} and at most {}", lower, upper)
+                        : fmt::format("{} to {}", lower, upper);
+    if (std::isfinite(lower)) return lower_open ? fmt::format("more than {}", lower) : fmt::format("{} or more", lower);
+    if (std::isfinite(upper)) return fmt::format("at most {}", upper);
+    return "any finite number";
+  }
+};
+inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0, HUGE_VAL};
+inline Range between(double lower, double upper) { return {lower, upper, false}; }
+inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
+
+inline std::string text_of(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&](const auto& n) {
+    if constexpr (toml::is_table<decltype(n)>)
+      out << "a table";
+    else
+      out << n;
+  });
+  return out.str();
+}
+
+inline const char* type_name(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "an integer";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true/false";
+    default:
+      return "a date or time";
+  }
+}
+
+// What all tables of one scene share: where values come from, and the faults found so far.
+class Context {
+ public:
+  std::string file;
+  std::set<std::string> overridden;  // dotted paths given by --set
+
+  std::string where(const toml::node* node, const std::string& path) const {
+    for (const std::string& set : overridden) {
+      if (path == set || path.starts_with(set + ".") || path.starts_with(set + "["))
+        return fmt::format("--set: {}", path);
+    }
+    if (!node || node->source().begin.line == 0) return fmt::format("{}: {}", file, path);
+    return fmt::format("{}:{}: {}", file, node->source().begin.line, path);
+  }
+  void fault(std::string message) { faults_.push_back(std::move(message)); }
+  void throw_faults() const {
+    if (!faults_.empty()) throw Error(Exit::bad_input, fmt::format("{}", fmt::join(faults_, "\n")));
+  }
+
+ private:
+  std::vector<std::string> faults_;
+};
+
+// One table being read. Each accessor takes a key; finish() reports the keys that nobody asked for.
+class Table {
+ public:
+  Table(Context& context, const toml::table& table, std::string path)
+      : context_(context), table_(table), path_(std::move(path)) {}
+
+  std::string path(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+  std::string where(const std::string& key) const { return context_.where(table_.get(key), path(key)); }
+  std::string where() const { return context_.where(&table_, path_); }
+  bool has(const std::string& key) const { return table_.contains(key); }
+
+  // A fault of a value: where, what it is, what is allowed and what to do.
+  void refuse(const std::string& key, const std::string& allowed) {
+    const toml::node* node = table_.get(key);
+    context_.fault(fmt::format("{} = {}: allowed: {}", where(key), node ? text_of(*node) : "?", allowed));
+  }
+
+  const toml::node* find(const std::string& key, const std::string& allowed, bool required) {
+    known_.push_back(key);
+    const toml::node* node = table_.get(key);
+    if (!node && required) {
+      context_.fault(
+          fmt::format("{}: missing; add `{} = ...`, allowed: {}", context_.where(&table_, path(key)), key, allowed));
+    }
+    return node;
+  }
+
+  void wrong_type(const std::string& key, const toml::node& node, const std::string& allowed) {
+    context_.fault(
+        fmt::format("{} = {}: wrong type, {}; allowed: {}", where(key), text_of(node), type_name(node), allowed));
+  }
+
+  bool number(const std::string& key, double& value, const Range& range, const char* unit, bool required = false) {
+    const std::string allowed = fmt::format("a number, {}{}{}", range.text(), *unit ? ", " : "", unit);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    if (!node->is_number()) return wrong_type(key, *node, allowed), false;
+    const double number = *node->value<double>();
+    if (!range.holds(number)) return refuse(key, allowed), false;
+    value = number;
+    return true;
+  }
+  bool number(const std::string& key, std::optional<double>& value, const Range& range, const char* unit) {
+    double v = 0.0;
+    if (!number(key, v, range, unit)) return false;
+    value = v;
+    return true;
+  }
+
+  template <typename Integer>
+  bool integer(const std::string& key, Integer& value, long lower, long upper, bool required = false) {
+    const std::string allowed = fmt::format("an integer, {} to {}", lower, upper);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    // 1e6 is a floating point number for TOML; whole ones are welcome as integers.
+    const std::optional<double> number = node->value<double>();
+    if (!node->is_number() || *number != std::floor(*number)) return wrong_type(key, *node, allowed), false;
+    if (*number < static_cast<double>(lower) || *number > static_cast<double>(upper))
+      return refuse(key, allowed), false;
+    value = static_cast<Integer>(*number);
+    return true;
+  }
+
+  bool boolean(const std::string& key, bool& value) {
+    const toml::node* node = find(key, "true or false", false);
+    if (!node) return false;
+    if (!node->is_boolean()) return wrong_type(key, *node, "true or false"), false;
+    value = *node->value<bool>();
+    return true;
+  }
+
+  bool text(const std::string& key, std::string& value, const std::string& allowed, bool required = false) {
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    if (!node->is_string()) return wrong_type(key, *node, allowed), false;
+    value = *node->value<std::string>();
+    return true;
+  }
+
+  bool choice(const std::string& key, std::string& value, const std::vector<std::string>& choices,
+              bool required = false) {
+    std::string word;
+    if (!text(key, word, "one of " + join(choices), required)) return false;
+    if (std::find(choices.begin(), choices.end(), word) == choices.end())
+      return refuse(key, "one of " + join(choices) + did_you_mean(word, choices)), false;
+    value = word;
+    return true;
+  }
+
+  template <typename Element, size_t N>
+  bool numbers(const std::string& key, std::array<Element, N>& value, const Range& range, const char* unit,
+               bool required = false) {
+    constexpr bool whole = std::is_integral_v<Element>;
+    const std::string allowed =
+        fmt::format("a list of {} {}, each {}, {}", N, whole ? "integers" : "numbers", range.text(), unit);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != N) return wrong_type(key, *node, allowed), false;
+    std::array<Element, N> read{};
+    for (size_t i = 0; i < N; ++i) {
+      const std::optional<double> v = list->get(i)->value<double>();
+      if (!list->get(i)->is_number() || (whole && *v != std::floor(*v))) return wrong_type(key, *node, allowed), false;
+      if (!range.holds(*v)) return refuse(key, allowed), false;
+      read[i] = static_cast<Element>(*v);
+    }
+    value = read;
+    return true;
+  }
+
+  // A sub-table, or null. Its absence is a fault when it is required.
+  const toml::table* table(const std::string& key, const std::string& what, bool required = false) {
+    const toml::node* node = find(key, what, required);
+    if (!node) return nullptr;
+    if (!node->is_table()) return wrong_type(key, *node, what), nullptr;
+    return node->as_table();
+  }
+
+  std::vector<const toml::table*> tables(const std::string& key, const std::string& what, bool required = false) {
+    const toml::node* node = find(key, what, required);
+    if (!node) return {};
+    std::vector<const toml::table*> result;
+    const toml::array* list = node->as_array();
+    for (size_t i = 0; list && i < list->size(); ++i) {
+      if (const toml::table* t = list->get(i)->as_table()) result.push_back(t);
+    }
+    if (!list || result.size() != list->size()) wrong_type(key, *node, what);
+    return result;
+  }
+
+  const toml::table& toml() const { return table_; }
+  Context& context() { return context_; }
+  void accept(const std::string& key) { known_.push_back(key); }
+
+  void finish() {
+    for (auto&& [key, node] : table_) {
+      const std::string name(key.str());
+      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
+      context_.fault(fmt::format("{} = {}: unknown key{}; allowed here: {}", where(name), text_of(node),
+                                 did_you_mean(name, known_), join(known_)));
+    }
+  }
+
+ private:
+  Context& context_;
+  const toml::table& table_;
+  std::string path_;
+  std::vector<std::string> known_;
+};
+
+// Tables that every kind of scene has.
+SolverSettings read_solver(Table t);
+BlockMaterial read_material(const std::string& name, Table t);
+JointFamily read_joint(const std::string& name, Table t);
+
+// Throws Error(bad_input): the file cannot be read or is not TOML.
+toml::table parse(const std::string& path);
+// Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
+void apply_override(toml::table& root, const std::string& setting, Context& context);
+
+}  // namespace quoin::reader
