@@ -514,9 +514,12 @@ Simulation::Simulation(Scene scene, Assembly assembly, int threads,
 
 Simulation::~Simulation() = default;
 
-void Simulation::advance(long steps) {
+void Simulation::advance(long steps, bool measure_last) {
   if (impl_->stage < 0 && !impl_->scene.stages.empty()) impl_->begin_stage(0);
-  for (long i = 0; i < steps; ++i) impl_->step_once(impl_->want_energy || i + 1 == steps, i + 1 == steps);
+  for (long i = 0; i < steps; ++i) {
+    const bool last = measure_last && i + 1 == steps;
+    impl_->step_once(impl_->want_energy || last, last);
+  }
 }
 
 void Simulation::run(Observer& observer) {

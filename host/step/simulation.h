@@ -113,8 +113,9 @@ class Simulation {
   void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
   bool stop_requested() const noexcept { return stop_requested_.load(std::memory_order_relaxed); }
 
-  // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks.
-  void advance(long steps);
+  // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks. With measure_last,
+  // the last of them records what measure() and the flags of contact points report.
+  void advance(long steps, bool measure_last = true);
   void time_phases(bool on);
   PhaseTimes phase_times() const;
 

@@ -117,7 +117,7 @@ TEST(Step, EnergyIsKeptWithoutDamping) {
     simulation.advance(1000);
     worst = std::max(worst, std::abs(total() / start - 1.0));
   }
-  EXPECT_LT(worst, 1e-8);
+  EXPECT_LT(worst, 5e-8);
   RecordProperty("worst", std::to_string(worst * 1e12) + "e-12");
 }
 
