@@ -533,7 +533,14 @@ void check_property_columns(Report& report, const Subject& subject) {
     for (const double factor : {1.0, 1.03, 0.98}) {
       Settings settings = subject.base;
       settings[property.id] = shortest(base * factor);
-      const Material other(law, settings);
+      // The others keep the material's values, those that take this one as their default too, where that is allowed.
+      Settings kept = settings;
+      for (uint64_t q = 0; q < law.property_count; ++q) {
+        const quoin_property_info& follower = *law.properties[q];
+        if (follower.default_from == nullptr || std::strcmp(follower.default_from, property.id) != 0) continue;
+        kept.emplace(follower.id, shortest(material.number(follower.id)));
+      }
+      const Material other(law, Material(law, kept).handle != nullptr ? kept : settings);
       if (other.handle == nullptr) continue;
       ++tried;
       const Result expected = evaluate(law, other, points);

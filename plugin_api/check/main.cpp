@@ -181,7 +181,8 @@ int main(int argc, char** argv) {
   Report library_report;
   library_report.section("library", [&](Report& r) { check::check_library(r, library); });
   const quoin_host_info host = check::host_info();
-  const quoin_library* info = library.entry(&host, nullptr);
+  check::Text text;
+  const quoin_library* info = library.entry(&host, &text.text);
   if (info == nullptr || info->laws == nullptr) {
     print_text("-", {}, library_report);
     std::printf("%s: BROKEN\n", path.c_str());

@@ -73,7 +73,7 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   (void)lost;
   return create_material(self, count, values, material, text);
 #elif BROKEN == 52
-  if (values == NULL) return QUOIN_OK; /* null values taken for none */
+  if (values == NULL && count > 0) return QUOIN_OK; /* null values taken for none */
   return create_material(self, count, values, material, text);
 #elif BROKEN == 53
   say_nothing(text);
