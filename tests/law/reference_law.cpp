@@ -165,6 +165,7 @@ void Point::advance(Real dn_end, Real ds_step, Real dt_step, int substeps) {
     const Real dn = next - dn_;
     substep(dn, ds_step / substeps, dt_step / substeps);
     dn_ = next;
+    if (p_.ft == 0 && opening() > 0) complete_t_ = true;
     // A jump of the strength, not the drift of the explicit steps
     const Real tau = std::hypot(tau_[0], tau_[1]);
     const Real drift = 20 * (p_.ks * std::hypot(ds_step, dt_step) / substeps + p_.kn * std::abs(dn));
@@ -179,7 +180,8 @@ void Point::substep(Real dn, Real ds, Real dt) {
   const Real factor = strength_factor_shear();
   const Real mu = mu0_ + (mur_ - mu0_) * (1 - factor);
   const Real softening = line() > 0 && su_ > 0 ? line_slope() / su_ : 0;
-  const Real friction = line() > 0 ? mu : 0;  // at S = 0 the strength does not follow sigma
+  // At S = 0 the strength does not follow sigma, unless pressure is about to raise it from there.
+  const Real friction = line() > 0 || (line() == 0 && dn < 0) ? mu : 0;
 
   // Direction of slip: that of the stress in the middle of the sub-step; where the stress is smaller than what the
   // sub-step adds (strength near 0) its rate means nothing, and the sliding itself leads.
@@ -211,7 +213,7 @@ void Point::substep(Real dn, Real ds, Real dt) {
       const Real tension_step = friction * secant_slope() * e * xi_step;
       slip = (loading + by_opening + tension_step) / (p_.ks + softening);
     }
-    slip = std::max(Real(0), slip);
+    slip = std::clamp(slip, Real(0), stretch / p_.ks);  // the strength cannot fall below 0
     const Real secant_before = secant();
     const Real tau_before = std::hypot(tau_[0], tau_[1]);
     tau_[0] += p_.ks * (ds - slip * direction_s);
@@ -244,7 +246,8 @@ void Point::substep(Real dn, Real ds, Real dt) {
     // sigma' = fixed + by_slip * slip'
     const Real fixed = p_.kn * (dn + (crushing ? (over - p_.kn * dn) / hardness : 0));
     const Real by_slip = p_.kn * dilation * (crushing ? p_.kn / hardness - 1 : -1);
-    return std::max(Real(0), (loading + friction * fixed) / (p_.ks + softening - friction * by_slip));
+    return std::clamp((loading + friction * fixed) / (p_.ks + softening - friction * by_slip), Real(0),
+                      stretch / p_.ks);
   };
   bool crushing = crush(0) > 0;
   Real slip = slip_for(crushing);
