@@ -1,0 +1,129 @@
+#include "cli/reproduce_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "reproduce/page.h"
+#include "reproduce/run_cache.h"
+#include "reproduce/study.h"
+#include "reproduce/verdict_file.h"
+#include "results/file.h"
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace reproduce;
+
+struct ReproduceOptions {
+  std::vector<std::string> studies, overrides;
+  std::string out = "out/reproduce", quality = "standard";
+  bool list = false, again = false, slow = false;
+  int jobs = 0;
+};
+
+void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
+  if (options.list) {
+    for (const Study& s : studies()) fmt::print("{:<15} {} ({})\n", s.id, s.title, s.figures);
+    return;
+  }
+  std::vector<const Study*> chosen;
+  for (const Study& s : studies()) {
+    if (options.studies.empty() ||
+        std::find(options.studies.begin(), options.studies.end(), s.id) != options.studies.end())
+      chosen.push_back(&s);
+  }
+  Quality quality;
+  for (const Quality& q : qualities()) {
+    if (q.name == options.quality) quality = q;
+  }
+  quality.slow_runs = quality.slow_runs || options.slow;
+
+  CacheSettings settings;
+  settings.root = options.out;
+  settings.scenes = find_scenes();
+  settings.overrides = options.overrides;
+  settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  settings.again = options.again;
+  RunCache cache(settings);
+
+  // All runs of all studies first: shared ones once, and the cores are busy to the end.
+  std::vector<RunSpec> specs;
+  for (const Study* study : chosen) {
+    for (RunSpec& spec : study->runs(quality)) specs.push_back(std::move(spec));
+  }
+  make_folder(settings.root);
+  cache.compute(specs);
+
+  int missed = 0, failed = 0;
+  for (const Study* study : chosen) {
+    std::map<std::string, RunResult> runs;
+    for (const RunSpec& spec : study->runs(quality)) runs[spec.name] = cache.result(spec);
+    const Findings findings(settings.root, study->id, quality, std::move(runs));
+    make_folder(findings.folder());
+    StudyReport report;
+    try {
+      report = study->report(findings);
+    } catch (const Error& error) {
+      report.notices.push_back(error.what());
+      ++failed;
+    }
+    write_section(settings.root, *study, quality, report);
+    write_verdicts(settings.root / "verdict.json", study->id, report);
+    for (const Verdict& v : report.verdicts) {
+      fmt::print("{}\n", verdict_line(study->id, v));
+      missed += !v.reproduced;
+    }
+    for (const std::string& notice : report.notices) fmt::print(stderr, "quoin: {}: {}\n", study->id, notice);
+  }
+  write_page(settings.root);
+  fmt::print("{}; read {}\n", missed == 0 ? "every claim reproduced" : fmt::format("{} claims not reproduced", missed),
+             (settings.root / "index.html").string());
+  if (failed > 0) exit_code = static_cast<int>(Exit::numerical);
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("reproduce", "Run the studies of the paper, and hold them against it");
+  auto options = std::make_shared<ReproduceOptions>();
+  std::vector<std::string> ids, qualities_known;
+  for (const Study& s : studies()) ids.push_back(s.id);
+  for (const Quality& q : qualities()) qualities_known.push_back(q.name);
+  command->add_option("study", options->studies, "Studies (default: all)")
+      ->type_name("STUDY...")
+      ->check(CLI::IsMember(ids));
+  command->add_option("--out", options->out, "Folder for results (default: out/reproduce)")->type_name("DIR");
+  command->add_option("--quality", options->quality, "fast, standard (default) or reference: 80, 20 or 5 mm/s")
+      ->type_name("QUALITY")
+      ->check(CLI::IsMember(qualities_known));
+  command->add_option("--jobs", options->jobs, "Runs side by side (default: one a core)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  command
+      ->add_option("--set", options->overrides, "Set a key in every scene; for trials, the verdicts mean nothing then")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  command->add_flag("--slow", options->slow, "The run at 0.1 mm/s too (half an hour on one core)");
+  command->add_flag("--again", options->again, "Compute runs that are done once more");
+  command->add_flag("--list", options->list, "Name the studies");
+  command->footer(
+      "DIR/index.html is the report, DIR/verdict.json its verdicts, DIR/STUDY the data and plots of a study, DIR/runs\n"
+      "the runs. Runs that are done are not computed again; after Ctrl-C the same command goes on.\n"
+      "Examples:\n"
+      "  quoin reproduce --list\n"
+      "  quoin reproduce walls brittle --quality fast\n"
+      "  quoin reproduce --out /tmp/paper                   everything, less than 30 minutes on two cores");
+  command->callback([options, &exit_code] { reproduce_studies(*options, exit_code); });
+}
+
+}  // namespace quoin

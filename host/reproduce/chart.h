@@ -1,0 +1,38 @@
+// A chart: curves and reference values in one picture, through gnuplot.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "reproduce/study.h"
+
+namespace quoin::reproduce {
+
+enum class Mark { line, dashed, points, level, band };
+
+struct Series {
+  std::string label;
+  Mark mark = Mark::line;
+  std::vector<double> x, y;  // level: y[0]; band: y[0] to y[1]
+  int colour = 0;            // of the palette; the same number for what belongs together
+};
+
+struct Chart {
+  std::string name, title, x_label, y_label;
+  std::string key = "bottom right";
+  std::string extra{};  // gnuplot commands, before plot
+  bool from_zero = true;
+  std::vector<Series> series{};
+
+  void add(const std::string& label, const Curve& curve, int colour, Mark mark = Mark::line);
+  // Reference values say in the legend what kind they are.
+  void add_level(const std::string& label, Kind kind, double y, int colour);
+  void add_band(const std::string& label, Kind kind, double low, double high, int colour);
+  void add_points(const std::string& label, std::vector<double> x, std::vector<double> y, int colour);
+};
+
+// Draws FOLDER/NAME.png and lists it in the report.
+void draw(const Chart& chart, const Findings& findings, StudyReport& report, const std::string& caption);
+
+}  // namespace quoin::reproduce

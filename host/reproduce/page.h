@@ -1,0 +1,16 @@
+// The report as a page of HTML that is read from top to bottom: DIR/index.html, and one section a study in
+// DIR/STUDY/section.html, so that studies that were not run this time keep their place on the page.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "reproduce/study.h"
+
+namespace quoin::reproduce {
+
+void write_section(const std::filesystem::path& root, const Study& study, const Quality& quality,
+                   const StudyReport& report);
+void write_page(const std::filesystem::path& root);
+
+}  // namespace quoin::reproduce

@@ -1,0 +1,137 @@
+// What a study of the paper is: runs, and a reading of what came out. All studies are listed in study_list.cpp.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reproduce/curve.h"
+
+namespace quoin::reproduce {
+
+// How much time the studies may take. The velocity is that of the top of a 1 m wall.
+struct Quality {
+  std::string name;
+  double velocity;         // m/s
+  std::string error;       // expected, of peaks, against a slow rate
+  bool slow_runs = false;  // the run at 0.1 mm/s too
+  double pace() const { return velocity / 0.02; }
+};
+const std::vector<Quality>& qualities();
+
+// One simulation: a shipped scene and what is laid over it, as `quoin run` takes them.
+struct RunSpec {
+  std::string name;   // of the run within its study
+  std::string scene;  // without .toml
+  std::vector<std::string> overrides;
+  std::string law;    // replaces the law of all joints; empty: as in the scene
+  double cost = 1.0;  // rough, in solid walls of standard quality: long runs start first
+};
+
+struct RunResult {
+  RunSpec spec;
+  std::filesystem::path folder;
+  bool complete = false;
+  std::string message;  // why it is not complete
+  Curve curve;
+  double wall_clock = 0.0, time_step = 0.0, bed_area = 0.0;  // s, s, m2
+  long blocks = 0, zones = 0, points = 0, steps = 0;
+};
+
+// Where a reference value comes from.
+enum class Kind { printed, derived, seen, recalled };
+const char* kind_tag(Kind kind);   // "[P]"
+const char* kind_word(Kind kind);  // "printed in the paper"
+
+struct Verdict {
+  std::string claim;
+  double number = 0.0;
+  std::optional<double> reference;
+  std::string unit;
+  Kind kind = Kind::printed;
+  bool reproduced = false;
+  std::string text;  // for readers: the numbers in words
+};
+
+struct Picture {
+  std::filesystem::path file;  // relative to the folder of all results
+  std::string caption;
+};
+
+struct Table {
+  std::string caption;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+};
+
+struct StudyReport {
+  std::vector<Verdict> verdicts;
+  std::vector<Picture> pictures;
+  std::vector<Table> tables;
+  std::vector<std::string> agrees, differs, notes;
+  std::vector<std::string> notices;  // pictures that could not be drawn, runs that failed
+};
+
+// What a study sees when its runs are done.
+class Findings {
+ public:
+  Findings(std::filesystem::path root, std::string study, Quality quality, std::map<std::string, RunResult> runs)
+      : root_(std::move(root)), study_(std::move(study)), quality_(std::move(quality)), runs_(std::move(runs)) {}
+
+  const Quality& quality() const { return quality_; }
+  const RunResult& run(const std::string& name) const;  // throws Error(numerical) when the run is not complete
+  bool has(const std::string& name) const;              // complete
+  std::filesystem::path folder() const { return root_ / study_; }
+  std::filesystem::path relative(const std::filesystem::path& file) const { return file.lexically_relative(root_); }
+  // The picture of cracks and deformed shape that the run left.
+  void add_cracks(StudyReport& report, const std::string& run, const std::string& caption) const;
+
+ private:
+  std::filesystem::path root_;
+  std::string study_;
+  Quality quality_;
+  std::map<std::string, RunResult> runs_;
+};
+
+struct Study {
+  std::string id, title, figures, claim;
+  std::vector<RunSpec> (*runs)(const Quality&);
+  StudyReport (*report)(const Findings&);
+};
+const std::vector<Study>& studies();
+const Study* find_study(const std::string& id);
+
+// Studies by theme, for study_list.cpp.
+StudyReport report_law(const Findings&);
+std::vector<RunSpec> no_runs(const Quality&);
+std::vector<RunSpec> wall_runs(const Quality&);
+StudyReport report_walls(const Findings&);
+std::vector<RunSpec> rate_runs(const Quality&);
+StudyReport report_rate(const Findings&);
+std::vector<RunSpec> brittle_runs(const Quality&);
+StudyReport report_brittle(const Findings&);
+StudyReport report_envelope(const Findings&);
+std::vector<RunSpec> hollow_runs(const Quality&);
+StudyReport report_hollow(const Findings&);
+std::vector<RunSpec> contact_point_runs(const Quality&);
+StudyReport report_contact_points(const Findings&);
+std::vector<RunSpec> stiffness_runs(const Quality&);
+StudyReport report_stiffness(const Findings&);
+std::vector<RunSpec> block_size_runs(const Quality&);
+StudyReport report_block_size(const Findings&);
+std::vector<RunSpec> energy_runs(const Quality&);
+StudyReport report_energy(const Findings&);
+std::vector<RunSpec> building_runs(const Quality&);
+StudyReport report_building(const Findings&);
+std::vector<RunSpec> blind_runs(const Quality&);
+StudyReport report_blind(const Findings&);
+std::vector<RunSpec> cyclic_runs(const Quality&);
+StudyReport report_cyclic(const Findings&);
+
+// A run of one of the single walls, with its top beam at the pace of the quality.
+RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,
+                  std::vector<std::string> overrides = {}, double cost = 1.0);
+
+}  // namespace quoin::reproduce

@@ -1,0 +1,393 @@
+// The walls of the benchmark: pressures, loading rate, brittle joints, envelope, opening.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "reproduce/chart.h"
+#include "results/file.h"
+
+namespace quoin::reproduce {
+
+namespace {
+
+struct WallReference {
+  const char *name, *scene, *tests;
+  double pressure;           // MPa
+  double peak;               // kN, from the paper's regression times 0.099 m2 [D]
+  double stress_at_peak;     // MPa [D]
+  double raw_low, raw_high;  // kN, raw tests [R]
+};
+constexpr std::array<WallReference, 3> kWalls{{{"0.30 MPa", "solid_wall_030", "J4D, J5D", 0.30, 51.7, 0.76, 50.0, 52.0},
+                                               {"1.21 MPa", "solid_wall_121", "J6D", 1.21, 73.3, 1.36, 71.5, 72.5},
+                                               {"2.12 MPa", "solid_wall_212", "J7D", 2.12, 94.9, 1.97, 96.5, 97.5}}};
+constexpr double kArea = 0.099;  // m2
+// More than this, and the cause has to be looked for.
+constexpr double kPeakTolerance = 0.15;
+
+double percent(double number, double reference) { return 100.0 * (number / reference - 1.0); }
+
+struct Line {
+  double cut, slope, r2;
+};
+Line least_squares(const std::vector<double>& x, const std::vector<double>& y) {
+  const double n = static_cast<double>(x.size());
+  double sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sx += x[i], sy += y[i], sxx += x[i] * x[i], sxy += x[i] * y[i], syy += y[i] * y[i];
+  }
+  const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  const double r = (n * sxy - sx * sy) / std::sqrt((n * sxx - sx * sx) * (n * syy - sy * sy));
+  return {(sy - slope * sx) / n, slope, r * r};
+}
+
+}  // namespace
+
+std::vector<RunSpec> wall_runs(const Quality& q) {
+  std::vector<RunSpec> runs;
+  for (const WallReference& w : kWalls) runs.push_back(shear_run(q, w.name, w.scene));
+  return runs;
+}
+
+StudyReport report_walls(const Findings& findings) {
+  StudyReport report;
+  Chart chart{"curves", "Solid walls: horizontal force", "displacement of the top beam (mm)", "horizontal force (kN)"};
+  Table table{"Peaks",
+              {"pressure", "tests", "peak", "at", "mean vertical stress at the peak", "tests [D]", "difference",
+               "raw tests [R]"},
+              {}};
+  std::vector<std::pair<std::string, const Curve*>> curves;
+  int colour = 0;
+  for (const WallReference& w : kWalls) {
+    const RunResult& run = findings.run(w.name);
+    const Curve& c = run.curve;
+    curves.emplace_back(w.name, &c);
+    chart.add(std::string("model, ") + w.name, c, colour);
+    chart.add_level(fmt::format("{} peak {:.1f} kN", w.tests, w.peak), Kind::derived, w.peak, colour);
+    chart.add_band(fmt::format("{} raw", w.tests), Kind::recalled, w.raw_low, w.raw_high, colour);
+    const double off = percent(c.peak(), w.peak);
+    const double stress = c.vertical[c.peak_row()] / run.bed_area / 1e3;
+    table.rows.push_back(
+        {w.name, w.tests, fmt::format("{:.1f} kN", c.peak()), fmt::format("{:.2f} mm", c.peak_displacement()),
+         fmt::format("{:.2f} MPa (tests {:.2f} [D])", stress, w.stress_at_peak), fmt::format("{:.1f} kN", w.peak),
+         fmt::format("{:+.0f} %", off), fmt::format("{:.0f} kN", (w.raw_low + w.raw_high) / 2)});
+    report.verdicts.push_back({fmt::format("peak of the solid wall at {}, within 15 %", w.name), c.peak(), w.peak, "kN",
+                               Kind::derived, std::abs(off) <= 100 * kPeakTolerance,
+                               fmt::format("{:.1f} kN at {:.2f} mm, tests {:.1f} kN: {:+.0f} %", c.peak(),
+                                           c.peak_displacement(), w.peak, off)});
+    ++colour;
+  }
+  const double first = findings.run(kWalls[0].name).curve.peak(), last = findings.run(kWalls[2].name).curve.peak();
+  report.verdicts.push_back({"strength grows with the pressure", last / first, 94.9 / 51.7, "x", Kind::derived,
+                             last > 1.2 * first,
+                             fmt::format("2.12 over 0.30 MPa: {:.2f}, tests {:.2f}", last / first, 94.9 / 51.7)});
+  draw(chart, findings, report,
+       "Curves of the three walls. Dotted: peaks of the tests by the paper's regression [D]; bands: raw peaks as "
+       "recalled [R].");
+  for (const WallReference& w : kWalls)
+    findings.add_cracks(report, w.name, fmt::format("Cracks at the end, {} ({}).", w.name, w.tests));
+  report.tables.push_back(std::move(table));
+  write_file(findings.folder() / "curves.csv", curves_csv(curves));
+  report.agrees = {"Peaks are within 15 % of the tests, and in their order.",
+                   "Bending cracks open at top and bottom first; then a stair-step diagonal through head and bed "
+                   "joints; crushed toes where the diagonal strut lands.",
+                   "With the pressure, more joints inside units open: cracked bricks along the diagonal."};
+  report.differs = {
+      "All three peaks are above the tests, by 5 to 10 %. An independent trial of the same law (REFERENCE_DATA.md) has "
+      "the same excess "
+      "(+6, +9, +9 %), so it belongs to the model, not to this host. Of what was varied, finer blocks lower the peak "
+      "most (-3 %; see "
+      "contact_points); slower loading (rate) and the stiffness of the unit joints (stiffness) less than 1 %."};
+  return report;
+}
+
+// ---- Loading rate --------------------------------------------------------------------------------------------------
+
+namespace {
+
+struct Rate {
+  const char* name;
+  double velocity;  // m/s
+  double cost;
+  bool slow;
+};
+constexpr std::array<Rate, 8> kRates{{{"0.1 mm/s", 1e-4, 100.0, true},
+                                      {"1 mm/s", 1e-3, 10.0, false},
+                                      {"10 mm/s", 1e-2, 1.0, false},
+                                      {"20 mm/s", 2e-2, 0.5, false},
+                                      {"40 mm/s", 4e-2, 0.3, false},
+                                      {"80 mm/s", 8e-2, 0.2, false},
+                                      {"160 mm/s", 0.16, 0.1, false},
+                                      {"320 mm/s", 0.32, 0.1, false}}};
+constexpr double kSmooth = 0.005;  // of the peak: below, a curve looks smooth
+
+}  // namespace
+
+std::vector<RunSpec> rate_runs(const Quality& q) {
+  std::vector<RunSpec> runs;
+  for (const Rate& r : kRates) {
+    if (r.slow && !q.slow_runs) continue;
+    if (q.name == "fast" && r.velocity < 5e-3) continue;
+    // The ramp is the same distance for all rates, short of the first crack.
+    runs.push_back({r.name,
+                    "solid_wall_121",
+                    {fmt::format("stage.shear.velocity={}", r.velocity), "stage.shear.displacement=0.0025",
+                     fmt::format("stage.shear.ramp_time={:.6g}", std::min(0.05, 1e-4 / r.velocity))},
+                    "",
+                    r.cost});
+  }
+  return runs;
+}
+
+StudyReport report_rate(const Findings& findings) {
+  StudyReport report;
+  Chart chart{"curves", "Loading rate, 1.21 MPa, no mass scaling", "displacement of the top beam (mm)",
+              "horizontal force (kN)"};
+  Chart ratio{"unbalanced", "Largest unbalanced force over the mean contact force", "displacement of the top beam (mm)",
+              "ratio"};
+  ratio.key = "top right";
+  ratio.extra = "set logscale y\nset format y \"10^{%T}\"\n";
+  ratio.from_zero = false;
+  Table table{
+      "Rates", {"rate", "peak", "roughness of the curve (0.1 to 2.5 mm)", "mean unbalanced ratio", "steps"}, {}};
+  std::vector<std::pair<std::string, const Curve*>> curves;
+  std::string begins = "none of those tried";
+  int colour = 0;
+  for (const Rate& r : kRates) {
+    if (!findings.has(r.name)) continue;
+    const RunResult& run = findings.run(r.name);
+    const Curve& c = run.curve;
+    curves.emplace_back(r.name, &c);
+    chart.add(r.name, c, colour);
+    ratio.series.push_back({r.name, Mark::line, c.displacement, c.unbalanced, colour});
+    ++colour;
+    const double rough = c.roughness(0.05, 0.1, 2.45);
+    if (rough > kSmooth && begins.starts_with("none")) begins = r.name;
+    table.rows.push_back({r.name, fmt::format("{:.1f} kN", c.peak()), fmt::format("{:.2f} %", 100 * rough),
+                          fmt::format("{:.2g}", c.mean_unbalanced(0.1, 2.45)), std::to_string(run.steps)});
+  }
+  const double rough_10 = findings.run("10 mm/s").curve.roughness(0.05, 0.1, 2.45);
+  report.verdicts.push_back({"10 mm/s oscillates", 100 * rough_10, std::nullopt, "% roughness", Kind::printed,
+                             rough_10 > kSmooth,
+                             fmt::format("departure from its own running mean over 0.05 mm: {:.2f} % of the peak; "
+                                         "oscillation begins (above {:g} %) at {}",
+                                         100 * rough_10, 100 * kSmooth, begins)});
+  auto agree = [&](const char* slow, const char* fast) {
+    const Curve &a = findings.run(slow).curve, &b = findings.run(fast).curve;
+    double worst = 0.0;
+    for (double d = 0.1; d < 2.45; d += 0.01) worst = std::max(worst, std::abs(a.force_at(d) - b.force_at(d)));
+    report.verdicts.push_back(
+        {fmt::format("{} and {} agree", fast, slow), 100 * worst / a.peak(), 0.0, "% of the peak", Kind::printed,
+         worst < 0.05 * a.peak(),
+         fmt::format("peaks {:.1f} and {:.1f} kN; largest distance of the curves {:.1f} % of the peak", b.peak(),
+                     a.peak(), 100 * worst / a.peak())});
+  };
+  if (findings.has("1 mm/s") && findings.has("0.1 mm/s")) agree("0.1 mm/s", "1 mm/s");
+  if (findings.has("1 mm/s")) agree("1 mm/s", "10 mm/s");
+  bool falls = true;
+  double before = 0.0;
+  for (const Rate& r : kRates) {
+    if (!findings.has(r.name)) continue;
+    const double now = findings.run(r.name).curve.mean_unbalanced(0.1, 2.45);
+    falls = falls && now > before;
+    before = now;
+  }
+  const char* slowest = findings.has("1 mm/s") ? "1 mm/s" : "10 mm/s";
+  const double factor =
+      findings.run("80 mm/s").curve.mean_unbalanced(0.1, 2.45) / findings.run(slowest).curve.mean_unbalanced(0.1, 2.45);
+  report.verdicts.push_back({"unbalanced ratio is lower for slower loading", factor, std::nullopt, "x", Kind::printed,
+                             falls,
+                             fmt::format("80 mm/s over {}: {:.1f} times; {}", slowest, factor,
+                                         falls ? "falls with every step down" : "does not fall with every step down")});
+  draw(chart, findings, report, "Curves at all rates, to 2.5 mm as in Figure 7.");
+  draw(ratio, findings, report,
+       "Unbalanced ratio. The paper divides by the total horizontal force; ours by the mean force of a contact point.");
+  report.tables.push_back(std::move(table));
+  write_file(findings.folder() / "curves.csv", curves_csv(curves));
+  report.agrees = {"Slower loading lowers the unbalanced force, and slow curves coincide."};
+  if (rough_10 <= kSmooth)
+    report.differs = {
+        "At 10 mm/s our curve is smooth; the paper's oscillates. Oscillation needs a faster rate here (table). The "
+        "paper does not print its time "
+        "step, mass scaling or ramp. A step close to the stability limit makes noise at any rate (REFERENCE_DATA.md: "
+        "from 0.7 of the limit on), "
+        "and equation 3 read literally is 1.25 times the limit of these bricks: the likeliest cause, which the paper "
+        "alone cannot prove."};
+  if (!findings.has("0.1 mm/s"))
+    report.notes.push_back(
+        "0.1 mm/s is run only at quality reference (about half an hour on one core): quoin reproduce rate --quality "
+        "reference, or --slow.");
+  return report;
+}
+
+// ---- Brittle joints ------------------------------------------------------------------------------------------------
+
+std::vector<RunSpec> brittle_runs(const Quality& q) {
+  std::vector<RunSpec> runs = wall_runs(q);
+  for (const WallReference& w : kWalls) {
+    RunSpec spec = shear_run(q, std::string("brittle, ") + w.name, w.scene);
+    spec.law = "coulomb_slip";
+    runs.push_back(spec);
+  }
+  return runs;
+}
+
+StudyReport report_brittle(const Findings& findings) {
+  StudyReport report;
+  Table table{"Brittle against softening",
+              {"pressure", "softening", "brittle", "ratio", "roughness softening", "roughness brittle"},
+              {}};
+  std::vector<std::pair<std::string, const Curve*>> curves;
+  for (const WallReference& w : kWalls) {
+    const std::string brittle_name = std::string("brittle, ") + w.name;
+    const Curve &soft = findings.run(w.name).curve, &brittle = findings.run(brittle_name).curve;
+    curves.emplace_back(w.name, &soft);
+    curves.emplace_back(brittle_name, &brittle);
+    Chart chart{fmt::format("curves_{}", std::string(w.scene).substr(11)),
+                fmt::format("Brittle and softening joints, {}", w.name), "displacement of the top beam (mm)",
+                "horizontal force (kN)"};
+    chart.add("law fracture_energy", soft, 0);
+    chart.add("law coulomb_slip (brittle)", brittle, 1);
+    chart.add_level(fmt::format("{} peak {:.1f} kN", w.tests, w.peak), Kind::derived, w.peak, 6);
+    draw(chart, findings, report, fmt::format("{}: the same scene, the library of the joints swapped.", w.name));
+    const double end = std::min(soft.displacement.back(), brittle.displacement.back()) - 0.05;
+    const double r_soft = soft.roughness(0.05, 0.1, end), r_brittle = brittle.roughness(0.05, 0.1, end);
+    const double part = brittle.peak() / soft.peak();
+    table.rows.push_back({w.name, fmt::format("{:.1f} kN", soft.peak()), fmt::format("{:.1f} kN", brittle.peak()),
+                          fmt::format("{:.2f}", part), fmt::format("{:.2f} %", 100 * r_soft),
+                          fmt::format("{:.2f} %", 100 * r_brittle)});
+    report.verdicts.push_back({fmt::format("brittle is lower at {}", w.name), part, 1.0, "x", Kind::printed,
+                               part < 0.97,
+                               fmt::format("{:.1f} against {:.1f} kN: {:.2f}", brittle.peak(), soft.peak(), part)});
+    report.verdicts.push_back(
+        {fmt::format("brittle is irregular at {}", w.name), r_brittle / r_soft, std::nullopt, "x", Kind::printed,
+         r_brittle > 1.5 * r_soft,
+         fmt::format("roughness {:.2f} against {:.2f} % of the peak", 100 * r_brittle, 100 * r_soft)});
+  }
+  for (const WallReference& w : kWalls)
+    findings.add_cracks(report, std::string("brittle, ") + w.name,
+                        fmt::format("Brittle joints at the end, {}.", w.name));
+  report.tables.push_back(std::move(table));
+  write_file(findings.folder() / "curves.csv", curves_csv(curves));
+  report.notes = {
+      "The brittle law is the standard one of 3DEC: at the first failure tension and cohesion drop to nothing, "
+      "compression stays elastic: no crushed toes. "
+      "Under high pressure a wall of brittle joints therefore keeps its friction and can go on rising late, where the "
+      "softening one has crushed."};
+  return report;
+}
+
+// ---- Envelope ------------------------------------------------------------------------------------------------------
+
+StudyReport report_envelope(const Findings& findings) {
+  StudyReport report;
+  std::vector<double> initial, at_peak, tau, tau_test, at_peak_test;
+  for (const WallReference& w : kWalls) {
+    const RunResult& run = findings.run(w.name);
+    initial.push_back(w.pressure);
+    at_peak.push_back(run.curve.vertical[run.curve.peak_row()] / run.bed_area / 1e3);
+    tau.push_back(run.curve.peak() / run.bed_area / 1e3);
+    tau_test.push_back(w.peak / kArea / 1e3);
+    at_peak_test.push_back(w.stress_at_peak);
+  }
+  const Line of_initial = least_squares(initial, tau), of_peak = least_squares(at_peak, tau);
+  // Equation 6 with tan(phi) in the numerator; pattern 2 h/l of the bare brick, 50 x 204 mm.
+  const double pattern = 2 * 50.0 / 204.0, c = 0.3, mu = 0.7;
+  const Line mann{c / (1 + mu * pattern), mu / (1 + mu * pattern), 1.0};
+
+  const auto line = [](const Line& l, double to) {
+    return std::pair<std::vector<double>, std::vector<double>>{{0.0, to}, {l.cut, l.cut + l.slope * to}};
+  };
+  auto add_line = [&](Chart& chart, const std::string& label, const Line& l, int colour, Mark mark) {
+    auto [x, y] = line(l, 2.4);
+    chart.series.push_back({label, mark, x, y, colour});
+  };
+  Chart chart{"envelope", "Peak shear stress against normal stress", "mean vertical stress (MPa)",
+              "peak shear stress (MPa)"};
+  chart.extra = "set yrange [0:1.6]\n";
+  chart.add_points("model, initial stress", initial, tau, 0);
+  chart.add_points("model, stress at the peak", at_peak, tau, 1);
+  chart.add_points(std::string("tests, initial stress ") + kind_tag(Kind::derived), initial, tau_test, 5);
+  chart.add_points(std::string("tests, stress at the peak ") + kind_tag(Kind::derived), at_peak_test, tau_test, 7);
+  add_line(chart, fmt::format("model: {:.2f} + {:.2f} sigma (initial)", of_initial.cut, of_initial.slope), of_initial,
+           0, Mark::line);
+  add_line(chart, fmt::format("model: {:.2f} + {:.2f} sigma (at the peak)", of_peak.cut, of_peak.slope), of_peak, 1,
+           Mark::line);
+  add_line(chart, "tests: 0.45 + 0.24 sigma (initial) [P]", {0.45, 0.24, 1}, 5, Mark::dashed);
+  add_line(chart, "tests: 0.25 + 0.36 sigma (at the peak) [P]", {0.25, 0.36, 1}, 7, Mark::dashed);
+  add_line(chart, fmt::format("Mann-Mueller: {:.2f} + {:.2f} sigma [P]", mann.cut, mann.slope), mann, 6, Mark::dashed);
+  chart.key = "top left";
+  draw(chart, findings, report, "Peaks and regressions, model and tests, with Mann and Mueller's line.");
+
+  auto judge = [&](const std::string& claim, double number, double reference, double tolerance, const char* unit) {
+    report.verdicts.push_back(
+        {claim, number, reference, unit, Kind::printed, std::abs(number / reference - 1) <= tolerance,
+         fmt::format("{:.3f} {}, paper {:.2f}: {:+.0f} %", number, unit, reference, percent(number, reference))});
+  };
+  judge("cohesion of the wall, initial stress", of_initial.cut, 0.45, 0.15, "MPa");
+  judge("friction of the wall, initial stress", of_initial.slope, 0.24, 0.15, "");
+  judge("cohesion of the wall, stress at the peak", of_peak.cut, 0.25, 0.15, "MPa");
+  judge("friction of the wall, stress at the peak", of_peak.slope, 0.36, 0.15, "");
+  judge("Mann-Mueller cohesion", mann.cut, 0.22, 0.03, "MPa");
+  judge("Mann-Mueller friction", mann.slope, 0.52, 0.03, "");
+  report.verdicts.push_back(
+      {"linear regressions fit (R2)", of_peak.r2, 0.99, "", Kind::printed, of_peak.r2 > 0.98,
+       fmt::format("R2 {:.3f} at the peak, {:.3f} initial; paper 0.99 both", of_peak.r2, of_initial.r2)});
+  std::string csv =
+      "initial_stress_MPa,stress_at_peak_MPa,peak_shear_MPa,test_stress_at_peak_MPa_D,test_peak_shear_MPa_D\n";
+  for (std::size_t i = 0; i < tau.size(); ++i)
+    csv += fmt::format("{},{:.5g},{:.5g},{},{:.5g}\n", initial[i], at_peak[i], tau[i], at_peak_test[i], tau_test[i]);
+  write_file(findings.folder() / "envelope.csv", csv);
+  report.agrees = {
+      "The slope against the initial stress is far below the friction of the joints, as in the tests: holding the "
+      "vertical displacement raises the "
+      "stress most where it began low."};
+  report.notes = {
+      "Equation 6 needs tan(phi) in the numerator to give the printed 0.52, and the bare brick (50 x 204 mm) in 2 h/l; "
+      "with the expanded one it gives 0.21 MPa and 0.50.",
+      "The regressions of the paper are those of the tests; ours are of the model's peaks, 5 to 10 % above the tests "
+      "(study walls)."};
+  return report;
+}
+
+// ---- Opening -------------------------------------------------------------------------------------------------------
+
+std::vector<RunSpec> hollow_runs(const Quality& q) {
+  return {shear_run(q, "2 half bricks", "hollow_wall", {}, 3.5),
+          shear_run(q, "2 half bricks, the other way", "hollow_wall", {"wall.opening.1.first_half_unit=3"}, 3.5),
+          shear_run(q, "3 half bricks", "hollow_wall",
+                    {"wall.opening.1.first_half_unit=3", "wall.opening.1.half_units=3"}, 3.0)};
+}
+
+StudyReport report_hollow(const Findings& findings) {
+  StudyReport report;
+  Chart chart{"curves", "Wall with an opening, 0.30 MPa", "displacement of the top beam (mm)", "horizontal force (kN)"};
+  std::vector<std::pair<std::string, const Curve*>> curves;
+  Table table{"Openings", {"opening", "peak", "at", "at 10 mm", "at 20 mm"}, {}};
+  int colour = 0;
+  chart.add_band("J2G, J3G peaks", Kind::recalled, 20, 40, 6);
+  for (const char* name : {"2 half bricks", "2 half bricks, the other way", "3 half bricks"}) {
+    const Curve& c = findings.run(name).curve;
+    curves.emplace_back(name, &c);
+    chart.add(name, c, colour++);
+    table.rows.push_back({name, fmt::format("{:.1f} kN", c.peak()), fmt::format("{:.1f} mm", c.peak_displacement()),
+                          fmt::format("{:.1f} kN", c.force_at(10)), fmt::format("{:.1f} kN", c.last_force())});
+  }
+  const Curve& main = findings.run("2 half bricks").curve;
+  draw(chart, findings, report, "Curves. Band: peaks of the tests as recalled [R].");
+  findings.add_cracks(report, "2 half bricks", "Opening of 2 half bricks: the end of the run.");
+  findings.add_cracks(report, "3 half bricks", "Opening of 3 half bricks.");
+  report.tables.push_back(std::move(table));
+  write_file(findings.folder() / "curves.csv", curves_csv(curves));
+  report.verdicts.push_back(
+      {"peak in the range of the tests (recalled: orientation only)", main.peak(), 30.0, "kN", Kind::recalled,
+       main.peak() >= 20 && main.peak() <= 40,
+       fmt::format("{:.1f} kN at {:.1f} mm; recalled 20 to 40 kN", main.peak(), main.peak_displacement())});
+  report.notes = {
+      "The paper does not print the size of the opening. 2 half bricks by 6 courses is assumed; on the grid of half "
+      "bricks it cannot stand in the middle of 9, so both "
+      "neighbouring places are run, and 3 half bricks, which can: together they say what the assumption is worth."};
+  return report;
+}
+
+}  // namespace quoin::reproduce
