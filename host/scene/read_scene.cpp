@@ -218,8 +218,10 @@ WallSpec read_wall(Table t, const Scene& scene) {
     WallSpec::Opening opening{};
     const int columns = has_units ? static_cast<int>(2 * w.units_per_course) : 20000;
     const int courses = has_courses ? w.courses : 10000;
-    if (o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true) &
-        o.integer("first_course", opening.first_course, 0, courses - 1, true)) {
+    // Both are read, so that both can be at fault.
+    const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true);
+    const bool has_course = o.integer("first_course", opening.first_course, 0, courses - 1, true);
+    if (has_column && has_course) {
       o.integer("half_units", opening.half_units, 1, columns - opening.first_half_unit, true);
       o.integer("courses", opening.courses, 1, courses - opening.first_course, true);
     } else {
