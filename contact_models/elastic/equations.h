@@ -53,9 +53,10 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
       if (c.out[kDissipated + k]) store(zero(), c.out[kDissipated + k], i);
     }
     for (int k = 0; k < 9; ++k) {
-      if (c.out[kTangent + k]) store(k == 0 ? kn : k % 4 == 0 ? ks : zero(), c.out[kTangent + k], i);
+      const V entry = k == 0 ? kn : k % 4 == 0 ? ks : zero();
+      if (c.out[kTangent + k]) store(hn::IfThenElseZero(sound, entry), c.out[kTangent + k], i);
     }
-    if (c.out[kFlags]) store(flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN), c.out[kFlags], i);
+    if (c.out[kFlags]) store(flag_if(hn::And(sound, hn::Gt(d_n, zero())), QUOIN_FLAG_OPEN), c.out[kFlags], i);
     if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
   }
 }

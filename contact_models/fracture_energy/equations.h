@@ -51,8 +51,10 @@ struct Lanes {
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, crushing_drop)), hn::Not(drops_c)));
-    const V smallest = hn::Min(hn::Min(ft, cr), hn::Min(hn::Min(mur, tan_psi), fcr));
-    admissible = hn::And(admissible, hn::Ge(smallest, zero()));
+    // One by one: a minimum may lose a value that is not a number.
+    for (const V value : {ft, cr, mur, tan_psi, fcr}) {
+      admissible = hn::And(admissible, hn::Ge(value, zero()));
+    }
     admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
     admissible = hn::And(admissible, hn::And(hn::Le(cr, c0), hn::Le(fcr, fc)));
   }

@@ -109,6 +109,9 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
     V collected = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, zero()));
     collected = gather_non_finite(r.state.tau_t, gather_non_finite(r.state.xi_t, collected));
     collected = gather_non_finite(r.state.xi_s, gather_non_finite(in.d_n, collected));
+    // A minimum or maximum inside the equations may lose an old value that is not a number.
+    collected = gather_non_finite(old.xi_t, gather_non_finite(old.xi_s, collected));
+    collected = gather_non_finite(old.w, gather_non_finite(old.v, collected));
     if constexpr (kCrushing || kFull) collected = gather_non_finite(r.state.w, collected);
     if constexpr (kDilation || kFull) collected = gather_non_finite(r.state.v, collected);
     M sound = is_finite(collected);
@@ -118,7 +121,7 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
       r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
       r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
       r.state.xi_t = select(sound, r.state.xi_t, old.xi_t);
-      r.state.xi_s = select(sound, r.state.xi_s, old.xi_s);
+      r.state.xi_s = select(sound, r.state.xi_s, state_in(kXiS, i));
       r.state.w = select(sound, r.state.w, old.w);
       r.state.v = select(sound, r.state.v, old.v);
       r.slip = hn::IfThenElseZero(sound, r.slip);

@@ -105,7 +105,7 @@ PropertyValues::PropertyValues(std::span<const quoin_property_info* const> metad
 }
 
 void write_text(quoin_text* buffer, const std::string& text) {
-  if (buffer == nullptr) return;
+  if (buffer == nullptr || buffer->struct_size < sizeof(quoin_text)) return;
   buffer->length = text.size();
   if (buffer->data == nullptr || buffer->capacity == 0) return;
   const std::size_t n = std::min<std::size_t>(text.size(), buffer->capacity - 1);
