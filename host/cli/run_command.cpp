@@ -11,12 +11,14 @@
 
 #include "cli/prepare.h"
 #include "cli/progress.h"
+#include "cli/run_blocks.h"
 #include "results/file.h"
 #include "results/history.h"
 #include "results/plots.h"
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
+#include "scene/block_scene.h"
 #include "scene/generate.h"
 #include "step/simulation.h"
 
@@ -138,9 +140,13 @@ class Recorder : public Observer {
 };
 
 void run(const RunOptions& options, int& exit_code) {
-  Scene scene = prepare_scene(options.scene);
   const fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
+  if (is_block_scene(options.scene.scene)) {
+    run_blocks(options.scene.scene, options.scene.law, options.scene.overrides, folder, exit_code);
+    return;
+  }
+  Scene scene = prepare_scene(options.scene);
   Assembly assembly = assemble(scene);
   Simulation simulation(std::move(scene), std::move(assembly), options.threads);
   make_folder(folder);

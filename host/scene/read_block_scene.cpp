@@ -1,0 +1,375 @@
+#include <fstream>
+
+#include "scene/block_scene.h"
+#include "scene/reader.h"
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+// A list of points, [[x, y, z], ...].
+std::vector<Vec3> read_points(Table& t, const std::string& key) {
+  std::vector<Vec3> points;
+  const std::string allowed = "a list of [x, y, z], m";
+  const toml::node* node = t.find(key, allowed, false);
+  if (!node) return points;
+  const toml::array* list = node->as_array();
+  for (size_t i = 0; list && i < list->size(); ++i) {
+    const toml::array* p = list->get(i)->as_array();
+    if (!p || p->size() != 3 || !p->get(0)->is_number() || !p->get(1)->is_number() || !p->get(2)->is_number()) {
+      list = nullptr;
+      break;
+    }
+    points.push_back({*p->get(0)->value<double>(), *p->get(1)->value<double>(), *p->get(2)->value<double>()});
+  }
+  if (!list) t.wrong_type(key, *node, allowed);
+  return points;
+}
+
+std::vector<std::vector<int>> read_faces(Table& t, const std::string& key) {
+  std::vector<std::vector<int>> faces;
+  const std::string allowed = "a list of lists of vertex numbers from 0, counter-clockwise seen from outside";
+  const toml::node* node = t.find(key, allowed, false);
+  if (!node) return faces;
+  const toml::array* list = node->as_array();
+  for (size_t i = 0; list && i < list->size(); ++i) {
+    const toml::array* f = list->get(i)->as_array();
+    auto& face = faces.emplace_back();
+    for (size_t k = 0; f && k < f->size(); ++k) {
+      if (const auto v = f->get(k)->value<int64_t>()) face.push_back(int(*v));
+    }
+    if (!f || face.size() != f->size()) {
+      t.wrong_type(key, *node, allowed);
+      return {};
+    }
+  }
+  if (!list) t.wrong_type(key, *node, allowed);
+  return faces;
+}
+
+std::vector<double> read_list(Table& t, const std::string& key, const std::string& allowed, bool required) {
+  std::vector<double> values;
+  const toml::node* node = t.find(key, allowed, required);
+  if (!node) return values;
+  const toml::array* list = node->as_array();
+  for (size_t i = 0; list && i < list->size(); ++i) {
+    if (!list->get(i)->is_number()) {
+      list = nullptr;
+      break;
+    }
+    values.push_back(*list->get(i)->value<double>());
+  }
+  if (!list) t.wrong_type(key, *node, allowed);
+  return values;
+}
+
+void read_kind(Table& t, const BlockScene& scene, std::string& material, bool& rigid, double& zone_edge) {
+  std::vector<std::string> names;
+  for (const auto& [name, m] : scene.materials) names.push_back(name);
+  t.choice("material", material, names, true);
+  t.boolean("rigid", rigid);
+  if (t.number("zone_edge", zone_edge, kPositive, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
+}
+
+BlockSpec read_block(Table t, const BlockScene& scene) {
+  BlockSpec b;
+  b.source = {t.where()};
+  t.text("name", b.name, "text");
+  read_kind(t, scene, b.material, b.rigid, b.zone_edge);
+  t.boolean("fixed", b.fixed);
+  if (t.numbers("divisions", b.divisions, between(1, 200), "hexahedra of 5 zones along the three edges") && b.rigid) {
+    t.refuse("divisions", "only with rigid = false");
+  }
+  if (!b.rigid && b.zone_edge == 0.0 && b.divisions[0] == 0) {
+    t.context().fault(t.where() + ": a deformable block needs zone_edge (m) or divisions");
+  }
+  t.numbers("position", b.position, kAny, "m");
+  t.numbers("rotation", b.rotation, kAny, "deg, about its own direction");
+  int shapes = 0;
+  if (const toml::table* box = t.table("box", "{ lower = [x, y, z], size = [x, y, z] }, m")) {
+    ++shapes;
+    Table bt(t.context(), *box, t.path("box"));
+    b.box_lower = Vec3{0, 0, 0};
+    b.box_size = Vec3{1, 1, 1};
+    bt.numbers("lower", *b.box_lower, kAny, "m");
+    bt.numbers("size", *b.box_size, kPositive, "m", true);
+    bt.finish();
+  }
+  b.vertices = read_points(t, "vertices");
+  b.faces = read_faces(t, "faces");
+  shapes += !b.vertices.empty();
+  if (t.text("mesh", b.mesh, "a file .off, .obj or .stl")) ++shapes;
+  t.number("scale", b.scale, kPositive, "(mesh file's unit in m)");
+  if (shapes != 1)
+    t.context().fault(t.where() + ": give the shape by one of box, vertices (with or without faces), mesh");
+  t.finish();
+  return b;
+}
+
+DryWallSpec read_dry_wall(Table t, const BlockScene& scene) {
+  DryWallSpec w;
+  w.source = {t.where()};
+  t.text("name", w.name, "text");
+  read_kind(t, scene, w.material, w.rigid, w.zone_edge);
+  t.choice("bond", w.bond, {"running", "third", "stack"});
+  t.choice("first_course", w.first_course, {"whole", "half"});
+  t.integer("courses", w.courses, 1, 10000, true);
+  if (t.number("units_per_course", w.units_per_course, between(0.5, 10000), "units, in halves", true) &&
+      2 * w.units_per_course != std::floor(2 * w.units_per_course)) {
+    t.refuse("units_per_course", "a multiple of 0.5");
+  }
+  t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  t.numbers("origin", w.origin, kAny, "m");
+  t.number("direction", w.direction, kAny, "deg in plan, from x towards z");
+  t.numbers("trim_start", w.trim_start, kAny, "m, of even and of odd courses");
+  t.numbers("trim_end", w.trim_end, kAny, "m, of even and of odd courses");
+  int index = 0;
+  for (const toml::table* table : t.tables("opening", "tables [[dry_wall.opening]]")) {
+    Table o(t.context(), *table, fmt::format("{}.opening.{}", t.path(""), ++index));
+    DryWallSpec::Opening opening{};
+    o.number("from", opening.from, kNotNegative, "m along the wall", true);
+    o.number("to", opening.to, kPositive, "m along the wall", true);
+    o.number("sill", opening.sill, kNotNegative, "m above the foot", true);
+    o.number("head", opening.head, kPositive, "m above the foot", true);
+    o.number("bearing", opening.bearing, kNotNegative, "m of lintel either side (0: no lintel)");
+    o.finish();
+    w.openings.push_back(opening);
+  }
+  t.finish();
+  return w;
+}
+
+ArchSpec read_arch(Table t, const BlockScene& scene) {
+  ArchSpec a;
+  a.source = {t.where()};
+  t.text("name", a.name, "text");
+  read_kind(t, scene, a.material, a.rigid, a.zone_edge);
+  t.numbers("centre", a.centre, kAny, "m");
+  t.number("radius", a.radius, kPositive, "m, mean", true);
+  if (t.number("thickness", a.thickness, kPositive, "m", true) && a.thickness >= 2 * a.radius) {
+    t.refuse("thickness", "less than twice the radius");
+  }
+  t.number("depth", a.depth, kPositive, "m", true);
+  t.integer("voussoirs", a.voussoirs, 2, 10000, true);
+  t.numbers("angles", a.angles, between(-360, 360), "deg from x");
+  t.boolean("abutments", a.abutments);
+  t.finish();
+  return a;
+}
+
+JointRule read_rule(Table t, const BlockScene& scene) {
+  JointRule r;
+  std::vector<std::string> names{"none"};
+  for (const auto& [name, f] : scene.joints) names.push_back(name);
+  t.choice("family", r.family, names, true);
+  t.choice("normal", r.normal, {"vertical", "horizontal", "any"});
+  if (const toml::node* node = t.find("between", "two beginnings of block names", false)) {
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != 2 || !list->get(0)->is_string() || !list->get(1)->is_string()) {
+      t.wrong_type("between", *node, "two beginnings of block names");
+    } else {
+      r.between = {*list->get(0)->value<std::string>(), *list->get(1)->value<std::string>()};
+    }
+  }
+  t.finish();
+  return r;
+}
+
+SeriesSpec read_series(Table& t, const std::string& folder) {
+  SeriesSpec s;
+  std::string file;
+  double scale = 1.0;
+  t.number("scale", scale, kAny, "(m/s2 in one unit of the series)");
+  if (t.text("file", file, "a file of lines: time, acceleration")) {
+    std::ifstream in(file.starts_with('/') ? file : folder + file);
+    if (!in) t.refuse("file", "a file that can be read");
+    std::string line;
+    while (std::getline(in, line)) {
+      std::replace(line.begin(), line.end(), ',', ' ');
+      std::istringstream words(line);
+      double time, value;
+      if (words >> time >> value) s.time.push_back(time), s.value.push_back(value);
+    }
+    t.accept("time"), t.accept("acceleration");
+  } else {
+    s.time = read_list(t, "time", "a list of times, s", true);
+    s.value = read_list(t, "acceleration", "a list of accelerations", true);
+  }
+  if (s.time.size() != s.value.size() || s.time.empty() || !std::is_sorted(s.time.begin(), s.time.end())) {
+    t.context().fault(t.where() + ": needs as many times as accelerations, times ascending");
+  }
+  for (double& v : s.value) v *= scale;
+  return s;
+}
+
+BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* previous, const std::string& folder) {
+  BlockStage s;
+  s.source = {t.where()};
+  s.name = "stage";
+  t.text("name", s.name, "text");
+  if (previous) s.gravity = previous->gravity;
+  t.numbers("gravity", s.gravity, kAny, "m/s2");
+  t.number("ramp_time", s.ramp_time, kNotNegative, "s");
+  t.number("duration", s.duration, kPositive, "s");
+  t.number("equilibrium_ratio", s.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
+  t.integer("max_steps", s.max_steps, 1, 1000000000000L);
+  if (const auto* table = t.table("solver", "a table: damping of this stage"))
+    s.solver = read_solver({t.context(), *table, t.path("solver")});
+  int index = 0;
+  for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]")) {
+    Table v(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index));
+    BlockStage::Velocity c{};
+    c.held = {true, true, true}, c.rotation_held = true;
+    v.text("block", c.block, "the name of a block", true);
+    v.numbers("omega", c.omega, kAny, "rad/s");
+    v.boolean("rotation_held", c.rotation_held);
+    const std::string allowed = "a list of 3: a number in m/s, or \"free\"";
+    if (const toml::node* node = v.find("velocity", allowed, true)) {
+      const toml::array* list = node->as_array();
+      for (size_t i = 0; i < 3; ++i) {
+        const toml::node* n = list && list->size() == 3 ? list->get(i) : nullptr;
+        if (n && n->is_number()) {
+          c.velocity[i] = *n->value<double>();
+        } else if (n && n->value<std::string>() == "free") {
+          c.held[i] = false;
+        } else {
+          v.wrong_type("velocity", *node, allowed);
+          break;
+        }
+      }
+    }
+    v.finish();
+    s.velocities.push_back(c);
+  }
+  index = 0;
+  for (const toml::table* table : t.tables("force", "tables [[stage.force]]")) {
+    Table f(t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index));
+    BlockStage::Force c{};
+    f.text("block", c.block, "the name of a block", true);
+    f.numbers("point", c.point, kAny, "m, where it acts at the start; it moves with the block", true);
+    f.numbers("force", c.force, kAny, "N", true);
+    f.finish();
+    s.forces.push_back(c);
+  }
+  index = 0;
+  for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]")) {
+    Table p(t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index));
+    BlockStage::Pressure c{};
+    p.text("block", c.block, "the name of a block", true);
+    p.numbers("normal", c.normal, kAny, "outward, of the face that is meant", true);
+    p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
+    p.finish();
+    s.pressures.push_back(c);
+  }
+  if (const auto* table =
+          t.table("ground_motion", "a table { direction, time, acceleration } or { direction, file }")) {
+    Table g(t.context(), *table, t.path("ground_motion"));
+    BlockStage::Ground ground{};
+    g.numbers("direction", ground.direction, kAny, "of the motion", true);
+    ground.acceleration = read_series(g, folder);
+    g.finish();
+    s.ground = ground;
+  }
+  if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }")) {
+    Table c(t.context(), *table, t.path("collapse"));
+    BlockStage::Collapse collapse;
+    c.numbers("direction", collapse.direction, kAny, "of the body force");
+    c.number("start", collapse.start, kNotNegative, "times the weight");
+    c.number("rate", collapse.rate, kPositive, "times the weight, 1/s");
+    c.number("displacement", collapse.displacement, kPositive, "m");
+    c.number("limit", collapse.limit, kPositive, "times the weight");
+    c.finish();
+    s.collapse = collapse;
+  }
+  if (!s.duration && !s.equilibrium_ratio && !s.collapse && !t.has("duration") && !t.has("equilibrium_ratio")) {
+    t.context().fault(t.where() + ": the stage never ends; give duration (s), equilibrium_ratio or collapse");
+  }
+  (void)scene;
+  t.finish();
+  return s;
+}
+
+}  // namespace
+
+bool is_block_scene(const std::string& path) {
+  const toml::table root = parse(path);
+  return root.contains("block") || root.contains("dry_wall") || root.contains("arch");
+}
+
+BlockScene read_block_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  Context context;
+  context.file = path;
+  toml::table root = parse(path);
+  for (const std::string& setting : overrides) apply_override(root, setting, context);
+  const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
+
+  BlockScene scene;
+  scene.file = path;
+  Table t(context, root, "");
+  t.text("title", scene.title, "text");
+  if (const auto* table = t.table("solver", "a table [solver]"))
+    scene.solver = read_solver({context, *table, "solver"});
+  const auto each = [&](const char* kind, auto&& read) {
+    const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), true);
+    if (!all) return;
+    Table outer(context, *all, kind);
+    for (auto&& [key, node] : *all) {
+      const std::string name(key.str());
+      if (const auto* table = outer.table(name, fmt::format("a table [{}.{}]", kind, name))) {
+        read(name, Table(context, *table, outer.path(name)));
+      }
+    }
+    outer.finish();
+  };
+  each("materials", [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m); });
+  each("joints", [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
+  const auto all = [&](const char* kind, auto&& read) {
+    int index = 0;
+    for (const toml::table* table : t.tables(kind, fmt::format("tables [[{}]]", kind))) {
+      read(Table(context, *table, fmt::format("{}.{}", kind, ++index)));
+    }
+  };
+  all("block", [&](Table b) {
+    BlockSpec spec = read_block(b, scene);
+    if (!spec.mesh.empty() && !spec.mesh.starts_with('/')) spec.mesh = folder + spec.mesh;
+    scene.blocks.push_back(spec);
+  });
+  all("dry_wall", [&](Table w) { scene.walls.push_back(read_dry_wall(w, scene)); });
+  all("arch", [&](Table a) { scene.arches.push_back(read_arch(a, scene)); });
+  all("joint_rule", [&](Table r) { scene.rules.push_back(read_rule(r, scene)); });
+  if (!scene.joints.empty()) scene.default_joint = scene.joints.begin()->first;
+  std::vector<std::string> families{"none"};
+  for (const auto& [name, f] : scene.joints) families.push_back(name);
+  t.choice("default_joint", scene.default_joint, families, scene.joints.size() > 1 && scene.rules.empty());
+  if (const auto* table = t.table("contact", "a table [contact]")) {
+    Table c(context, *table, "contact");
+    c.number("skin", scene.contact.skin, kPositive, "m");
+    c.number("joint_tolerance", scene.contact.joint_tolerance, kPositive, "m");
+    c.number("point_spacing", scene.contact.point_spacing, kPositive, "m");
+    c.number("small_displacement", scene.contact.small_displacement, between(0, 0.1), "of the least extent of a block");
+    c.boolean("cubic_points", scene.contact.cubic_points);
+    c.finish();
+  }
+  int index = 0;
+  for (const auto* table : t.tables("stage", "tables [[stage]]", true)) {
+    const BlockStage* previous = scene.stages.empty() ? nullptr : &scene.stages.back();
+    BlockStage stage = read_block_stage({context, *table, fmt::format("stage.{}", ++index)}, scene, previous, folder);
+    scene.stages.push_back(std::move(stage));
+  }
+  if (const auto* table = t.table("output", "a table [output]")) {
+    Table o(context, *table, "output");
+    o.text("monitor", scene.monitor, "the name of a block");
+    o.integer("frames", scene.frames, 0, 100000);
+    o.number("record_interval", scene.record_interval, kNotNegative, "s");
+    o.boolean("energy", scene.energy);
+    o.boolean("picture", scene.picture);
+    o.finish();
+  }
+  t.finish();
+  context.throw_faults();
+  return scene;
+}
+
+}  // namespace quoin
