@@ -8,6 +8,7 @@
 #include "cli/check_command.h"
 #include "cli/models_command.h"
 #include "cli/path_command.h"
+#include "cli/reproduce_command.h"
 #include "cli/run_command.h"
 #include "scene/error.h"
 
@@ -32,6 +33,7 @@ int main(int argc, char** argv) {
   quoin::add_check_command(app, exit_code);
   quoin::add_models_command(app, exit_code);
   quoin::add_path_command(app, exit_code);
+  quoin::add_reproduce_command(app, exit_code);
 
   try {
     app.parse(argc, argv);

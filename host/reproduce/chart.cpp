@@ -49,8 +49,8 @@ void draw(const Chart& chart, const Findings& findings, StudyReport& report, con
             "set object rectangle from graph 0, first {} to graph 1, first {} fillcolor rgb \"{}\" fillstyle "
             "transparent solid 0.18 noborder behind\n",
             s.y[0], s.y[1], colour_of(s));
-        item = fmt::format("NaN with lines linewidth 9 linecolor rgb \"#40{}\" title {}", colour_of(s) + 1, title);
-        // An alpha of 0x40 out of 0xff is a quarter transparent; the rectangle is paler.
+        item = fmt::format("NaN with lines linewidth 9 linecolor rgb \"#c8{}\" title {}", colour_of(s) + 1, title);
+        // c8 of ff is about as transparent as the rectangle.
         break;
       default: {
         std::string data = "# " + s.label + "\n";
@@ -73,11 +73,12 @@ set ylabel {} noenhanced
 set border 3 linecolor rgb "#404040"
 set tics nomirror
 set grid xtics ytics linecolor rgb "#d0d0d0" linewidth 0.8
-set key {} spacing 1.25 samplen 3 noenhanced opaque
+set key {} spacing 1.25 samplen 3 width 1 noenhanced reverse Left
+set autoscale xfix
 {}set offsets 0, 0, graph 0.05, 0
 {}{})gp",
       gnuplot_text(chart.title), gnuplot_text(chart.x_label), gnuplot_text(chart.y_label), chart.key,
-      chart.from_zero ? "set xrange [0:*]\nset yrange [0:*]\n" : "", bands, chart.extra);
+      chart.from_zero ? "set xrange [0:*] noextend\nset yrange [0:*]\n" : "", bands, chart.extra);
   const std::string notice = draw_picture(findings.folder(), chart.name, script + plot + "\n");
   if (!notice.empty()) report.notices.push_back(notice);
   report.pictures.push_back({findings.relative(findings.folder() / (chart.name + ".png")), caption});

@@ -20,8 +20,8 @@ struct Series {
 
 struct Chart {
   std::string name, title, x_label, y_label;
-  std::string key = "bottom right";
-  std::string extra{};  // gnuplot commands, before plot
+  std::string key = "below maxcols 3";  // place of the legend
+  std::string extra{};                  // gnuplot commands, before plot
   bool from_zero = true;
   std::vector<Series> series{};
 

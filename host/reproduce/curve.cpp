@@ -68,6 +68,15 @@ double Curve::roughness(double window, double from, double to) const {
   return count > 0 && peak() > 0 ? std::sqrt(sum / static_cast<double>(count)) / peak() : 0.0;
 }
 
+double Curve::largest_fall(double to) const {
+  double highest = 0.0, fall = 0.0;
+  for (std::size_t i = 0; i < size() && displacement[i] <= to; ++i) {
+    highest = std::max(highest, force[i]);
+    fall = std::max(fall, highest - force[i]);
+  }
+  return peak() > 0 ? fall / peak() : 0.0;
+}
+
 double Curve::mean_unbalanced(double from, double to) const {
   double sum = 0.0;
   long count = 0;

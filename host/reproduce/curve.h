@@ -24,6 +24,8 @@ struct Curve {
   double displacement_after_peak(double part) const;
   // Root mean square of force minus its running mean over `window` mm, from `from` to `to` mm, over the peak.
   double roughness(double window, double from, double to) const;
+  // Largest fall of the force from a value before, up to `to` mm, over the peak: 0 while a curve only rises.
+  double largest_fall(double to) const;
   double mean_unbalanced(double from, double to) const;
 };
 

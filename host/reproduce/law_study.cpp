@@ -67,7 +67,7 @@ StudyReport report_law(const Findings& findings) {
     point.press_to(-pressure, 0.0, 0.0);
     Path path;
     for (int i = 0; i <= kSteps; ++i) {
-      const PointResult& now = point.press_to(-pressure, 1.2e-3 / kSteps * (i > 0), 0.0);
+      const PointResult& now = point.press_to(-pressure, 1.2e-3 * i / kSteps, 0.0);
       path.jump.push_back(now.jump[1] * 1e3);
       path.stress.push_back(now.traction[1] / 1e6);
       path.peak = std::max(path.peak, path.stress.back());
@@ -91,14 +91,13 @@ StudyReport report_law(const Findings& findings) {
   judge("peak in tension", tension.peak, 0.2, "MPa");
   judge("area under the tension curve", area_above(tension, 0.0), 15.0, "J/m2");
 
-  Chart chart{"tension", "Tension, Table 1's joint", "opening (mm)", "normal stress (MPa)", "top right"};
+  Chart chart{"tension", "Tension, Table 1's joint", "opening (mm)", "normal stress (MPa)"};
   chart.series.push_back({"law fracture_energy", Mark::line, tension.jump, tension.stress, 0});
   chart.add_level("tensile strength 0.2 MPa", Kind::printed, 0.2, 6);
   draw(chart, findings, report,
        "Tension: up to the strength with the elastic stiffness, then down a line that encloses 15 J/m2.");
 
-  Chart shears{"shear", "Shear at three confinements, Table 1's joint", "sliding (mm)", "shear stress (MPa)",
-               "top right"};
+  Chart shears{"shear", "Shear at three confinements, Table 1's joint", "sliding (mm)", "shear stress (MPa)"};
   const double mu = std::tan(35.0 * M_PI / 180.0);
   int colour = 0;
   for (const double pressure : {0.30e6, 1.21e6, 2.12e6}) {
@@ -119,7 +118,7 @@ StudyReport report_law(const Findings& findings) {
 
   judge("peak in compression", compression.peak, 5.0, "MPa");
   judge("area under the compression curve", area_above(compression, 0.0), 8000.0, "J/m2");
-  Chart pressed{"compression", "Compression, Table 1's joint", "closure (mm)", "pressure (MPa)", "top right"};
+  Chart pressed{"compression", "Compression, Table 1's joint", "closure (mm)", "pressure (MPa)"};
   pressed.series.push_back({"law fracture_energy", Mark::line, compression.jump, compression.stress, 0});
   pressed.add_level("compressive strength 5 MPa", Kind::printed, 5.0, 6);
   draw(pressed, findings, report, "Compression: elastic to the strength, then down a line that encloses 8000 J/m2.");

@@ -213,7 +213,7 @@ StudyReport report_energy(const Findings& findings) {
   Chart chart{"curves", "Fracture energies of the mortar joints, 1.21 MPa", "displacement of the top beam (mm)",
               "horizontal force (kN)"};
   Table table{"Factors on the energies in tension and shear",
-              {"factor", "peak", "against 1", "at", "falls to 90 % of the peak at", "force at the end over the peak"},
+              {"factor", "peak", "against 1", "at", "falls to 80 % of the peak at", "force at the end over the peak"},
               {}};
   Curves curves;
   const double base = findings.run("x 1").curve.peak();
@@ -225,21 +225,23 @@ StudyReport report_energy(const Findings& findings) {
     const Curve& c = findings.run(name).curve;
     chart.add("energies " + name, c, colour++);
     curves.emplace_back(name, &c);
-    const double off = percent(c.peak(), base), fall = c.displacement_after_peak(0.9);
+    const double off = percent(c.peak(), base), fall = c.displacement_after_peak(0.8);
     if (std::abs(off) > std::abs(worst)) worst = off, worst_factor = f;
-    ends.push_back(c.last_force() / c.peak());
+    // A wall that never falls so far is ductile to the end of the run at least.
+    ends.push_back(fall < 0 ? c.displacement.back() : fall);
     table.rows.push_back({fmt::format("{}", f), fmt::format("{:.1f} kN", c.peak()), fmt::format("{:+.1f} %", off),
                           fmt::format("{:.2f} mm", c.peak_displacement()),
                           fall < 0 ? "not before the end" : fmt::format("{:.2f} mm", fall),
-                          fmt::format("{:.2f}", ends.back())});
+                          fmt::format("{:.2f}", c.last_force() / c.peak())});
   }
   report.verdicts.push_back({"the peak changes by less than 10 %", worst, 10.0, "%", Kind::printed,
                              std::abs(worst) < 10,
                              fmt::format("largest change {:+.1f} %, at factor {}", worst, worst_factor)});
-  report.verdicts.push_back({"ductility grows with the energies", ends[3] / ends[0], std::nullopt, "x", Kind::printed,
-                             std::is_sorted(ends.begin(), ends.end()),
-                             fmt::format("force at 5 mm over the peak: {:.2f}, {:.2f}, {:.2f}, {:.2f} for 0.5, 1, 2, 4",
-                                         ends[0], ends[1], ends[2], ends[3])});
+  report.verdicts.push_back(
+      {"ductility grows with the energies", ends[3] / ends[0], std::nullopt, "x", Kind::printed,
+       std::is_sorted(ends.begin(), ends.end()),
+       fmt::format("falls to 80 % of its peak at {:.2f}, {:.2f}, {:.2f}, {:.2f} mm for 0.5, 1, 2, 4", ends[0], ends[1],
+                   ends[2], ends[3])});
   draw(chart, findings, report, "Energies in tension and shear of the joints between units, multiplied together.");
   findings.add_cracks(report, "x 0.5", "Half the energies.");
   findings.add_cracks(report, "x 4", "Four times the energies.");

@@ -149,6 +149,7 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
 }
 
 Assembly assemble(const Scene& scene) {
+  if (scene.building) return generate_building(*scene.building, scene.materials, scene.joints);
   if (!scene.wall) throw Error(Exit::bad_input, scene.file + ": the scene has no [wall]: nothing to build");
   return generate_wall(*scene.wall, scene.materials, scene.joints);
 }

@@ -13,6 +13,9 @@ namespace quoin {
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints);
 
+Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
+                           const std::map<std::string, JointFamily>& joints);
+
 // Everything that the scene holds.
 Assembly assemble(const Scene& scene);
 

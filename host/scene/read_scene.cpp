@@ -13,6 +13,7 @@
 
 #include "scene/error.h"
 #include "scene/generate.h"
+#include "scene/read_building.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -238,6 +239,12 @@ WallSpec read_wall(Table t, const Scene& scene) {
 // What the wall offers to be moved.
 std::vector<std::string> body_names(const Scene& scene) {
   std::vector<std::string> names;
+  if (scene.building) {
+    names.push_back("bottom_beam");
+    for (const BuildingSpec::Floor& floor : scene.building->floors) {
+      for (const std::string& body : floor.bodies()) names.push_back(body);
+    }
+  }
   if (scene.wall && scene.wall->bottom_beam) names.push_back("bottom_beam");
   if (scene.wall && scene.wall->top_beam) names.push_back("top_beam");
   return names;
@@ -296,7 +303,9 @@ Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pre
   stage.source = {t.where()};
   const std::vector<std::string> bodies = body_names(scene);
   std::string kind = "custom";
-  const bool kind_known = t.choice("kind", kind, {"pressure", "shear", "custom"}, true);
+  const std::vector<std::string> kinds = scene.building ? std::vector<std::string>{"weight", "push", "custom"}
+                                                        : std::vector<std::string>{"pressure", "shear", "custom"};
+  const bool kind_known = t.choice("kind", kind, kinds, true);
   stage.name = kind;
   t.text("name", stage.name, "text, as \"precompression\"");
   if (previous) stage.gravity = previous->gravity;
@@ -331,6 +340,10 @@ Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pre
     if (velocity_known && velocity == 0.0 && stage.displacement)
       t.refuse("velocity", "not 0: the stage would never reach its displacement");
     add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", velocity);
+  } else if (kind == "weight") {
+    read_weight(t, stage, *scene.building);
+  } else if (kind == "push") {
+    read_push(t, stage, *scene.building);
   } else if (kind_known) {
     for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
       stage.controls.push_back(
@@ -403,8 +416,11 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   };
   each("materials", true, [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m); });
   each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
-  if (const auto* table = t.table("wall", "a table [wall]", true))
+  if (const auto* table = t.table("building", "a table [building]"))
+    scene.building = read_building({context, *table, "building"}, scene);
+  if (const auto* table = t.table("wall", "a table [wall]", !scene.building))
     scene.wall = read_wall({context, *table, "wall"}, scene);
+  if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
   int index = 0;

@@ -62,6 +62,18 @@ struct BodyControl {
   std::array<DofKind, 3> kind{DofKind::velocity, DofKind::velocity, DofKind::velocity};
   Vec3 velocity{0.0, 0.0, 0.0};  // m/s, for components of kind velocity
   Vec3 force{0.0, 0.0, 0.0};     // N, for free components
+  bool may_turn = false;         // rotations free instead of held
+};
+
+// A virtual whiffletree: every floor gets the same force along x, F = stiffness (u - mean of the floors'
+// displacements), shared equally by the bodies of the floor, where u moves with the given velocity. So floors are
+// pushed by equal forces while a displacement is imposed, and what softens can be followed. The displacement of a floor
+// is that of its bodies, on average; the last floor is the roof, which the history records against the shear force at
+// the bottom beam.
+struct Whiffletree {
+  std::vector<std::vector<std::string>> floors;  // bodies of each floor
+  double stiffness = 0.0;                        // N/m
+  double velocity = 0.0;                         // m/s
 };
 
 // A stage ends when its first given criterion is met; one that never can is refused by read_scene.
@@ -82,6 +94,8 @@ struct Stage {
   std::string monitor;
   int direction = 0;
   long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
+
+  std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
@@ -107,6 +121,46 @@ struct WallSpec {
   bool half_thickness = false;  // model z >= mid-plane only, u_z = 0 there; forces reported for the whole wall
 };
 
+// Walls at right angles with interlocked corners, openings and bodies that carry floor beams. All walls share courses
+// and thickness; half units of a wall are columns that stand on each other, units in running bond.
+struct BuildingSpec {
+  int courses = 0;
+  double course_height = 0.0, thickness = 0.0;  // m
+  std::array<int, 3> zones{4, 2, 2};            // hexahedra per half unit: along the wall, up, through the thickness
+  std::string unit_material, bed_joint, head_joint, unit_joint, beam_joint;
+  double beam_height = 0.1, beam_density = 7850.0;  // one rigid beam below everything: "bottom_beam"
+  struct Wall {
+    std::string name;
+    int axis = 0;                   // 0 along x, 2 along z
+    std::array<double, 2> start{};  // x and z of the lowest corner, m
+    int half_units = 0;
+    double half_unit = 0.0;              // m
+    std::string first_course = "whole";  // what the bottom course starts with
+    std::vector<WallSpec::Opening> openings;
+    Source source;
+  };
+  std::vector<Wall> walls;
+  // A square of the wall's thickness between the ends of two walls. In the bottom course and every other one it is part
+  // of a unit of the wall `first`, in the courses between of one of the wall `second`.
+  struct Corner {
+    std::array<double, 2> at{};  // x and z of its lowest corner, m
+    int first = 0, second = 0;   // indices of walls
+    Source source;
+  };
+  std::vector<Corner> corners;
+  // Beams of a floor: rigid bodies NAME_1, NAME_2, ... in place of half units of one course, which together carry
+  // `load`.
+  struct Floor {
+    std::string name;
+    int wall = 0, course = 0;
+    std::vector<int> half_units;
+    double load = 0.0;  // N
+    Source source;
+    std::vector<std::string> bodies() const;
+  };
+  std::vector<Floor> floors;
+};
+
 struct OutputSettings {
   int frames = 20;  // VTU frames over the last stage; 0: none
   bool plots = true;
@@ -118,7 +172,8 @@ struct Scene {
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;
-  std::optional<WallSpec> wall;
+  std::optional<WallSpec> wall;  // one of wall and building
+  std::optional<BuildingSpec> building;
   std::vector<Stage> stages;
   OutputSettings output;
 };

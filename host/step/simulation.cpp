@@ -143,7 +143,39 @@ void Simulation::Impl::report_failed_points() {
 // ---- Controls and measurements -------------------------------------------------------------------------------------
 
 void Simulation::Impl::apply_controls() {
-  if (controls_settled) return;
+  if (!controls_settled) follow_ramps();
+  if (!whiffletree.empty()) pull_whiffletree();
+}
+
+double Simulation::Impl::floor_displacement(std::size_t floor) const {
+  double sum = 0.0;
+  for (const int body : whiffletree[floor])
+    sum += bodies[static_cast<std::size_t>(body)].displacement[0] -
+           data.time_step * bodies[static_cast<std::size_t>(body)].velocity[0];
+  return sum / static_cast<double>(whiffletree[floor].size());
+}
+
+void Simulation::Impl::pull_whiffletree() {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  const Whiffletree& tree = *settings.whiffletree;
+  // Integral of the ramped velocity from the start of the stage.
+  const double elapsed = static_cast<double>(stage_step) * data.time_step;
+  double driven = elapsed;
+  if (settings.ramp_time > 0.0) {
+    const double t = std::min(1.0, elapsed / settings.ramp_time);
+    driven = settings.ramp_time * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, elapsed - settings.ramp_time);
+  }
+  double mean = 0.0;
+  for (std::size_t f = 0; f < whiffletree.size(); ++f)
+    mean += floor_displacement(f) / static_cast<double>(whiffletree.size());
+  const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
+  for (const std::vector<int>& floor : whiffletree) {
+    for (const int body : floor)
+      bodies[static_cast<std::size_t>(body)].applied_force[0] = pull / static_cast<double>(floor.size());
+  }
+}
+
+void Simulation::Impl::follow_ramps() {
   const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
   const double elapsed = (static_cast<double>(stage_step) + 0.5) * data.time_step;
   const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
@@ -211,6 +243,12 @@ HistoryRow Simulation::Impl::measure() const {
   }
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
+  if (!whiffletree.empty()) {
+    // The roof against the shear force that the walls carry to the ground.
+    row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
+    row.displacement = row.monitor_displacement[0] - monitor_start[0];
+    row.resistance = row.joint_force[0];
+  }
   double mean_arm = 0.0;
   for (const Vec3& arm : shape.arm) mean_arm += arm[1];
   row.vertical_force = mean_arm <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
@@ -258,7 +296,7 @@ void Simulation::Impl::begin_stage(int index) {
       ramps[b].force_from[c] = prescribed ? 0.0 : carried;
       ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
       body.prescribed[c] = prescribed;
-      body.prescribed[c + 3] = controlled;
+      body.prescribed[c + 3] = controlled && !control->may_turn;
     }
   }
   gravity_from = data.gravity;
@@ -270,10 +308,34 @@ void Simulation::Impl::begin_stage(int index) {
   in_stage = true;
   monitor = new_monitor;
   monitor_start = monitor >= 0 ? bodies[static_cast<std::size_t>(monitor)].displacement : Vec3{};
+  bind_whiffletree();
+  if (!whiffletree.empty()) {
+    // The tree starts without force: from the mean displacement of the floors.
+    monitor_start = {};
+    for (std::size_t f = 0; f < whiffletree.size(); ++f)
+      monitor_start[0] += floor_displacement(f) / static_cast<double>(whiffletree.size());
+  }
   calm_checks = 0;
   next_frame = 0;
   next_row = 0;
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+void Simulation::Impl::bind_whiffletree() {
+  whiffletree.clear();
+  if (stage < 0 || !scene.stages[static_cast<std::size_t>(stage)].whiffletree) return;
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  for (const auto& floor : settings.whiffletree->floors) {
+    auto& indices = whiffletree.emplace_back();
+    for (const std::string& name : floor) {
+      indices.push_back(model.body_index(name));
+      if (indices.back() < 0)
+        throw Error(Exit::bad_input,
+                    fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no rigid block "
+                                "of that name",
+                                settings.source.text, settings.name, name));
+    }
+  }
 }
 
 long Simulation::Impl::chosen_record_interval() const {
@@ -283,7 +345,10 @@ long Simulation::Impl::chosen_record_interval() const {
   if (settings.duration) steps = *settings.duration / data.time_step;
   if (settings.displacement && monitor >= 0) {
     const double speed =
-        std::abs(ramps[static_cast<std::size_t>(monitor)].velocity_to[static_cast<std::size_t>(settings.direction)]);
+        settings.whiffletree
+            ? std::abs(settings.whiffletree->velocity)
+            : std::abs(
+                  ramps[static_cast<std::size_t>(monitor)].velocity_to[static_cast<std::size_t>(settings.direction)]);
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
@@ -297,7 +362,9 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.duration) fraction = static_cast<double>(stage_step) * data.time_step / *settings.duration;
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const double moved = std::abs(bodies[static_cast<std::size_t>(monitor)].displacement[c] - monitor_start[c]);
+    const double now = whiffletree.empty() ? bodies[static_cast<std::size_t>(monitor)].displacement[c]
+                                           : floor_displacement(whiffletree.size() - 1);
+    const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }
   return fraction;

@@ -54,11 +54,15 @@ struct Simulation::Impl {
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
   void step_once(bool measure, bool report);
   void apply_controls();
+  void follow_ramps();
+  void pull_whiffletree();
+  double floor_displacement(std::size_t floor) const;  // along x, of the floor's bodies on average, m
   void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
   [[noreturn]] void report_failed_points();
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
+  void bind_whiffletree();  // bodies of the stage's floors
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
   double stage_fraction() const;  // by duration or displacement
@@ -107,6 +111,7 @@ struct Simulation::Impl {
   std::optional<Energies> energies;
   double kinetic = 0.0;
   int monitor = -1;
+  std::vector<std::vector<int>> whiffletree;  // bodies of each floor, in stages that have one
   bool controls_settled = true;  // the ramp of the stage is over
   bool want_energy = false;
   bool keep_diagnostics = false;

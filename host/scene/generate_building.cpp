@@ -1,0 +1,260 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "scene/error.h"
+#include "scene/generate.h"
+
+namespace quoin {
+
+namespace {
+
+constexpr int kPlusX = 1, kPlusY = 3, kPlusZ = 5;
+
+template <typename Map>
+int index_of(const Map& map, const std::string& name) {
+  return static_cast<int>(std::distance(map.begin(), map.find(name)));
+}
+
+// Coordinates as numbers that can be compared: to a micrometre.
+long micrometres(double x) { return std::lround(x * 1e6); }
+
+using Wall = BuildingSpec::Wall;
+using Corner = BuildingSpec::Corner;
+
+struct Builder {
+  const BuildingSpec& spec;
+  Assembly& assembly;
+  int material, head, unit_family, bed, beam_family;
+  int next_unit = 0;
+  // By course: blocks of each wall's columns, and of the corners; -1 in openings.
+  std::vector<std::vector<std::vector<int>>> column_block;  // [wall][course][column]
+  std::vector<std::vector<int>> corner_block;               // [corner][course]
+
+  double length(const Wall& wall) const { return wall.half_units * wall.half_unit; }
+
+  // Which end of the wall stands at the corner: -1 its start, +1 its end, 0 neither.
+  int end_at(const Wall& wall, const Corner& corner) const {
+    const size_t along = wall.axis == 0 ? 0 : 1, across = 1 - along;
+    if (micrometres(wall.start[across]) != micrometres(corner.at[across])) return 0;
+    if (micrometres(corner.at[along] + spec.thickness) == micrometres(wall.start[along])) return -1;
+    if (micrometres(wall.start[along] + length(wall)) == micrometres(corner.at[along])) return +1;
+    return 0;
+  }
+
+  bool in_opening(const Wall& wall, int course, int column) const {
+    return std::any_of(wall.openings.begin(), wall.openings.end(), [&](const WallSpec::Opening& o) {
+      return course >= o.first_course && course < o.first_course + o.courses && column >= o.first_half_unit &&
+             column < o.first_half_unit + o.half_units;
+    });
+  }
+
+  // The wall to whose unit the corner belongs in this course.
+  int owner(const Corner& corner, int course) const { return course % 2 == 0 ? corner.first : corner.second; }
+
+  int add(const Vec3& origin, const Vec3& size, const std::array<int, 3>& zones, int unit, int course) {
+    Brick brick;
+    brick.origin = origin;
+    brick.size = size;
+    brick.zones = zones;
+    brick.material = material;
+    brick.unit = unit;
+    brick.course = course;
+    assembly.bricks.push_back(brick);
+    return static_cast<int>(assembly.bricks.size()) - 1;
+  }
+
+  void add_walls() {
+    for (size_t w = 0; w < spec.walls.size(); ++w) {
+      const Wall& wall = spec.walls[w];
+      auto& blocks = column_block.emplace_back();
+      const bool x = wall.axis == 0;
+      for (int course = 0; course < spec.courses; ++course) {
+        auto& row = blocks.emplace_back(static_cast<size_t>(wall.half_units), -1);
+        // A corner that belongs to this wall takes the first half unit as its second half.
+        bool corner_at_start = false, corner_here = false;
+        for (const Corner& corner : spec.corners) {
+          if ((corner.first != static_cast<int>(w) && corner.second != static_cast<int>(w)) ||
+              end_at(wall, corner) != -1)
+            continue;
+          corner_at_start = true;
+          corner_here = owner(corner, course) == static_cast<int>(w);
+        }
+        const bool starts_half = corner_at_start ? corner_here : (wall.first_course == "half") != (course % 2 == 1);
+        for (int column = 0; column < wall.half_units; ++column) {
+          if (in_opening(wall, course, column)) continue;
+          const bool second_half = column > 0 && (column % 2 == 1) != starts_half;
+          const int before = column > 0 ? row[static_cast<size_t>(column) - 1] : -1;
+          const int unit = second_half && before >= 0 ? assembly.bricks[static_cast<size_t>(before)].unit : next_unit++;
+          const double at = column * wall.half_unit;
+          const double height = spec.course_height;
+          row[static_cast<size_t>(column)] =
+              x ? add({wall.start[0] + at, course * height, wall.start[1]}, {wall.half_unit, height, spec.thickness},
+                      spec.zones, unit, course)
+                : add({wall.start[0], course * height, wall.start[1] + at}, {spec.thickness, height, wall.half_unit},
+                      {spec.zones[2], spec.zones[1], spec.zones[0]}, unit, course);
+        }
+      }
+    }
+    for (const Corner& corner : spec.corners) {
+      auto& blocks = corner_block.emplace_back();
+      for (int course = 0; course < spec.courses; ++course) {
+        const int neighbour = beside(corner, owner(corner, course), course);
+        const int unit = neighbour >= 0 ? assembly.bricks[static_cast<size_t>(neighbour)].unit : next_unit++;
+        blocks.push_back(add({corner.at[0], course * spec.course_height, corner.at[1]},
+                             {spec.thickness, spec.course_height, spec.thickness},
+                             {spec.zones[2], spec.zones[1], spec.zones[2]}, unit, course));
+      }
+    }
+  }
+
+  // The block of the wall next to the corner.
+  int beside(const Corner& corner, int wall, int course) const {
+    const Wall& w = spec.walls[static_cast<size_t>(wall)];
+    const auto& row = column_block[static_cast<size_t>(wall)][static_cast<size_t>(course)];
+    return end_at(w, corner) < 0 ? row.front() : row.back();
+  }
+
+  // Taken over the whole building the hexahedra form one grid; colouring it like a chessboard makes the diagonals of
+  // facing 5-tetrahedron patterns coincide. A hexahedron's place is the rank of its coordinates among all there are.
+  void colour() {
+    std::array<std::set<long>, 3> planes;
+    for (const Brick& b : assembly.bricks) {
+      for (size_t c = 0; c < 3; ++c) {
+        for (int i = 0; i <= b.zones[c]; ++i) planes[c].insert(micrometres(b.origin[c] + b.size[c] * i / b.zones[c]));
+      }
+    }
+    for (Brick& b : assembly.bricks) {
+      long rank = 0;
+      for (size_t c = 0; c < 3; ++c) {
+        const auto at = planes[c].lower_bound(micrometres(b.origin[c]) - 1);
+        rank += std::distance(planes[c].begin(), at);
+      }
+      b.parity = static_cast<int>(rank % 2);
+    }
+  }
+
+  void add_floors() {
+    for (const BuildingSpec::Floor& floor : spec.floors) {
+      const auto names = floor.bodies();
+      for (size_t i = 0; i < names.size(); ++i) {
+        const int block = column_block[static_cast<size_t>(floor.wall)][static_cast<size_t>(floor.course)]
+                                      [static_cast<size_t>(floor.half_units[i])];
+        if (block < 0)
+          throw Error(Exit::bad_input,
+                      fmt::format("{}: half unit {} of course {} is in an opening: no beam can lie there",
+                                  floor.source.text, floor.half_units[i], floor.course));
+        Brick& brick = assembly.bricks[static_cast<size_t>(block)];
+        if (brick.rigid)
+          throw Error(Exit::bad_input, fmt::format("{}: half unit {} of course {} carries a beam already",
+                                                   floor.source.text, floor.half_units[i], floor.course));
+        brick.rigid = true;
+        brick.body = names[i];
+      }
+    }
+  }
+
+  void add_beam() {
+    Vec3 low{HUGE_VAL, 0, HUGE_VAL}, high{-HUGE_VAL, 0, -HUGE_VAL};
+    for (const Brick& b : assembly.bricks) {
+      for (size_t c : {size_t{0}, size_t{2}}) {
+        low[c] = std::min(low[c], b.origin[c]);
+        high[c] = std::max(high[c], b.origin[c] + b.size[c]);
+      }
+    }
+    Brick beam;
+    beam.origin = {low[0], -spec.beam_height, low[2]};
+    beam.size = {high[0] - low[0], spec.beam_height, high[2] - low[2]};
+    beam.material = static_cast<int>(assembly.materials.size());
+    beam.rigid = true;
+    beam.body = "bottom_beam";
+    assembly.materials.push_back({"beam", 0.0, 0.0, spec.beam_density});
+    assembly.bricks.push_back(beam);
+  }
+
+  void join(int a, int b, int face) {
+    if (a < 0 || b < 0) return;
+    const bool same = assembly.bricks[static_cast<size_t>(a)].unit == assembly.bricks[static_cast<size_t>(b)].unit;
+    assembly.joints.push_back({a, b, face, same ? unit_family : head});
+  }
+
+  void add_joints() {
+    const int beam = static_cast<int>(assembly.bricks.size()) - 1;
+    for (int course = 0; course < spec.courses; ++course) {
+      const size_t c = static_cast<size_t>(course);
+      for (size_t w = 0; w < spec.walls.size(); ++w) {
+        const auto& row = column_block[w][c];
+        for (size_t i = 0; i + 1 < row.size(); ++i) join(row[i], row[i + 1], spec.walls[w].axis == 0 ? kPlusX : kPlusZ);
+      }
+      for (size_t k = 0; k < spec.corners.size(); ++k) {
+        const Corner& corner = spec.corners[k];
+        for (const int w : {corner.first, corner.second}) {
+          const Wall& wall = spec.walls[static_cast<size_t>(w)];
+          const int block = beside(corner, w, course), face = wall.axis == 0 ? kPlusX : kPlusZ;
+          if (end_at(wall, corner) < 0)
+            join(corner_block[k][c], block, face);
+          else
+            join(block, corner_block[k][c], face);
+        }
+      }
+    }
+    // Beds from the bottom up: columns stand on each other.
+    auto bed_of = [&](const auto& block_at) {
+      for (int course = 0; course < spec.courses; ++course) {
+        const int below = course == 0 ? beam : block_at(static_cast<size_t>(course) - 1);
+        const int above = block_at(static_cast<size_t>(course));
+        if (below >= 0 && above >= 0)
+          assembly.joints.push_back({below, above, kPlusY, course == 0 ? beam_family : bed});
+      }
+    };
+    for (size_t w = 0; w < spec.walls.size(); ++w) {
+      for (size_t i = 0; i < static_cast<size_t>(spec.walls[w].half_units); ++i)
+        bed_of([&](size_t course) { return column_block[w][course][i]; });
+    }
+    for (size_t k = 0; k < spec.corners.size(); ++k) bed_of([&](size_t course) { return corner_block[k][course]; });
+  }
+};
+
+}  // namespace
+
+std::vector<std::string> BuildingSpec::Floor::bodies() const {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < half_units.size(); ++i) names.push_back(fmt::format("{}_{}", name, i + 1));
+  return names;
+}
+
+Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
+                           const std::map<std::string, JointFamily>& joints) {
+  Assembly assembly;
+  for (const auto& [name, material] : materials) assembly.materials.push_back(material);
+  for (const auto& [name, family] : joints) assembly.families.push_back(family);
+  Builder builder{building,
+                  assembly,
+                  index_of(materials, building.unit_material),
+                  index_of(joints, building.head_joint),
+                  index_of(joints, building.unit_joint),
+                  index_of(joints, building.bed_joint),
+                  index_of(joints, building.beam_joint),
+                  0,
+                  {},
+                  {}};
+  for (const Corner& corner : building.corners) {
+    for (const int w : {corner.first, corner.second}) {
+      const Wall& wall = building.walls[static_cast<size_t>(w)];
+      if (builder.end_at(wall, corner) == 0)
+        throw Error(Exit::bad_input,
+                    fmt::format("{}: wall {} neither starts nor ends at this corner", corner.source.text, wall.name));
+    }
+  }
+  builder.add_walls();
+  builder.colour();
+  builder.add_floors();
+  builder.add_beam();
+  builder.add_joints();
+  return assembly;
+}
+
+}  // namespace quoin

@@ -1,0 +1,164 @@
+// The tables of a building and of its stages; host/scenes/README.md lists the keys.
+#include "scene/read_building.h"
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+using Wall = BuildingSpec::Wall;
+
+Wall read_wall(Table t, const BuildingSpec& b) {
+  Wall w;
+  w.source = {t.where()};
+  t.text("name", w.name, "text, as \"B\"", true);
+  std::string axis = "x";
+  t.choice("axis", axis, {"x", "z"});
+  w.axis = axis == "x" ? 0 : 2;
+  t.numbers("start", w.start, kAny, "m (x and z of the lowest corner)", true);
+  const bool counted = t.integer("half_units", w.half_units, 1, 20000, true);
+  t.number("half_unit", w.half_unit, kPositive, "m (length)", true);
+  t.choice("first_course", w.first_course, {"whole", "half"});
+  int index = 0;
+  for (const toml::table* table : t.tables("opening", "tables [[building.wall.opening]]")) {
+    Table o(t.context(), *table, fmt::format("{}.{}", t.path("opening"), ++index));
+    WallSpec::Opening opening{};
+    const int columns = counted ? w.half_units : 20000;
+    // Both are read, so that both can be at fault.
+    const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true);
+    const bool has_course = o.integer("first_course", opening.first_course, 0, b.courses - 1, true);
+    if (has_column && has_course) {
+      o.integer("half_units", opening.half_units, 1, columns - opening.first_half_unit, true);
+      o.integer("courses", opening.courses, 1, b.courses - opening.first_course, true);
+    } else {
+      o.accept("half_units");
+      o.accept("courses");
+    }
+    o.finish();
+    w.openings.push_back(opening);
+  }
+  t.finish();
+  return w;
+}
+
+// A list of integers, each from 0 below `count`.
+void read_half_units(Table& t, std::vector<int>& values, int count) {
+  const std::string allowed = fmt::format("a list of integers, 0 to {}", count - 1);
+  const toml::node* node = t.find("half_units", allowed, true);
+  if (!node) return;
+  const toml::array* list = node->as_array();
+  if (!list || list->empty()) return t.wrong_type("half_units", *node, allowed);
+  for (const toml::node& element : *list) {
+    const auto value = element.value<long>();
+    if (!element.is_integer() || *value < 0 || *value >= count) return t.refuse("half_units", allowed);
+    values.push_back(static_cast<int>(*value));
+  }
+}
+
+}  // namespace
+
+BuildingSpec read_building(Table t, const Scene& scene) {
+  BuildingSpec b;
+  const bool counted = t.integer("courses", b.courses, 1, 10000, true);
+  if (!counted) b.courses = 10000;
+  t.number("course_height", b.course_height, kPositive, "m", true);
+  t.number("thickness", b.thickness, kPositive, "m", true);
+  t.numbers("zones", b.zones, between(1, 64), "hexahedra per half unit along the wall, up and through it");
+  t.number("beam_height", b.beam_height, kPositive, "m");
+  t.number("beam_density", b.beam_density, kPositive, "kg/m3");
+  auto name_of = [&](const char* key, std::string& name, const auto& known, const char* kind) {
+    std::vector<std::string> names;
+    for (const auto& [known_name, value] : known) names.push_back(known_name);
+    const std::string allowed = fmt::format("a name among [{}.*]: {}", kind, names.empty() ? "none yet" : join(names));
+    if (t.text(key, name, allowed, true) && !known.contains(name)) t.refuse(key, allowed + did_you_mean(name, names));
+  };
+  name_of("unit_material", b.unit_material, scene.materials, "materials");
+  name_of("bed_joint", b.bed_joint, scene.joints, "joints");
+  name_of("head_joint", b.head_joint, scene.joints, "joints");
+  name_of("unit_joint", b.unit_joint, scene.joints, "joints");
+  name_of("beam_joint", b.beam_joint, scene.joints, "joints");
+
+  std::vector<std::string> names;
+  int index = 0;
+  for (const toml::table* table : t.tables("wall", "tables [[building.wall]]", true)) {
+    b.walls.push_back(read_wall(Table(t.context(), *table, fmt::format("building.wall.{}", ++index)), b));
+    names.push_back(b.walls.back().name);
+  }
+  auto wall_of = [&](Table& table, const char* key, int& wall) {
+    std::string name;
+    if (!table.choice(key, name, names, true)) return false;
+    wall = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+    return true;
+  };
+  index = 0;
+  for (const toml::table* table : t.tables("corner", "tables [[building.corner]]")) {
+    Table c(t.context(), *table, fmt::format("building.corner.{}", ++index));
+    BuildingSpec::Corner corner;
+    corner.source = {c.where()};
+    c.numbers("at", corner.at, kAny, "m (x and z of the lowest corner)", true);
+    const bool first_known = wall_of(c, "first", corner.first), second_known = wall_of(c, "second", corner.second);
+    if (first_known && second_known && corner.first == corner.second) c.refuse("second", "another wall than first");
+    c.finish();
+    b.corners.push_back(corner);
+  }
+  index = 0;
+  for (const toml::table* table : t.tables("floor", "tables [[building.floor]]")) {
+    Table f(t.context(), *table, fmt::format("building.floor.{}", ++index));
+    BuildingSpec::Floor floor;
+    floor.source = {f.where()};
+    f.text("name", floor.name, "text, as \"floor_1\"", true);
+    const bool known = wall_of(f, "wall", floor.wall);
+    f.integer("course", floor.course, 0, b.courses - 1, true);
+    read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
+    f.number("load", floor.load, kNotNegative, "N (downwards, all beams together)", true);
+    f.finish();
+    b.floors.push_back(floor);
+  }
+  t.finish();
+  return b;
+}
+
+void add_floor_controls(Stage& stage, const BuildingSpec& building) {
+  BodyControl bottom;
+  bottom.body = "bottom_beam";
+  stage.controls.push_back(bottom);
+  for (const BuildingSpec::Floor& floor : building.floors) {
+    const auto bodies = floor.bodies();
+    for (const std::string& body : bodies) {
+      BodyControl c;
+      c.body = body;
+      c.kind = {DofKind::free, DofKind::free, DofKind::free};
+      c.force = {0.0, -floor.load / static_cast<double>(bodies.size()), 0.0};
+      c.may_turn = true;
+      stage.controls.push_back(c);
+    }
+  }
+}
+
+void read_weight(Table& t, Stage& stage, const BuildingSpec& building) {
+  if (!t.has("gravity")) stage.gravity = {0.0, -9.81, 0.0};
+  if (!t.has("ramp_time")) stage.ramp_time = 0.05;
+  if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = 1e-4;
+  if (!t.has("max_steps")) stage.max_steps = 1000000;
+  stage.monitor = "bottom_beam";
+  add_floor_controls(stage, building);
+}
+
+void read_push(Table& t, Stage& stage, const BuildingSpec& building) {
+  Whiffletree w;
+  t.number("velocity", w.velocity, kAny, "m/s", true);
+  t.number("stiffness", w.stiffness, kPositive, "N/m", true);
+  double displacement = 0.0;
+  if (t.number("displacement", displacement, kPositive, "m (of the roof)", true)) stage.displacement = displacement;
+  if (!t.has("ramp_time")) stage.ramp_time = 0.05;
+  if (t.has("velocity") && w.velocity == 0.0)
+    t.refuse("velocity", "not 0: the stage would never reach its displacement");
+  for (const BuildingSpec::Floor& floor : building.floors) w.floors.push_back(floor.bodies());
+  if (w.floors.empty()) t.refuse("kind", "push needs floors to push: give [[building.floor]]");
+  stage.monitor = "bottom_beam";
+  add_floor_controls(stage, building);
+  stage.whiffletree = std::move(w);
+}
+
+}  // namespace quoin
