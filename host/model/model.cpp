@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -297,37 +298,57 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     if (found == templates.end())
       templates.push_back(make_brick_template(brick, assembly.materials[at(brick.material)]));
   }
+  // Block i of n goes to lane i / G of group i mod G, G = ceil(n/8): neighbours in the order of the assembly share a
+  // lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no gathers.
   for (std::size_t t = 0; t < templates.size(); ++t) {
-    bool open = false;
+    const int count = static_cast<int>(std::count(template_of.begin(), template_of.end(), static_cast<int>(t)));
+    const int group_count = (count + kLanes - 1) / kLanes, first_group = static_cast<int>(groups.size());
+    for (int g = 0; g < group_count; ++g) {
+      BlockGroup group;
+      group.brick_template = static_cast<int>(t);
+      group.first_line = line_count;
+      groups.push_back(group);
+      line_count += templates[t].node_count;
+    }
+    int n = 0;
     for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
       if (template_of[i] != static_cast<int>(t)) continue;
-      if (!open) {
-        BlockGroup group;
-        group.brick_template = static_cast<int>(t);
-        group.first_line = line_count;
-        groups.push_back(group);
-        line_count += templates[t].node_count;
-      }
-      BlockGroup& group = groups.back();
-      place[i].group = static_cast<int>(groups.size()) - 1;
-      place[i].lane = group.block_count;
-      group.block[at(group.block_count++)] = static_cast<int>(i);
-      open = group.block_count < kLanes;
+      place[i].group = first_group + n % group_count;
+      place[i].lane = n / group_count;
+      BlockGroup& group = groups[at(place[i].group)];
+      group.block[at(place[i].lane)] = static_cast<int>(i);
+      group.block_count = place[i].lane + 1;
+      ++n;
     }
   }
   block_line_count = line_count;
 
-  // Contact points, sorted so that neighbouring points have gridpoints in neighbouring lanes.
+  // Contact points, sorted so that neighbouring points have gridpoints in neighbouring lanes. Rows that fill all lanes
+  // come first: the others must not break their alignment.
   auto found = PointFinder(assembly, templates, template_of).find();
   const auto offset_of = [&](const Side& side) {
     const BlockPlace& where = place[at(side.block)];
     return (groups[at(where.group)].first_line + side.node) * kLine + where.lane;
   };
+  const auto row_of = [&](const NewPoint& p) {
+    const auto line = [&](const Side& side) { return side.node >= 0 ? offset_of(side) / kLine : -1; };
+    return std::tuple(p.family, p.axis, line(p.a), line(p.b));
+  };
+  std::map<std::tuple<int, int, int, int>, int> row_length;
+  for (const NewPoint& p : found) ++row_length[row_of(p)];
   const auto key = [&](const NewPoint& p) {
     const int leading = p.a.node >= 0 ? offset_of(p.a) : p.b.node >= 0 ? offset_of(p.b) : p.joint;
-    return std::tuple(p.family, p.axis, leading, p.joint);
+    const bool partial = p.a.node < 0 || p.b.node < 0 || row_length[row_of(p)] < kLanes;
+    return std::tuple(p.family, p.axis, partial, leading, p.joint);
   };
-  std::stable_sort(found.begin(), found.end(), [&](const NewPoint& p, const NewPoint& q) { return key(p) < key(q); });
+  std::vector<std::pair<decltype(key(found[0])), std::size_t>> order;
+  for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(key(found[i]), i);
+  std::sort(order.begin(), order.end());
+  {
+    std::vector<NewPoint> sorted;
+    for (const auto& entry : order) sorted.push_back(found[entry.second]);
+    found.swap(sorted);
+  }
   point_count = static_cast<std::int32_t>(found.size());
 
   std::int32_t slave_count = 0;
@@ -353,6 +374,14 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     point_axis.push_back(static_cast<std::uint8_t>(p.axis));
   }
   line_count = block_line_count + (slave_count + kLanes - 1) / kLanes;
+  point_run.assign(at(point_count), 1);
+  for (int i = point_count - 2; i >= 0; --i) {
+    const bool in_step = node_a[at(i + 1)] == node_a[at(i)] + 1 && node_b[at(i + 1)] == node_b[at(i)] + 1;
+    if (in_step && point_run[at(i + 1)] < kLanes)
+      point_run[at(i)] = static_cast<std::uint8_t>(point_run[at(i + 1)] + 1);
+    else if (in_step)
+      point_run[at(i)] = kLanes;
+  }
 
   // Families and chunks.
   for (std::size_t f = 0; f < assembly.families.size(); ++f) {
@@ -421,6 +450,13 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
         }
       }
     }
+  }
+
+  for (std::size_t row = 0; row < slot_point.size(); row += kLanes) {
+    bool in_step = true;
+    for (std::size_t lane = 1; lane < kLanes; ++lane)
+      in_step = in_step && slot_point[row + lane] == slot_point[row] + static_cast<int>(lane);
+    slot_run.push_back(in_step ? slot_point[row] : -1);
   }
 
   // Gridpoints: positions, masses, constraints.

@@ -16,6 +16,7 @@
 namespace quoin {
 
 // Up to 8 blocks of one template, one a lane. Lanes without a block have zero inverse mass and never move.
+// Blocks that follow each other in the assembly are in the same lane of groups that follow each other.
 struct BlockGroup {
   int brick_template = 0;
   std::int32_t first_line = 0;      // gridpoint i of the template is line first_line + i
@@ -82,6 +83,8 @@ struct Model {
   };
   std::vector<BlockPlace> place;
   LaneVector<std::int32_t> slot_point;  // [group][slot][lane]: contact point, or point_count: a dummy without force
+  std::vector<std::int32_t>
+      slot_run;  // [group][slot]: point of lane 0 when the 8 lanes have 8 points in a row; else -1
 
   // Gridpoints, in lane layout.
   std::int32_t line_count = 0;
@@ -93,8 +96,11 @@ struct Model {
   std::int32_t point_count = 0;
   LaneVector<std::int32_t> node_a, node_b;  // offsets of the two gridpoints
   LaneVector<double> area;                  // m2
-  std::vector<std::int32_t> point_joint;    // index into Assembly::joints
-  std::vector<Vec3> point_position;         // reference, m
+  // Number of points from this one on, 8 at most, whose gridpoints lie side by side in memory on both sides: no
+  // gathers.
+  std::vector<std::uint8_t> point_run;
+  std::vector<std::int32_t> point_joint;  // index into Assembly::joints
+  std::vector<Vec3> point_position;       // reference, m
   std::vector<std::uint8_t> point_axis;
 
   Vec3 node_position(std::int32_t offset) const {
