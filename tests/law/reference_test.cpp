@@ -22,7 +22,7 @@ void note(double error, double& worst, std::string& where, const std::string& te
 }
 
 TEST(Reference, RandomPathsAndParameters) {
-  const int paths = static_cast<int>(60 * test_scale());
+  const int paths = static_cast<int>(40 * test_scale());
   const char* first = std::getenv("QUOIN_TEST_SEED");
   const unsigned seed = first == nullptr ? 1u : static_cast<unsigned>(std::atoi(first));
   const char* only = std::getenv("QUOIN_TEST_PATH");  // one path, printed corner by corner
