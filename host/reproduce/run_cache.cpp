@@ -197,6 +197,7 @@ RunResult RunCache::result(const RunSpec& spec) const {
   result.time_step = summary.value("time_step_s", 0.0);
   result.bed_area = summary.value("bed_area_m2", 0.0);
   result.blocks = summary.value("blocks", 0L);
+  result.beams = summary.value("beams", 0L);
   result.zones = summary.value("zones", 0L);
   result.points = summary.value("contact_points", 0L);
   result.steps = summary.value("steps", 0L);

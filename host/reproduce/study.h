@@ -37,7 +37,7 @@ struct RunResult {
   std::string message;  // why it is not complete
   Curve curve;
   double wall_clock = 0.0, time_step = 0.0, bed_area = 0.0;  // s, s, m2
-  long blocks = 0, zones = 0, points = 0, steps = 0;
+  long blocks = 0, beams = 0, zones = 0, points = 0, steps = 0;
 };
 
 // Where a reference value comes from.

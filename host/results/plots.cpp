@@ -84,7 +84,7 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   const Peak peak = find_peak(rows, scene);
   std::string script = fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
 set title {} noenhanced font "Sans,23"
-set xlabel "horizontal displacement of the top beam (mm)"
+set xlabel "horizontal displacement of the {} (mm)"
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
 set border 11 linecolor rgb "#404040"
 set xrange [0:{:.6g}]
@@ -94,7 +94,8 @@ set ytics nomirror textcolor rgb "#b3321e"
 set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
-                                   gnuplot_text(title_of(scene)), largest > 0 ? 1.02 * largest * 1e3 : 1.0);
+                                   gnuplot_text(title_of(scene)), scene.building ? "roof" : "top beam",
+                                   largest > 0 ? 1.02 * largest * 1e3 : 1.0);
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
                   gnuplot_text("horizontal force, law " + law));
@@ -230,8 +231,8 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   std::string state = "law " + law;
   if (!rows.empty()) {
     const Response r = response(rows.back(), scene.stages[static_cast<size_t>(rows.back().stage)]);
-    state = fmt::format("top beam moved {:.2f} mm, horizontal force {:.1f} kN, law {}", std::abs(r.displacement) * 1e3,
-                        std::abs(r.horizontal_force) / 1e3, law);
+    state = fmt::format("{} moved {:.2f} mm, horizontal force {:.1f} kN, law {}", scene.building ? "roof" : "top beam",
+                        std::abs(r.displacement) * 1e3, std::abs(r.horizontal_force) / 1e3, law);
   }
   // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
   const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3, sway = largest * factor * 1e3;

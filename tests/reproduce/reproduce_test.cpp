@@ -1,0 +1,153 @@
+// The studies: the list, a study without runs, a tiny study with runs, and the curves that verdicts are read from.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "reproduce/curve.h"
+#include "reproduce/study.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string read_all(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class Reproduce : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              (std::string("quoin_reproduce_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+               std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  int quoin(const std::string& arguments) {
+    const std::string command = "QUOIN_SCENES='" QUOIN_SCENES "' '" QUOIN_PROGRAM "' reproduce " + arguments + " > '" +
+                                (folder_ / "stdout").string() + "' 2> '" + (folder_ / "stderr").string() + "'";
+    const int status = std::system(command.c_str());
+    out_ = read_all(folder_ / "stdout");
+    error_ = read_all(folder_ / "stderr");
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  }
+  std::string results() const { return "--out '" + (folder_ / "results").string() + "'"; }
+
+  fs::path folder_;
+  std::string out_, error_;
+};
+
+TEST_F(Reproduce, ListNamesEveryStudy) {
+  ASSERT_EQ(quoin("--list"), 0);
+  for (const char* id : {"law", "walls", "rate", "brittle", "envelope", "hollow", "contact_points", "stiffness",
+                         "block_size", "energy", "building", "blind", "cyclic"})
+    EXPECT_THAT(out_, HasSubstr(id));
+}
+
+TEST_F(Reproduce, UnknownStudyIsRefused) {
+  EXPECT_EQ(quoin("wals " + results()), 2);
+  EXPECT_THAT(error_, HasSubstr("wals"));
+}
+
+TEST_F(Reproduce, LawKeepsTheNumbersOfTable1) {
+  ASSERT_EQ(quoin("law " + results()), 0) << error_;
+  EXPECT_THAT(out_, Not(HasSubstr("NOT reproduced")));
+  const auto verdicts = nlohmann::json::parse(read_all(folder_ / "results/verdict.json"));
+  EXPECT_EQ(verdicts.size(), 10u);
+  for (const auto& v : verdicts) {
+    for (const char* key : {"study", "claim", "number", "reference", "unit", "kind", "reproduced"})
+      EXPECT_TRUE(v.contains(key)) << key;
+    EXPECT_NEAR(v["number"].get<double>() / v["reference"].get<double>(), 1.0, 0.01) << v["claim"];
+  }
+  EXPECT_THAT(read_all(folder_ / "results/index.html"), HasSubstr("The law of a joint"));
+  EXPECT_TRUE(fs::exists(folder_ / "results/law/curves.csv"));
+}
+
+// Two courses of one unit, moved by 20 micrometres: seconds. What the verdicts say does not matter here.
+TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
+  const std::string tiny =
+      "energy --quality fast --set wall.courses=2 --set wall.units_per_course=1 "
+      "--set stage.shear.displacement=2e-5 --set stage.shear.ramp_time=1e-4 " +
+      results();
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
+  int runs = 0;
+  fs::path one;
+  for (const auto& entry : fs::directory_iterator(folder_ / "results/runs")) {
+    EXPECT_EQ(nlohmann::json::parse(read_all(entry.path() / "summary.json"))["status"], "done");
+    one = entry.path();
+    ++runs;
+  }
+  EXPECT_EQ(runs, 4);
+  EXPECT_THAT(read_all(folder_ / "results/energy/curves.csv"), HasSubstr("x 0.5"));
+  const auto verdicts = nlohmann::json::parse(read_all(folder_ / "results/verdict.json"));
+  EXPECT_EQ(verdicts.size(), 2u);
+
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  EXPECT_THAT(error_, Not(HasSubstr("done before")));  // nothing was left to do
+
+  // As after Ctrl-C: that run alone starts again.
+  std::ofstream(one / "summary.json") << R"({"status": "interrupted", "interrupted": true})";
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("4 runs, 3 of them done before"));
+
+  // A study that is added keeps the page and the verdicts of the other.
+  ASSERT_EQ(quoin("law " + results()), 0) << error_;
+  const std::string page = read_all(folder_ / "results/index.html");
+  EXPECT_THAT(page, HasSubstr("Fracture energies"));
+  EXPECT_THAT(page, HasSubstr("The law of a joint"));
+  EXPECT_EQ(nlohmann::json::parse(read_all(folder_ / "results/verdict.json")).size(), 12u);
+}
+
+TEST(Curve, ReadsWhatPeopleRead) {
+  quoin::reproduce::Curve curve;
+  for (int i = 0; i <= 400; ++i) {
+    const double d = 0.01 * i;
+    curve.stage.push_back(2);
+    curve.displacement.push_back(d);
+    curve.force.push_back(d <= 2 ? 10 * d : 20 - 5 * (d - 2));
+    curve.vertical.push_back(30.0);
+    curve.unbalanced.push_back(0.1);
+  }
+  EXPECT_DOUBLE_EQ(curve.peak(), 20.0);
+  EXPECT_NEAR(curve.peak_displacement(), 2.0, 1e-12);
+  EXPECT_NEAR(curve.force_at(1.234), 12.34, 1e-9);
+  EXPECT_NEAR(curve.displacement_after_peak(0.8), 2.8, 0.011);
+  EXPECT_LT(curve.displacement_after_peak(0.4), 0.0);
+  EXPECT_DOUBLE_EQ(curve.largest_fall(2.0), 0.0);
+  EXPECT_NEAR(curve.largest_fall(3.0), 0.25, 1e-9);
+  EXPECT_LT(curve.roughness(0.05, 0.1, 1.9), 1e-12);
+  // A wave of amplitude a, much shorter than the window, is what is left: a / sqrt(2).
+  for (std::size_t i = 0; i < curve.size(); ++i)
+    curve.force[i] += 0.2 * std::sin(2 * M_PI * curve.displacement[i] / 0.05);
+  EXPECT_NEAR(curve.roughness(0.05, 0.1, 1.9), 0.2 / std::sqrt(2.0) / curve.peak(), 0.1 * 0.2 / curve.peak());
+}
+
+TEST(Studies, HaveRunsWithNamesOfTheirOwn) {
+  for (const auto& quality : quoin::reproduce::qualities()) {
+    for (const auto& study : quoin::reproduce::studies()) {
+      std::vector<std::string> names;
+      for (const auto& run : study.runs(quality)) {
+        EXPECT_TRUE(fs::exists(fs::path(QUOIN_SCENES) / (run.scene + ".toml"))) << run.scene;
+        names.push_back(run.name);
+      }
+      std::sort(names.begin(), names.end());
+      EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end()) << study.id;
+    }
+  }
+}
+
+}  // namespace
