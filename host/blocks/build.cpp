@@ -68,7 +68,7 @@ void Model::set_damping(const SolverSettings& solver) {
   if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0) {
     for (Family& f : families_) {
       for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
-      f.old_jump.assign(f.size(), 0.0);
+      f.old_jump.assign(f.size(), std::nan(""));
     }
     zone_strain_.assign(zones_.size(), Matrix::zero());
   }

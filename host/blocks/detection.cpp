@@ -265,7 +265,7 @@ void Model::detect_contacts(bool everything) {
       for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = before.state[s][from];
       for (int k = 0; k < 3; ++k) f.traction[k][to] = before.traction[k][from];
       f.normal_jump[to] = before.normal_jump[from];
-      if (!f.old_jump.empty() && !before.old_jump.empty()) f.old_jump[to] = before.old_jump[from];
+      if (!f.old_jump.empty() && !before.old_jump.empty() && !source.fresh) f.old_jump[to] = before.old_jump[from];
       if (!before.stored.empty()) f.stored[to] = before.stored[from];
     };
     const auto carry_facet = [&](int32_t& index) {
@@ -306,7 +306,9 @@ void Model::detect_contacts(bool everything) {
       if (nearest >= 0) {
         const Point& q = before.point[nearest];
         copy_history(uint32_t(nearest), to);
-        p.reference = q.reference;
+        const bool open = before.traction[0][nearest] == 0.0 && before.traction[1][nearest] == 0.0 &&
+                          before.traction[2][nearest] == 0.0;
+        p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
         // Traction keeps its direction in space: tau is turned from the old frame into the new one. The roles of a and
         // b may have changed with the reference face; sigma and the traction on the block that was a change together
         // with it.
@@ -339,6 +341,7 @@ void Model::detect_contacts(bool everything) {
         p.slid[0] -= sign * dot(pending, in_space(p, p.s)), p.slid[1] -= sign * dot(pending, in_space(p, p.t));
       }
     }
+    if (!at_start) keep_energy(f, before, old_facets, c, first, uint32_t(source.end - source.begin));
     c.initial = c.initial || (at_start && source.end > source.begin);
     c.first = first, c.count = uint32_t(source.end - source.begin);
     fill[c.family] += c.count;
@@ -360,11 +363,45 @@ void Model::resize(Family& f, size_t n) const {
   for (auto& c : f.state) c.assign(n, 0.0);
   if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {
     for (auto& c : f.old_traction) c.assign(n, 0.0);
-    f.old_jump.assign(n, 0.0);
+    f.old_jump.assign(n, std::nan(""));  // not known: no rate, no viscous traction in the first step
   }
   if (energy_) {
     f.stored.assign(n, 0.0);
     for (auto& c : f.dissipated) c.assign(n, 0.0);
+  }
+}
+
+// New points must not hold more energy than those they replace (more area on the same overlap would): the overlap
+// counts from a shifted reference, and shear traction is scaled down. Both are estimated with the elastic stiffness;
+// the exact change is booked.
+void Model::keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
+                        uint32_t first, uint32_t count) {
+  double normal_before = 0.0, normal_after = 0.0, shear_before = 0.0, shear_after = 0.0;
+  for (uint32_t i = c.first; i < c.first + c.count; ++i) {
+    const Point& q = before.point[i];
+    const double d = std::min(0.0, locate(q, old_facets).jump);
+    normal_before += q.area * d * d;
+    shear_before +=
+        q.area * (before.traction[1][i] * before.traction[1][i] + before.traction[2][i] * before.traction[2][i]);
+  }
+  for (uint32_t i = first; i < first + count; ++i) {
+    const double d = std::min(0.0, locate(f.point[i], facets_).jump);
+    normal_after += f.point[i].area * d * d;
+    shear_after += f.point[i].area * (f.traction[1][i] * f.traction[1][i] + f.traction[2][i] * f.traction[2][i]);
+  }
+  if (normal_after > normal_before) {
+    const double scale = std::sqrt(normal_before / normal_after);
+    for (uint32_t i = first; i < first + count; ++i) {
+      Point& p = f.point[i];
+      const double d = locate(p, facets_).jump;
+      if (d >= 0) continue;
+      p.reference += (1 - scale) * d;
+      if (p.facet_a < 0) p.offset += (1 - scale) * d;
+    }
+  }
+  if (shear_after > shear_before) {
+    const double scale = std::sqrt(shear_before / shear_after);
+    for (uint32_t i = first; i < first + count; ++i) f.traction[1][i] *= scale, f.traction[2][i] *= scale;
   }
 }
 

@@ -250,6 +250,8 @@ class Model {
   Location locate(const Point& p, const std::vector<Facet>& facets) const;
   double stored_in_contacts() const;
   double energy_of_contacts_now();
+  void keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
+                   uint32_t first, uint32_t count);
   void resize(Family& f, size_t n) const;
 
   Assembly assembly_;

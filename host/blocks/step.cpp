@@ -141,7 +141,9 @@ void Model::contact_forces() {
     for (size_t i = 0; i < f.point.size(); ++i) {
       double sigma = f.traction[0][i], tau_s = f.traction[1][i], tau_t = f.traction[2][i];
       const Point& p = f.point[i];
-      if (beta > 0) {
+      if (beta > 0 && std::isnan(f.old_jump[i])) {
+        f.old_jump[i] = f.normal_jump[i];  // placed anew: the change since the last step is no motion
+      } else if (beta > 0) {
         // Stiffness-proportional: the rate of the traction itself, so that slip and open joints are not damped. It may
         // slow a closed contact but never pull on it.
         const double rate = beta / dt_;

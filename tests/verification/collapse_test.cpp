@@ -24,7 +24,7 @@ void collapse(int courses, int width, double rest) {
                                         {"fracture_energy_compression", 20000.0}}),
               1800);
   const double length = 0.4, height = 0.2, depth = 0.2;
-  const int floor = scene.brick({-4, -0.2, -3}, {10, 0.2, 6.2}, true);
+  const int floor = scene.brick({-20, -0.2, -20}, {60, 0.2, 60}, true);
   for (int c = 0; c < courses; ++c) {
     const double end = width * length;
     for (double x = 0, w; x < end - 1e-9; x += w) {
@@ -41,7 +41,7 @@ void collapse(int courses, int width, double rest) {
   m->set_gravity({0.35 * gravity, -gravity, 0.6 * gravity});
   m->run(0.6);
   m->set_gravity({0, -gravity, 0});
-  double work_scale = (m->mass() - 1800 * 10 * 0.2 * 6.2) * gravity * courses * height / 2, created = 0.0,
+  double work_scale = (m->mass() - 1800 * 60 * 0.2 * 60) * gravity * courses * height / 2, created = 0.0,
          largest_speed = 0.0;
   while (m->time() < rest) {
     m->run(0.01);
@@ -57,7 +57,7 @@ void collapse(int courses, int width, double rest) {
     if (i == floor) continue;
     for (size_t v = 0; v < m->block(i).shape->vertices.size(); ++v) {
       const Vector p = m->corner(i, int(v));
-      if (p.x > -4 && p.x < 6 && p.z > -3 && p.z < 3.2) deepest = std::max(deepest, -p.y);
+      deepest = std::max(deepest, -p.y);
       top = std::max(top, p.y);
     }
     speed = std::max(speed, norm(m->velocity(i)));

@@ -1,0 +1,194 @@
+// Block scenes: reader, generators and stages.
+#include <filesystem>
+#include <fstream>
+
+#include "blocks/generate.h"
+#include "blocks/run.h"
+#include "scene/error.h"
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+std::string scene_file(const std::string& body) {
+  static int number = 0;
+  const std::string path = ::testing::TempDir() + "scene_" + std::to_string(++number) + ".toml";
+  std::ofstream(path) << R"(
+[materials.stone]
+young_modulus = 1e10
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+friction_angle = 35.0
+)" << body;
+  return path;
+}
+const char* const rest_stage = R"(
+[[stage]]
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.05
+duration = 0.1
+)";
+
+TEST(BlockScenes, EveryShapeAndGenerator) {
+  const std::string mesh = ::testing::TempDir() + "wedge.off";
+  std::ofstream(mesh)
+      << "OFF\n6 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 1\n0 1 1\n3 0 2 1\n3 3 4 5\n4 0 1 4 3\n4 1 2 5 4\n4 2 0 3 5\n";
+  const std::string path = scene_file(R"(
+[[block]]
+name = "box"
+material = "stone"
+fixed = true
+box = { lower = [-10, -1, -10], size = [40, 1, 40] }
+[[block]]
+name = "hull"
+material = "stone"
+vertices = [[0,0,0],[1,0,0],[0,1,0],[0,0,1]]
+position = [0, 0.0, -4]
+[[block]]
+name = "mesh"
+material = "stone"
+mesh = "wedge.off"
+rotation = [-90, 0, 0]
+position = [4, 0, -4]
+[[block]]
+name = "soft"
+material = "stone"
+rigid = false
+zone_edge = 0.5
+box = { lower = [8, 0, -4], size = [1, 1, 1] }
+[[arch]]
+material = "stone"
+centre = [10, 0.1, 5]
+radius = 2.0
+thickness = 0.4
+depth = 0.5
+voussoirs = 11
+[[dry_wall]]
+name = "long"
+material = "stone"
+courses = 6
+units_per_course = 5
+unit = [0.4, 0.2, 0.2]
+trim_start = [0.0, 0.2]
+[[dry_wall.opening]]
+from = 0.8
+to = 1.4
+sill = 0.2
+head = 0.8
+bearing = 0.2
+[[dry_wall]]
+name = "cross"
+material = "stone"
+courses = 6
+units_per_course = 4
+unit = [0.4, 0.2, 0.2]
+origin = [0.2, 0, 0]
+direction = 90
+trim_start = [0.2, 0.0]
+[[joint_rule]]
+family = "none"
+between = ["hull", "mesh"]
+)" + std::string(rest_stage));
+  EXPECT_TRUE(is_block_scene(path));
+  blocks::Run run(read_block_scene(path));
+  const Assembly& a = run.model().assembly();
+  double wall = 0.0, expected = 0.0;
+  for (size_t i = 0; i < a.blocks.size(); ++i) {
+    if (a.blocks[i].name.starts_with("long") || a.blocks[i].name.starts_with("cross")) {
+      wall += geometry::mass_properties(a.shapes[a.blocks[i].shape]).volume;
+    }
+  }
+  // two walls, corner counted once, less the opening (0.6 x 0.6)
+  expected = (2.0 * 1.2 + 1.6 * 1.2 - 0.2 * 1.2 - 0.36) * 0.2;
+  EXPECT_NEAR(wall, expected, 1e-9);
+  find_block(a, "arch/5", "test");
+  EXPECT_THROW(find_block(a, "arch/55", "test"), Error);
+  run.run([](const Row&) {}, nullptr);
+  // the free hull, wedge and soft block rest on the floor; the corner holds together
+  EXPECT_LT(run.largest_displacement(), 0.02);
+}
+
+TEST(BlockScenes, FaultsAreLocated) {
+  const std::string path = scene_file(R"(
+[[block]]
+name = "a"
+material = "ston"
+box = { lower = [0, 0, 0], size = [1, -1, 1] }
+wieght = 3
+[[dry_wall]]
+material = "stone"
+courses = 0
+units_per_course = 2.3
+unit = [0.4, 0.2, 0.2]
+[[stage]]
+gravity = [0, -9.81, 0]
+)");
+  try {
+    read_block_scene(path);
+    FAIL();
+  } catch (const Error& e) {
+    const std::string text = e.what();
+    for (const char* part : {"did you mean 'stone'", "block.1.box.size", "wieght", "dry_wall.1.courses",
+                             "a multiple of 0.5", "never ends"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+    }
+  }
+  const std::string concave = scene_file(R"(
+[[block]]
+name = "flat"
+material = "stone"
+vertices = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]
+)" + std::string(rest_stage));
+  try {
+    blocks::Run run(read_block_scene(concave));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("block flat: its vertices lie in one plane"), std::string::npos) << e.what();
+  }
+}
+
+// Ground motion: a stiff block stuck to the ground follows it; the ground velocity is the integral of the acceleration
+// given.
+TEST(BlockScenes, GroundMotionIsIntegratedExactly) {
+  const std::string path = scene_file(R"(
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-5, -0.2, -5], size = [10, 0.2, 10] }
+[[block]]
+name = "block"
+material = "stone"
+box = { lower = [0, 0, 0], size = [0.5, 0.1, 0.5] }
+[solver]
+damping = "viscous"
+mass_damping = 0.0
+stiffness_damping = 1e-4
+[[stage]]
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.05
+duration = 0.1
+[[stage]]
+duration = 0.5
+ground_motion = { direction = [1, 0, 0], time = [0.0, 0.1, 0.2, 0.3], acceleration = [0.0, 2.0, -2.0, 0.0] }
+[output]
+monitor = "block"
+)");
+  blocks::Run run(read_block_scene(path));
+  run.run([](const Row&) {}, nullptr);
+  // double integral of the triangle pair: 0 to 0.1: a = 20 t; 0.1 to 0.2: 2 - 40 (t - 0.1); 0.2 to 0.3: -2 + 20 (t -
+  // 0.2)
+  const double expected =
+      0.02 / 6 + (0.1 * 0.1 + 2 * 0.005 - 40 * 0.001 / 6) + (0.1 * 0.1 - 2 * 0.005 + 20 * 0.001 / 6);
+  check("ground motion: displacement after the record", expected, run.model().position(0).x, 1e-3, "m",
+        "exact integral of the record");
+  check("ground motion: the block rides along", expected, run.model().position(1).x - 0.25, 2e-3, "m");
+}
+
+}  // namespace
+}  // namespace quoin::verification
