@@ -1,0 +1,178 @@
+// `quoin fit` on synthetic tests with known answers: curves from closed forms (linear softening), plus noise.
+#include "law/fit.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "cli/fit_command.h"
+#include "law_case.h"
+#include "scene/error.h"
+
+namespace quoin::test {
+namespace {
+
+constexpr double kKn = 82e9, kKs = 36e9, kFcr = 1e6;
+const std::map<std::string, double> kTruth = {{"tensile_strength", 0.16e6},
+                                              {"fracture_energy_tension", 12.0},
+                                              {"cohesion", 0.224e6},
+                                              {"friction_angle", 36.87},
+                                              {"fracture_energy_shear", 50.0},
+                                              {"compressive_strength", 11.5e6},
+                                              {"fracture_energy_compression", 8000.0}};
+
+double truth(const char* id) { return kTruth.at(id); }
+
+double tension(double dn) {
+  const double ft = truth("tensile_strength"), u0 = ft / kKn,
+               lt = (truth("fracture_energy_tension") - ft * u0 / 2) / (ft / 2);
+  return dn < u0 ? kKn * dn : ft * std::max(0.0, 1 - (dn - u0) / lt);
+}
+double shear(double ds, double pressure) {
+  const double c0 = truth("cohesion"), su = truth("fracture_energy_shear") / (c0 / 2);
+  const double friction = std::tan(truth("friction_angle") * std::numbers::pi / 180) * pressure;
+  if (kKs * ds < c0 + friction) return kKs * ds;
+  const double slip = (kKs * ds - c0 - friction) / (kKs - c0 / su);
+  return friction + c0 * std::max(0.0, 1 - slip / su);
+}
+double compression(double dn) {
+  const double fc = truth("compressive_strength"), wu = truth("fracture_energy_compression") / ((fc - kFcr) / 2);
+  if (-kKn * dn < fc) return kKn * dn;
+  const double w = (-kKn * dn - fc) / (kKn - (fc - kFcr) / wu);
+  return -std::max(kFcr, fc - (fc - kFcr) * w / wu);
+}
+
+std::vector<MeasuredCurve> synthetic(unsigned seed, double noise) {
+  Random random(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<MeasuredCurve> curves;
+  const auto add = [&](TestKind kind, double end, int rows, double pressure, double level, auto stress) {
+    MeasuredCurve curve;
+    curve.kind = kind;
+    curve.file = fmt::format("curve {}", curves.size());
+    for (int i = 1; i <= rows; ++i) {
+      const double x = static_cast<double>(i) / rows;
+      curve.jump.push_back(end * x * x);  // denser where the joint is elastic
+      curve.stress.push_back(stress(curve.jump.back()) + noise * level * normal(random));
+      curve.normal.push_back(-pressure);
+    }
+    curves.push_back(curve);
+  };
+  add(TestKind::couplet, 2e-4, 80, 0, 0.16e6, tension);
+  add(TestKind::couplet, 2e-4, 60, 0, 0.16e6, tension);
+  for (const double p : {0.2e6, 0.6e6, 1.0e6}) {
+    add(TestKind::triplet, 6e-4, 80, p, 0.5e6, [&](double ds) { return shear(ds, p); });
+  }
+  add(TestKind::prism, -2e-3, 100, 0, 11.5e6, compression);
+  return curves;
+}
+
+std::vector<PropertySetting> known() {
+  return {{"normal_stiffness", {kKn}, {}, {}},
+          {"shear_stiffness", {kKs}, {}, {}},
+          {"compressive_strength_residual", {kFcr}, {}, {}}};
+}
+
+TEST(Fit, RecoversExactCurvesExactly) {
+  const Law law = Law::find(law_under_test());
+  const FitResult result = fit_properties(law, synthetic(1, 0.0), known());
+  ASSERT_EQ(result.properties.size(), kTruth.size());
+  for (const FittedProperty& p : result.properties) {
+    EXPECT_NEAR(p.value, kTruth.at(p.id), 1e-4 * kTruth.at(p.id)) << p.id;
+    EXPECT_FALSE(p.unit.empty());
+  }
+}
+
+TEST(Fit, ConfidenceIntervalsHoldTheTruth) {
+  const Law law = Law::find(law_under_test());
+  const int trials = static_cast<int>(12 * std::max(1.0, test_scale()));
+  std::map<std::string, int> inside;
+  for (int trial = 0; trial < trials; ++trial) {
+    const FitResult result = fit_properties(law, synthetic(100 + trial, 0.03), known());
+    for (const FittedProperty& p : result.properties) {
+      const double exact = kTruth.at(p.id);
+      EXPECT_LT(p.low, p.value);
+      EXPECT_GT(p.high, p.value);
+      EXPECT_NEAR(p.value, exact, 0.1 * exact) << p.id << ": 3 % noise moves no property by 10 %";
+      EXPECT_LT(p.high - p.low, 0.2 * exact) << p.id << ": the interval says something";
+      inside[p.id] += p.low <= exact && exact <= p.high ? 1 : 0;
+    }
+  }
+  int all = 0;
+  for (const auto& [id, count] : inside) {
+    all += count;
+    // Binomial with 0.95: 3 standard deviations below the mean for a single property
+    EXPECT_GE(count, trials * 0.95 - 3 * std::sqrt(trials * 0.95 * 0.05) - 1) << id << " of " << trials;
+  }
+  const double n = trials * static_cast<double>(kTruth.size());
+  fmt::print("95 % intervals held the truth in {} of {} cases\n", all, n);
+  EXPECT_GE(all, n * 0.95 - 4 * std::sqrt(n * 0.95 * 0.05));
+}
+
+TEST(Fit, FixedPropertiesStay) {
+  const Law law = Law::find(law_under_test());
+  auto given = known();
+  given.push_back({"friction_angle", {36.87}, {}, {}});
+  auto curves = synthetic(3, 0.02);
+  curves.erase(curves.begin() + 3, curves.end());  // couplets and one triplet
+  const FitResult result = fit_properties(law, curves, given);
+  EXPECT_EQ(result.properties.size(), 4u);
+  for (const FittedProperty& p : result.properties) EXPECT_NE(p.id, "friction_angle");
+}
+
+TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
+  const auto folder = std::filesystem::temp_directory_path() / "quoin_fit_test";
+  std::filesystem::create_directories(folder);
+  const auto curves = synthetic(5, 0.02);
+  std::vector<std::string> words = {"fit",
+                                    "--set",
+                                    "normal_stiffness=82e9",
+                                    "--set",
+                                    "shear_stiffness=36e9",
+                                    "--set",
+                                    "compressive_strength_residual=1e6"};
+  for (std::size_t k = 0; k < curves.size(); ++k) {
+    const bool triplet = curves[k].kind == TestKind::triplet;
+    std::string text = triplet ? "ds,tau,sigma\n" : "dn,sigma\n";
+    for (std::size_t i = 0; i < curves[k].jump.size(); ++i) {
+      text += triplet ? fmt::format("{},{},{}\n", curves[k].jump[i], curves[k].stress[i], curves[k].normal[i])
+                      : fmt::format("{},{}\n", curves[k].jump[i], curves[k].stress[i]);
+    }
+    const std::string file = (folder / fmt::format("{}.csv", k)).string();
+    write_file(file, text);
+    words.push_back(triplet ? "--triplet" : curves[k].kind == TestKind::prism ? "--prism" : "--couplet");
+    words.push_back(file);
+  }
+  const std::string out = (folder / "fit.toml").string();
+  const auto run = [](std::vector<std::string> arguments) {
+    CLI::App app;
+    int exit_code = 0;
+    add_fit_command(app, exit_code);
+    std::reverse(arguments.begin(), arguments.end());
+    try {
+      app.parse(arguments);
+    } catch (const Error& error) {
+      return static_cast<int>(error.exit_code);
+    }
+    return exit_code;
+  };
+  auto whole = words;
+  whole.insert(whole.end(), {"--out", out, "--plot", folder.string()});
+  EXPECT_EQ(run(whole), 0);
+  EXPECT_TRUE(std::filesystem::exists(out));
+  EXPECT_GT(std::filesystem::file_size(folder / "fit.png"), 1000u);
+  EXPECT_EQ(run({"fit"}), 2);
+  write_file((folder / "bad.csv").string(), "dn,tau\n0,0\n");
+  EXPECT_EQ(run({"fit", "--couplet", (folder / "bad.csv").string()}), 3);
+  EXPECT_EQ(run({"fit", "--triplet", (folder / "0.csv").string()}), 3);
+  EXPECT_EQ(run({"fit", "--couplet", (folder / "0.csv").string()}), 3) << "no stiffness";
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace quoin::test

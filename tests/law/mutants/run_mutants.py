@@ -1,0 +1,211 @@
+#!/usr/bin/env python3
+"""Plants faults in the fracture-energy law one at a time and shows that the law tests kill each.
+
+    tests/law/mutants/run_mutants.py --test build/release/law_test [--only NAME] [--list]
+
+Every fault of issue 3 is a change of text in a scratch copy of contact_models. Text that is not found is an error: a mutant
+that changes nothing proves nothing. The law is rebuilt (baseline instruction set) and the tests run with it; all of
+them compare with a formula or with the independent reference, none with stored output. The unchanged law runs first: what fails
+there does not count. Exit code 0: all killed, 1: a survivor, 3: a text was not found or a mutant did not build.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+EQUATIONS = "fracture_energy/equations.h"
+SOFTENING = "fracture_energy/softening.h"
+
+# name -> (what is wrong, [(file, text, replacement)]). Spaces and line breaks in the text match any white space.
+MUTANTS = {
+    "v_left_out_of_e": (
+        "effective opening e = d_n + w, without the dilation uplift v",
+        [
+            (EQUATIONS, "step.e = hn::Add(hn::Sub(in.d_n, old.v), old.w);", "step.e = hn::Add(in.d_n, old.w);"),
+            (EQUATIONS, "const V e = hn::Add(hn::Sub(in.d_n, old.v), old.w);", "const V e = hn::Add(in.d_n, old.w);"),
+            (EQUATIONS, "hn::Sub(in.d_n, old.v), old.w, step.tolerance)", "in.d_n, old.w, step.tolerance)"),
+            (EQUATIONS, "hn::Sub(step.d_n, a.v), step.w_old, step.tolerance)", "step.d_n, step.w_old, step.tolerance)"),
+        ],
+    ),
+    "one_step_lag_in_xi": (
+        "strength at the xi of the start of the step",
+        [(EQUATIONS, "const V factor = f.factor(a.xi_s); const V damage", "const V factor = f.factor(step.xi_s); const V damage")],
+    ),
+    "xi_s_for_shared_xi": (
+        "shear keeps an xi_s of its own where the shared xi belongs",
+        [
+            (EQUATIONS, "step.xi_s = kShared ? step.xi_t : old.xi_s;", "step.xi_s = old.xi_s;"),
+            (EQUATIONS, "r.state.xi_t = kShared ? a.xi_s : step.xi_t;", "r.state.xi_t = step.xi_t;"),
+            ("fracture_energy/kernel.cpp", "old.xi_s = kShared ? old.xi_t : state_in(kXiS, i);", "old.xi_s = state_in(kXiS, i);"),
+        ],
+    ),
+    "c0_for_c0_less_cr_in_su": (
+        "su = G2/(c0 A) instead of G2/((c0 - cr) A)",
+        [(EQUATIONS, "su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(cohesion_drop, A)));",
+          "su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c0, A)));")],
+    ),
+    "return_to_S_at_old_xi": (
+        "tau returns to the strength before this step's slip",
+        [(EQUATIONS, "a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start));",
+          "slip = select(slips, hn::Div(hn::Sub(trial, S_before), p.ks), slip);"
+          " a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start)); a.S = select(slips, S_before, a.S);")],
+    ),
+    "missing_branch_end": (
+        "linear softening runs on below zero",
+        [(SOFTENING, "HWY_INLINE V factor(V xi) const { return positive_part(hn::Sub(splat(1.0), xi)); }",
+          "HWY_INLINE V factor(V xi) const { return hn::Sub(splat(1.0), xi); }")],
+    ),
+    "half_kn_on_reclosing": (
+        "a joint damaged in tension closes with kn/2",
+        [
+            (EQUATIONS, "const V sigma = hn::Mul(p.kn, e); const V trial_s",
+             "const V sigma = hn::Mul(hn::Mul(p.kn, e), hn::IfThenElse(hn::Gt(old.xi_t, zero()), splat(0.5), splat(1.0)));"
+             " const V trial_s"),
+            (EQUATIONS, "r.sigma = a.sigma;",
+             "r.sigma = hn::IfThenElse(hn::AndNot(step.open, hn::Gt(old.xi_t, zero())), hn::Mul(splat(0.5), a.sigma), a.sigma);"),
+        ],
+    ),
+    "wrong_sign_of_coulomb_in_tension": (
+        "tension raises the shear strength",
+        [(EQUATIONS, "const V S = hn::NegMulAdd(a.sigma, mu, cohesion);",
+          "const V S = hn::MulAdd(hn::Abs(a.sigma), mu, cohesion);")],
+    ),
+    "F_at_the_old_w": (
+        "crushing strength at the plastic closure of the start of the step",
+        [
+            (EQUATIONS, "value = overstress(d_n_less_v, x);",
+             "value = hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, x))), crushing_strength(w_old));"),
+            (EQUATIONS, "slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));", "slope = hn::Neg(p.kn);"),
+            (EQUATIONS, "hn::Neg(crushing_strength(c.w)));", "hn::Neg(crushing_strength(w_old)));"),
+        ],
+    ),
+    "slip_direction_lost_on_reversal": (
+        "tau keeps its sign when the slip reverses",
+        [(EQUATIONS, "r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);",
+          "r.state.tau_s = select(r.slips, hn::CopySign(hn::Mul(trial_s, keep), old.tau_s), trial_s);")],
+    ),
+    "residual_cohesion_kept_when_open": (
+        "cohesion cr + (c0 - cr) f while the joint is open",
+        [(EQUATIONS,
+          "const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr));",
+          "const V cohesion = hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr);")],
+    ),
+    "angle_interpolated_before_tangent": (
+        "tan(phi0 + (phir - phi0) D) instead of mu0 + (mur - mu0) D",
+        [(EQUATIONS, "const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), damage, p.mu0);",
+          "const V mu = [&] { HWY_ALIGN double m0[64], mr[64], dd[64]; const D d; hn::Store(p.mu0, d, m0);"
+          " hn::Store(p.mur, d, mr); hn::Store(damage, d, dd); for (std::size_t i = 0; i < hn::Lanes(d); ++i)"
+          " m0[i] = std::tan(std::atan(m0[i]) + (std::atan(mr[i]) - std::atan(m0[i])) * dd[i]); return hn::Load(d, m0); }();")],
+    ),
+}
+NOT_FOUND = 3
+
+
+def plant(folder, changes):
+    """Applies the changes; returns what was not found."""
+    missing = []
+    for name, text, replacement in changes:
+        path = folder / name
+        source = path.read_text()
+        pattern = r"\s*".join(re.escape(word) for word in re.findall(r"\w+|[^\w\s]", text))
+        changed, count = re.subn(pattern, lambda _: replacement, source)
+        if count == 0:
+            missing.append(f"{name}: {text}")
+        path.write_text(changed)
+    return missing
+
+
+def run_tests(program, laws, timeout):
+    """(names of failed tests, first path check that failed)"""
+    environment = dict(os.environ, QUOIN_LAW_PATH=str(laws), QUOIN_TEST_SCALE=os.environ.get("QUOIN_TEST_SCALE", "0.4"))
+    failed, first, crashed = [], "", ""
+    for chosen in ("Files/*", "*Statement*", "Reference*"):
+        try:
+            done = subprocess.run([program, f"--gtest_filter={chosen}", "--gtest_brief=1"], env=environment, timeout=timeout,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", check=False)
+        except subprocess.TimeoutExpired:
+            failed.append(f"{chosen} did not end within {timeout} s")
+            continue
+        failed += sorted(set(re.findall(r"^\[  FAILED  \] ([\w/.]+),? ", done.stdout, re.M)))
+        if done.returncode < 0:
+            crashed = f"{chosen} ended by signal {-done.returncode}"
+            failed.append(crashed)
+        if not first:
+            found = re.search(r"^\S*/([\w-]+\.toml:\d+: .*)$", done.stdout, re.M)
+            first = found.group(1) if found else ""
+    return failed, first
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--test", type=pathlib.Path, help="the program law_test")
+    parser.add_argument("--only", action="append", choices=sorted(MUTANTS), help="this mutant (may be repeated)")
+    parser.add_argument("--list", action="store_true", help="list the mutants and check that their texts are found")
+    parser.add_argument("--timeout", type=int, default=300, help="seconds for one group of tests")
+    arguments = parser.parse_args()
+    chosen = arguments.only or list(MUTANTS)
+
+    with tempfile.TemporaryDirectory(prefix="quoin-mutants-") as scratch_name:
+        scratch = pathlib.Path(scratch_name)
+        lost = {}
+        for name in chosen:  # all texts first: the rest takes minutes
+            shutil.copytree(ROOT / "contact_models", scratch / name / "models")
+            missing = plant(scratch / name / "models", MUTANTS[name][1])
+            if missing:
+                lost[name] = missing
+        for name, missing in lost.items():
+            print(f"{name}: text not found; mend this mutant for the new source:", *missing, sep="\n    ", file=sys.stderr)
+        if lost:
+            return NOT_FOUND
+        if arguments.list:
+            for name in chosen:
+                print(f"{name:36} {MUTANTS[name][0]}")
+            return 0
+        if arguments.test is None or not arguments.test.is_file():
+            parser.error("--test PROGRAM is needed: build the target law_test")
+
+        def build(models, laws):
+            laws.mkdir()
+            done = subprocess.run([HERE / "build_law.sh", models, laws / "fracture_energy.so"], stderr=subprocess.PIPE, text=True,
+                                  check=False)
+            if done.returncode != 0:
+                print(done.stderr[-3000:], file=sys.stderr)
+            return done.returncode == 0
+
+        if not build(ROOT / "contact_models", scratch / "unchanged"):
+            return NOT_FOUND
+        baseline, _ = run_tests(arguments.test.resolve(), scratch / "unchanged", arguments.timeout)
+        print(f"unchanged law: {len(baseline)} tests fail{': ' + ', '.join(baseline) if baseline else ''}", flush=True)
+
+        survivors, broken = [], []
+        for name in chosen:
+            start = time.time()
+            if not build(scratch / name / "models", scratch / name / "laws"):
+                broken.append(name)
+                print(f"BROKEN    {name}: does not build", flush=True)
+                continue
+            failed, first = run_tests(arguments.test.resolve(), scratch / name / "laws", arguments.timeout)
+            new = [test for test in failed if test not in baseline]
+            groups = {"path files": [t for t in new if t.startswith("Files/")], "statements": [t for t in new if "Statement" in t],
+                      "reference": [t for t in new if t.startswith("Reference")]}
+            print(f"{'killed' if new else 'SURVIVED':9} {name}: {MUTANTS[name][0]} ({time.time() - start:.0f} s)")
+            print("          " + ", ".join(f"{len(tests)} {group}" for group, tests in groups.items()) +
+                  (f"; {', '.join(t for t in new if t not in sum(groups.values(), []))}" if len(new) > sum(map(len, groups.values())) else ""))
+            if first and groups["path files"]:
+                print(f"          {first[:220]}")
+            sys.stdout.flush()
+            if not new:
+                survivors.append(name)
+        print(f"{len(chosen) - len(survivors) - len(broken)} of {len(chosen)} mutants killed")
+        return NOT_FOUND if broken else 1 if survivors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
