@@ -87,6 +87,34 @@ TEST_F(PathCommand, NormalStressControl) {
   EXPECT_NEAR(table.rows[1][3], -1e6, 1e-4);
 }
 
+TEST_F(PathCommand, FractureEnergyColumnsAreThoseOfIssue2) {
+  const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n-1e-6,1e-4,0\n-1e-6,3e-4,0\n");
+  std::vector<std::string> words = {"--law", "fracture_energy", "--jumps", jumps, "--out",
+                                    out(),   "--initial",       "bonded"};
+  for (const char* set : {"normal_stiffness=82e9", "shear_stiffness=36e9", "cohesion=0.2e6", "friction_angle=30",
+                          "fracture_energy_shear=30", "softening=table", "softening_table=0:1,0.3:0.5,1:0"}) {
+    words.insert(words.end(), {"--set", set});
+  }
+  ASSERT_EQ(run(words), 0) << message_;
+  std::ifstream stream(out());
+  std::string header;
+  std::getline(stream, header);
+  EXPECT_EQ(header,
+            "dn,ds,dt,sigma,tau_s,tau_t,xi_t,xi_s,w,v,slip,flags,energy_stored,dissipated_tension,dissipated_cohesion,"
+            "dissipated_friction,dissipated_crushing,work");
+  const CsvTable table = read_csv(out());
+  ASSERT_EQ(table.rows.size(), 3u);
+  const double slip = table.rows[1][table.column("slip")];
+  EXPECT_NEAR(table.rows[1][4], 36e9 * (1e-4 - slip), 1e-6);
+  // cumulative, never falling
+  EXPECT_GE(table.rows[2][table.column("dissipated_cohesion")], table.rows[1][table.column("dissipated_cohesion")]);
+  words[7] = "dry";
+  ASSERT_EQ(run(words), 0) << message_;
+  EXPECT_LT(read_csv(out()).rows[1][4], 0.06e6) << "a dry joint has friction alone";
+  words[7] = "wet";
+  EXPECT_EQ(run(words), 3);
+}
+
 TEST_F(PathCommand, BadTablesNameFileLineAndValue) {
   const auto refused = [&](const std::string& text, std::initializer_list<const char*> words) {
     EXPECT_EQ(elastic(write("bad.csv", text)), 3) << text;
