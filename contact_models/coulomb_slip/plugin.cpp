@@ -90,25 +90,26 @@ struct CoulombSlipLaw {
     coulomb_slip::evaluate(material, columns, count, summary);
   }
 
-  // A joint whose softening is complete comes in failed; one that is only softened has no counterpart in a brittle law:
-  // it comes in intact and is marked as clamped.
+  // A joint at the end of its softening comes in failed, where the residual strengths carry its traction. One that is
+  // only softened has no counterpart in a brittle law: it comes in intact and is marked as clamped.
   static void migrate(const Material& p, const MigrationPoint& from, MigrationResult& to) {
     const double xi = std::max(from.state("xi_t", 0.0), from.state("xi_s", 0.0));
-    const double complete = from.state("softening_complete_at", 1.0);
-    const bool failed = from.state("failed", 0.0) > 0.0 || xi >= complete;
-    to.states[kFailed] = failed ? 1.0 : 0.0;
-    to.states[kSlip] = from.state("slip", 0.0);
     const double tau = std::hypot(from.tau_s, from.tau_t);
     const double slack = 1e-9 * std::max({std::abs(from.sigma), p.ft, p.c0, tau});
-    const double ft = failed ? p.ftr : p.ft;
-    double d_n = from.sigma / p.kn;
-    if (from.sigma == 0.0 && ft == 0.0) d_n = std::max(0.0, from.normal_jump);  // an open crack keeps its width
-    const double cohesion = !failed ? p.c0 : d_n > 0.0 ? 0.0 : p.cr;
-    const double S = std::max(0.0, cohesion - from.sigma * (failed ? p.mur : p.mu0));
+    const bool crack = from.sigma == 0.0 && from.normal_jump > 0.0 && xi >= 1.0;  // keeps its width
+    const double d_n = crack ? from.normal_jump : from.sigma / p.kn;
+    const auto carries = [&](bool failed) {
+      const double cohesion = !failed ? p.c0 : d_n > 0.0 ? 0.0 : p.cr;
+      const double S = std::max(0.0, cohesion - from.sigma * (failed ? p.mur : p.mu0));
+      return from.sigma <= (failed ? p.ftr : p.ft) + slack && tau <= S + slack;
+    };
+    const bool was_failed = from.state("failed", 0.0) > 0.0;
+    const bool failed = was_failed || (xi >= 1.0 && carries(true));
+    to.states[kFailed] = failed ? 1.0 : 0.0;
+    to.states[kSlip] = from.state("slip", 0.0);
     to.normal_shift = d_n - from.normal_jump;
     to.energy_stored = 0.5 * from.sigma * d_n + 0.5 * tau * tau / p.ks;
-    const bool inside = from.sigma <= ft + slack && tau <= S + slack;
-    to.status = !inside ? QUOIN_POINT_FAILED : xi > 0.0 && !failed ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
+    to.status = !carries(failed) ? QUOIN_POINT_FAILED : xi > 0.0 && !failed ? QUOIN_POINT_CLAMPED : QUOIN_POINT_OK;
   }
 };
 

@@ -110,6 +110,13 @@ class Recorder : public Observer {
     if (s.duration) add(fmt::format("{:g} s", *s.duration));
     progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end));
   }
+  void on_law_swap(const LawSwap& swap) override {
+    progress_.message(
+        fmt::format("joint family '{}': law {} replaced by {} at {} contact points, tractions kept; stored "
+                    "energy {:.6g} J, jump {:+.3g} J{}",
+                    swap.family, swap.from, swap.to, swap.points, swap.stored_before, swap.energy_jump,
+                    swap.limited ? fmt::format("; {} softened points come in intact", swap.limited) : ""));
+  }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
     last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);

@@ -360,15 +360,20 @@ Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pre
       t.refuse("displacement", "only with a monitor body to measure; give monitor");
   }
 
-  if (const toml::table* swaps = t.table("law_swaps", "a table { family = \"law\" }")) {
-    std::vector<std::string> families;
-    for (const auto& [name, family] : scene.joints) families.push_back(name);
-    Table s(t.context(), *swaps, t.path("law_swaps"));
-    for (const std::string& family : families) {
-      std::string law;
-      if (s.text(family, law, "the name or path of a law")) stage.law_swaps[family] = law;
+  const std::string law_choice = "a law for all joint families, or a table { family = \"law\" }";
+  if (const toml::node* law = t.find("law", law_choice, false)) {
+    if (const toml::table* swaps = law->as_table()) {
+      Table s(t.context(), *swaps, t.path("law"));
+      for (const auto& [family, settings] : scene.joints) {
+        std::string name;
+        if (s.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
+      }
+      s.finish();
+    } else if (const auto name = law->value<std::string>()) {
+      for (const auto& [family, settings] : scene.joints) stage.law_swaps[family] = *name;
+    } else {
+      t.wrong_type("law", *law, law_choice);
     }
-    s.finish();
   }
   if (!kind_known) return stage;  // which keys are allowed depends on the kind
   t.finish();

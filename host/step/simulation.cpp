@@ -318,6 +318,7 @@ void Simulation::Impl::begin_stage(int index) {
   calm_checks = 0;
   next_frame = 0;
   next_row = 0;
+  swaps.clear();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
 }
 
@@ -403,19 +404,40 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
 
   const auto count = static_cast<std::size_t>(family.point_count), first = static_cast<std::size_t>(family.first_point);
   if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
-  std::vector<double> jump(count), shift(count, 0.0);
+  // The opening that belongs to the standing tractions: displacements have moved on by one step since.
+  std::vector<double> jump(count), shift(count, 0.0), stored(count, 0.0), energy_jump(count, 0.0), zero(count, 0.0);
   for (std::size_t i = 0; i < count; ++i) {
     const std::int32_t component = kLanes * model.point_axis[first + i];
-    jump[i] = displacement[static_cast<std::size_t>(model.node_b[first + i] + component)] -
-              displacement[static_cast<std::size_t>(model.node_a[first + i] + component)] + normal_shift[first + i];
+    const auto at_traction = [&](std::int32_t offset) {
+      const auto k = static_cast<std::size_t>(offset + component);
+      return displacement[k] - data.time_step * velocity[k];
+    };
+    jump[i] = at_traction(model.node_b[first + i]) - at_traction(model.node_a[first + i]) + normal_shift[first + i];
   }
   LaneVector<double> new_state(law.law->state_count * count, 0.0);
   std::vector<const char*> ids;
   std::vector<quoin_in> from;
-  std::vector<quoin_out> to;
+  std::vector<quoin_out> to, unused;
+  std::vector<double> scratch_columns((3 + old_api.state_count) * count);
   for (std::uint64_t k = 0; k < old_api.state_count; ++k) {
     ids.push_back(old_api.states[k]->id);
     from.push_back({law_state[f].data() + k * count, 1});
+    unused.push_back({scratch_columns.data() + (3 + k) * count, 1});
+  }
+  if (old_api.capabilities & QUOIN_CAN_ENERGY) {  // a step that moves nothing gives the stored energy
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = count;
+    batch.normal_jump = {jump.data(), 1};
+    for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {traction[k].data() + first, 1};
+      batch.traction_new[k] = {scratch_columns.data() + k * count, 1};
+    }
+    batch.state_old = from.data();
+    batch.state_new = unused.data();
+    batch.energy_stored = {stored.data(), 1};
+    old_api.evaluate(family.material->handle(), &batch);
   }
   for (std::uint64_t k = 0; k < law.law->state_count; ++k) to.push_back({new_state.data() + k * count, 1});
   char message[1024] = "";
@@ -430,7 +452,11 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
   migration.from_states = from.data();
   migration.normal_jump = {jump.data(), 1};
   for (std::size_t k = 0; k < 3; ++k) migration.traction[k] = {traction[k].data() + first, 1};
+  migration.energy_stored = {stored.data(), 1};
   migration.normal_shift = {shift.data(), 1};
+  migration.energy_jump = {energy_jump.data(), 1};
+  std::vector<std::uint32_t> point_status(count, QUOIN_POINT_OK);
+  migration.status = {point_status.data(), 1};
   migration.state_new = to.data();
   const quoin_status status = law.law->migrate_state(material->handle(), &migration, &text);
   if (status != QUOIN_OK || migration.failed_count > 0) {
@@ -438,7 +464,14 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
                 fmt::format("law '{}' did not take over the state of law '{}' ({} of {} points refused): {}",
                             law.law->id, old_api.id, migration.failed_count, count, message));
   }
-  for (std::size_t i = 0; i < count; ++i) normal_shift[first + i] += shift[i];
+  LawSwap swap{name, old_api.id, law.law->id, static_cast<long>(count), 0, 0.0, 0.0};
+  for (std::size_t i = 0; i < count; ++i) {
+    normal_shift[first + i] += shift[i];
+    swap.limited += point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0;
+    swap.stored_before += model.area[first + i] * stored[i];
+    swap.energy_jump += model.area[first + i] * energy_jump[i];
+  }
+  swaps.push_back(swap);
   family.material = material;
   law_state[f] = std::move(new_state);
   bind_columns();
@@ -596,6 +629,7 @@ void Simulation::run(Observer& observer) {
   for (int index = first; index < stage_count; ++index) {
     if (!s.in_stage) s.begin_stage(index);
     observer.on_stage_begin(*this, index);
+    for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
     const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
     const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
     const long interval = s.chosen_record_interval();

@@ -61,10 +61,20 @@ struct Progress {
 
 class Simulation;
 
+// A law that has replaced another one with the traction of every point kept.
+struct LawSwap {
+  std::string family, from, to;
+  long points;
+  long limited;          // points whose history the new law can hold only in part (status CLAMPED)
+  double stored_before;  // elastic energy of the joints, J, for the modelled part
+  double energy_jump;    // stored after less before, J
+};
+
 // What wants to know. All calls come from the thread that runs the simulation, between steps.
 struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
+  virtual void on_law_swap(const LawSwap&) {}
   virtual void on_row(const HistoryRow&) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {

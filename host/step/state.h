@@ -62,7 +62,8 @@ struct Simulation::Impl {
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
-  void bind_whiffletree();  // bodies of the stage's floors
+  void bind_whiffletree();     // bodies of the stage's floors
+  std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
   double stage_fraction() const;  // by duration or displacement
@@ -112,7 +113,7 @@ struct Simulation::Impl {
   double kinetic = 0.0;
   int monitor = -1;
   std::vector<std::vector<int>> whiffletree;  // bodies of each floor, in stages that have one
-  bool controls_settled = true;  // the ramp of the stage is over
+  bool controls_settled = true;               // the ramp of the stage is over
   bool want_energy = false;
   bool keep_diagnostics = false;
 
