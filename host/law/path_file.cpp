@@ -189,7 +189,7 @@ class Reader {
   PathPoint point(const toml::node& node) const {
     const toml::table* table = node.as_table();
     if (table == nullptr) fail(node, "point must be a table: [[point]]");
-    only(*table, {"dn", "sigma", "ds", "dt", "steps", "along", "expect"});
+    only(*table, {"dn", "sigma", "ds", "dt", "steps", "plot", "along", "expect"});
     PathPoint result;
     result.line = static_cast<int>(node.source().begin.line);
     for (const char* key : {"dn", "sigma", "ds", "dt"}) {
@@ -203,6 +203,10 @@ class Reader {
       fail(*table->get("steps"), fmt::format("steps = {}: a whole number from 1", steps));
     }
     result.steps = static_cast<int>(steps);
+    if (const toml::node* plot = table->get("plot")) {
+      if (!plot->is_boolean()) fail(*plot, "plot must be true or false");
+      result.plotted = *plot->value<bool>();
+    }
     for (const toml::node& item : list(*table, "along")) result.along.push_back(check(item));
     for (const toml::node& item : list(*table, "expect")) result.expect.push_back(check(item));
     return result;
@@ -296,12 +300,13 @@ PathOutcome run_path(const PathFile& path, const std::string& law_name) {
   for (const auto& [name, formula] : path.definitions) constants[name] = value_of(formula, constants, 1);
 
   PathOutcome outcome;
-  const auto record = [&] {
+  const auto record = [&](bool plotted) {
+    outcome.plotted.push_back(plotted);
     outcome.rows.push_back(contact.now());
     outcome.values.push_back(quantities(*law.law, contact.now()));
     outcome.closed_form.emplace_back();
   };
-  record();
+  record(true);
 
   for (std::size_t number = 0; number < path.points.size(); ++number) {
     const PathPoint& point = path.points[number];
@@ -335,7 +340,7 @@ PathOutcome run_path(const PathFile& path, const std::string& law_name) {
         throw Error(error.exit_code,
                     fmt::format("{}:{}: step {} of {}: {}", path.file, point.line, step, point.steps, error.what()));
       }
-      record();
+      record(point.plotted);
 
       Variables here = segment;
       here["part"] = p;
@@ -410,6 +415,7 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
     std::string law_rows, form_rows;
     bool any = false;
     for (std::size_t i = 0; i < outcome.rows.size(); ++i) {
+      if (!outcome.plotted[i]) continue;
       const Variables& values = outcome.values[i];
       if (values.count(x) == 0 || values.count(y) == 0) {
         throw Error(Exit::bad_input, fmt::format("{}: plot '{} {}': no such quantity", path.file, x, y));

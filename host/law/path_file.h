@@ -50,6 +50,7 @@ struct PathPoint {
   std::map<std::string, Formula> targets;  // dn or sigma, ds, dt
   int steps = 1;
   std::vector<PathCheck> along, expect;
+  bool plotted = true;
   int line = 0;
 };
 
@@ -69,6 +70,7 @@ struct PathOutcome {
   std::vector<PointResult> rows;                           // the start and every step
   std::vector<Variables> values;                           // every quantity by name, row by row
   std::vector<std::map<std::string, double>> closed_form;  // by quantity, where a check along the path gives it
+  std::vector<bool> plotted;                               // by row
   int checks = 0;
   std::vector<std::string> failures;
   double worst = 0.0;  // largest error as a fraction of its tolerance

@@ -272,16 +272,18 @@ std::vector<Jump> random_path(const Case& c, Random& random, int corners) {
 }
 
 int substeps_between(const Case& c, const Jump& from, const Jump& to) {
-  constexpr double kPerLength = 400.0;
-  constexpr double kMost = 40000.0;
+  const char* finer = std::getenv("QUOIN_TEST_REFINE");  // to see whether a difference is one of the sub-step
+  const double refinement = finer == nullptr ? 1.0 : std::atof(finer);
+  const double per_length = 400.0 * refinement;
+  const double most = 40000.0 * refinement;
   double normal = HUGE_VAL, shear = HUGE_VAL;
   for (const double length : {c.u0(), c.lt(), c.wu()}) {
     if (length > 0.0) normal = std::min(normal, length);
   }
   if (c.su() > 0.0) shear = c.su();
   const double steps =
-      kPerLength * std::max(std::abs(to.dn - from.dn) / normal, std::hypot(to.ds - from.ds, to.dt - from.dt) / shear);
-  return static_cast<int>(std::clamp(steps, 1000.0, kMost));
+      per_length * std::max(std::abs(to.dn - from.dn) / normal, std::hypot(to.ds - from.ds, to.dt - from.dt) / shear);
+  return static_cast<int>(std::clamp(steps, 1000.0 * refinement, most));
 }
 
 }  // namespace quoin::test
