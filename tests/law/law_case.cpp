@@ -205,6 +205,9 @@ Case any_case(Random& random, double margin) {
     c.p.fc = strength * log_uniform(random, 2.0, 30.0);
     c.p.fcr = chance(0.3) ? 0.0L : c.p.fc * uniform(random, 0.02, 0.7);
     if (chance(0.1)) c.p.fcr = c.p.fc;
+    // Fully crushed to nothing the point stands at e = 0 exactly, where rounding decides between closed (cohesion cr)
+    // and open (none): no two implementations need agree there.
+    if (c.p.cr > 0) c.p.fcr = std::max(c.p.fcr, 0.02L * c.p.fc);
   }
   const double shape = uniform(random, 0.0, 1.0);
   c.p.shape = shape < 0.4   ? reference::Shape::linear
