@@ -73,7 +73,7 @@ set ylabel {} noenhanced
 set border 3 linecolor rgb "#404040"
 set tics nomirror
 set grid xtics ytics linecolor rgb "#d0d0d0" linewidth 0.8
-set key {} spacing 1.25 samplen 3 width 1 noenhanced reverse Left
+set key {} font "Sans,16" spacing 1.25 samplen 3 noenhanced reverse Left
 set autoscale xfix
 {}set offsets 0, 0, graph 0.05, 0
 {}{})gp",

@@ -1,6 +1,7 @@
 // The walls of the benchmark: pressures, loading rate, brittle joints, envelope, opening.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -228,7 +229,10 @@ StudyReport report_rate(const Findings& findings) {
 std::vector<RunSpec> brittle_runs(const Quality& q) {
   std::vector<RunSpec> runs = wall_runs(q);
   for (const WallReference& w : kWalls) {
-    RunSpec spec = shear_run(q, std::string("brittle, ") + w.name, w.scene);
+    // A brittle joint lets go at once, and faster walls ring with it: at 2.12 MPa 121 kN at 80 mm/s, 97 kN at 20 mm/s.
+    Quality slow = q;
+    slow.velocity = std::min(q.velocity, 0.02);
+    RunSpec spec = shear_run(slow, std::string("brittle, ") + w.name, w.scene, {}, 2.0);
     spec.law = "coulomb_slip";
     runs.push_back(spec);
   }
@@ -293,7 +297,9 @@ StudyReport report_brittle(const Findings& findings) {
                         : "crushing alone does not explain it")};
   report.notes = {
       "The brittle law is the standard one of 3DEC: at the first failure tension and cohesion drop to nothing; "
-      "compression stays elastic."};
+      "compression stays elastic.",
+      "Brittle walls are never loaded faster than 20 mm/s, at quality fast neither: joints that let go at once make a "
+      "fast wall ring (2.12 MPa: 121 kN at 80 mm/s, 97 kN at 20 mm/s)."};
   return report;
 }
 
@@ -325,6 +331,7 @@ StudyReport report_envelope(const Findings& findings) {
   Chart chart{"envelope", "Peak shear stress against normal stress", "mean vertical stress (MPa)",
               "peak shear stress (MPa)"};
   chart.extra = "set yrange [0:1.6]\n";
+  chart.key = "top left";
   chart.add_points("model, initial stress", initial, tau, 0);
   chart.add_points("model, stress at the peak", at_peak, tau, 1);
   chart.add_points(std::string("tests, initial stress ") + kind_tag(Kind::derived), initial, tau_test, 5);
@@ -402,6 +409,13 @@ StudyReport report_hollow(const Findings& findings) {
       {"peak in the range of the tests (recalled: orientation only)", main.peak(), 30.0, "kN", Kind::recalled,
        main.peak() >= 20 && main.peak() <= 40,
        fmt::format("{:.1f} kN at {:.1f} mm; recalled 20 to 40 kN", main.peak(), main.peak_displacement())});
+  const Curve& wide = findings.run("3 half bricks").curve;
+  if (main.peak() > 40.0)
+    report.differs = {fmt::format(
+        "The peak lies above the range that is recalled. The size of the opening, which is assumed, changes it most of "
+        "what was tested: {:.1f} kN with half a brick more of width. "
+        "The study of contact points adds a few per cent for the coarse zones, the pace its own (see the quality).",
+        wide.peak())};
   report.notes = {
       "The paper does not print the size of the opening. 2 half bricks by 6 courses is assumed; on the grid of half "
       "bricks it cannot stand in the middle of 9, so both "
