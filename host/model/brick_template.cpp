@@ -71,7 +71,7 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   brick.parity = source.parity;
   brick.material = source.material;
 
-  const auto [nx, ny, nz] = source.zones;
+  const int nx = source.zones[0], ny = source.zones[1], nz = source.zones[2];
   for (int k = 0; k <= nz; ++k) {
     for (int j = 0; j <= ny; ++j) {
       for (int i = 0; i <= nx; ++i)
