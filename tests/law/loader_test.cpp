@@ -1,5 +1,6 @@
 // The loader: every way a library can be wrong ends in Error(law_refused) that says what, why and what to do.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -51,6 +52,25 @@ TEST(Loader, LoadsFromAPathAndFromACopy) {
   const auto second = LawLibrary::load(path, true);
   EXPECT_NE(&first->info(), &second->info()) << "a copy must be a library of its own";
   EXPECT_EQ(first->path(), path);
+}
+
+// A developer rebuilds a law in place while a host program runs on: the next load must give the new one, though the old
+// one is still in use. (dlopen alone hands out the library that it knows by its inode.)
+TEST(Loader, SeesARebuiltLibraryWithoutARestart) {
+  namespace fs = std::filesystem;
+  const fs::path law = fs::temp_directory_path() / ("quoin_rebuilt_" + std::to_string(::getpid()) + ".so");
+  const auto build = [&](const char* file) {  // in place: same name, same inode
+    std::ifstream from(file, std::ios::binary);
+    std::ofstream(law, std::ios::binary | std::ios::trunc) << from.rdbuf();
+  };
+  build(QUOIN_REBUILT_LAW_1);
+  const auto first = LawLibrary::load(law.string(), true);
+  EXPECT_STREQ(first->info().laws[0]->version, "1.0.0");
+  build(QUOIN_REBUILT_LAW_2);
+  const auto second = LawLibrary::load(law.string(), true);
+  EXPECT_STREQ(second->info().laws[0]->version, "2.0.0");
+  EXPECT_STREQ(first->info().laws[0]->version, "1.0.0") << "the old one stays whole while somebody holds it";
+  fs::remove(law);
 }
 
 TEST(Loader, NamesEverythingThatItTried) {
