@@ -404,14 +404,27 @@ struct Equations {
     } else {
       cohesion_open = hn::NegMulAdd(r.sigma, friction_path, hn::Mul(p.c0, softened));
     }
-    // Where S fell below the old tau at once (opening, brittle drop), the slip also frees the excess.
-    const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
+    // A cohesion that is lost at once (the residual when a joint opens, a mode that completes at its first movement)
+    // frees what the old tau stored above the strength. Not so a change of pressure: it comes gradually, whatever the
+    // step.
     V start = S_before_slip;
+    V lost = hn::IfThenElseZero(
+        r.open, hn::Sub(hn::MulAdd(hn::Sub(p.c0, p.cr), f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));
     const M dropped = hn::Gt(xi_start, step.xi_s);
-    if (!none(dropped)) start = select(dropped, at_xi<false>(step, xi_start).S, start);
-    const V excess = positive_part(hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), start));
-    const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), p.ks);
+    if (!none(dropped)) {
+      start = select(dropped, at_xi<false>(step, xi_start).S, start);
+      lost = select(dropped, hn::Sub(S_before_slip, start), lost);
+    }
+    const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
+    const V before = hn::Min(trial, hn::Max(held, S_before_slip));
+    const V excess = positive_part(hn::Min(hn::Sub(before, start), lost));
+    // tau goes down the elastic line until it meets S, which itself falls with the slip.
+    const V fall = hn::IfThenElseZero(hn::Gt(r.slip, zero()), hn::Div(hn::Sub(tau, start), r.slip));
+    const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), hn::Add(p.ks, hn::Min(fall, zero())));
     E.cohesion = hn::Add(positive_part(select(r.open, cohesion_open, cohesion_closed)), freed_at_once);
+    // With no sliding from outside the whole slip is on that line.
+    const M standing = hn::And(hn::And(r.open, hn::Gt(excess, zero())), hn::Le(trial, held));
+    E.cohesion = select(standing, hn::Mul(hn::Mul(half, hn::Add(trial, tau)), r.slip), E.cohesion);
     E.cohesion = hn::IfThenElseZero(r.slips, E.cohesion);
     E.friction = hn::IfThenElseZero(r.slips, E.friction);
 
