@@ -6,6 +6,7 @@
 #include <new>
 
 #include "cli/check_command.h"
+#include "cli/fit_command.h"
 #include "cli/models_command.h"
 #include "cli/path_command.h"
 #include "cli/reproduce_command.h"
@@ -19,7 +20,10 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  quoin run host/scenes/solid_wall_030.toml          a wall test, to out/solid_wall_030\n"
       "  quoin check host/scenes/solid_wall_030.toml        sizes and time step, without running\n"
-      "  quoin models fracture_energy                       properties and states of a law"};
+      "  quoin models fracture_energy                       properties and states of a law\n"
+      "  quoin path tests/law/paths/couplet.toml            one contact point along a path, beside its closed form\n"
+      "  quoin fit --help                                   properties of a joint from measured curves\n"
+      "  quoin reproduce --list                             the studies of the paper"};
   app.name("quoin");
   app.footer(
       "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
@@ -33,6 +37,7 @@ int main(int argc, char** argv) {
   quoin::add_check_command(app, exit_code);
   quoin::add_models_command(app, exit_code);
   quoin::add_path_command(app, exit_code);
+  quoin::add_fit_command(app, exit_code);
   quoin::add_reproduce_command(app, exit_code);
 
   try {
