@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "cli/prepare.h"
+#include "cli/run_blocks.h"
 #include "model/time_step.h"
+#include "scene/block_scene.h"
 #include "scene/generate.h"
 
 namespace quoin {
@@ -21,6 +23,7 @@ void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepRep
 }
 
 void check(const SceneOptions& options) {
+  if (is_block_scene(options.scene)) return check_blocks(options.scene, options.law, options.overrides);
   const Scene scene = prepare_scene(options);
   Assembly assembly = assemble(scene);
   auto materials = make_materials(assembly);

@@ -138,14 +138,41 @@ std::string draw_mechanism(const fs::path& folder, const Run& run) {
 
 }  // namespace
 
-void run_blocks(const std::string& file, const std::string& law, const std::vector<std::string>& overrides,
-                const fs::path& folder, int& exit_code) {
-  const auto started = std::chrono::steady_clock::now();
+namespace {
+
+std::unique_ptr<Run> make_run(const std::string& file, const std::string& law,
+                              const std::vector<std::string>& overrides) {
   BlockScene scene = read_block_scene(file, overrides);
   if (!law.empty()) {
     for (auto& [name, family] : scene.joints) family.law = law;
   }
-  Run run(std::move(scene));
+  return std::make_unique<Run>(std::move(scene));
+}
+
+size_t point_count(const Model& m) {
+  size_t points = 0;
+  for (const auto& f : m.families()) points += f.size();
+  return points;
+}
+
+std::string sizes(const std::string& file, const Model& m) {
+  return fmt::format("{}: {} blocks, {} zones, {} contact points; time step {:.3g} s (2/omega_max {:.3g} s)\n", file,
+                     m.block_count(), m.zones().size(), point_count(m), m.time_step(), m.critical_time_step());
+}
+
+}  // namespace
+
+void check_blocks(const std::string& file, const std::string& law, const std::vector<std::string>& overrides) {
+  const std::unique_ptr<Run> run = make_run(file, law, overrides);
+  fmt::print("{}", sizes(file, run->model()));
+  for (const auto& stage : run->scene().stages) fmt::print("  stage {}\n", stage.name);
+}
+
+void run_blocks(const std::string& file, const std::string& law, const std::vector<std::string>& overrides,
+                const fs::path& folder, int& exit_code) {
+  const auto started = std::chrono::steady_clock::now();
+  const std::unique_ptr<Run> made = make_run(file, law, overrides);
+  Run& run = *made;
   make_folder(folder);
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
@@ -156,10 +183,7 @@ void run_blocks(const std::string& file, const std::string& law, const std::vect
     }
   }
   const Model& m = run.model();
-  size_t points = 0;
-  for (const auto& f : m.families()) points += f.size();
-  fmt::print(stderr, "{}: {} blocks, {} zones, {} contact points; time step {:.3g} s (2/omega_max {:.3g} s)\n", file,
-             m.block_count(), m.zones().size(), points, m.time_step(), m.critical_time_step());
+  fmt::print(stderr, "{}", sizes(file, m));
   std::string history =
       "stage,step,time_s,multiplier,monitor_dx_m,monitor_dy_m,monitor_dz_m,monitor_fx_N,monitor_fy_N,monitor_fz_N,"
       "largest_displacement_m,unbalanced_ratio,kinetic_J,strain_J,contact_stored_J,dissipated_tension_J,dissipated_"
@@ -218,9 +242,7 @@ void run_blocks(const std::string& file, const std::string& law, const std::vect
   json["largest_displacement_m"] = run.largest_displacement();
   json["blocks"] = m.block_count();
   json["zones"] = m.zones().size();
-  points = 0;
-  for (const auto& f : m.families()) points += f.size();
-  json["contact_points"] = points;
+  json["contact_points"] = point_count(m);
   json["steps"] = m.steps();
   json["simulated_time_s"] = m.time();
   json["time_step_s"] = m.time_step();

@@ -138,6 +138,8 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks 144"), HasSubstr("zones 11520"), HasSubstr("contact points 3447"),
                           HasSubstr("2/omega_max"), HasSubstr("Gershgorin"), HasSubstr("eq. 3"), HasSubstr("set at")));
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/ferris_tin_loi_2.toml"}), 0);  // a scene of the general path
+  EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
 }
 
 TEST_F(Cli, RunWritesEveryResult) {
