@@ -50,9 +50,8 @@ struct Equations {
 
   HWY_INLINE V strength(V sigma, M open, M failed) const {
     const V mu = select(failed, p.mur, p.mu0);
-    const V intact = p.c0;
     const V residual = hn::IfThenZeroElse(open, p.cr);
-    return positive_part(hn::NegMulAdd(sigma, mu, select(failed, residual, intact)));
+    return positive_part(hn::NegMulAdd(sigma, mu, select(failed, residual, p.c0)));
   }
 
   // Recoverable energy of the normal spring cut off at the tensile strength: a cut-off without memory of its opening,

@@ -51,13 +51,6 @@ struct CoulombSlipLaw {
   static constexpr std::array<const quoin_state_info*, kStateCount> states = {&kFailedInfo, &kSlipInfo};
   static constexpr std::array<const char*, 2> initial_states = {"bonded", "dry"};
 
-  static int property_column(std::string_view column_id) {
-    for (int k = 0; k < kPropertyColumnCount; ++k) {
-      if (column_id == properties[static_cast<std::size_t>(k)]->id) return k;
-    }
-    return -1;
-  }
-
   static Material make(const PropertyValues& values, Report& report) {
     for (const auto& [residual, limit] :
          {std::pair{"tensile_strength_residual", "tensile_strength"}, std::pair{"cohesion_residual", "cohesion"},

@@ -26,10 +26,6 @@ struct ElasticLaw {
   static constexpr std::array<const quoin_state_info*, 0> states = {};
   static constexpr std::array<const char*, 2> initial_states = {"bonded", "dry"};
 
-  static int property_column(std::string_view column_id) {
-    return column_id == kNormal.id ? 0 : column_id == kShear.id ? 1 : -1;
-  }
-
   static Material make(const PropertyValues& values, Report&) {
     return {values.number("normal_stiffness"), values.number("shear_stiffness")};
   }

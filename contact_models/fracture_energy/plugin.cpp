@@ -215,13 +215,6 @@ struct FractureEnergyLaw {
                                                                               &kSlipInfo};
   static constexpr std::array<const char*, 2> initial_states = {"bonded", "dry"};
 
-  static int property_column(std::string_view column_id) {
-    for (int k = 0; k < kPropertyColumnCount; ++k) {
-      if (column_id == properties[static_cast<std::size_t>(k)]->id) return k;
-    }
-    return -1;
-  }
-
   static Material make(const PropertyValues& values, Report& report) {
     const auto tangent = [&](const char* property) { return std::tan(values.number(property) * (M_PI / 180.0)); };
     Material material{};

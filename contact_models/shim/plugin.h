@@ -1,7 +1,7 @@
 // The C ABI around a law written in C++. A law's plugin.cpp is the only file of the law that sees the ABI: it
 // describes the law to Plugin<L>, where L provides
 //   struct Material;                                             immutable, made from validated properties
-//   static constexpr ... properties, states, initial_states;     spans of metadata
+//   static constexpr ... properties, states, initial_states;     spans of metadata; per-point properties first
 //   static Material make(const PropertyValues&, Report&);        adds its own faults and warnings
 //   static bool initial_state(const Material&, std::string_view id, double* values);
 //   static void stiffness_bounds(const Material&, double& normal, double& shear);
@@ -225,6 +225,16 @@ class Plugin {
     bool property_columns = false;
   };
 
+  // Per-point properties come first in a law's metadata: their place there is their column. -1: not given point by
+  // point.
+  static int property_column(std::string_view property_id) {
+    for (std::size_t k = 0; k < L::properties.size(); ++k) {
+      const quoin_property_info& info = *L::properties[k];
+      if (property_id == info.id) return (info.flags & QUOIN_PROPERTY_PER_POINT) != 0 ? static_cast<int>(k) : -1;
+    }
+    return -1;
+  }
+
   static quoin_status collect(const quoin_batch& batch, Views& views) {
     views.in[kNormalJump] = batch.normal_jump;
     for (int k = 0; k < 2; ++k) views.in[kSlipIncrement + k] = batch.slip_increment[k];
@@ -246,7 +256,7 @@ class Plugin {
     if (batch.property_column_count > 0 && batch.property_columns == nullptr) return QUOIN_ERROR_ARGUMENT;
     for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
       const quoin_property_column& column = batch.property_columns[c];
-      const int index = column.id == nullptr ? -1 : L::property_column(column.id);
+      const int index = column.id == nullptr ? -1 : property_column(column.id);
       if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
       views.in[kProperty + index] = column.values;
       views.property_columns = true;

@@ -7,14 +7,23 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+namespace {
+
+// Of a field over the gridpoints of a deformable block.
+template <class Masses, class Field>
+Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& field) {
+  Vector sum;
+  double mass = 0.0;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) sum += node_mass[i] * field[i], mass += node_mass[i];
+  return sum / mass;
+}
+
+}  // namespace
+
 Vector Model::position(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].x;
-  Vector sum;
-  double mass = 0.0;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    sum += node_mass_[i] * node_x_[i], mass += node_mass_[i];
-  return sum / mass;
+  return mass_mean(b, node_mass_, node_x_);
 }
 
 Matrix Model::orientation(int block) const {
@@ -27,11 +36,7 @@ Matrix Model::orientation(int block) const {
 Vector Model::velocity(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].v;
-  Vector sum;
-  double mass = 0.0;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    sum += node_mass_[i] * node_v_[i], mass += node_mass_[i];
-  return sum / mass;
+  return mass_mean(b, node_mass_, node_v_);
 }
 
 Vector Model::angular_velocity(int block) const {
