@@ -1,0 +1,25 @@
+// What K[0] asks for: its sign whether the step is integrated or only a prediction operator wanted, its size which
+// operator, and above 50 the speed of sound as well (K[0] = 100 + request).
+#pragma once
+
+#include <cmath>
+
+namespace quoin::mgis {
+
+struct Request {
+  enum class Operator { none, elastic, tangent };
+
+  Operator wanted;
+  bool integration;
+  bool speed_of_sound;
+
+  explicit Request(double k0) : speed_of_sound(k0 > 50.0) {
+    const double code = speed_of_sound ? k0 - 100.0 : k0;
+    integration = code > -0.5;
+    const double size = std::abs(code);
+    // 2 secant, 3 tangent, 4 consistent tangent: a Quoin law has the consistent tangent alone.
+    wanted = size < 0.5 ? Operator::none : size < 1.5 ? Operator::elastic : Operator::tangent;
+  }
+};
+
+}  // namespace quoin::mgis

@@ -1,0 +1,80 @@
+// A law called through the C ABI alone: what the adapters are compared with. All points take the same step.
+#pragma once
+
+#include <array>
+#include <cstdlib>
+#include <vector>
+
+#include "quoin/quoin.h"
+#include "shared/law_library.h"
+#include "shared/material.h"
+#include "tests/adapters/paths.h"
+
+namespace quoin::tests {
+
+inline std::vector<adapters::PropertyValue> mortar_of(const quoin_law& law) {
+  std::vector<adapters::PropertyValue> values;
+  for (std::uint64_t i = 0; i < law.property_count; ++i)
+    for (const auto& [id, number] : mortar)
+      if (std::string(id) == law.properties[i]->id) values.push_back({id, {number}, {}});
+  return values;
+}
+
+class DirectLaw {
+ public:
+  explicit DirectLaw(const quoin_law& law, std::size_t points = 1)
+      : material(law, mortar_of(law)), jump(points), state(law.state_count, std::vector<double>(points)) {
+    for (auto* columns : {&traction[0], &traction[1], &traction[2], &slip[0], &slip[1], &stored})
+      columns->assign(points, 0.0);
+    for (auto& column : dissipated) column.assign(points, 0.0);
+    for (auto& column : tangent) column.assign(points, 0.0);
+    flags.assign(points, 0);
+    std::vector<double> initial(law.state_count);
+    material.initial_state(law.initial_states[0], initial.data());
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      state[k].assign(points, initial[k]);
+      state_old.push_back({state[k].data(), 1});
+      state_new.push_back({state[k].data(), 1});
+    }
+    batch.struct_size = sizeof batch;
+    batch.count = points;
+    batch.normal_jump = {jump.data(), 1};
+    for (int k = 0; k < 2; ++k) batch.slip_increment[k] = {slip[k].data(), 1};
+    for (int k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {traction[k].data(), 1};
+      batch.traction_new[k] = {traction[k].data(), 1};
+    }
+    batch.state_old = state_old.data();
+    batch.state_new = state_new.data();
+    batch.flags = {flags.data(), 1};
+  }
+
+  void want_energies() {
+    batch.energy_stored = {stored.data(), 1};
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {dissipated[k].data(), 1};
+  }
+  void want_tangent() {
+    for (int k = 0; k < 9; ++k) batch.tangent[k] = {tangent[k].data(), 1};
+  }
+  void step(double normal_jump, double slip_s, double slip_t) {
+    jump.assign(jump.size(), normal_jump);
+    slip[0].assign(jump.size(), slip_s);
+    slip[1].assign(jump.size(), slip_t);
+    evaluate();
+  }
+  void evaluate() {
+    if (material.law().evaluate(material.handle(), &batch) != QUOIN_OK || batch.failed_count > 0) std::abort();
+  }
+
+  adapters::Material material;
+  std::vector<double> jump, slip[2], traction[3], stored, dissipated[QUOIN_DISSIPATED_COUNT], tangent[9];
+  std::vector<std::vector<double>> state;
+  std::vector<std::uint32_t> flags;
+  quoin_batch batch{};
+
+ private:
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
+};
+
+}  // namespace quoin::tests
