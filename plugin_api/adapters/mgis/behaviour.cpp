@@ -1,6 +1,5 @@
 #include "mgis/behaviour.h"
 
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -69,7 +68,7 @@ int step(const adapters::Material& material, const BehaviourData& data, bool tan
 
 }  // namespace
 
-int Behaviour::integrate(BehaviourData& data) noexcept {
+int Behaviour::integrate(BehaviourData& data) const noexcept {
   try {
     const Request request(data.K[0]);
     if (request.speed_of_sound)
@@ -87,7 +86,7 @@ int Behaviour::integrate(BehaviourData& data) noexcept {
   }
 }
 
-int Behaviour::initialize(BehaviourData& data, const char* initial_state) noexcept {
+int Behaviour::initialize(BehaviourData& data, const char* initial_state) const noexcept {
   try {
     material(data.s1.material_properties).initial_state(initial_state, data.s1.internal_state_variables);
     return results_reliable;
@@ -97,35 +96,28 @@ int Behaviour::initialize(BehaviourData& data, const char* initial_state) noexce
 }
 
 // A host passes the properties again at every call: the last material of the thread is nearly always the right one.
-const adapters::Material& Behaviour::material(const double* properties) {
+const adapters::Material& Behaviour::material(const double* properties) const {
   struct Last {
     const Behaviour* behaviour = nullptr;
-    std::string key;
+    std::string key;  // the bytes of the property values
     const adapters::Material* material = nullptr;
   };
   thread_local Last last;
   const std::size_t bytes = property_count_ * sizeof(double);
   if (last.behaviour == this && std::memcmp(last.key.data(), properties, bytes) == 0) return *last.material;
 
-  std::string key(reinterpret_cast<const char*>(properties), bytes);
-  const std::lock_guard lock(mutex_);
-  std::unique_ptr<adapters::Material>& entry = materials_[key];
-  if (entry == nullptr) entry = make_material(properties);
-  last = {this, std::move(key), entry.get()};
-  return *entry;
+  const adapters::Material& found = adapters::shared_material(law(), {properties, property_count_});
+  last = {this, std::string(reinterpret_cast<const char*>(properties), bytes), &found};
+  return found;
 }
 
-std::unique_ptr<adapters::Material> Behaviour::make_material(const double* properties) const {
-  const quoin_law& law = adapters::law_by_name(law_name_);
-  const std::vector<const quoin_property_info*> infos = adapters::scalar_properties(law);
-  if (law.state_schema != state_schema_ || infos.size() != property_count_)
+const quoin_law& Behaviour::law() const {
+  const quoin_law& found = adapters::law_by_name(law_name_);
+  if (found.state_schema != state_schema_ || adapters::scalar_properties(found).size() != property_count_)
     throw std::runtime_error(
-        std::string(law_name_) + ": the law " + law.version +
+        std::string(law_name_) + ": the law " + found.version +
         " has other states or properties than this behaviour was generated for; generate it again");
-  std::vector<adapters::PropertyValue> values;
-  for (std::size_t i = 0; i < infos.size(); ++i)
-    if (!std::isnan(properties[i])) values.push_back(adapters::scalar_value(*infos[i], properties[i]));
-  return std::make_unique<adapters::Material>(law, values);
+  return found;
 }
 
 }  // namespace quoin::mgis

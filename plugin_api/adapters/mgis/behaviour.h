@@ -3,12 +3,8 @@
 // and sigma, tau_s, tau_t with the same signs; the slip of a step is the difference of the total openings.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <map>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <vector>
 
 #include "mgis/behaviour_data.h"
 #include "shared/material.h"
@@ -19,23 +15,21 @@ namespace quoin::mgis {
 class Behaviour {
  public:
   // state_schema, property_count: of the law when the symbols were generated.
-  Behaviour(const char* law, std::uint64_t state_schema, std::size_t property_count)
+  constexpr Behaviour(const char* law, std::uint64_t state_schema, std::size_t property_count)
       : law_name_(law), state_schema_(state_schema), property_count_(property_count) {}
 
   // Any thread, as long as the data differ.
-  int integrate(BehaviourData& data) noexcept;
+  int integrate(BehaviourData& data) const noexcept;
   // Fills the internal state variables of s1.
-  int initialize(BehaviourData& data, const char* initial_state) noexcept;
+  int initialize(BehaviourData& data, const char* initial_state) const noexcept;
 
  private:
-  const adapters::Material& material(const double* properties);
-  std::unique_ptr<adapters::Material> make_material(const double* properties) const;
+  const adapters::Material& material(const double* properties) const;
+  const quoin_law& law() const;
 
   const char* law_name_;
   std::uint64_t state_schema_;
   std::size_t property_count_;
-  std::mutex mutex_;
-  std::map<std::string, std::unique_ptr<adapters::Material>> materials_;  // by the bytes of the property values
 };
 
 }  // namespace quoin::mgis

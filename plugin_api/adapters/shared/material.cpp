@@ -2,6 +2,9 @@
 
 #include <array>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 
 namespace quoin::adapters {
@@ -45,6 +48,22 @@ void Material::initial_state(const std::string& id, double* values) const {
   for (std::uint64_t i = 0; i < law_->initial_state_count; ++i)
     known += (i > 0 ? ", " : "") + std::string(law_->initial_states[i]);
   throw std::runtime_error("initial state " + id + ": " + law_->id + " has " + known);
+}
+
+const Material& shared_material(const quoin_law& law, std::span<const double> scalars) {
+  static std::mutex mutex;
+  static std::map<std::pair<const quoin_law*, std::string>, std::unique_ptr<Material>> materials;
+  // By the bytes of the values: NaN is a value here.
+  std::string bytes(reinterpret_cast<const char*>(scalars.data()), scalars.size_bytes());
+  const std::lock_guard lock(mutex);
+  std::unique_ptr<Material>& entry = materials[{&law, std::move(bytes)}];
+  if (entry != nullptr) return *entry;
+  const std::vector<const quoin_property_info*> infos = scalar_properties(law);
+  std::vector<PropertyValue> values;
+  for (std::size_t i = 0; i < infos.size(); ++i)
+    if (!std::isnan(scalars[i])) values.push_back(scalar_value(*infos[i], scalars[i]));
+  entry = std::make_unique<Material>(law, values);
+  return *entry;
 }
 
 }  // namespace quoin::adapters

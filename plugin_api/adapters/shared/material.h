@@ -1,6 +1,7 @@
 // A material from the plain numbers and words that foreign programs hand over.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,5 +43,9 @@ class Material {
   quoin_material* handle_ = nullptr;
   quoin_stiffness_bounds stiffness_{sizeof(quoin_stiffness_bounds), 0.0, 0.0};
 };
+
+// The material of these values of scalar_properties, NaN for the law's default: one a process for equal values, however
+// many points ask, and kept to the end. Throws as Material does. Any thread.
+const Material& shared_material(const quoin_law& law, std::span<const double> scalars);
 
 }  // namespace quoin::adapters

@@ -1,0 +1,35 @@
+// Two axes of the contact plane in which a step of the shear force happens. 3DEC does not tell a model the normal, and
+// a law does not care where s points as long as force and slip are seen from the same axes: s follows the old force.
+#pragma once
+
+#include "jointmodel.h"
+
+namespace quoin::threedec {
+
+class ShearAxes {
+ public:
+  ShearAxes(const DVect3& traction, const DVect3& increment) {
+    traction_ = traction.mag();
+    const double length = increment.mag();
+    if (traction_ > 0.0)
+      s_ = traction / traction_;
+    else if (length > 0.0)
+      s_ = increment / length;
+    slip_[0] = increment | s_;
+    // What rounding leaves of a parallel increment points anywhere; its length alone is to be trusted.
+    const DVect3 across = increment - s_ * slip_[0];
+    slip_[1] = across.mag();
+    if (slip_[1] > 0.0) t_ = across / slip_[1];
+  }
+
+  double traction() const { return traction_; }  // along s; none along t
+  const double* slip() const { return slip_; }
+  DVect3 vector(double s, double t) const { return s_ * s + t_ * t; }
+
+ private:
+  DVect3 s_, t_;
+  double traction_ = 0.0;
+  double slip_[2] = {0.0, 0.0};
+};
+
+}  // namespace quoin::threedec
