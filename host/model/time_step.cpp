@@ -118,6 +118,10 @@ class UndamagedSystem {
     return rows;
   }
 
+  void slow_deformation(const Inertia& inertia, std::vector<double>* x) const {
+    scale_deformation(model_, inertia.rigid_motion, inertia.node, inertia.deformation, x);
+  }
+
   // Inertia of a degree of freedom; with `scaled`, rotations in units of the radius of gyration.
   double inertia_of(int dof, const Inertia& inertia, bool scaled) const {
     if (dof < body_base_) return inertia.node[at(dof)];
@@ -236,6 +240,9 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
   // between which the vector wanders long after the value stands.
   constexpr double kSettled = 1e-9;
   std::vector<double> alpha, beta, product(n), scaled(n);
+  const auto slow_deformation = [&](std::vector<double>* x) {
+    if (inertia.deformation != 1.0) system.slow_deformation(inertia, x);
+  };
   Lanczos result;
   Eigen::VectorXd ritz;
   const auto sweep = [&](int steps, const Eigen::VectorXd* weights) {
@@ -245,13 +252,14 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
         for (std::size_t i = 0; i < n; ++i) result.vector[i] += (*weights)[j] * q[i];
         if (j + 1 == steps) return;
       }
-      for (std::size_t i = 0; i < n; ++i) scaled[i] = scale[i] * q[i];
+      scaled = q;
+      slow_deformation(&scaled);
+      for (std::size_t i = 0; i < n; ++i) scaled[i] *= scale[i];
       system.apply(scaled, &product);
+      for (std::size_t i = 0; i < n; ++i) product[i] *= scale[i];
+      slow_deformation(&product);
       double a = 0.0, b = 0.0;
-      for (std::size_t i = 0; i < n; ++i) {
-        product[i] *= scale[i];
-        a += product[i] * q[i];
-      }
+      for (std::size_t i = 0; i < n; ++i) a += product[i] * q[i];
       const double old_beta = j > 0 ? beta[at(j - 1)] : 0.0;
       for (std::size_t i = 0; i < n; ++i) {
         product[i] -= a * q[i] + old_beta * previous[i];
@@ -383,6 +391,12 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
     }
   }
 
+  inertia->deformation = settings.deformation_inertia;
+  if (inertia->deformation != 1.0 || settings.damping == DampingKind::block) {
+    for (const BlockGroup& group : model.groups)
+      inertia->rigid_motion.push_back(rigid_motion_of(model, group, inertia->node));
+  }
+
   TimeStepReport report = limits(model, system, *inertia);
   double in_use = 0.0;
   for (int line = 0; line < model.block_line_count; ++line) {
@@ -398,12 +412,14 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   }
   // Damping proportional to velocity is taken from the velocity of half a step ago, which costs stability:
   // dt <= 2/omega (sqrt(1 + xi^2) - xi) with the damping ratio xi at the highest frequency.
-  double reduction = 1.0;
-  if (settings.damping == DampingKind::viscous) {
-    const double omega = 2.0 / report.critical.value;
-    const double xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
-    reduction = std::sqrt(1.0 + xi * xi) - xi;
-  }
+  double xi = 0.0;
+  const double omega = 2.0 / report.critical.value;
+  if (settings.damping == DampingKind::viscous)
+    xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
+  if (settings.damping == DampingKind::block) xi = settings.deformation_damping;
+  report.stiffness_damping =
+      settings.damping == DampingKind::block ? 2.0 * settings.deformation_damping / omega : settings.stiffness_damping;
+  const double reduction = std::sqrt(1.0 + xi * xi) - xi;
   report.time_step =
       settings.selective_time_step > 0.0
           ? std::min(settings.selective_time_step, settings.time_step_fraction * reduction * report.critical.value)

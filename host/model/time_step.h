@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/model.h"
+#include "model/rigid_motion.h"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -17,12 +18,13 @@ struct TimeStepLimit {
 
 struct TimeStepReport {
   TimeStepLimit critical;    // 2/omega_max by Lanczos: what every fraction refers to
-  TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of it
+  TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of it, without scaling of deformation
   TimeStepLimit nodal;       // eq. 3 with diagonal stiffness, 2 sqrt(m/k): printed for comparison, usually unstable
   int lanczos_steps = 0;
-  double time_step = 0.0;   // s, in use
-  double added_mass = 0.0;  // kg, by selective mass scaling
-  double model_mass = 0.0;  // kg, before any scaling
+  double time_step = 0.0;          // s, in use
+  double stiffness_damping = 0.0;  // s, of viscous damping in use
+  double added_mass = 0.0;         // kg, by selective mass scaling
+  double model_mass = 0.0;         // kg, before any scaling
 };
 
 // Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.
@@ -30,6 +32,8 @@ struct Inertia {
   LaneVector<double> node;         // kg; 0 where there is nothing to move
   std::vector<double> body_mass;   // kg
   std::vector<Vec3> body_inertia;  // kg m2
+  double deformation = 1.0;        // s of rigid_motion.h: what the inertia against deformation of blocks is times
+  std::vector<RigidMotion> rigid_motion;  // by block group; empty when neither scaling nor damping asks for it
 };
 
 // Inertia with the scaling of the settings, and the time step that goes with it.

@@ -45,11 +45,16 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     j["controls"] = controls;
     stages.push_back(j);
   }
-  const char* damping = s.damping == DampingKind::none ? "none" : s.damping == DampingKind::local ? "local" : "viscous";
+  const char* damping = s.damping == DampingKind::none      ? "none"
+                        : s.damping == DampingKind::local   ? "local"
+                        : s.damping == DampingKind::viscous ? "viscous"
+                                                            : "block";
   return {{"set", info.overrides},
           {"time_step_fraction", s.time_step_fraction},
           {"mass_scaling", s.mass_scaling},
           {"selective_time_step_s", s.selective_time_step},
+          {"deformation_inertia", s.deformation_inertia},
+          {"deformation_damping", s.deformation_damping},
           {"damping", damping},
           {"local_damping", s.local_damping},
           {"mass_damping_per_s", s.mass_damping},

@@ -44,12 +44,22 @@ SolverSettings read_solver(Table t) {
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1), "of 2/omega_max (0.6 is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia against deformation");
+  if (s.deformation_inertia > 1.0 && s.selective_time_step > 0.0)
+    t.refuse("deformation_inertia", "1 with selective_time_step, which has its own way to raise the step; use one");
   std::string damping = "local";
-  t.choice("damping", damping, {"none", "local", "viscous"});
-  s.damping = damping == "none" ? DampingKind::none : damping == "local" ? DampingKind::local : DampingKind::viscous;
+  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
+                                                    {"local", DampingKind::local},
+                                                    {"viscous", DampingKind::viscous},
+                                                    {"block", DampingKind::block}};
+  t.choice("damping", damping, {"none", "local", "viscous", "block"});
+  if (kinds.contains(damping)) s.damping = kinds.at(damping);
   if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)") &&
-      s.damping != DampingKind::local)
-    t.refuse("local_damping", "only with damping = \"local\"; remove it, or change damping");
+      s.damping != DampingKind::local && s.damping != DampingKind::block)
+    t.refuse("local_damping", "only with damping = \"local\" or \"block\"; remove it, or change damping");
+  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)") &&
+      s.damping != DampingKind::block)
+    t.refuse("deformation_damping", "only with damping = \"block\"; remove it, or change damping");
   for (auto [key, value] :
        {std::pair{"mass_damping", &s.mass_damping}, std::pair{"stiffness_damping", &s.stiffness_damping}}) {
     const char* unit = value == &s.mass_damping ? "1/s" : "s";

@@ -41,16 +41,20 @@ struct BlockMaterial {
   double density = 0.0;  // kg/m3
 };
 
-enum class DampingKind { none, local, viscous };
+// local: eq. 1 at every degree of freedom. block: eq. 1 on the rigid motion of each block and viscous damping of its
+// deformation, so that the vibration of a block brakes no motion of the block.
+enum class DampingKind { none, local, viscous, block };
 
 struct SolverSettings {
   double time_step_fraction = 0.6;   // of 2/omega_max of the undamaged assembled system
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
+  double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
   DampingKind damping = DampingKind::local;
-  double local_damping = 0.8;      // gamma of eq. 1
-  double mass_damping = 0.0;       // viscous: alpha, 1/s
-  double stiffness_damping = 0.0;  // viscous: beta, s
+  double local_damping = 0.8;        // local, block: gamma of eq. 1
+  double deformation_damping = 0.2;  // block: damping ratio at omega_max, less at lower frequencies in proportion
+  double mass_damping = 0.0;         // viscous: alpha, 1/s
+  double stiffness_damping = 0.0;    // viscous: beta, s
 };
 
 enum class DofKind { free, velocity };

@@ -128,62 +128,94 @@ HWY_INLINE double sum_lanes(const V (&x)[kParts]) {
   return sum;
 }
 
+// Columns of scratch, in lane layout: what the two or three passes over a group hand on.
+struct GroupScratch {
+  GroupScratch(double* memory, int doubles)
+      : net(memory),
+        weighted(memory + doubles),
+        elastic(memory + 2 * doubles),
+        damping(memory + 3 * doubles),
+        velocity(memory + 4 * doubles) {}
+  double* net;       // forces less damping
+  double* weighted;  // u + beta v, with stiffness-proportional damping
+  // In measured steps:
+  double* elastic;   // K u
+  double* damping;   // damping forces
+  double* velocity;  // of half a step ago
+};
+
+// Everything about a group that its passes need.
+struct GroupData {
+  GroupData(const Model& model, const BlockGroup& group_in, const StepData& step_in, double* scratch_in)
+      : group(group_in),
+        step(step_in),
+        shape(model.templates[static_cast<std::size_t>(group_in.brick_template)]),
+        slots(model.slots[static_cast<std::size_t>(group_in.brick_template)]),
+        slot_point(model.slot_point.data() + static_cast<std::size_t>(group_in.first_slot) * kLanes),
+        slot_run(model.slot_run.data() + group_in.first_slot),
+        motion(step_in.rigid_motion ? step_in.rigid_motion + (&group_in - model.groups.data()) : nullptr),
+        doubles(shape.node_count * kLine),
+        u(step_in.displacement + static_cast<std::size_t>(group_in.first_line) * kLine),
+        v(step_in.velocity + static_cast<std::size_t>(group_in.first_line) * kLine),
+        dt_over_mass(step_in.dt_over_mass + static_cast<std::size_t>(group_in.first_line) * kLine),
+        scratch(scratch_in, doubles) {}
+
+  const BlockGroup& group;
+  const StepData& step;
+  const BrickTemplate& shape;
+  const ContactSlots& slots;
+  const std::int32_t* slot_point;
+  const std::int32_t* slot_run;
+  const RigidMotion* motion;
+  const int doubles;
+  double* const u;
+  double* const v;
+  const double* const dt_over_mass;
+  GroupScratch scratch;
+};
+
+// Nodal forces and damping forces: - K u, contact points in the order of the slots, weight; Fd of equation 1.
 template <DampingKind kDamping, bool kMeasure>
-HWY_NOINLINE void AdvanceGroupAs(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
-                                 Measured* measured) {
+HWY_INLINE void group_forces(const GroupData& g) {
   const D d;
-  const std::size_t first = static_cast<std::size_t>(group.first_line) * kLine;
-  const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-  const ContactSlots& slots = model.slots[static_cast<std::size_t>(group.brick_template)];
-  const std::int32_t* slot_point = model.slot_point.data() + static_cast<std::size_t>(group.first_slot) * kLanes;
-  const std::int32_t* slot_run = model.slot_run.data() + group.first_slot;
-  double* HWY_RESTRICT u = step.displacement + first;
-  double* HWY_RESTRICT v = step.velocity + first;
-  const double* HWY_RESTRICT dt_over_mass = step.dt_over_mass + first;
-  const int doubles = shape.node_count * kLine;
-  const V dt = hn::Set(d, step.time_step), zero = hn::Zero(d), half = hn::Set(d, 0.5);
+  const StepData& step = g.step;
+  double* HWY_RESTRICT net = g.scratch.net;
+  const double* HWY_RESTRICT v = g.v;
+  const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
 
   // Stiffness-proportional damping acts like the stiffness on u + beta v.
-  const bool stiffness_damping = kDamping == DampingKind::viscous && step.stiffness_damping != 0.0;
-  const double* w = u;
-  if (stiffness_damping) {
+  const double* w = g.u;
+  if (step.stiffness_damping != 0.0) {
     const V beta = hn::Set(d, step.stiffness_damping);
-    for (int i = 0; i < doubles; i += kWidth) {
-      hn::Store(hn::MulAdd(beta, hn::Load(d, v + i), hn::Load(d, u + i)), d, scratch + i);
+    for (int i = 0; i < g.doubles; i += kWidth) {
+      hn::Store(hn::MulAdd(beta, hn::Load(d, v + i), hn::Load(d, g.u + i)), d, g.scratch.weighted + i);
     }
-    w = scratch;
+    w = g.scratch.weighted;
   }
 
-  V unbalanced[kParts], kinetic[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
-      weight_before[kParts], weight_after[kParts];
-  if (kMeasure) {
-    for (int p = 0; p < kParts; ++p) {
-      unbalanced[p] = kinetic[p] = strain[p] = damping_before[p] = damping_after[p] = weight_before[p] =
-          weight_after[p] = zero;
-    }
-  }
-
-  StiffnessRows rows(shape), elastic_rows(shape);
+  StiffnessRows rows(g.shape), elastic_rows(g.shape);
   int slot = 0;
-  for (int n = 0; n < shape.node_count; ++n) {
+  for (int n = 0; n < g.shape.node_count; ++n) {
     V f[3][kParts];
     rows.next(w, f);
-    V elastic[3][kParts], damped[3][kParts];  // K u alone, and beta K v
     if (kMeasure) {
-      elastic_rows.next(u, elastic);
+      V elastic[3][kParts];
+      elastic_rows.next(g.u, elastic);
       for (int c = 0; c < 3; ++c) {
-        for (int p = 0; p < kParts; ++p) damped[c][p] = hn::Sub(f[c][p], elastic[c][p]);
+        for (int p = 0; p < kParts; ++p) {
+          const int i = n * kLine + c * kLanes + p * kWidth;
+          hn::Store(elastic[c][p], d, g.scratch.elastic + i);
+          hn::Store(hn::Sub(f[c][p], elastic[c][p]), d, g.scratch.damping + i);  // beta K v
+        }
       }
     }
-
-    // Nodal forces: - K u, contact points in the order of the slots, weight.
     for (int c = 0; c < 3; ++c) {
       for (int p = 0; p < kParts; ++p) f[c][p] = hn::Neg(f[c][p]);
     }
-    for (; slot < slots.slot_end[static_cast<std::size_t>(n)]; ++slot) {
-      const V sign = hn::Set(d, slots.sign[static_cast<std::size_t>(slot)]);
-      const std::int32_t* point = slot_point + slot * kLanes;
-      const std::int32_t run = slot_run[slot];
+    for (; slot < g.slots.slot_end[static_cast<std::size_t>(n)]; ++slot) {
+      const V sign = hn::Set(d, g.slots.sign[static_cast<std::size_t>(slot)]);
+      const std::int32_t* point = g.slot_point + slot * kLanes;
+      const std::int32_t run = g.slot_run[slot];
       for (int c = 0; c < 3; ++c) {
         for (int p = 0; p < kParts; ++p) {
           const double* force = step.force[c];
@@ -192,71 +224,254 @@ HWY_NOINLINE void AdvanceGroupAs(const Model& model, const BlockGroup& group, co
         }
       }
     }
-    const double mass = shape.node_mass[static_cast<std::size_t>(n)];
+    const double mass = g.shape.node_mass[static_cast<std::size_t>(n)];
     for (int c = 0; c < 3; ++c) {
       const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
-      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Add(f[c][p], weight);
-    }
-
-    // Equation 1: v += (F - Fd) dt/m.
-    V squared[kParts];
-    for (int p = 0; kMeasure && p < kParts; ++p) squared[p] = zero;
-    for (int c = 0; c < 3; ++c) {
       for (int p = 0; p < kParts; ++p) {
         const int i = n * kLine + c * kLanes + p * kWidth;
-        const V before = hn::Load(d, v + i), scale = hn::Load(d, dt_over_mass + i);
-        V force = f[c][p], damping = zero, after;
+        const V force = hn::Add(f[c][p], weight);
+        V after = force;
         if (kDamping == DampingKind::local) {
           // Fd = gamma |F| sgn(v), sgn(0) = +1
-          const V amount = hn::Mul(hn::Set(d, step.local_damping), hn::Abs(force));
-          damping = hn::IfThenElse(hn::Lt(before, zero), hn::Neg(amount), amount);
-          after = hn::MulAdd(hn::Sub(force, damping), scale, before);
-        } else if (kDamping == DampingKind::viscous) {
-          // The part alpha m v needs no mass: alpha m v dt/m = alpha dt v.
-          after = hn::MulAdd(force, scale, hn::NegMulAdd(hn::Mul(hn::Set(d, step.mass_damping), dt), before, before));
-        } else {
-          after = hn::MulAdd(force, scale, before);
+          const V amount = hn::Mul(gamma, hn::Abs(force));
+          const V damping = hn::IfThenElse(hn::Lt(hn::Load(d, v + i), zero), hn::Neg(amount), amount);
+          after = hn::Sub(force, damping);
+          if (kMeasure) hn::Store(damping, d, g.scratch.damping + i);
         }
-        hn::Store(after, d, v + i);
-
-        if (kMeasure) {
-          const auto moves = hn::Ne(scale, zero);
-          if (kDamping == DampingKind::viscous) {
-            const V inertia = hn::IfThenElseZero(moves, hn::Div(dt, scale));
-            damping = hn::MulAdd(hn::Mul(hn::Set(d, step.mass_damping), inertia), before, damped[c][p]);
-          }
-          const V free_force = hn::IfThenElseZero(moves, force);
-          squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
-          const V mass_in_use = hn::IfThenElseZero(moves, hn::Div(dt, scale));
-          kinetic[p] = hn::MulAdd(hn::Mul(half, mass_in_use), hn::Mul(before, after), kinetic[p]);
-          strain[p] = hn::MulAdd(hn::Mul(half, elastic[c][p]), hn::Load(d, u + i), strain[p]);
-          const V half_dt = hn::Mul(half, dt);
-          const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
-          damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), damping_before[p]);
-          damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), damping_after[p]);
-          weight_before[p] = hn::MulAdd(weight, hn::Mul(before, half_dt), weight_before[p]);
-          weight_after[p] = hn::MulAdd(weight, hn::Mul(after, half_dt), weight_after[p]);
-        }
+        hn::Store(after, d, net + i);
+        if (kMeasure) hn::Store(hn::Load(d, v + i), d, g.scratch.velocity + i);
       }
     }
-    for (int p = 0; kMeasure && p < kParts; ++p) unbalanced[p] = hn::Max(unbalanced[p], squared[p]);
+  }
+}
+
+// Lanes that hold a block.
+HWY_INLINE V lanes_in_use(const GroupData& g, int part) {
+  alignas(64) double use[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) use[lane] = lane < g.group.block_count ? 1.0 : 0.0;
+  return hn::Load(D(), use + part * kWidth);
+}
+
+// Sum x and sum r x x over the gridpoints, times inverse mass and inertia: the rigid-body acceleration of forces x.
+struct RigidVectors {
+  V linear[3][kParts], angular[3][kParts];
+};
+template <class Weight>
+HWY_INLINE void rigid_sums(const GroupData& g, const double* x, Weight weight_of, RigidVectors* sum) {
+  const D d;
+  for (int c = 0; c < 3; ++c) {
+    for (int p = 0; p < kParts; ++p) sum->linear[c][p] = sum->angular[c][p] = hn::Zero(d);
+  }
+  for (int n = 0; n < g.shape.node_count; ++n) {
+    const Vec3& at = g.shape.node[static_cast<std::size_t>(n)];
+    for (int p = 0; p < kParts; ++p) {
+      V f[3];
+      for (int c = 0; c < 3; ++c) {
+        const int i = n * kLine + c * kLanes + p * kWidth;
+        f[c] = weight_of(n, i, hn::Load(d, x + i));
+        sum->linear[c][p] = hn::Add(sum->linear[c][p], f[c]);
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+        const V r_next = hn::Set(d, at[next] - g.motion->centre[next]);
+        const V r_last = hn::Set(d, at[last] - g.motion->centre[last]);
+        sum->angular[c][p] = hn::MulAdd(r_next, f[last], hn::NegMulAdd(r_last, f[next], sum->angular[c][p]));
+      }
+    }
+  }
+}
+HWY_INLINE RigidVectors times_inverse_inertia(const GroupData& g, const RigidVectors& sum, double factor) {
+  const D d;
+  RigidVectors result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (int p = 0; p < kParts; ++p) {
+      const V use = hn::Mul(lanes_in_use(g, p), hn::Set(d, factor));
+      result.linear[c][p] = hn::Mul(hn::Mul(hn::Set(d, g.motion->inverse_mass[c]), use), sum.linear[c][p]);
+      V turn = hn::Zero(d);
+      for (std::size_t k = 0; k < 3; ++k)
+        turn = hn::MulAdd(hn::Set(d, g.motion->inverse_inertia[3 * c + k]), sum.angular[k][p], turn);
+      result.angular[c][p] = hn::Mul(turn, use);
+    }
+  }
+  return result;
+}
+
+// Central differences: v += dt M'^-1 (F - Fd), u += dt v. With damping by block, rigid_damping gets force and moment of
+// Fd = gamma |F| sgn(v) on the rigid motion.
+template <DampingKind kDamping>
+HWY_INLINE void integrate_group(const GroupData& g, RigidVectors* rigid_damping) {
+  const D d;
+  const V dt = hn::Set(d, g.step.time_step);
+  // The part alpha m v of viscous damping needs no mass: alpha m v dt/m = alpha dt v.
+  const V decay = hn::Set(d, g.step.mass_damping * g.step.time_step);
+  const double* net = g.scratch.net;
+  const auto move = [&](int i, V extra) {
+    const V before = hn::Load(d, g.v + i);
+    const V after = hn::MulAdd(hn::Load(d, net + i), hn::Load(d, g.dt_over_mass + i),
+                               hn::Add(hn::NegMulAdd(decay, before, before), extra));
+    hn::Store(after, d, g.v + i);
+    hn::Store(hn::MulAdd(after, dt, hn::Load(d, g.u + i)), d, g.u + i);
+  };
+  if (!g.motion) {
+    for (int i = 0; i < g.doubles; i += kWidth) move(i, hn::Zero(d));
+    return;
+  }
+  RigidVectors force, excess;
+  rigid_sums(
+      g, net, [](int, int, V f) { return f; }, &force);
+  const V released = hn::Set(d, 1.0 - 1.0 / g.step.deformation_inertia);
+  if (kDamping == DampingKind::block) {
+    RigidVectors momentum;
+    const auto mass_times = [&](int n, int, V velocity) {
+      return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), velocity);
+    };
+    rigid_sums(g, g.v, mass_times, &momentum);
+    const V gamma = hn::Set(d, g.step.local_damping), zero = hn::Zero(d);
+    const auto damp = [&](const V(&f)[3][kParts], const V(&motion)[3][kParts], V(&damping)[3][kParts],
+                          V(&net_force)[3][kParts]) {
+      for (int c = 0; c < 3; ++c) {
+        for (int p = 0; p < kParts; ++p) {
+          const V amount = hn::Mul(gamma, hn::Abs(f[c][p]));
+          damping[c][p] = hn::IfThenElse(hn::Lt(motion[c][p], zero), hn::Neg(amount), amount);
+          net_force[c][p] = hn::MulSub(released, f[c][p], damping[c][p]);
+        }
+      }
+    };
+    damp(force.linear, momentum.linear, rigid_damping->linear, excess.linear);
+    damp(force.angular, momentum.angular, rigid_damping->angular, excess.angular);
+  } else {
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) {
+        excess.linear[c][p] = hn::Mul(released, force.linear[c][p]);
+        excess.angular[c][p] = hn::Mul(released, force.angular[c][p]);
+      }
+    }
+  }
+  const RigidVectors rigid = times_inverse_inertia(g, excess, g.step.time_step);
+  for (int n = 0; n < g.shape.node_count; ++n) {
+    const Vec3& at = g.shape.node[static_cast<std::size_t>(n)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+      const V r_next = hn::Set(d, at[next] - g.motion->centre[next]);
+      const V r_last = hn::Set(d, at[last] - g.motion->centre[last]);
+      for (int p = 0; p < kParts; ++p) {
+        const V turn = hn::NegMulAdd(rigid.angular[last][p], r_next, hn::Mul(rigid.angular[next][p], r_last));
+        move(n * kLine + static_cast<int>(c) * kLanes + p * kWidth, hn::Add(rigid.linear[c][p], turn));
+      }
+    }
+  }
+}
+
+// What a measured step records, from what the passes left in scratch.
+template <DampingKind kDamping>
+HWY_INLINE void measure_group(const GroupData& g, const RigidVectors& rigid_damping, Measured* measured) {
+  const D d;
+  const StepData& step = g.step;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
+  const V half_dt = hn::Mul(half, dt), alpha = hn::Set(d, step.mass_damping);
+  const GroupScratch& s = g.scratch;
+  V unbalanced[kParts], kinetic[kParts], moment[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
+      weight_before[kParts], weight_after[kParts];
+  for (int p = 0; p < kParts; ++p) {
+    unbalanced[p] = kinetic[p] = moment[p] = strain[p] = damping_before[p] = damping_after[p] = weight_before[p] =
+        weight_after[p] = zero;
+  }
+  const auto inertia_at = [&](int i) {
+    const V scale = hn::Load(d, g.dt_over_mass + i);
+    return hn::IfThenElseZero(hn::Ne(scale, zero), hn::Div(dt, scale));
+  };
+  for (int n = 0; n < g.shape.node_count; ++n) {
+    const double mass = g.shape.node_mass[static_cast<std::size_t>(n)];
+    V squared[kParts];
+    for (int p = 0; p < kParts; ++p) squared[p] = zero;
+    for (int c = 0; c < 3; ++c) {
+      const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
+      for (int p = 0; p < kParts; ++p) {
+        const int i = n * kLine + c * kLanes + p * kWidth;
+        const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(i);
+        const V damping = hn::Load(d, s.damping + i);
+        // Local damping is part of the net force, beta K v of the internal force.
+        const V force =
+            kDamping == DampingKind::local ? hn::Add(hn::Load(d, s.net + i), damping) : hn::Load(d, s.net + i);
+        const V free_force = hn::IfThenElseZero(hn::Ne(inertia, zero), force);
+        squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
+        kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), kinetic[p]);
+        moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), moment[p]);
+        // K u was formed before u moved on.
+        const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
+        strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, strain[p]);
+        if (kDamping != DampingKind::none) {
+          damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), damping_before[p]);
+          damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), damping_after[p]);
+        }
+        weight_before[p] = hn::MulAdd(weight, hn::Mul(before, half_dt), weight_before[p]);
+        weight_after[p] = hn::MulAdd(weight, hn::Mul(after, half_dt), weight_after[p]);
+      }
+    }
+    for (int p = 0; p < kParts; ++p) unbalanced[p] = hn::Max(unbalanced[p], squared[p]);
   }
 
-  for (int i = 0; i < doubles; i += kWidth) hn::Store(hn::MulAdd(hn::Load(d, v + i), dt, hn::Load(d, u + i)), d, u + i);
-
-  if (kMeasure) {
-    alignas(64) double lane[kLanes];
-    for (int p = 0; p < kParts; ++p) hn::Store(unbalanced[p], d, lane + p * kWidth);
-    measured->unbalanced_squared = 0.0;
-    for (double x : lane)
-      measured->unbalanced_squared = x > measured->unbalanced_squared ? x : measured->unbalanced_squared;
-    measured->kinetic = sum_lanes(kinetic);
-    measured->strain = sum_lanes(strain);
-    measured->damping_before = sum_lanes(damping_before);
-    measured->damping_after = sum_lanes(damping_after);
-    measured->external_before = sum_lanes(weight_before);
-    measured->external_after = sum_lanes(weight_after);
+  // v M' w = s v m w - (s - 1) (P v) M (P w): rigid motion has its true inertia.
+  if (g.motion) {
+    const double s_factor = step.deformation_inertia;
+    const auto momentum = [&](int, int i, V velocity) { return hn::Mul(inertia_at(i), velocity); };
+    RigidVectors before, after;
+    rigid_sums(g, s.velocity, momentum, &before);
+    rigid_sums(g, g.v, momentum, &after);
+    // The sums hold s m v: what is over is (s - 1)/s^2 of their product.
+    const double over = (s_factor - 1.0) / (s_factor * s_factor);
+    const RigidVectors motion = times_inverse_inertia(g, before, over);
+    if (kDamping == DampingKind::block) {
+      const RigidVectors first = times_inverse_inertia(g, before, 1.0 / s_factor);
+      const RigidVectors second = times_inverse_inertia(g, after, 1.0 / s_factor);
+      const auto add_work = [&](const V(&force)[3][kParts], const V(&velocity)[3][kParts], V(&work)[kParts]) {
+        for (int p = 0; p < kParts; ++p) {
+          for (int c = 0; c < 3; ++c) work[p] = hn::MulAdd(hn::Mul(force[c][p], half_dt), velocity[c][p], work[p]);
+        }
+      };
+      add_work(rigid_damping.linear, first.linear, damping_before);
+      add_work(rigid_damping.angular, first.angular, damping_before);
+      add_work(rigid_damping.linear, second.linear, damping_after);
+      add_work(rigid_damping.angular, second.angular, damping_after);
+    }
+    for (int p = 0; p < kParts; ++p) {
+      for (int c = 0; c < 3; ++c) {
+        kinetic[p] = hn::NegMulAdd(motion.linear[c][p], after.linear[c][p], kinetic[p]);
+        kinetic[p] = hn::NegMulAdd(motion.angular[c][p], after.angular[c][p], kinetic[p]);
+        moment[p] = hn::NegMulAdd(motion.linear[c][p], before.linear[c][p], moment[p]);
+        moment[p] = hn::NegMulAdd(motion.angular[c][p], before.angular[c][p], moment[p]);
+      }
+    }
   }
+  if (kDamping == DampingKind::viscous) {
+    for (int p = 0; p < kParts; ++p) {  // the part alpha M' v
+      damping_before[p] = hn::MulAdd(hn::Mul(alpha, half_dt), moment[p], damping_before[p]);
+      damping_after[p] = hn::MulAdd(hn::Mul(alpha, half_dt), kinetic[p], damping_after[p]);
+    }
+  }
+  for (int p = 0; p < kParts; ++p) kinetic[p] = hn::Mul(half, kinetic[p]);
+
+  alignas(64) double lane[kLanes];
+  for (int p = 0; p < kParts; ++p) hn::Store(unbalanced[p], d, lane + p * kWidth);
+  measured->unbalanced_squared = 0.0;
+  for (double x : lane)
+    measured->unbalanced_squared = x > measured->unbalanced_squared ? x : measured->unbalanced_squared;
+  measured->kinetic = sum_lanes(kinetic);
+  measured->strain = sum_lanes(strain);
+  measured->damping_before = sum_lanes(damping_before);
+  measured->damping_after = sum_lanes(damping_after);
+  measured->external_before = sum_lanes(weight_before);
+  measured->external_after = sum_lanes(weight_after);
+}
+
+template <DampingKind kDamping, bool kMeasure>
+HWY_NOINLINE void AdvanceGroupAs(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+                                 Measured* measured) {
+  const GroupData g(model, group, step, scratch);
+  RigidVectors rigid_damping;
+  group_forces<kDamping, kMeasure>(g);
+  integrate_group<kDamping>(g, &rigid_damping);
+  if (kMeasure) measure_group<kDamping>(g, rigid_damping, measured);
 }
 
 void AdvanceGroup(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
@@ -271,6 +486,9 @@ void AdvanceGroup(const Model& model, const BlockGroup& group, const StepData& s
     case DampingKind::viscous:
       return measured ? AdvanceGroupAs<DampingKind::viscous, true>(model, group, step, scratch, measured)
                       : AdvanceGroupAs<DampingKind::viscous, false>(model, group, step, scratch, measured);
+    case DampingKind::block:
+      return measured ? AdvanceGroupAs<DampingKind::block, true>(model, group, step, scratch, measured)
+                      : AdvanceGroupAs<DampingKind::block, false>(model, group, step, scratch, measured);
   }
 }
 

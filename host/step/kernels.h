@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "model/model.h"
+#include "model/rigid_motion.h"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -18,12 +19,14 @@ struct StepData {
   double stiffness_damping = 0.0;  // beta, s
   Vec3 gravity{};                  // m/s2
 
-  double* displacement = nullptr;        // lane layout
-  double* velocity = nullptr;            // lane layout, of half a step ago
-  const double* dt_over_mass = nullptr;  // lane layout, s/kg; 0 for held components
-  const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none
-  const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point
-  double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
+  double* displacement = nullptr;             // lane layout
+  double* velocity = nullptr;                 // lane layout, of half a step ago
+  const double* dt_over_mass = nullptr;       // lane layout, s/kg; 0 for held components
+  double deformation_inertia = 1.0;           // s of model/rigid_motion.h; dt_over_mass has its factor
+  const RigidMotion* rigid_motion = nullptr;  // by block group; null: s is 1
+  const double* normal_shift = nullptr;       // by contact point, added to the opening; null: none
+  const double* traction[3] = {};             // sigma, tau_s, tau_t by contact point
+  double* force[3] = {};                      // x, y, z on side a by contact point, then a dummy that stays 0
 };
 
 // What a measured step records of a block group or a rigid body. Work is split into the half step that ends at the
@@ -46,8 +49,9 @@ struct ChunkJumps {
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps);
 void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step);
 
-// Internal forces, sums of contact forces, weight, damping, central differences: one pass over the group. scratch: the
-// doubles of the group, used by stiffness-proportional damping only. measured may be null.
+// Internal forces, sums of contact forces, weight, damping, central differences. scratch: kScratchColumns times the
+// doubles of the group. measured may be null.
+inline constexpr int kScratchColumns = 5;
 void advance_group(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
                    Measured* measured);
 

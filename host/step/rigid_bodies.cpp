@@ -13,7 +13,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 // Equation 1 for one degree of freedom. Returns the damping force.
 double advance_component(double force, double inertia, const StepData& step, double* velocity) {
   double damping = 0.0;
-  if (step.damping == DampingKind::local) {
+  if (step.damping == DampingKind::local || step.damping == DampingKind::block) {
     damping = step.local_damping * std::abs(force) * (*velocity < 0.0 ? -1.0 : 1.0);
   } else if (step.damping == DampingKind::viscous) {
     damping = step.mass_damping * inertia * *velocity;

@@ -503,7 +503,8 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
 
   dt_over_mass.assign(doubles, 0.0);
   for (std::size_t i = 0; i < doubles; ++i) {
-    if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0) dt_over_mass[i] = time_step.time_step / inertia.node[i];
+    if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0)
+      dt_over_mass[i] = time_step.time_step / (inertia.deformation * inertia.node[i]);
   }
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     const ContactFamily& family = model.families[f];
@@ -517,7 +518,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   data.damping = scene.solver.damping;
   data.local_damping = scene.solver.local_damping;
   data.mass_damping = scene.solver.mass_damping;
-  data.stiffness_damping = scene.solver.stiffness_damping;
+  data.stiffness_damping = time_step.stiffness_damping;
   bind_columns();
   partition_work();
 }
@@ -526,6 +527,8 @@ void Simulation::Impl::bind_columns() {
   data.displacement = displacement.data();
   data.velocity = velocity.data();
   data.dt_over_mass = dt_over_mass.data();
+  data.deformation_inertia = inertia.deformation;
+  data.rigid_motion = inertia.rigid_motion.empty() ? nullptr : inertia.rigid_motion.data();
   data.normal_shift = normal_shift.empty() ? nullptr : normal_shift.data();
   for (std::size_t k = 0; k < 3; ++k) {
     data.traction[k] = traction[k].data();
@@ -596,7 +599,7 @@ void Simulation::Impl::partition_work() {
     weight.push_back(kBodyPoint * (static_cast<double>(body.point.size()) + 2.0));
   item_end = cut(weight);
   for (int t = 0; t < pool.thread_count(); ++t) {
-    scratch.emplace_back(largest, 0.0);
+    scratch.emplace_back(kScratchColumns * largest, 0.0);
     jumps.push_back(std::make_unique<ChunkJumps>());
   }
 }
