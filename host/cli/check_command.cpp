@@ -32,7 +32,7 @@ void check(const SceneOptions& options) {
   const TimeStepReport report = choose_time_step(model, scene.solver, &inertia);
 
   const auto& bricks = model.assembly.bricks;
-  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.body.empty(); });
+  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });
   fmt::print("{}: {}\n", options.scene, scene.title.empty() ? "(no title)" : scene.title);
   fmt::print("  blocks {}  beams {}  zones {}  contact points {}  joints {}  mass {:.4g} kg\n",
              static_cast<long>(bricks.size()) - beams, beams, model.zone_count(), model.point_count,

@@ -487,11 +487,12 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   }
 }
 
-int Model::body_index(const std::string& name) const {
+std::vector<int> Model::bodies_named(const std::string& name) const {
+  std::vector<int> found;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!name.empty() && bodies[i].name == name) return static_cast<int>(i);
+    if (!name.empty() && bodies[i].name == name) found.push_back(static_cast<int>(i));
   }
-  return -1;
+  return found;
 }
 
 double Model::total_mass() const {

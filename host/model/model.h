@@ -108,8 +108,8 @@ struct Model {
   }
   std::vector<Vec3> position;  // reference, per line and lane, m
 
-  int body_index(const std::string& name) const;  // -1: no rigid body of that name
-  double total_mass() const;                      // kg, as modelled
+  std::vector<int> bodies_named(const std::string& name) const;
+  double total_mass() const;  // kg, as modelled
   std::size_t zone_count() const;
 };
 

@@ -164,7 +164,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
         outline.emplace_back(4 - fy, i);
     }
     std::sort(outline.begin(), outline.end());
-    std::string& data = brick.rigid ? beam_data : brick_data;
+    std::string& data = brick.beam ? beam_data : brick_data;
     for (const auto& [place, i] : outline) data += moved(mesh.gridpoint[i], displacement[b][i]);
     if (!outline.empty()) data += moved(mesh.gridpoint[outline[0].second], displacement[b][outline[0].second]);
     data += "\n";

@@ -103,9 +103,8 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   json["wall_clock_s"] = info.wall_clock_s;
   json["threads"] = simulation.thread_count();
   json["instruction_set"] = simulation.instruction_set();
-  // Beams are rigid bodies, and counted apart.
   const auto& bricks = simulation.assembly().bricks;
-  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.body.empty(); });
+  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });
   json["blocks"] = static_cast<long>(bricks.size()) - beams;
   json["beams"] = beams;
   json["zones"] = model.zone_count();

@@ -18,8 +18,9 @@ struct Brick {
   int parity = 0;    // hexahedron (i, j, k) has 5-tetrahedron pattern (i + j + k + parity) % 2
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
-  std::string body;  // name for BodyControl, histories and supports; empty for ordinary blocks
-  int unit = -1;     // masonry unit this block belongs to (pictures), -1: none
+  bool beam = false;  // a rigid body beside the masonry
+  std::string body;   // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks
+  int unit = -1;      // masonry unit this block belongs to (pictures), -1: none
   int course = -1;
 };
 

@@ -96,14 +96,19 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
         grid.block(course, column) = block;
         Brick& brick = assembly.bricks[static_cast<size_t>(block)];
         brick.size[0] += half;
-        brick.zones[0] += zones[0];
+        if (!wall.rigid_units) brick.zones[0] += zones[0];
         continue;
       }
       grid.block(course, column) = static_cast<int>(assembly.bricks.size());
       Brick brick;
       brick.origin = {column * half, course * height, 0.0};
       brick.size = {half, height, thickness};
-      brick.zones = zones;
+      if (wall.rigid_units) {
+        brick.rigid = true;
+        brick.body = course == 0 ? "bottom_course" : course + 1 == wall.courses ? "top_course" : "";
+      } else {
+        brick.zones = zones;
+      }
       brick.parity = (column * zones[0] + course * zones[1]) % 2;
       brick.material = unit_material;
       brick.unit = grid.unit(course, column);
@@ -117,7 +122,7 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
     beam.origin = {0.0, y, 0.0};
     beam.size = {grid.columns() * half, wall.beam_height, thickness};
     beam.material = static_cast<int>(assembly.materials.size()) - 1;
-    beam.rigid = true;
+    beam.rigid = beam.beam = true;
     beam.body = name;
     assembly.bricks.push_back(beam);
     return static_cast<int>(assembly.bricks.size()) - 1;

@@ -151,7 +151,7 @@ struct Builder {
         if (brick.rigid)
           throw Error(Exit::bad_input, fmt::format("{}: half unit {} of course {} carries a beam already",
                                                    floor.source.text, floor.half_units[i], floor.course));
-        brick.rigid = true;
+        brick.rigid = brick.beam = true;
         brick.body = names[i];
       }
     }
@@ -169,7 +169,7 @@ struct Builder {
     beam.origin = {low[0], -spec.beam_height, low[2]};
     beam.size = {high[0] - low[0], spec.beam_height, high[2] - low[2]};
     beam.material = static_cast<int>(assembly.materials.size());
-    beam.rigid = true;
+    beam.rigid = beam.beam = true;
     beam.body = "bottom_beam";
     assembly.materials.push_back({"beam", 0.0, 0.0, spec.beam_density});
     assembly.bricks.push_back(beam);

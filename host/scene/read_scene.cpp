@@ -70,11 +70,11 @@ SolverSettings read_solver(Table t) {
   return s;
 }
 
-BlockMaterial read_material(const std::string& name, Table t) {
+BlockMaterial read_material(const std::string& name, Table t, bool rigid) {
   BlockMaterial m;
   m.name = name;
-  t.number("young_modulus", m.young_modulus, kPositive, "Pa", true);
-  t.number("poisson_ratio", m.poisson_ratio, between(0, 0.49), "", true);
+  t.number("young_modulus", m.young_modulus, kPositive, "Pa", !rigid);
+  t.number("poisson_ratio", m.poisson_ratio, between(0, 0.49), "", !rigid);
   t.number("density", m.density, kPositive, "kg/m3", true);
   t.finish();
   return m;
@@ -200,6 +200,8 @@ WallSpec read_wall(Table t, const Scene& scene) {
   t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
   t.numbers("zones", w.zones, between(1, 64), "hexahedra per half unit along x, y, z");
   t.boolean("mid_unit_joints", w.mid_unit_joints);
+  t.boolean("rigid_units", w.rigid_units);
+  if (w.rigid_units && t.has("zones")) t.refuse("zones", "only with deformable units; remove it, or rigid_units");
   t.boolean("half_thickness", w.half_thickness);
   if (w.half_thickness && w.zones[2] % 2 != 0)
     t.refuse("half_thickness", "true only with an even number of zones along z");
@@ -257,6 +259,7 @@ std::vector<std::string> body_names(const Scene& scene) {
   }
   if (scene.wall && scene.wall->bottom_beam) names.push_back("bottom_beam");
   if (scene.wall && scene.wall->top_beam) names.push_back("top_beam");
+  if (scene.wall && scene.wall->rigid_units) names.insert(names.end(), {"bottom_course", "top_course"});
   return names;
 }
 
@@ -429,7 +432,9 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     }
     outer.finish();
   };
-  each("materials", true, [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m); });
+  const bool rigid = root["wall"]["rigid_units"].value_or(false);
+  each("materials", true,
+       [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m, rigid); });
   each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
   if (const auto* table = t.table("building", "a table [building]"))
     scene.building = read_building({context, *table, "building"}, scene);

@@ -246,7 +246,7 @@ class Table {
 
 // Tables that every kind of scene has.
 SolverSettings read_solver(Table t);
-BlockMaterial read_material(const std::string& name, Table t);
+BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
 
 // Throws Error(bad_input): the file cannot be read or is not TOML.

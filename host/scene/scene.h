@@ -59,10 +59,10 @@ struct SolverSettings {
 
 enum class DofKind { free, velocity };
 
-// Control of one named body (a beam, or any rigid block) during a stage, component by component. Rotations of a
-// controlled body are held.
+// Control of the bodies of one name (a beam, or a row of rigid units) during a stage, component by component. Rotations
+// of a controlled body are held.
 struct BodyControl {
-  std::string body;  // "top_beam"
+  std::string body;  // "top_beam", "top_course"
   std::array<DofKind, 3> kind{DofKind::velocity, DofKind::velocity, DofKind::velocity};
   Vec3 velocity{0.0, 0.0, 0.0};  // m/s, for components of kind velocity
   Vec3 force{0.0, 0.0, 0.0};     // N, for free components
@@ -89,12 +89,12 @@ struct Stage {
 
   // equilibrium: largest unbalanced nodal force <= tolerance * mean contact force, for check_interval steps
   std::optional<double> equilibrium_ratio;
-  // displacement: |component| of `monitor` body since the start of the stage reaches this, m
+  // displacement: |component| of the `monitor` since the start of the stage reaches this, m
   std::optional<double> displacement;
   std::optional<double> duration;                     // s
   long max_steps = std::numeric_limits<long>::max();  // exceeded without equilibrium: numerical failure
 
-  // history rows of this stage: `monitor` body, direction 0, 1, 2 of displacement and force
+  // history rows of this stage: the bodies named `monitor`, direction 0, 1, 2 of displacement (mean) and force (sum)
   std::string monitor;
   int direction = 0;
   long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
@@ -114,6 +114,7 @@ struct WallSpec {
   Vec3 unit{0.0, 0.0, 0.0};           // expanded unit: length x, height y, thickness z, m
   std::array<int, 3> zones{4, 2, 2};  // hexahedra of 5 zones per half unit along x, y, z
   bool mid_unit_joints = true;        // half units joined by the family unit_joint; false: whole units
+  bool rigid_units = false;           // not zoned; the bodies of the outer courses: "bottom_course", "top_course"
   std::string unit_material;
   std::string bed_joint, head_joint, unit_joint, beam_joint;  // joint families
   struct Opening {                                            // in half units and courses, from the lower left

@@ -342,7 +342,7 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
     restore(undo);
     throw Error(Exit::bad_input, fault);
   }
-  s.monitor = s.stage >= 0 ? s.model.body_index(s.scene.stages[at(s.stage)].monitor) : -1;
+  s.monitor = s.model.bodies_named(s.stage >= 0 ? s.scene.stages[at(s.stage)].monitor : "");
   s.bind_whiffletree();
   s.controls_settled = s.stage < 0;
   s.flags_step = -1;

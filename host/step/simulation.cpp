@@ -231,16 +231,18 @@ HistoryRow Simulation::Impl::measure() const {
   row.unbalanced_ratio = unbalanced_ratio;
   row.kinetic_energy = kinetic;
   row.energies = energies;
-  if (monitor < 0) return row;
+  if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
-  const BodyState& body = bodies[static_cast<std::size_t>(monitor)];
-  const RigidBody& shape = model.bodies[static_cast<std::size_t>(monitor)];
-  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
-  for (std::size_t c = 0; c < 3; ++c) {
-    row.monitor_displacement[c] = body.displacement[c] - data.time_step * body.velocity[c];
-    row.joint_force[c] = model.assembly.symmetry_factor * body.joint_force[c];
+  const Vec3 moved = monitor_mean(&BodyState::displacement), velocity_now = monitor_mean(&BodyState::velocity);
+  double arms = 0.0;
+  for (const int b : monitor) {
+    for (std::size_t c = 0; c < 3; ++c)
+      row.joint_force[c] += model.assembly.symmetry_factor * bodies[static_cast<std::size_t>(b)].joint_force[c];
+    for (const Vec3& arm : model.bodies[static_cast<std::size_t>(b)].arm) arms += arm[1];
   }
+  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
   if (!whiffletree.empty()) {
@@ -249,10 +251,17 @@ HistoryRow Simulation::Impl::measure() const {
     row.displacement = row.monitor_displacement[0] - monitor_start[0];
     row.resistance = row.joint_force[0];
   }
-  double mean_arm = 0.0;
-  for (const Vec3& arm : shape.arm) mean_arm += arm[1];
-  row.vertical_force = mean_arm <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
+  row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
+}
+
+Vec3 Simulation::Impl::monitor_mean(Vec3 BodyState::*quantity) const {
+  Vec3 mean{};
+  for (const int b : monitor) {
+    const Vec3& value = bodies[static_cast<std::size_t>(b)].*quantity;
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(monitor.size());
+  }
+  return mean;
 }
 
 // ---- Stages --------------------------------------------------------------------------------------------------------
@@ -260,21 +269,21 @@ HistoryRow Simulation::Impl::measure() const {
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
   for (const BodyControl& control : settings.controls) {
-    if (model.body_index(control.body) < 0) {
+    if (model.bodies_named(control.body).empty()) {
       throw Error(Exit::bad_input,
                   fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no rigid block of "
                               "that name",
                               settings.source.text, settings.name, control.body));
     }
   }
-  const int new_monitor = model.body_index(settings.monitor);
-  if (!settings.monitor.empty() && new_monitor < 0) {
+  const std::vector<int> new_monitor = model.bodies_named(settings.monitor);
+  if (!settings.monitor.empty() && new_monitor.empty()) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
                             "name",
                             settings.source.text, settings.name, settings.monitor));
   }
-  if (settings.displacement && new_monitor < 0) {
+  if (settings.displacement && new_monitor.empty()) {
     throw Error(Exit::bad_input, fmt::format("{}: stage '{}' ends by displacement but has no monitor body",
                                              settings.source.text, settings.name));
   }
@@ -307,7 +316,7 @@ void Simulation::Impl::begin_stage(int index) {
   stage_step = 0;
   in_stage = true;
   monitor = new_monitor;
-  monitor_start = monitor >= 0 ? bodies[static_cast<std::size_t>(monitor)].displacement : Vec3{};
+  monitor_start = monitor_mean(&BodyState::displacement);
   bind_whiffletree();
   if (!whiffletree.empty()) {
     // The tree starts without force: from the mean displacement of the floors.
@@ -329,8 +338,9 @@ void Simulation::Impl::bind_whiffletree() {
   for (const auto& floor : settings.whiffletree->floors) {
     auto& indices = whiffletree.emplace_back();
     for (const std::string& name : floor) {
-      indices.push_back(model.body_index(name));
-      if (indices.back() < 0)
+      const std::vector<int> named = model.bodies_named(name);
+      indices.insert(indices.end(), named.begin(), named.end());
+      if (named.empty())
         throw Error(Exit::bad_input,
                     fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no rigid block "
                                 "of that name",
@@ -344,12 +354,11 @@ long Simulation::Impl::chosen_record_interval() const {
   if (settings.record_interval > 0) return settings.record_interval;
   double steps = std::numeric_limits<double>::infinity();
   if (settings.duration) steps = *settings.duration / data.time_step;
-  if (settings.displacement && monitor >= 0) {
-    const double speed =
-        settings.whiffletree
-            ? std::abs(settings.whiffletree->velocity)
-            : std::abs(
-                  ramps[static_cast<std::size_t>(monitor)].velocity_to[static_cast<std::size_t>(settings.direction)]);
+  if (settings.displacement && !monitor.empty()) {
+    const double speed = settings.whiffletree
+                             ? std::abs(settings.whiffletree->velocity)
+                             : std::abs(ramps[static_cast<std::size_t>(monitor.front())]
+                                            .velocity_to[static_cast<std::size_t>(settings.direction)]);
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
@@ -363,8 +372,8 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.duration) fraction = static_cast<double>(stage_step) * data.time_step / *settings.duration;
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const double now = whiffletree.empty() ? bodies[static_cast<std::size_t>(monitor)].displacement[c]
-                                           : floor_displacement(whiffletree.size() - 1);
+    const double now =
+        whiffletree.empty() ? monitor_mean(&BodyState::displacement)[c] : floor_displacement(whiffletree.size() - 1);
     const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }

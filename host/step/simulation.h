@@ -36,14 +36,14 @@ struct Energies {
 // One line of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryRow {
   int stage = 0;
-  long step = 0;                // since the start of the simulation
-  double time = 0.0;            // s, since the start of the simulation
-  double displacement = 0.0;    // of the monitor body along Stage::direction since the start of the stage, m
-  double resistance = 0.0;      // minus the force of the joints on the monitor body along Stage::direction, N: positive
-                                // when the wall resists a movement in the positive direction
-  double vertical_force = 0.0;  // force between monitor body and wall along y, compression positive, N
-  Vec3 monitor_displacement{};  // since the start of the simulation, m
-  Vec3 joint_force{};           // of the joints on the monitor body, N
+  long step = 0;                     // since the start of the simulation
+  double time = 0.0;                 // s, since the start of the simulation
+  double displacement = 0.0;         // of the monitor along Stage::direction since the start of the stage, m
+  double resistance = 0.0;           // minus the force of the joints on the monitor along Stage::direction, N: positive
+                                     // when the wall resists a movement in the positive direction
+  double vertical_force = 0.0;       // force between monitor and wall along y, compression positive, N
+  Vec3 monitor_displacement{};       // since the start of the simulation, m
+  Vec3 joint_force{};                // of the joints on the bodies of the monitor, N
   double unbalanced_ratio = 0.0;     // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;       // J, of the model as computed
   std::optional<Energies> energies;  // when Scene::output.energy

@@ -66,7 +66,8 @@ struct Simulation::Impl {
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
-  double stage_fraction() const;  // by duration or displacement
+  Vec3 monitor_mean(Vec3 BodyState::*quantity) const;  // over its bodies
+  double stage_fraction() const;                       // by duration or displacement
   bool equilibrium_reached(const Stage& settings);
   long chosen_record_interval() const;
   void sum_measurements();
@@ -111,7 +112,7 @@ struct Simulation::Impl {
   double unbalanced_ratio = 0.0;
   std::optional<Energies> energies;
   double kinetic = 0.0;
-  int monitor = -1;
+  std::vector<int> monitor;                   // bodies that the history shows
   std::vector<std::vector<int>> whiffletree;  // bodies of each floor, in stages that have one
   bool controls_settled = true;               // the ramp of the stage is over
   bool want_energy = false;

@@ -123,6 +123,18 @@ TEST(GenerateWall, HalfThickness) {
   EXPECT_DOUBLE_EQ(a.bricks[0].size[2], 0.05);
 }
 
+TEST(GenerateWall, RigidUnitsAreWholeAndNamedByRow) {
+  const Assembly a = assemble(read_scene(QUOIN_SCENES "/cube_wall_10.toml"));
+  ASSERT_EQ(a.bricks.size(), 100u);
+  EXPECT_EQ(a.joints.size(), 180u);
+  for (const Brick& b : a.bricks) {
+    EXPECT_TRUE(b.rigid && !b.beam);
+    EXPECT_NEAR(b.size[0], 0.1, 1e-15);
+    EXPECT_EQ(b.zones, (std::array<int, 3>{1, 1, 1}));
+    EXPECT_EQ(b.body, b.course == 0 ? "bottom_course" : b.course == 9 ? "top_course" : "");
+  }
+}
+
 // Hexahedra of the whole wall are coloured like a chessboard, whatever the number of layers: the diagonals of facing
 // patterns coincide.
 TEST(GenerateWall, PatternsOfFacingBlocksConform) {

@@ -204,6 +204,19 @@ TEST_F(ReadScene, CustomStages) {
               AllOf(HasSubstr("stage.3.control.1.body = 'roof'"), HasSubstr("top_beam"), HasSubstr("control.1.force")));
 }
 
+// Rigid units need no elasticity, and offer their outer courses to be moved.
+TEST_F(ReadScene, RigidUnits) {
+  std::string text = kScene;
+  text.replace(text.find("young_modulus"), std::string("young_modulus = 16.7e9\npoisson_ratio = 0.15\n").size(), "");
+  EXPECT_THAT(message(text), HasSubstr("materials.brick.young_modulus: missing"));
+  const std::string moved = text + "[[stage]]\nkind = \"custom\"\nduration = 0.1\nmonitor = \"bottom_course\"\n";
+  const Scene s = read(moved, {"wall.rigid_units=true"});
+  EXPECT_TRUE(s.wall->rigid_units);
+  EXPECT_EQ(s.stages[2].monitor, "bottom_course");
+  EXPECT_THAT(message(moved, {"wall.rigid_units=true", "wall.zones=[1,1,1]"}),
+              AllOf(HasSubstr("wall.zones"), HasSubstr("only with deformable units")));
+}
+
 TEST_F(ReadScene, SyntaxAndMissingFile) {
   EXPECT_THAT(fault("density = 1900", "density = "), AllOf(HasSubstr("s.toml:5:"), HasSubstr("not valid TOML")));
   try {
