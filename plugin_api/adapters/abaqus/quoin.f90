@@ -45,10 +45,32 @@ module quoin
                       migrate_state
   end type
 
+  type, bind(c) :: quoin_property_info
+    integer(c_int64_t) :: struct_size
+    type(c_ptr) :: id, symbol, unit, description
+    integer(c_int32_t) :: kind, flags
+    real(c_double) :: default_value, lower, upper
+    type(c_ptr) :: default_from, default_text
+    integer(c_int64_t) :: choice_count
+    type(c_ptr) :: choices
+  end type
+
+  type, bind(c) :: quoin_state_info
+    integer(c_int64_t) :: struct_size
+    type(c_ptr) :: id, unit, description
+    integer(c_int32_t) :: role, kind, flags, reserved
+    real(c_double) :: lower, upper
+  end type
+
+  type, bind(c) :: quoin_stiffness_bounds
+    integer(c_int64_t) :: struct_size = 24
+    real(c_double) :: normal = 0, shear = 0
+  end type
+
   type, bind(c) :: quoin_property_value
     integer(c_int64_t) :: struct_size = 40
     type(c_ptr) :: id = c_null_ptr
-    integer(c_int64_t) :: number_count = 1
+    integer(c_int64_t) :: number_count = 0
     type(c_ptr) :: numbers = c_null_ptr, text = c_null_ptr
   end type
 
@@ -93,9 +115,24 @@ module quoin
       real(c_double), intent(out) :: values(*)
       integer(c_int32_t) :: code
     end function
+    function stiffness_bounds_function(material, bounds) bind(c) result(code)
+      import
+      type(c_ptr), value :: material
+      type(quoin_stiffness_bounds), intent(inout) :: bounds
+      integer(c_int32_t) :: code
+    end function
   end interface
 
   interface
+    function strlen(text) bind(c) result(length)
+      import
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function
+    function dlerror() bind(c) result(text)
+      import
+      type(c_ptr) :: text
+    end function
     function dlopen(path, mode) bind(c) result(handle)
       import
       character(kind=c_char), intent(in) :: path(*)
@@ -112,26 +149,51 @@ module quoin
 
 contains
 
-  function open_law(path) result(law)  ! the first law of a library; null when refused
+  function fortran_text(text) result(copy)  ! of a C string; empty for null
+    type(c_ptr), intent(in) :: text
+    character(:), allocatable :: copy
+    character(kind=c_char), pointer :: characters(:)
+    integer :: i
+    copy = ""
+    if (.not. c_associated(text)) return
+    call c_f_pointer(text, characters, [strlen(text)])
+    copy = repeat(" ", size(characters))
+    do i = 1, size(characters)
+      copy(i:i) = characters(i)
+    end do
+  end function
+
+  function open_law(path, reason) result(law)  ! the first law of a library; null, and the reason, when refused
     character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: reason
     type(quoin_law), pointer :: law
     type(quoin_library), pointer :: library
     type(c_ptr), pointer :: laws(:)
+    character(kind=c_char, len=1000), target :: message
     type(quoin_host_info) :: host
     type(quoin_text) :: text
     procedure(library_function), pointer :: entry
     type(c_ptr) :: handle, info
     type(c_funptr) :: address
     law => null()
+    address = c_null_funptr
     handle = dlopen(path // c_null_char, 2)
-    if (.not. c_associated(handle)) return
-    address = dlsym(handle, "quoin_library_v1" // c_null_char)
-    if (.not. c_associated(address)) return
+    if (c_associated(handle)) address = dlsym(handle, "quoin_library_v1" // c_null_char)
+    if (.not. c_associated(address)) then
+      reason = fortran_text(dlerror())
+      return
+    end if
     call c_f_procpointer(address, entry)
+    text%data = c_loc(message)
+    text%capacity = len(message)
     info = entry(host, text)
+    reason = path // ": " // message(1:min(int(text%length), len(message)))
     if (.not. c_associated(info)) return
     call c_f_pointer(info, library)
-    if (library%abi_major /= 1) return
+    if (library%abi_major /= 1) then
+      reason = path // ": speaks another version of the contract than 1"
+      return
+    end if
     call c_f_pointer(library%laws, laws, [library%law_count])
     call c_f_pointer(laws(1), law)
   end function
