@@ -7,10 +7,12 @@ module direct_law
 
   ! The law through the C ABI alone, one column an array, in the law's own signs.
   type :: direct
-    type(quoin_law), pointer :: law
+    type(quoin_law), pointer :: law => null()
     type(c_ptr) :: material
     integer :: count, state_count
-    real(c_double), pointer :: jump(:), slip(:, :), traction(:, :), state(:, :), stored(:), dissipated(:, :)
+    real(c_double), allocatable :: jump(:), slip(:, :), traction(:, :), state(:, :), stored(:), dissipated(:, :)
+  contains
+    final :: close_direct
   end type
 
 contains
@@ -58,8 +60,16 @@ contains
     end do
   end subroutine
 
-  subroutine step_direct(points, energies)
+  impure elemental subroutine close_direct(points)
     type(direct), intent(inout) :: points
+    procedure(destroy_material_function), pointer :: destroy
+    if (.not. associated(points%law)) return
+    call c_f_procpointer(points%law%destroy_material, destroy)
+    call destroy(points%material)
+  end subroutine
+
+  subroutine step_direct(points, energies)
+    type(direct), intent(inout), target :: points
     logical, intent(in) :: energies
     procedure(evaluate_function), pointer :: evaluate
     type(quoin_column), target :: states(max_states)
@@ -359,6 +369,7 @@ contains
 
   subroutine check_dry()  ! another initial state by the name, in capitals: a dry joint has no tension
     real(c_double) :: rdisp(3, 1), drdisp(3, 1), stress(3, 1), statev(16, 1), sed(1), sfd(1), spd(1)
+    real(c_double) :: strain(1, 3), old(1, 3), new(1, 3), state_old(1, 16), state_new(1, 16)
     character(80) :: capitals
     integer :: i
     if (trim(name) == "elastic" .or. trim(name) == "template_law") return  ! never break
@@ -376,6 +387,13 @@ contains
     rdisp(1, 1) = 1e-7_c_double
     call call_vuinter(trim(capitals), props, 3, 16, 1, rdisp, drdisp, stress, statev, sed, sfd, spd)
     call require(abs(stress(1, 1) - props(1) * 1e-7_c_double) <= 1e-9_c_double * stress(1, 1), "and all pressure")
+    old = 0
+    state_old = 0
+    strain = 0
+    strain(1, 1) = 1e-7_c_double
+    call call_vumat(trim(capitals), props, 16, 1, 1e-6_c_double, strain, old, state_old, sed, new, state_new, sfd, spd)
+    call require(abs(new(1, 1)) <= 0, "a dry cohesive element carries no tension")
+    call require(all(state_old == 0), "old state variables are let alone")
   end subroutine
 
   subroutine provoke(fault)  ! each ends the program with a message

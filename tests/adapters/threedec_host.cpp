@@ -221,6 +221,32 @@ void check_first_forces(const JointModel& prototype) {
   CHECK(std::abs(opening.state.dnop_ - 1e-7) <= 1e-19);
 }
 
+void check_dry_joint(const JointModel& prototype) {
+  const Model dry = mortar_joint(prototype);
+  dry->setProperty(index_of(*dry, "initial_state"), 1.0);
+  Contact contact(Model(prototype.clone()));
+  contact.model->copy(dry.get());
+  contact.move({1e-7, 0, 0});
+  CHECK(contact.state.normal_force_ == 0.0);
+  contact.move({-1e-7, 0, 0});
+  CHECK(std::abs(contact.state.normal_force_ - area * kn * 1e-7) <= 1e-9 * area * kn * 1e-7);
+}
+
+void check_energy_activation(const JointModel& prototype) {
+  const Model joint = mortar_joint(prototype);
+  Contact idle(Model(prototype.clone())), active(Model(prototype.clone()));
+  idle.model->copy(joint.get());
+  joint->activateEnergy();
+  active.model->copy(joint.get());
+  for (Contact* contact : {&idle, &active}) contact->move({-1e-7, 0, 0});
+  CHECK(!idle.model->getEnergyActivated() && active.model->getEnergyActivated());
+  CHECK(idle.model->getEnergy(JointModel::kwEStrainCompression) == 0.0);
+  const double stored = area * kn * 1e-14 / 2;
+  CHECK(std::abs(active.model->getEnergy(JointModel::kwEStrainCompression) - stored) <= 1e-9 * stored);
+  active.model->setEnergy(JointModel::kwEStrainCompression, 3.0);
+  CHECK(active.model->getEnergy(JointModel::kwEStrainCompression) == 3.0);
+}
+
 void check_elastic_phase(const JointModel& prototype) {
   Contact contact(mortar_joint(prototype));
   contact.model->setIfCanFail(false);
@@ -320,6 +346,8 @@ int main(int argc, char** argv) {
   check_interleaved(*prototype);
   check_first_forces(*prototype);
   check_elastic_phase(*prototype);
+  check_energy_activation(*prototype);
+  if (std::string(law.id) != "elastic") check_dry_joint(*prototype);
   if (std::string(law.id) == "fracture_energy") check_failure_bits(*prototype);
   check_refusals(*prototype, law);
   return quoin::tests::failures == 0 ? 0 : 1;

@@ -7,7 +7,7 @@ work=$2
 shift 2
 mkdir -p "$work"
 # The interfaces pass much that a law does not look at; curves are compared bit for bit.
-gfortran -std=f2018 -Wall -Wextra -Werror -Wno-unused-dummy-argument -Wno-compare-reals -O2 -J"$work" \
+gfortran -std=f2018 -Wall -Wextra -Werror -Wno-unused-dummy-argument -Wno-compare-reals -O2 $FFLAGS -J"$work" \
   "$project/plugin_api/adapters/abaqus/quoin_abaqus.f90" "$project/tests/adapters/abaqus_host.f90" -ldl \
   -o "$work/abaqus_host" || exit 1
 for law in "$@"; do

@@ -115,6 +115,10 @@ module quoin
       real(c_double), intent(out) :: values(*)
       integer(c_int32_t) :: code
     end function
+    subroutine destroy_material_function(material) bind(c)
+      import
+      type(c_ptr), value :: material
+    end subroutine
     function stiffness_bounds_function(material, bounds) bind(c) result(code)
       import
       type(c_ptr), value :: material
