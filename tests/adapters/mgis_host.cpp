@@ -136,6 +136,10 @@ void check_path(const Library& library, Integrate integrate, const quoin_law& la
     const int result = point.integrate(integrate, opening, i % 3 == 0 ? 0.0 : 4.0);
     direct.step(opening[0], opening[1] - point.gradients0[1], opening[2] - point.gradients0[2]);
     CHECK(result == quoin::mgis::results_reliable);
+    if (result == quoin::mgis::integration_failed) {
+      std::printf("%s\n", point.message);
+      return;
+    }
     for (int k = 0; k < 3; ++k) {
       difference = std::max(difference, std::abs(point.force1[k] - direct.traction[k][0]));
       largest = std::max(largest, std::abs(point.force1[k]));

@@ -1,5 +1,6 @@
 #include "mgis/behaviour.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -113,7 +114,12 @@ const adapters::Material& Behaviour::material(const double* properties) const {
 
 const quoin_law& Behaviour::law() const {
   const quoin_law& found = adapters::law_by_name(law_name_);
-  if (found.state_schema != state_schema_ || adapters::scalar_properties(found).size() != property_count_)
+  const std::vector<const quoin_property_info*> infos = adapters::scalar_properties(found);
+  const bool same =
+      found.state_schema == state_schema_ &&
+      std::equal(infos.begin(), infos.end(), properties_, properties_ + property_count_,
+                 [](const quoin_property_info* info, const char* id) { return std::strcmp(info->id, id) == 0; });
+  if (!same)
     throw std::runtime_error(
         std::string(law_name_) + ": the law " + found.version +
         " has other states or properties than this behaviour was generated for; generate it again");

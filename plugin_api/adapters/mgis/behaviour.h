@@ -14,9 +14,10 @@ namespace quoin::mgis {
 // One behaviour of a generated library. The law is loaded at the first call.
 class Behaviour {
  public:
-  // state_schema, property_count: of the law when the symbols were generated.
-  constexpr Behaviour(const char* law, std::uint64_t state_schema, std::size_t property_count)
-      : law_name_(law), state_schema_(state_schema), property_count_(property_count) {}
+  // state_schema, properties: of the law when the symbols were generated.
+  constexpr Behaviour(const char* law, std::uint64_t state_schema, const char* const* properties,
+                      std::size_t property_count)
+      : law_name_(law), state_schema_(state_schema), properties_(properties), property_count_(property_count) {}
 
   // Any thread, as long as the data differ.
   int integrate(BehaviourData& data) const noexcept;
@@ -29,6 +30,7 @@ class Behaviour {
 
   const char* law_name_;
   std::uint64_t state_schema_;
+  const char* const* properties_;
   std::size_t property_count_;
 };
 
