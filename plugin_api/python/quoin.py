@@ -45,6 +45,11 @@ _Batch = _struct(
     ("energy_stored", _Column), ("dissipated", _Column * 4), ("tangent", _Column * 9), ("flags", _Column),
     ("status", _Column), ("clamped_count", _u64), ("failed_count", _u64), ("worst_status", _u32),
     ("any_yielding", _u32))
+_Migration = _struct(
+    "quoin_migration", ("struct_size", _u64), ("count", _u64), ("from_law", _str), ("from_schema", _u64),
+    ("from_state_count", _u64), ("from_state_ids", c.POINTER(_str)), ("from_states", c.POINTER(_Column)),
+    ("normal_jump", _Column), ("traction", _Column * 3), ("energy_stored", _Column), ("normal_shift", _Column),
+    ("state_new", c.POINTER(_Column)), ("energy_jump", _Column), ("status", _Column), ("failed_count", _u64))
 _create = c.CFUNCTYPE(_i32, c.c_void_p, _u64, c.POINTER(c.POINTER(_PropertyValue)), c.POINTER(c.c_void_p),
                       c.POINTER(_Text))
 _Law = _struct(
@@ -56,7 +61,8 @@ _Law = _struct(
     ("material_number", c.CFUNCTYPE(_i32, c.c_void_p, _str, c.POINTER(_f64))),
     ("initial_state", c.CFUNCTYPE(_i32, c.c_void_p, _str, c.POINTER(_f64))),
     ("stiffness_bounds", c.CFUNCTYPE(_i32, c.c_void_p, c.POINTER(_Bounds))),
-    ("evaluate", c.CFUNCTYPE(_i32, c.c_void_p, c.POINTER(_Batch))), ("migrate_state", c.c_void_p))
+    ("evaluate", c.CFUNCTYPE(_i32, c.c_void_p, c.POINTER(_Batch))),
+    ("migrate_state", c.CFUNCTYPE(_i32, c.c_void_p, c.POINTER(_Migration), c.POINTER(_Text))))
 _HostInfo = _struct("quoin_host_info", ("struct_size", _u64), ("abi_major", _u32), ("abi_minor", _u32), ("name", _str),
                     ("version", _str))
 _Library = _struct("quoin_library", ("struct_size", _u64), ("abi_major", _u32), ("abi_minor", _u32), ("name", _str),
@@ -161,10 +167,15 @@ class Material:
             raise KeyError(name)
         return [np.full(count, values[k]) for k in range(len(self.law.state_ids))]
 
-    def evaluate(self, normal_jump, slip, traction, state, *, traction_new=None, state_new=None, energy_stored=None,
-                 dissipated=None, tangent=None, flags=None, status=None, columns=None):
-        """One step of N points. Outputs that are not given are not computed; without traction_new and state_new the
-        old arrays are overwritten. Returns the batch with its summary."""
+    def evaluate(self, *arrays, **outputs):
+        """One step of N points: see prepare. Returns the batch with its summary."""
+        return self.prepare(*arrays, **outputs)()
+
+    def prepare(self, normal_jump, slip, traction, state, *, traction_new=None, state_new=None, energy_stored=None,
+                dissipated=None, tangent=None, flags=None, status=None, columns=None):
+        """A step of N points that can be taken again and again on the same arrays by calling it: describing them costs
+        more than a small batch. Outputs that are not given are not computed; without traction_new and state_new the old
+        arrays are overwritten."""
         traction_new = traction if traction_new is None else traction_new
         state_new = state if state_new is None else state_new
         batch = _Batch(struct_size=c.sizeof(_Batch), count=len(normal_jump))
@@ -180,17 +191,36 @@ class Material:
         batch.tangent = (_Column * 9)(*[_column(a, writable=True) for a in tangent or [None] * 9])
         batch.flags = _column(flags, np.uint32, True)
         batch.status = _column(status, np.uint32, True)
-        lists = [*slip, *traction, *traction_new, *state, *state_new, energy_stored, *(dissipated or []),
+        lists = [normal_jump, *slip, *traction, *traction_new, *state, *state_new, energy_stored, *(dissipated or []),
                  *(tangent or []), flags, status, *(columns or {}).values()]
         if any(a is not None and len(a) != len(normal_jump) for a in lists):
             raise ValueError("columns of different lengths")
         given = [_PropertyColumn(name.encode(), _column(a)) for name, a in (columns or {}).items()]
         property_columns = (_PropertyColumn * max(1, len(given)))(*given)
         batch.property_column_count, batch.property_columns = len(given), property_columns
-        code = self._raw.evaluate(self._handle, c.byref(batch))
-        if code != OK:
-            raise RuntimeError(f"{self.law.id}: evaluate returns {code}")
-        return batch
+        return _Step(self, batch, lists)
+
+    def take_over(self, old, normal_jump, traction, state):
+        """The state of another material, with every traction kept. Returns this law's state and what is to be added to
+        the normal jump from now on."""
+        if not self._raw.migrate_state:
+            raise Refused(f"{self.law.id}: cannot take over the state of law {old.law.id}")
+        count = len(normal_jump)
+        state_new, shift = [np.zeros(count) for _ in self.law.state_ids], np.zeros(count)
+        migration = _Migration(struct_size=c.sizeof(_Migration), count=count, from_law=old.law.id.encode(),
+                               from_schema=old.law.state_schema, from_state_count=len(state))
+        migration.from_state_ids = (_str * max(1, len(state)))(*[i.encode() for i in old.law.state_ids])
+        migration.from_states = (_Column * max(1, len(state)))(*[_column(a) for a in state])
+        migration.normal_jump = _column(normal_jump)
+        migration.traction = (_Column * 3)(*[_column(a) for a in traction])
+        migration.normal_shift = _column(shift, writable=True)
+        migration.state_new = (_Column * max(1, len(state_new)))(*[_column(a, writable=True) for a in state_new])
+        message = _Message()
+        code = self._raw.migrate_state(self._handle, c.byref(migration), c.byref(message.text))
+        if code != OK or migration.failed_count:
+            raise Refused(f"{self.law.id}: {migration.failed_count} of {count} points of law {old.law.id} refused: "
+                          f"{message}")
+        return state_new, shift
 
     def drive(self, normal=None, s=None, t=None, initial_state=None):
         """One point along total displacements normal, s, t (arrays of equal length, 0 when not given)."""
@@ -211,6 +241,18 @@ class Material:
                 total += [x[0] for x in dissipated]
             history[i] = [x[0] for x in traction] + [x[0] for x in state] + [stored[0] if energy else 0] + list(total)
         return Path(self.law, d, history)
+
+
+class _Step:
+    def __init__(self, material, batch, arrays):
+        self._material, self._batch, self._arrays = material, batch, arrays  # the arrays must stay where they are
+        self._evaluate, self._handle, self._pointer = material._raw.evaluate, material._handle, c.byref(batch)
+
+    def __call__(self):
+        code = self._evaluate(self._handle, self._pointer)
+        if code != OK:
+            raise RuntimeError(f"{self._material.law.id}: evaluate returns {code}")
+        return self._batch
 
 
 class Path:

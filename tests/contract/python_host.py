@@ -44,6 +44,16 @@ area = np.trapz(path.sigma, path.normal)
 print(f"tension: peak {path.sigma.max():.6g} Pa, area {area:.6g} J/m2, law's own dissipation "
       f"{path.dissipated['tension'][-1]:.12g} J/m2")
 assert abs(area - 15) < 0.02 and abs(path.dissipated["tension"][-1] - 15) < 1e-10
+# A law swapped half-way down the softening curve keeps every traction.
+normal, none = np.linspace(0, 1e-4, 11), [np.zeros(11), np.zeros(11)]
+traction, state = [np.zeros(11) for _ in range(3)], mortar.initial_state(11)
+mortar.evaluate(normal, none, traction, state)
+before = traction[0].copy()
+successor = quoin.load(f"{laws}/elastic.so")[0].material(normal_stiffness=82e9, shear_stiffness=36e9)
+state, shift = successor.take_over(mortar, normal, traction, state)
+successor.evaluate(normal + shift, none, traction, state)
+assert before.max() > 0.1e6
+np.testing.assert_allclose(traction[0], before, rtol=1e-9, atol=1e-6)
 try:
     import matplotlib
     path.plot(f"{output}/tension.png")

@@ -1,0 +1,132 @@
+"""cube_wall_10 in Quoin's host and in Yade, the same law library in both:
+
+    python3 compare.py --build build/release --out out/yade [--ablation]
+
+Writes curves.csv and curves.png; fails when the peaks differ by more than 2 %, or when a swap of the law in mid-run
+changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the host's form
+of damping in Yade, and the host against itself with the step changed by one part in 1e9.
+"""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+here = os.path.dirname(os.path.abspath(__file__))
+root = os.path.abspath(os.path.join(here, "../../.."))
+SCENE = os.path.join(root, "host/scenes/cube_wall_10.toml")
+ALLOWED = 0.02  # of the peak
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(77)
+
+
+if not shutil.which("yade"):
+    skip("Yade is not installed (apt-get install yade: 60 packages, 763 MB)")
+try:
+    import numpy as np
+except ImportError:
+    skip("NumPy is not installed")
+
+
+def run(command):
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{' '.join(command)}\nended with {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Curve:
+    def __init__(self, name, file, columns):
+        self.name = name
+        self.displacement, self.force = np.loadtxt(file, delimiter=",", skiprows=1, usecols=columns, unpack=True)
+        self.peak = self.force.max()
+        print(f"{name:40} peak {self.peak / 1e3:.3f} kN at {self.displacement[self.force.argmax()] * 1e3:.4f} mm")
+
+    def difference(self, other):
+        return np.interp(self.displacement, other.displacement, other.force) - self.force
+
+
+def host(options, name, *settings):
+    folder = os.path.join(options.out, "host")
+    run([os.path.join(options.build, "quoin"), "run", SCENE, "--out", folder, "--set", "stage.shear.record_interval=1",
+         "--set", "output.frames=0", "--set", "output.plots=false", *settings])
+    with open(os.path.join(folder, "summary.json")) as file:
+        time_step = json.load(file)["time_step_s"]
+    return Curve(name, os.path.join(folder, "history.csv"), (4, 6)), time_step
+
+
+def yade(options, name, time_step, *arguments):
+    csv = os.path.join(options.out, "yade.csv")
+    printed = run(["yade", "-n", "-x", os.path.join(here, "cube_wall.py"), SCENE, "--time-step", repr(time_step),
+                   "--laws", os.path.join(options.build, "laws"), "--csv", csv, *arguments])
+    if not os.path.exists(csv):  # Yade ends with 0 after an error in a script
+        sys.exit(printed)
+    curve = Curve(name, csv, (0, 1))
+    os.remove(csv)
+    if not arguments:
+        print(next(line for line in printed.splitlines() if line.startswith("adapter")))
+    return curve
+
+
+def write(options, curves):
+    grid = curves[0].displacement[::5]
+    table = np.column_stack([grid] + [np.interp(grid, c.displacement, c.force) for c in curves])
+    csv, png = (os.path.join(options.out, "curves." + ending) for ending in ("csv", "png"))
+    header = ["displacement_m"] + [c.name.replace(" ", "_") + "_N" for c in curves]
+    np.savetxt(csv, table, delimiter=",", comments="", header=",".join(header))
+    if not shutil.which("gnuplot"):
+        return print(f"wrote {csv}; not plotted: gnuplot is not installed")
+    lines = ", ".join(f"'{csv}' using ($1*1e3):(${k + 2}/1e3) with lines lw 2 title '{c.name}'"
+                      for k, c in enumerate(curves))
+    run(["gnuplot", "-e", f"set terminal pngcairo noenhanced size 1200,800 font ',13'; set output '{png}'; set grid; "
+         "set datafile separator ','; set xlabel 'displacement of the top course (mm)'; set ylabel 'horizontal force "
+         "(kN)'; set xrange [0:]; set title '10 x 10 rigid cubes: the same law in two codes'; plot " + lines])
+    print(f"wrote {csv} and {png}")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--build", default=os.path.join(root, "build/release"))
+    parser.add_argument("--out", default="out/yade")
+    parser.add_argument("--ablation", action="store_true")
+    options = parser.parse_args()
+    os.makedirs(options.out, exist_ok=True)
+    faults = []
+
+    ours, time_step = host(options, "Quoin")
+    theirs = yade(options, "Yade", time_step)
+    swap_at = 3e-5
+    swapped = yade(options, "Yade with coulomb_slip from 0.03 mm on", time_step, "--swap-law", "coulomb_slip",
+                   "--swap-at", str(swap_at))
+    curves = [ours, theirs, swapped]
+    if options.ablation:
+        curves.append(yade(options, "Yade with the damping of Quoin", time_step, "--damping", "host"))
+        curves.append(host(options, "Quoin with 1e-9 more step", "--set",
+                           "solver.time_step_fraction=0.6000000006")[0])
+
+    for curve in [c for c in curves[1:] if c is not swapped]:
+        d = np.abs(ours.difference(curve))
+        elastic = d[:np.searchsorted(ours.displacement, 2e-5)]
+        print(f"{curve.name} against {ours.name}: peak {100 * (curve.peak / ours.peak - 1):+.2f} %; difference of the "
+              f"curves at most {d.max():.0f} N ({100 * d.max() / ours.peak:.1f} % of the peak), rms "
+              f"{np.sqrt((d * d).mean()):.0f} N; before 0.02 mm at most {elastic.max():.2g} N")
+    if abs(theirs.peak / ours.peak - 1) > ALLOWED:
+        faults.append(f"the peaks differ by more than {100 * ALLOWED:g} %")
+
+    k = np.searchsorted(swapped.displacement, swap_at)  # the step of the swap
+    steps = np.abs(np.diff(swapped.force[k - 100:k]))
+    change = abs(swapped.force[k] - swapped.force[k - 1])
+    print(f"the swap changes the force by {change:.2f} N in its step, the 99 steps before by up to {steps.max():.2f} N")
+    if change > 2 * steps.max():
+        faults.append("the swap of the law changes the force at once")
+    if np.abs(swapped.difference(theirs)).max() < 0.1 * theirs.peak:
+        faults.append("the law that was swapped in makes no difference")
+    write(options, curves)
+    sys.exit("; ".join(faults) if faults else 0)
+
+
+main()
