@@ -4,6 +4,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 packages="g++ cmake ninja-build pkg-config libhwy-dev libtomlplusplus-dev libcli11-dev libfmt-dev libeigen3-dev
   nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev gnuplot-nox python3 python3-numpy python3-matplotlib
+  python3-lammps liblammps-dev
   clang clang-format clang-tidy"
 
 missing=""

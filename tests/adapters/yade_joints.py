@@ -1,4 +1,4 @@
-"""Joints of the Yade adapter, without Yade: usage yade_joints.py ADAPTER_DIR MODULE_DIR LAW_DIR. Exit 77: skipped."""
+"""Joints of the Yade adapter, without Yade: usage yade_joints.py PLUGIN_API LAW_DIR. Exit 77: skipped."""
 import sys
 
 try:
@@ -7,11 +7,12 @@ except ImportError:
     print("skipped: NumPy is not installed")
     sys.exit(77)
 sys.dont_write_bytecode = True
-sys.path[:0] = sys.argv[1:3]
+sys.path[:0] = [sys.argv[1] + folder for folder in ("/python", "/adapters/shared", "/adapters/yade")]
 import quoin
-from joints import Joints, frames
+from joint_points import frames
+from joints import Joints
 
-laws = sys.argv[3]
+laws = sys.argv[2]
 elastic = quoin.load(f"{laws}/elastic.so")[0].material(normal_stiffness=82e9, shear_stiffness=36e9)
 mortar = quoin.load(f"{laws}/fracture_energy.so")[0].material(
     normal_stiffness=82e9, shear_stiffness=36e9, tensile_strength=0.2e6, cohesion=0.3e6, friction_angle=35,

