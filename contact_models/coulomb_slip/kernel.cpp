@@ -17,7 +17,10 @@ HWY_BEFORE_NAMESPACE();
 namespace quoin::coulomb_slip::HWY_NAMESPACE {
 using namespace quoin::shim;
 
-inline Lanes lanes_at(const Parameters& m, const Columns& c, std::size_t i) {
+HWY_INLINE Lanes material_lanes(const Parameters& m) {
+  return {splat(m.kn), splat(m.ks), splat(m.ft), splat(m.ftr), splat(m.c0), splat(m.cr), splat(m.mu0), splat(m.mur)};
+}
+inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
   const auto number = [&](int k, double value) {
     const double* column = c.in[kProperty + k];
     return column == nullptr ? splat(value) : load(column, i);
@@ -44,10 +47,10 @@ HWY_INLINE M admissible(const Lanes& p) {
 template <bool kFull>
 void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
   const D d;
-  const Lanes material_lanes = lanes_at(material, Columns{}, 0);
+  const Lanes uniform = material_lanes(material);
   const V one = splat(1.0);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const Lanes p = kFull && c.property_columns ? lanes_at(material, c, i) : material_lanes;
+    const Lanes p = kFull && c.property_columns ? column_lanes(material, c, i) : uniform;
     const Equations law{p};
     const Increment in{load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
     const V failed_old = load(c.in[kStateOld + kFailed], i);
@@ -106,7 +109,7 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
 }
 
 void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
-  c.extras() ? run<true>(material, c, count, summary) : run<false>(material, c, count, summary);
+  c.extras ? run<true>(material, c, count, summary) : run<false>(material, c, count, summary);
 }
 
 }  // namespace quoin::coulomb_slip::HWY_NAMESPACE

@@ -20,8 +20,10 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
   const D d;
   const V half = splat(0.5);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const V kn = c.in[kProperty] ? load(c.in[kProperty], i) : splat(material.kn);
-    const V ks = c.in[kProperty + 1] ? load(c.in[kProperty + 1], i) : splat(material.ks);
+    const auto property = [&](int k, double value) {
+      return c.property_columns && c.in[kProperty + k] ? load(c.in[kProperty + k], i) : splat(value);
+    };
+    const V kn = property(0, material.kn), ks = property(1, material.ks);
     const V d_n = load(c.in[kNormalJump], i);
     const V sigma_old = load(c.in[kTractionOld], i);
     const V tau_s_old = load(c.in[kTractionOld + 1], i);
@@ -44,6 +46,7 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
     store(tau_s, c.out[kTractionNew + 1], i);
     store(tau_t, c.out[kTractionNew + 2], i);
 
+    if (!c.extras) continue;
     if (c.out[kEnergyStored]) {
       const V shear = hn::MulAdd(tau_s, tau_s, hn::Mul(tau_t, tau_t));
       store(hn::IfThenElseZero(sound, hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)))), c.out[kEnergyStored],

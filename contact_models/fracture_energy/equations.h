@@ -7,6 +7,8 @@
 #define QUOIN_FRACTURE_ENERGY_EQUATIONS_H
 #endif
 
+#include <limits>
+
 #include "fracture_energy/parameters.h"
 #include "fracture_energy/root.h"
 #include "fracture_energy/softening.h"
@@ -18,15 +20,18 @@ using namespace quoin::shim::HWY_NAMESPACE;
 // Parameters of each lane's point: one material's everywhere, or made from property columns.
 struct Lanes {
   V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr;
-  V u0;          // elastic opening at ft
-  V lt, inv_lt;  // kappa grows by lt per unit of xi
-  V su, inv_su;  // slip per unit of xi_s
-  V wu, inv_wu;  // plastic closure per unit of F's argument
+  V c_drop, mu_drop, fc_drop;  // c0 - cr, mu0 - mur, fc - fcr
+  V strength;                  // the larger of ft and c0
+  V u0;                        // elastic opening at ft
+  V lt, inv_lt;                // kappa grows by lt per unit of xi
+  V su, inv_su;                // slip per unit of xi_s
+  V wu, inv_wu;                // plastic closure per unit of F's argument
   // A mode without strength drop completes at its first movement: what xi jumps to, else 0.
   V xi_at_first_opening, xi_at_first_slip;
   V end;         // f(xi >= end) = 0
   M admissible;  // no snap-back (LAW.md, statement 6); false only for columns
 
+  Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, V kn_, V ks_, V ft_, V c0_, V cr_, V mu0_, V mur_, V tan_psi_, V fc_, V fcr_,
                    V G1, V G2, V Gc)
       : kn(kn_), ks(ks_), ft(ft_), c0(c0_), cr(cr_), mu0(mu0_), mur(mur_), tan_psi(tan_psi_), fc(fc_), fcr(fcr_) {
@@ -34,23 +39,23 @@ struct Lanes {
     const M drops_t = hn::Gt(ft, zero()), drops_s = hn::Gt(c0, cr);
     const M finite_fc = hn::Lt(fc, splat(HUGE_VAL)), drops_c = hn::And(finite_fc, hn::Gt(fc, fcr));
     end = splat(p.end);
+    c_drop = hn::Sub(c0, cr), mu_drop = hn::Sub(mu0, mur), fc_drop = hn::Sub(fc, fcr);
+    strength = hn::Max(ft, c0);
     u0 = hn::Div(ft, kn);
     lt = hn::IfThenElseZero(drops_t, hn::Div(hn::NegMulAdd(hn::Mul(half, ft), u0, G1), hn::Mul(ft, A)));
     inv_lt = hn::IfThenElseZero(drops_t, hn::Div(one, lt));
-    const V cohesion_drop = hn::Sub(c0, cr);
-    su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(cohesion_drop, A)));
+    su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c_drop, A)));
     inv_su = hn::IfThenElseZero(drops_s, hn::Div(one, su));
-    const V crushing_drop = hn::Sub(fc, fcr);
-    wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(crushing_drop, A)));
+    wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(fc_drop, A)));
     inv_wu = hn::IfThenElseZero(drops_c, hn::Div(one, wu));
     xi_at_first_opening = hn::IfThenZeroElse(drops_t, end);
     xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
     const V P = hn::IfThenElseZero(finite_fc, fc);
-    const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, hn::Sub(mu0, mur), cohesion_drop)));
+    const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, mu_drop, c_drop)));
     admissible = hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero()));
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
-    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, crushing_drop)), hn::Not(drops_c)));
+    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c)));
     // One by one: a minimum may lose a value that is not a number.
     for (const V value : {ft, cr, mur, tan_psi, fcr}) {
       admissible = hn::And(admissible, hn::Ge(value, zero()));
@@ -92,6 +97,7 @@ inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
 template <class Softening, bool kShared, bool kCrushing, bool kDilation>
 struct Equations {
+  static constexpr bool kSharedDamage = kShared;
   const Lanes& p;
   const Softening f;
 
@@ -113,24 +119,31 @@ struct Equations {
   // ---- Closed, e <= 0 -------------------------------------------------------------------------------------------
 
   HWY_INLINE V crushing_strength(V w) const {  // F(w)
-    return hn::MulAdd(hn::Sub(p.fc, p.fcr), f.factor(hn::Mul(w, p.inv_wu)), p.fcr);
+    return hn::MulAdd(p.fc_drop, f.factor(hn::Mul(w, p.inv_wu)), p.fcr);
   }
   HWY_INLINE V crushing_slope(V w) const {  // dF/dw <= 0
-    return hn::Mul(hn::Mul(hn::Sub(p.fc, p.fcr), p.inv_wu), f.slope(hn::Mul(w, p.inv_wu)));
+    return hn::Mul(hn::Mul(p.fc_drop, p.inv_wu), f.slope(hn::Mul(w, p.inv_wu)));
   }
 
   HWY_INLINE V overstress(V d_n_less_v, V w) const {
     return hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, w))), crushing_strength(w));
   }
-  // w at which the elastic stress is -F(w). Out of line: rare, and it keeps the common path small.
-  HWY_NOINLINE V crushing_closure(const M& crushes, const V& d_n_less_v, const V& w_old, const V& tolerance) const {
+  // w at which the elastic stress is -F(w). Out of line, and all by value: rare, and it keeps the common path small.
+  HWY_NOINLINE V crushing_closure(M crushes, V d_n_less_v, V w_old, V tolerance) const {
     // F >= fcr, so that w cannot pass the closure at which the elastic stress is fcr.
-    const V highest = hn::Neg(hn::Add(d_n_less_v, hn::Div(p.fcr, p.kn)));
-    const V w = find_root(crushes, w_old, w_old, hn::Max(w_old, highest), hn::Mul(splat(0.25), tolerance),
-                          [&](V x, V& value, V& slope) {
-                            value = overstress(d_n_less_v, x);
-                            slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));
-                          });
+    const V highest = hn::Max(w_old, hn::Neg(hn::Add(d_n_less_v, hn::Div(p.fcr, p.kn))));
+    V w;
+    if constexpr (Softening::kShape == Shape::linear) {
+      // F falls in a straight line up to wu, and is fcr beyond it.
+      const V fall = hn::Add(p.kn, crushing_slope(w_old));
+      const V straight = hn::Add(w_old, hn::Div(overstress(d_n_less_v, w_old), fall));
+      w = select(hn::Lt(highest, p.wu), hn::Min(straight, highest), highest);
+    } else {
+      w = find_root(crushes, w_old, w_old, highest, hn::Mul(splat(0.25), tolerance), [&](V x, V& value, V& slope) {
+        value = overstress(d_n_less_v, x);
+        slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));
+      });
+    }
     return select(crushes, hn::Max(w, w_old), w_old);
   }
 
@@ -189,8 +202,8 @@ struct Equations {
     a.xi_s = xi_s;
     const V factor = f.factor(a.xi_s);
     const V damage = hn::Sub(splat(1.0), factor);
-    const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), damage, p.mu0);
-    const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr));
+    const V mu = hn::NegMulAdd(p.mu_drop, damage, p.mu0);
+    const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(p.c_drop, factor, p.cr));
 
     a.v = step.v_old;
     Closed c = step.normal;
@@ -205,8 +218,11 @@ struct Equations {
     a.sigma = c.sigma;
     V K = zero(), K_xi = zero();
     if (step.any_open) {
-      K = secant(xi);
-      if constexpr (kSlopes) K_xi = hn::Mul(secant_slope(xi), step.e);
+      // Open joints that carry nothing any more are the most common ones of a cracked wall.
+      if (!none(hn::And(step.open, hn::Lt(xi, p.end)))) {
+        K = secant(xi);
+        if constexpr (kSlopes) K_xi = hn::Mul(secant_slope(xi), step.e);
+      }
       a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
     }
     const V S = hn::NegMulAdd(a.sigma, mu, cohesion);  // tension reduces S: Coulomb's line continues to its apex
@@ -214,8 +230,8 @@ struct Equations {
 
     if constexpr (kSlopes) {
       const V df = f.slope(a.xi_s);
-      const V mu_xi = hn::Mul(hn::Sub(p.mu0, p.mur), df);
-      const V cohesion_xi = hn::Mul(select(step.open, p.c0, hn::Sub(p.c0, p.cr)), df);
+      const V mu_xi = hn::Mul(p.mu_drop, df);
+      const V cohesion_xi = hn::Mul(select(step.open, p.c0, p.c_drop), df);
       const V stiffness = closed_slope(c);
       V uplift_slope = zero();
       if constexpr (kDilation) uplift_slope = hn::Mul(p.tan_psi, factor);
@@ -233,40 +249,63 @@ struct Equations {
     return a;
   }
 
-  // Slip that brings |tau*| - ks slip down to S(slip), and everything at it. Beyond the end of softening S is constant.
-  // Before it, a closed joint with linear softening and no dilation has S falling in a straight line; all else is the
-  // root of a falling function. S_before: S at no slip. xi_start: where the slip starts, the end for a cohesion without
-  // drop. Out of line: it keeps the elastic path small.
-  template <bool kSlopes>
-  HWY_NOINLINE V slip_to_strength(const M& slips, const Step& step, const V& trial, const V& S_before,
-                                  const V& xi_start, AtSlip& a) const {
+  // Slip that brings |tau*| - ks slip down to S(slip). Beyond the end of softening S is constant. Before it, linear
+  // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too; all else
+  // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
+  // cohesion without drop.
+  HWY_INLINE V slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start) const {
     const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
     const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, strength_beyond(step))), p.ks);
     const M within = hn::AndNot(hn::Ge(slip_beyond, slip_at_end), slips);
-    V slip = hn::IfThenElseZero(hn::AndNot(within, slips), slip_beyond);
-    if (!none(within)) {
-      M curved = within;
-      if constexpr (Softening::kShape == Shape::linear) {
-        // S' = (c0 - cr) f' - sigma mu', f' = -1/su, mu' = -(mur - mu0) f'
-        const V fall = hn::NegMulAdd(step.normal.sigma, hn::Sub(p.mu0, p.mur), hn::Sub(p.c0, p.cr));
-        const V straight = hn::Div(hn::Sub(trial, S_before), hn::NegMulAdd(fall, p.inv_su, p.ks));
-        M direct = hn::AndNot(step.open, within);
-        if constexpr (kDilation) direct = hn::And(direct, hn::Eq(p.tan_psi, zero()));
-        slip = select(direct, hn::Min(straight, slip_at_end), slip);
-        curved = hn::AndNot(direct, within);
-      }
-      if (!none(curved)) {
-        const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
-        slip = find_root(curved, slip, zero(), highest, hn::Mul(splat(0.25), step.tolerance),
-                         [&](V x, V& value, V& slope) {
-                           const AtSlip at = at_xi<true>(step, hn::MulAdd(x, p.inv_su, xi_start));
-                           value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), at.S);
-                           slope = hn::Neg(hn::Add(p.ks, at.S_slip));
-                         });
-      }
+    V slip = hn::IfThenElseZero(slips, slip_beyond);
+    if (none(within)) return slip;
+    M curved = within;
+    if constexpr (Softening::kShape == Shape::linear) {
+      slip = select(within, hn::Min(straight_slip(step, trial, start), slip), slip);
+      curved = hn::MaskFromVec(zero());
+      if constexpr (kShared) curved = hn::And(step.open, within);
+      if constexpr (kDilation) curved = hn::Or(curved, hn::And(within, hn::Gt(p.tan_psi, zero())));
     }
-    a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start));
+    if (!none(curved)) slip = curved_slip(curved, slip, slip_at_end, step, trial, xi_start);
     return slip;
+  }
+  HWY_INLINE V straight_slip(const Step& step, V trial, const AtSlip& start) const {
+    // S' = (c0 - cr) f' - sigma mu', f' = -1/su, mu' = -(mur - mu0) f'; open, c0 f'. It rises only where it is below 0.
+    const V cohesion_fall = select(step.open, p.c0, p.c_drop);
+    const V fall = positive_part(hn::NegMulAdd(start.sigma, p.mu_drop, cohesion_fall));
+    return hn::Div(hn::Sub(trial, start.S), hn::NegMulAdd(fall, p.inv_su, p.ks));
+  }
+  // Out of line, and all by value: it keeps the common path small.
+  HWY_NOINLINE V curved_slip(M curved, V slip, V slip_at_end, Step step, V trial, V xi_start) const {
+    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
+    V guess = zero();
+    if constexpr (Softening::kShape == Shape::linear && kShared) {
+      guess = hn::IfThenElseZero(step.open, opening_slip(step, trial, xi_start));
+    }
+    guess = hn::Min(positive_part(guess), highest);
+    return find_root(curved, select(curved, guess, slip), zero(), highest, hn::Mul(splat(0.25), step.tolerance),
+                     [&](V x, V& value, V& slope) {
+                       const AtSlip at = at_xi<true>(step, hn::MulAdd(x, p.inv_su, xi_start));
+                       value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), at.S);
+                       slope = hn::Neg(hn::Add(p.ks, at.S_slip));
+                     });
+  }
+  // An open joint with linear softening and friction as it stands: with xi = xi_start + x, kappa (|tau*| - ks su x) =
+  // kappa S = (f - x) (c0 kappa - mu ft e), kappa = kappa_0 + lt x, which is a quadratic equation, a x^2 + b x + c = 0,
+  // of one positive root. But for rounding and S = 0 it is the slip.
+  HWY_INLINE V opening_slip(const Step& step, V trial, V xi_start) const {
+    const V f_0 = f.factor(xi_start), kappa_0 = kappa(xi_start);
+    const V mu = hn::NegMulAdd(p.mu_drop, hn::Sub(splat(1.0), f_0), p.mu0);
+    const V held = hn::NegMulAdd(hn::Mul(mu, p.ft), step.e, hn::Mul(p.c0, kappa_0));
+    const V ks_su = hn::Mul(p.ks, p.su);
+    const V a = hn::Mul(p.lt, hn::Sub(p.c0, ks_su));  // < 0: no snap-back
+    const V b = hn::MulAdd(p.lt, hn::NegMulAdd(p.c0, f_0, trial), hn::NegMulAdd(ks_su, kappa_0, held));
+    const V c = hn::NegMulAdd(f_0, held, hn::Mul(trial, kappa_0));
+    const V root = hn::Sqrt(hn::NegMulAdd(hn::Mul(splat(4.0), a), c, hn::Mul(b, b)));
+    const V larger = hn::Add(hn::Abs(b), root);  // no cancellation
+    const M rising = hn::Gt(b, zero());
+    const V x = hn::Div(select(rising, larger, hn::Add(c, c)), select(rising, hn::Neg(hn::Add(a, a)), larger));
+    return hn::Mul(x, p.su);
   }
   // S once softening is complete: f = 0.
   HWY_INLINE V strength_beyond(const Step& step) const {
@@ -286,16 +325,18 @@ struct Equations {
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi_s);
-    const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), hn::Sub(splat(1.0), factor), p.mu0);
+    const V mu = hn::NegMulAdd(p.mu_drop, hn::Sub(splat(1.0), factor), p.mu0);
     // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
-    const V S = positive_part(hn::NegMulAdd(sigma, mu, hn::Mul(hn::Sub(p.c0, p.cr), factor)));
+    const V S = hn::NegMulAdd(sigma, mu, hn::Mul(p.c_drop, factor));
     const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
-    const M full_stiffness = hn::Le(e, hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
-    // Far below the range where squares overflow; infinite input takes the long path.
-    V lowest = splat(-1e150);
-    if constexpr (kCrushing) lowest = hn::Max(lowest, hn::Neg(crushing_strength(old.w)));
-    const M within = hn::And(hn::Ge(sigma, lowest), hn::Le(trial_squared, hn::Mul(S, S)));
-    if (!all(hn::And(full_stiffness, within))) return false;
+    // Less, not equal: two squares that overflow take the long path. So does what is not a number, or infinite.
+    const M held = hn::Lt(trial_squared, hn::Mul(S, hn::Abs(S)));
+    V limit_e = hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0);
+    if constexpr (!kShared) limit_e = hn::MulAdd(old.xi_t, zero(), limit_e);
+    const M full_stiffness = hn::Le(e, limit_e);
+    M uncrushed = hn::Ge(sigma, splat(std::numeric_limits<double>::lowest()));
+    if constexpr (kCrushing) uncrushed = hn::Ge(hn::Add(sigma, crushing_strength(old.w)), zero());
+    if (!all(hn::And(held, hn::And(full_stiffness, uncrushed)))) return false;
     r.sigma = sigma;
     r.state = old;
     r.state.tau_s = trial_s;
@@ -315,14 +356,8 @@ struct Equations {
     step.open = hn::Gt(step.e, zero());
     step.any_open = !none(step.open);
 
-    const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
-    const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
-    const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
-    const V reach = hn::Add(hn::Abs(in.d_n), hn::Add(old.w, old.v));
-    const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Mul(p.kn, reach)), trial);
-    step.tolerance = hn::Mul(splat(kYieldTolerance), scale);
-
     // Opening: xi = (e - u0)/lt beyond kappa(xi).
+    const V reach = hn::Add(hn::Abs(in.d_n), hn::Add(old.w, old.v));
     const V tolerance_e = hn::Mul(splat(kYieldTolerance), hn::Max(p.u0, reach));
     Result r;
     r.opens = hn::And(step.open, hn::Gt(hn::Sub(step.e, kappa(old.xi_t)), tolerance_e));
@@ -331,6 +366,11 @@ struct Equations {
     step.xi_s = kShared ? step.xi_t : old.xi_s;
     step.xi_t_by_n = hn::IfThenElseZero(r.opens, p.inv_lt);
 
+    const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
+    const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
+    const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
+    const V scale = hn::Max(hn::Max(p.strength, hn::Mul(p.kn, reach)), trial);
+    step.tolerance = hn::Mul(splat(kYieldTolerance), scale);
     step.normal = closed(hn::Not(step.open), hn::Sub(in.d_n, old.v), old.w, step.tolerance);
 
     // Elastic trial against the strength before any slip; when the joint opens or closes, tau returns to the new S.
@@ -344,7 +384,8 @@ struct Equations {
     V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
       xi_start = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
-      r.slip = slip_to_strength<kTangent>(r.slips, step, trial, S_before_slip, xi_start, a);
+      r.slip = slip_to_strength(r.slips, step, trial, a, xi_start);
+      a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));
       tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
       const V keep = hn::Div(positive_part(tau), trial);
       r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
@@ -389,10 +430,10 @@ struct Equations {
 
     // Slip. Exact integrals over the slip of mu and of the closed joint's cohesion.
     const V softened = hn::Mul(p.su, f.area(step.xi_s, a.xi_s));  // integral of f over the slip
-    const V friction_path = hn::MulAdd(hn::Sub(p.mu0, p.mur), softened, hn::Mul(p.mur, r.slip));
+    const V friction_path = hn::MulAdd(p.mu_drop, softened, hn::Mul(p.mur, r.slip));
     const V pressure = positive_part(hn::Neg(r.sigma));
     E.friction = positive_part(hn::Mul(pressure, hn::Sub(friction_path, hn::Sub(a.v, step.v_old))));
-    const V cohesion_closed = hn::MulAdd(hn::Sub(p.c0, p.cr), softened, hn::Mul(p.cr, r.slip));
+    const V cohesion_closed = hn::MulAdd(p.c_drop, softened, hn::Mul(p.cr, r.slip));
     V cohesion_open;
     if constexpr (kShared) {
       // S(slip) = c0 f - sigma(xi) mu: Simpson up to the end of softening, nothing is left beyond it.
@@ -409,7 +450,7 @@ struct Equations {
     // step.
     V start = S_before_slip;
     V lost = hn::IfThenElseZero(
-        r.open, hn::Sub(hn::MulAdd(hn::Sub(p.c0, p.cr), f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));
+        r.open, hn::Sub(hn::MulAdd(p.c_drop, f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));
     const M dropped = hn::Gt(xi_start, step.xi_s);
     if (!none(dropped)) {
       start = select(dropped, at_xi<false>(step, xi_start).S, start);
@@ -430,8 +471,7 @@ struct Equations {
 
     E.crushing = zero();
     if constexpr (kCrushing) {
-      const V work =
-          hn::Mul(hn::Mul(hn::Sub(p.fc, p.fcr), p.wu), f.area(hn::Mul(step.w_old, p.inv_wu), hn::Mul(a.w, p.inv_wu)));
+      const V work = hn::Mul(hn::Mul(p.fc_drop, p.wu), f.area(hn::Mul(step.w_old, p.inv_wu), hn::Mul(a.w, p.inv_wu)));
       const V total = hn::MulAdd(p.fcr, hn::Sub(a.w, step.w_old), work);  // without drop F is fc = fcr all along
       E.crushing = hn::IfThenElseZero(r.crushes, positive_part(total));
     }

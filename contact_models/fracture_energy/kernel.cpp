@@ -1,6 +1,9 @@
 // The loop over points around the equations, compiled for every instruction set.
 #include "fracture_energy/kernel.h"
 
+#include <new>
+#include <type_traits>
+
 #include "quoin/quoin.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -54,131 +57,153 @@ HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
 }
 
-template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull, bool kColumns>
-void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+HWY_INLINE Increment increment_at(const Columns& c, std::size_t i) {
+  return {load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
+}
+HWY_INLINE V old_state(const Columns& c, int k, std::size_t i) { return load(c.in[kStateOld + k], i); }
+template <bool kShared>
+HWY_INLINE State state_at(const Columns& c, std::size_t i) {
+  const V xi_t = old_state(c, kXiT, i), xi_s = kShared ? xi_t : old_state(c, kXiS, i);
+  return {xi_t,
+          xi_s,
+          old_state(c, kW, i),
+          old_state(c, kV, i),
+          load(c.in[kTractionOld + 1], i),
+          load(c.in[kTractionOld + 2], i)};
+}
+HWY_INLINE void put_traction(const Result& r, const Columns& c, std::size_t i) {
+  store(r.sigma, c.out[kTractionNew], i);
+  store(r.state.tau_s, c.out[kTractionNew + 1], i);
+  store(r.state.tau_t, c.out[kTractionNew + 2], i);
+}
+HWY_INLINE void put_history(const State& s, const Columns& c, std::size_t i) {
+  store(s.xi_t, c.out[kStateNew + kXiT], i);
+  store(s.xi_s, c.out[kStateNew + kXiS], i);
+  store(s.w, c.out[kStateNew + kW], i);
+  store(s.v, c.out[kStateNew + kV], i);
+}
+HWY_INLINE void put_slip(V slip, const Columns& c, std::size_t i) {
+  if (c.out[kStateNew + kSlip]) store(hn::Add(old_state(c, kSlip, i), slip), c.out[kStateNew + kSlip], i);
+}
+
+// The points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
+// full.
+template <bool kFull, bool kColumns, class Law>
+HWY_NOINLINE void step_points(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const D d;
-  const Softening softening(material);
-  Lanes p = material_lanes(material);
-  const Equations<Softening, kShared, kCrushing, kDilation> law{p, softening};
-  const auto state_in = [&](int k, std::size_t i) { return load(c.in[kStateOld + k], i); };
-  const auto state_out = [&](int k) { return c.out[kStateNew + k]; };
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    if constexpr (kColumns) p = column_lanes(material, c, i);
-    const Increment in{load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
-    State old;
-    old.tau_s = load(c.in[kTractionOld + 1], i);
-    old.tau_t = load(c.in[kTractionOld + 2], i);
-    old.xi_t = state_in(kXiT, i);
-    old.xi_s = kShared ? old.xi_t : state_in(kXiS, i);
-    old.w = kCrushing || kFull ? state_in(kW, i) : zero();
-    old.v = kDilation || kFull ? state_in(kV, i) : zero();
+  const Lanes& p = law.p;
+  const Increment in = increment_at(c, i);
+  const State old = state_at<Law::kSharedDamage>(c, i);
+  Energies energies;
+  Tangent tangent;
+  Result r = law.template evaluate<kFull, kFull>(in, old, &energies, &tangent);
 
-    const bool in_place = state_out(kXiT) == c.in[kStateOld + kXiT];
-    const auto store_traction = [&](const Result& result) {
-      store(result.sigma, c.out[kTractionNew], i);
-      store(result.state.tau_s, c.out[kTractionNew + 1], i);
-      store(result.state.tau_t, c.out[kTractionNew + 2], i);
-    };
-    const auto store_state = [&](const Result& result) {
-      store(result.state.xi_t, state_out(kXiT), i);
-      store(result.state.xi_s, state_out(kXiS), i);
-      store(kCrushing || kFull ? result.state.w : state_in(kW, i), state_out(kW), i);
-      store(kDilation || kFull ? result.state.v : state_in(kV, i), state_out(kV), i);
-    };
+  // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state. Old
+  // values too: a minimum or maximum inside the equations may lose one that is not a number.
+  const V tractions = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, hn::Mul(r.state.tau_t, zero())));
+  const V jumps = gather_non_finite(r.state.xi_t, gather_non_finite(old.xi_t, hn::Mul(in.d_n, zero())));
+  const V shifts = gather_non_finite(r.state.w, gather_non_finite(r.state.v, hn::Mul(r.state.xi_s, zero())));
+  V collected = hn::Add(tractions, hn::Add(jumps, shifts));
+  if constexpr (!Law::kSharedDamage) collected = gather_non_finite(old.xi_s, collected);
+  M sound = is_finite(collected);
+  if constexpr (kColumns) sound = hn::And(sound, p.admissible);
+  const M live = hn::FirstN(d, count - i);
+  if (!all(sound)) {
+    r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
+    r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
+    r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
+    r.state.xi_t = select(sound, r.state.xi_t, old.xi_t);
+    r.state.xi_s = select(sound, r.state.xi_s, old_state(c, kXiS, i));
+    r.state.w = select(sound, r.state.w, old.w);
+    r.state.v = select(sound, r.state.v, old.v);
+    r.slip = hn::IfThenElseZero(sound, r.slip);
+    r.slips = hn::And(sound, r.slips);
+    summary.failed += hn::CountTrue(d, hn::AndNot(sound, live));
+  }
 
-    Energies energies;
-    Tangent tangent;
-    Result r;
+  const M moved = hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes));
+  summary.yielding |= !none(hn::And(moved, live));
+  put_slip(r.slip, c, i);
+  if constexpr (kFull) {
+    const auto put = [&](int k, V value) {
+      if (c.out[k]) store(hn::IfThenElseZero(sound, value), c.out[k], i);
+    };
+    put(kEnergyStored, energies.stored);
+    put(kDissipated + QUOIN_DISSIPATED_TENSION, energies.tension);
+    put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
+    put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
+    put(kDissipated + QUOIN_DISSIPATED_CRUSHING, energies.crushing);
+    for (int k = 0; k < 9; ++k) put(kTangent + k, tangent.entry[k]);
+    if (c.out[kFlags]) put(kFlags, flags_of(p, r, old));
+    if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+  }
+  put_traction(r, c, i);
+  put_history(r.state, c, i);
+}
+
+// All points that nothing moves but elastically, and nothing else is asked of: false, and nothing written, when there
+// is one in the vector for which this is not sure.
+template <class Law>
+HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
+  const State old = state_at<Law::kSharedDamage>(c, i);
+  Result r;
+  if (!law.elastic(increment_at(c, i), old, r)) return false;
+  if (!c.in_place) {
+    if constexpr (Law::kSharedDamage) r.state.xi_s = old_state(c, kXiS, i);
+    put_history(r.state, c, i);
+    put_slip(zero(), c, i);
+  }
+  put_traction(r, c, i);
+  return true;
+}
+
+template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull, bool kColumns>
+void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  Lanes point_lanes;
+  const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
+  const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
+  // A copy, so that the short path keeps it in registers: what is stored might change c.
+  const Columns own = c;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
     if constexpr (!kFull) {
-      if (law.elastic(in, old, r)) {
-        store_traction(r);
-        if (!in_place) {
-          store_state(r);
-          if (state_out(kSlip)) store(state_in(kSlip, i), state_out(kSlip), i);
-        }
-        continue;
-      }
+      if (step_elastic(law, own, i)) continue;
     }
-    if constexpr (kFull) {
-      r = law.template evaluate<true, true>(in, old, &energies, &tangent);
-    } else {
-      r = law.template evaluate<false, false>(in, old, nullptr, nullptr);
-    }
-
-    // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
-    V collected = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, zero()));
-    collected = gather_non_finite(r.state.tau_t, gather_non_finite(r.state.xi_t, collected));
-    collected = gather_non_finite(r.state.xi_s, gather_non_finite(in.d_n, collected));
-    // A minimum or maximum inside the equations may lose an old value that is not a number.
-    collected = gather_non_finite(old.xi_t, gather_non_finite(old.xi_s, collected));
-    collected = gather_non_finite(old.w, gather_non_finite(old.v, collected));
-    if constexpr (kCrushing || kFull) collected = gather_non_finite(r.state.w, collected);
-    if constexpr (kDilation || kFull) collected = gather_non_finite(r.state.v, collected);
-    M sound = is_finite(collected);
-    if constexpr (kColumns) sound = hn::And(sound, p.admissible);
-    if (!all(sound)) {
-      r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
-      r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
-      r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
-      r.state.xi_t = select(sound, r.state.xi_t, old.xi_t);
-      r.state.xi_s = select(sound, r.state.xi_s, state_in(kXiS, i));
-      r.state.w = select(sound, r.state.w, old.w);
-      r.state.v = select(sound, r.state.v, old.v);
-      r.slip = hn::IfThenElseZero(sound, r.slip);
-      r.slips = hn::And(sound, r.slips);
-      summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
-    }
-
-    store_traction(r);
-    M moved = hn::And(sound, hn::Or(r.opens, r.slips));
-    if constexpr (kCrushing) moved = hn::Or(moved, hn::And(sound, r.crushes));
-    const bool yields = !none(hn::And(moved, hn::FirstN(d, count - i)));
-    summary.yielding |= yields;
-    if (yields || !in_place) store_state(r);
-    if (state_out(kSlip)) store(hn::Add(state_in(kSlip, i), r.slip), state_out(kSlip), i);
-
-    if constexpr (kFull) {
-      const auto put = [&](int k, V value) {
-        if (c.out[k]) store(hn::IfThenElseZero(sound, value), c.out[k], i);
-      };
-      put(kEnergyStored, energies.stored);
-      put(kDissipated + QUOIN_DISSIPATED_TENSION, energies.tension);
-      put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
-      put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
-      put(kDissipated + QUOIN_DISSIPATED_CRUSHING, energies.crushing);
-      for (int k = 0; k < 9; ++k) put(kTangent + k, tangent.entry[k]);
-      if (c.out[kFlags]) put(kFlags, flags_of(p, r, old));
-      if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
-    }
+    step_points<kFull, kColumns>(law, c, i, count, summary);
   }
 }
 
 // Extra outputs and columns always take the general branches: with the parameters of a switched-off branch they give
 // the same bits, and a quarter of the code.
 template <class Softening, bool kShared>
-Kernels of_shape(const Parameters& m) {
-  Kernels kernels{&run<Softening, kShared, true, true, false, false>, &run<Softening, kShared, true, true, true, false>,
-                  &run<Softening, kShared, true, true, true, true>};
-  if (!m.dilation) kernels.lean = &run<Softening, kShared, true, false, false, false>;
-  if (!m.dilation && !m.crushing) kernels.lean = &run<Softening, kShared, false, false, false, false>;
-  return kernels;
+void choose_branches(Material& m) {
+  m.lean = &run<Softening, kShared, true, true, false, false>;
+  if (!m.parameters.dilation) {
+    const bool crushing = m.parameters.crushing;
+    m.lean = crushing ? &run<Softening, kShared, true, false, false, false>
+                      : &run<Softening, kShared, false, false, false, false>;
+  }
+  m.full = &run<Softening, kShared, true, true, true, false>;
+  m.columns = &run<Softening, kShared, true, true, true, true>;
 }
 
 template <bool kShared>
-Kernels of_coupling(const Parameters& m) {
-  switch (m.shape) {
-    case Shape::exponential:
-      return of_shape<ExponentialSoftening, kShared>(m);
-    case Shape::table:
-      return of_shape<TableSoftening, kShared>(m);
+void choose_shape(Material& m) {
+  switch (m.parameters.shape) {
     case Shape::linear:
-      break;
+      return choose_branches<LinearSoftening, kShared>(m);
+    case Shape::exponential:
+      return choose_branches<ExponentialSoftening, kShared>(m);
+    case Shape::table:
+      return choose_branches<TableSoftening, kShared>(m);
   }
-  return of_shape<LinearSoftening, kShared>(m);
 }
 
-void select_for_target(const Parameters& m, Kernels& kernels) {
-  kernels = m.shared ? of_coupling<true>(m) : of_coupling<false>(m);
+void choose_for_target(Material& m) {
+  static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
+  static_assert(std::is_trivially_copyable_v<Lanes>);
+  new (m.lanes) Lanes(material_lanes(m.parameters));
+  m.parameters.shared ? choose_shape<true>(m) : choose_shape<false>(m);
 }
 
 }  // namespace quoin::fracture_energy::HWY_NAMESPACE
@@ -187,13 +212,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace quoin::fracture_energy {
 
-HWY_EXPORT(select_for_target);
+HWY_EXPORT(choose_for_target);
 
-Kernels select_kernels(const Parameters& material) {
-  Kernels kernels{};
-  HWY_DYNAMIC_DISPATCH(select_for_target)(material, kernels);
-  return kernels;
-}
+void choose_kernels(Material& material) { HWY_DYNAMIC_DISPATCH(choose_for_target)(material); }
 
 }  // namespace quoin::fracture_energy
 #endif

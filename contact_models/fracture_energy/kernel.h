@@ -27,16 +27,22 @@ enum PropertyColumn : int {
   kPropertyColumnCount
 };
 
-using Kernel = void (*)(const Parameters&, const shim::Columns&, std::size_t count, shim::Summary&);
+struct Material;
+using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
 
-// The kernels that a material needs, with the branches that its parameters switch off left out.
-struct Kernels {
-  Kernel lean;     // tractions and states only
-  Kernel full;     // whatever outputs are asked for
-  Kernel columns;  // per-point properties: every branch, whatever outputs are asked for
+// A material as the kernels of the best instruction set of this machine want it.
+struct Material {
+  Parameters parameters;
+  // The kernels that it needs, with the branches that its parameters switch off left out.
+  Kernel lean = nullptr;     // tractions and states only
+  Kernel full = nullptr;     // whatever outputs are asked for
+  Kernel columns = nullptr;  // per-point properties: every branch, whatever outputs are asked for
+  // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
+  static constexpr std::size_t kLaneVectors = 26;
+  alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
 };
 
-// For the best instruction set of this machine.
-Kernels select_kernels(const Parameters& material);
+// Fills in all but the parameters.
+void choose_kernels(Material& material);
 
 }  // namespace quoin::fracture_energy

@@ -193,10 +193,7 @@ void check_admissible(const Parameters& m, const PropertyValues& values, Report&
 }
 
 struct FractureEnergyLaw {
-  struct Material {
-    Parameters parameters;
-    Kernels kernels;
-  };
+  using Material = fracture_energy::Material;
   static constexpr const char* id = "fracture_energy";
   static constexpr const char* name = "Fracture-energy joint";
   static constexpr const char* citation =
@@ -230,7 +227,7 @@ struct FractureEnergyLaw {
     m.crushing = std::isfinite(m.given.fc);
     m.dilation = m.given.tan_psi > 0.0;
     if (read_softening(values, m, report)) check_admissible(m, values, report);
-    material.kernels = select_kernels(m);
+    choose_kernels(material);
     return material;
   }
 
@@ -247,9 +244,8 @@ struct FractureEnergyLaw {
   }
 
   static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
-    const Kernels& k = material.kernels;
-    const Kernel kernel = columns.property_columns ? k.columns : columns.extras() ? k.full : k.lean;
-    kernel(material.parameters, columns, count, summary);
+    const Kernel kernel = columns.property_columns ? material.columns : columns.extras ? material.full : material.lean;
+    kernel(material, columns, count, summary);
   }
 
   static double factor(const Parameters& m, double xi) {

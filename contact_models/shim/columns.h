@@ -29,18 +29,13 @@ inline constexpr int kFlags = kTangent + 9;            // as doubles; the shim c
 inline constexpr int kStatus = kFlags + 1;
 inline constexpr int kOutCount = kStatus + 1;
 
+// Filled in by the shim at every call, and no more of it than is needed: small batches feel it.
 struct Columns {
-  const double* in[kInCount] = {};
-  double* out[kOutCount] = {};
-  bool property_columns = false;  // any in[kProperty + k] is given
-
-  // Anything beyond tractions and history: the kernel's full variant is needed.
-  bool extras() const {
-    for (int k = kEnergyStored; k < kOutCount; ++k) {
-      if (out[k] != nullptr) return true;
-    }
-    return property_columns;
-  }
+  const double* in[kInCount];  // from kProperty on only with property_columns
+  double* out[kOutCount];      // from kEnergyStored on only with extras
+  bool property_columns;       // some property is given point by point
+  bool extras;                 // that, or anything beyond tractions and history is wanted
+  bool in_place;               // every new state is its old one, in the same memory
 };
 
 struct Summary {

@@ -217,12 +217,32 @@ class Plugin {
   }
 
  private:
-  // Fixed-size views of the batch's columns, in the order of Columns.
+  static constexpr int kInputs = kStateOld + static_cast<int>(kStates);   // all but the property columns
+  static constexpr int kOutputs = kStateNew + static_cast<int>(kStates);  // tractions and states
+  static constexpr int kProperties = static_cast<int>(L::properties.size());
+
+  // The batch's columns in the order of Columns, each with its stride. Not initialised as a whole: a batch of a few
+  // points would feel it.
   struct Views {
-    quoin_in in[kInCount] = {};
-    quoin_out out[kOutCount] = {};
-    quoin_out_u32 words[2] = {};  // flags, status
-    bool property_columns = false;
+    quoin_in in[kInCount];
+    quoin_out out[kOutCount];
+    quoin_out_u32 words[2];  // flags, status
+    bool property_columns, extras;
+    bool contiguous;  // the kernel can work on the caller's own memory
+
+    // Calls f(place, view) for every input and every output in doubles that may be given.
+    template <class F>
+    void for_inputs(const F& f) const {
+      for (int k = 0; k < kInputs; ++k) f(k, in[k]);
+      if (!property_columns) return;
+      for (int k = kProperty; k < kProperty + kProperties; ++k) f(k, in[k]);
+    }
+    template <class F>
+    void for_outputs(const F& f) const {
+      for (int k = 0; k < kOutputs; ++k) f(k, out[k]);
+      if (!extras) return;
+      for (int k = kEnergyStored; k < kFlags; ++k) f(k, out[k]);
+    }
   };
 
   // Per-point properties come first in a law's metadata: their place there is their column. -1: not given point by
@@ -239,60 +259,66 @@ class Plugin {
     views.in[kNormalJump] = batch.normal_jump;
     for (int k = 0; k < 2; ++k) views.in[kSlipIncrement + k] = batch.slip_increment[k];
     for (int k = 0; k < 3; ++k) views.in[kTractionOld + k] = batch.traction_old[k];
-    for (int k = 0; k < kStateOld; ++k) {
-      if (views.in[k].data == nullptr && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
-    }
-    for (int k = 0; k < 3; ++k) {
-      views.out[kTractionNew + k] = batch.traction_new[k];
-      if (batch.traction_new[k].data == nullptr && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
-    }
+    for (int k = 0; k < 3; ++k) views.out[kTractionNew + k] = batch.traction_new[k];
+    bool complete = true;
+    for (int k = 0; k < kStateOld; ++k) complete &= views.in[k].data != nullptr;
+    for (int k = 0; k < kStateNew; ++k) complete &= views.out[k].data != nullptr;
     for (std::size_t k = 0; k < kStates; ++k) {
-      views.in[kStateOld + k] = batch.state_old[k];
-      views.out[kStateNew + k] = batch.state_new[k];
       const bool missing = batch.state_old[k].data == nullptr || batch.state_new[k].data == nullptr;
-      if (missing && L::states[k]->role == QUOIN_ROLE_HISTORY && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
-      if (missing) views.in[kStateOld + k].data = nullptr, views.out[kStateNew + k].data = nullptr;
+      views.in[kStateOld + k] = missing ? quoin_in{} : batch.state_old[k];
+      views.out[kStateNew + k] = missing ? quoin_out{} : batch.state_new[k];
+      complete &= !(missing && L::states[k]->role == QUOIN_ROLE_HISTORY);
     }
-    if (batch.property_column_count > 0 && batch.property_columns == nullptr) return QUOIN_ERROR_ARGUMENT;
-    for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
-      const quoin_property_column& column = batch.property_columns[c];
-      const int index = column.id == nullptr ? -1 : property_column(column.id);
-      if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
-      views.in[kProperty + index] = column.values;
-      views.property_columns = true;
+    if (!complete && batch.count > 0) return QUOIN_ERROR_ARGUMENT;
+
+    views.property_columns = batch.property_column_count > 0;
+    if (views.property_columns) {
+      if (batch.property_columns == nullptr) return QUOIN_ERROR_ARGUMENT;
+      for (int k = 0; k < kProperties; ++k) views.in[kProperty + k] = {};
+      for (std::uint64_t c = 0; c < batch.property_column_count; ++c) {
+        const quoin_property_column& column = batch.property_columns[c];
+        const int index = column.id == nullptr ? -1 : property_column(column.id);
+        if (index < 0 || column.values.data == nullptr) return QUOIN_ERROR_ARGUMENT;
+        views.in[kProperty + index] = column.values;
+      }
     }
-    views.out[kEnergyStored] = batch.energy_stored;
-    for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
-    for (int k = 0; k < 9; ++k) views.out[kTangent + k] = batch.tangent[k];
+
     views.words[0] = batch.flags;
     views.words[1] = batch.status;
-    for (const quoin_out& column : views.out) {
-      if (column.data != nullptr && column.stride == 0 && batch.count > 1) return QUOIN_ERROR_ARGUMENT;
+    views.extras = views.property_columns | (batch.flags.data != nullptr) | (batch.status.data != nullptr) |
+                   (batch.energy_stored.data != nullptr);
+    for (const quoin_out& view : batch.dissipated) views.extras |= view.data != nullptr;
+    for (const quoin_out& view : batch.tangent) views.extras |= view.data != nullptr;
+    if (views.extras) {
+      views.out[kEnergyStored] = batch.energy_stored;
+      for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
+      for (int k = 0; k < 9; ++k) views.out[kTangent + k] = batch.tangent[k];
     }
-    for (const quoin_out_u32& column : views.words) {
-      if (column.data != nullptr && column.stride == 0 && batch.count > 1) return QUOIN_ERROR_ARGUMENT;
-    }
-    return QUOIN_OK;
+
+    // Without branches: short calls spend their time here.
+    views.contiguous = (batch.flags.data == nullptr) & (batch.status.data == nullptr);
+    const auto follow = [&](int, const auto& view) { views.contiguous &= (view.data == nullptr) | (view.stride == 1); };
+    views.for_inputs(follow);
+    views.for_outputs(follow);
+    if (views.contiguous || batch.count <= 1) return QUOIN_OK;
+    bool distinct = true;
+    const auto check = [&](const auto& view) { distinct = distinct && (view.data == nullptr || view.stride != 0); };
+    views.for_outputs([&](int, const quoin_out& view) { check(view); });
+    for (const quoin_out_u32& view : views.words) check(view);
+    return distinct ? QUOIN_OK : QUOIN_ERROR_ARGUMENT;
   }
 
   static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
     Views views;
     const quoin_status status = collect(batch, views);
     if (status != QUOIN_OK) return status;
-    bool contiguous = views.words[0].data == nullptr && views.words[1].data == nullptr;
-    for (const quoin_in& column : views.in) contiguous = contiguous && (column.data == nullptr || column.stride == 1);
-    for (const quoin_out& column : views.out) contiguous = contiguous && (column.data == nullptr || column.stride == 1);
 
     Summary summary;
     const std::size_t count = static_cast<std::size_t>(batch.count);
     std::size_t first = 0;
-    if (contiguous && count >= kMaxLanes) {
-      Columns columns;
-      columns.property_columns = views.property_columns;
-      for (int k = 0; k < kInCount; ++k) columns.in[k] = views.in[k].data;
-      for (int k = 0; k < kOutCount; ++k) columns.out[k] = views.out[k].data;
+    if (count >= kMaxLanes && views.contiguous) {
       first = count / kMaxLanes * kMaxLanes;
-      L::evaluate(material, columns, first, summary);
+      run_direct(material, views, first, summary);
     }
     for (; first < count; first += kTile) run_tile(material, views, first, std::min(kTile, count - first), summary);
     batch.clamped_count = summary.clamped;
@@ -304,38 +330,51 @@ class Plugin {
     return QUOIN_OK;
   }
 
+  // On the caller's own memory.
+  static void run_direct(const typename L::Material& material, const Views& views, std::size_t count,
+                         Summary& summary) {
+    Columns columns;
+    columns.property_columns = views.property_columns;
+    columns.extras = views.extras;
+    views.for_inputs([&](int k, const quoin_in& view) { columns.in[k] = view.data; });
+    views.for_outputs([&](int k, const quoin_out& view) { columns.out[k] = view.data; });
+    columns.out[kFlags] = columns.out[kStatus] = nullptr;
+    columns.in_place = true;
+    for (std::size_t k = 0; k < kStates; ++k) {
+      columns.in_place &= columns.in[kStateOld + k] == columns.out[kStateNew + k];
+    }
+    L::evaluate(material, columns, count, summary);
+  }
+
+  // Through memory of our own: strided columns, and the points that do not fill the widest vector.
   static void run_tile(const typename L::Material& material, const Views& views, std::size_t first, std::size_t count,
                        Summary& summary) {
     alignas(64) double in[kInCount][kTile];
     alignas(64) double out[kOutCount][kTile];
     Columns columns;
     columns.property_columns = views.property_columns;
+    columns.extras = views.extras;
+    columns.in_place = false;
     const std::size_t padded = (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
-    for (int k = 0; k < kInCount; ++k) {
-      const quoin_in& view = views.in[k];
-      if (view.data == nullptr) continue;
-      for (std::size_t i = 0; i < count; ++i) in[k][i] = view.data[static_cast<std::int64_t>(first + i) * view.stride];
+    views.for_inputs([&](int k, const quoin_in& view) {
+      columns.in[k] = view.data == nullptr ? nullptr : in[k];
+      if (view.data == nullptr) return;
+      const double* const from = view.data + static_cast<std::int64_t>(first) * view.stride;
+      for (std::size_t i = 0; i < count; ++i) in[k][i] = from[static_cast<std::int64_t>(i) * view.stride];
       for (std::size_t i = count; i < padded; ++i) in[k][i] = in[k][count - 1];
-      columns.in[k] = in[k];
-    }
-    for (int k = 0; k < kOutCount; ++k) {
-      if (views.out[k].data != nullptr) columns.out[k] = out[k];
-    }
-    if (views.words[0].data != nullptr) columns.out[kFlags] = out[kFlags];
-    if (views.words[1].data != nullptr) columns.out[kStatus] = out[kStatus];
+    });
+    views.for_outputs([&](int k, const quoin_out& view) { columns.out[k] = view.data == nullptr ? nullptr : out[k]; });
+    for (int w = 0; w < 2; ++w) columns.out[kFlags + w] = views.words[w].data == nullptr ? nullptr : out[kFlags + w];
     L::evaluate(material, columns, count, summary);
-    for (int k = 0; k < kOutCount; ++k) {
-      const quoin_out& view = views.out[k];
-      if (view.data == nullptr) continue;
-      for (std::size_t i = 0; i < count; ++i) view.data[static_cast<std::int64_t>(first + i) * view.stride] = out[k][i];
-    }
-    for (int w = 0; w < 2; ++w) {
-      const quoin_out_u32& view = views.words[w];
-      if (view.data == nullptr) continue;
-      for (std::size_t i = 0; i < count; ++i) {
-        view.data[static_cast<std::int64_t>(first + i) * view.stride] = static_cast<std::uint32_t>(out[kFlags + w][i]);
-      }
-    }
+    const auto put = [&](int k, const auto& view) {
+      if (view.data == nullptr) return;
+      auto* const to = view.data + static_cast<std::int64_t>(first) * view.stride;
+      using Number = std::remove_reference_t<decltype(*to)>;
+      for (std::size_t i = 0; i < count; ++i)
+        to[static_cast<std::int64_t>(i) * view.stride] = static_cast<Number>(out[k][i]);
+    };
+    views.for_outputs(put);
+    for (int w = 0; w < 2; ++w) put(kFlags + w, views.words[w]);
   }
 };
 

@@ -128,6 +128,11 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
     const TestMaterial material(law, values);
     std::mt19937_64 random(11);
     Batch whole(law, 203);
+    // Closure and uplift that another material left behind: they count where this one neither crushes nor dilates.
+    for (std::size_t i = 0; i < whole.count; ++i) {
+      whole.in[8][i] = 2e-6 * static_cast<double>(i % 3);
+      whole.in[9][i] = 1e-6 * static_cast<double>(i % 2);
+    }
     for (int step = 0; step < 20; ++step) {
       randomise(whole, random);
       Batch parts = whole;

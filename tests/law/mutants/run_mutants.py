@@ -43,19 +43,19 @@ MUTANTS = {
         [
             (EQUATIONS, "step.xi_s = kShared ? step.xi_t : old.xi_s;", "step.xi_s = old.xi_s;"),
             (EQUATIONS, "r.state.xi_t = kShared ? a.xi_s : step.xi_t;", "r.state.xi_t = step.xi_t;"),
-            ("fracture_energy/kernel.cpp", "old.xi_s = kShared ? old.xi_t : state_in(kXiS, i);", "old.xi_s = state_in(kXiS, i);"),
+            ("fracture_energy/kernel.cpp", "xi_s = kShared ? xi_t : old_state(c, kXiS, i);", "xi_s = old_state(c, kXiS, i);"),
         ],
     ),
     "c0_for_c0_less_cr_in_su": (
         "su = G2/(c0 A) instead of G2/((c0 - cr) A)",
-        [(EQUATIONS, "su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(cohesion_drop, A)));",
+        [(EQUATIONS, "su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c_drop, A)));",
           "su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c0, A)));")],
     ),
     "return_to_S_at_old_xi": (
         "tau returns to the strength before this step's slip",
-        [(EQUATIONS, "a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start));",
-          "slip = select(slips, hn::Div(hn::Sub(trial, S_before), p.ks), slip);"
-          " a = at_xi<kSlopes>(step, hn::MulAdd(slip, p.inv_su, xi_start)); a.S = select(slips, S_before, a.S);")],
+        [(EQUATIONS, "a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));",
+          "r.slip = select(r.slips, hn::Div(hn::Sub(trial, S_before_slip), p.ks), r.slip);"
+          " a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start)); a.S = select(r.slips, S_before_slip, a.S);")],
     ),
     "missing_branch_end": (
         "linear softening runs on below zero",
@@ -80,6 +80,8 @@ MUTANTS = {
     "F_at_the_old_w": (
         "crushing strength at the plastic closure of the start of the step",
         [
+            (EQUATIONS, "const V fall = hn::Add(p.kn, crushing_slope(w_old));", "const V fall = p.kn;"),
+            (EQUATIONS, "w = select(hn::Lt(highest, p.wu), hn::Min(straight, highest), highest);", "w = straight;"),
             (EQUATIONS, "value = overstress(d_n_less_v, x);",
              "value = hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, x))), crushing_strength(w_old));"),
             (EQUATIONS, "slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));", "slope = hn::Neg(p.kn);"),
@@ -94,12 +96,12 @@ MUTANTS = {
     "residual_cohesion_kept_when_open": (
         "cohesion cr + (c0 - cr) f while the joint is open",
         [(EQUATIONS,
-          "const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr));",
-          "const V cohesion = hn::MulAdd(hn::Sub(p.c0, p.cr), factor, p.cr);")],
+          "const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(p.c_drop, factor, p.cr));",
+          "const V cohesion = hn::MulAdd(p.c_drop, factor, p.cr);")],
     ),
     "angle_interpolated_before_tangent": (
         "tan(phi0 + (phir - phi0) D) instead of mu0 + (mur - mu0) D",
-        [(EQUATIONS, "const V mu = hn::MulAdd(hn::Sub(p.mur, p.mu0), damage, p.mu0);",
+        [(EQUATIONS, "const V mu = hn::NegMulAdd(p.mu_drop, damage, p.mu0);",
           "const V mu = [&] { HWY_ALIGN double m0[64], mr[64], dd[64]; const D d; hn::Store(p.mu0, d, m0);"
           " hn::Store(p.mur, d, mr); hn::Store(damage, d, dd); for (std::size_t i = 0; i < hn::Lanes(d); ++i)"
           " m0[i] = std::tan(std::atan(m0[i]) + (std::atan(mr[i]) - std::atan(m0[i])) * dd[i]); return hn::Load(d, m0); }();")],
