@@ -149,7 +149,6 @@ HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   Result r;
   if (!law.elastic(increment_at(c, i), old, r)) return false;
   if (!c.in_place) {
-    if constexpr (Law::kSharedDamage) r.state.xi_s = old_state(c, kXiS, i);
     put_history(r.state, c, i);
     put_slip(zero(), c, i);
   }

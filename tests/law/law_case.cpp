@@ -274,9 +274,7 @@ std::vector<Jump> random_path(const Case& c, Random& random, int corners) {
   return path;
 }
 
-int substeps_between(const Case& c, const Jump& from, const Jump& to) {
-  const char* finer = std::getenv("QUOIN_TEST_REFINE");  // to see whether a difference is one of the sub-step
-  const double refinement = finer == nullptr ? 1.0 : std::atof(finer);
+int substeps_between(const Case& c, const Jump& from, const Jump& to, int refinement) {
   const double per_length = 400.0 * refinement;
   const double most = 40000.0 * refinement;
   double normal = HUGE_VAL, shear = HUGE_VAL;

@@ -53,8 +53,9 @@ Case random_case(Random& random, double margin = 1.3);
 struct Jump {
   double dn, ds, dt;
 };
-// Sub-steps from one corner to the next: at least 1000, and enough to resolve every softening length.
-int substeps_between(const Case& c, const Jump& from, const Jump& to);
+// Sub-steps from one corner to the next: at least 1000, and enough to resolve every softening length; refinement times
+// as many.
+int substeps_between(const Case& c, const Jump& from, const Jump& to, int refinement);
 // Corners of a random path: opening and closing through zero, crushing, slip in turning directions, holds.
 std::vector<Jump> random_path(const Case& c, Random& random, int corners);
 

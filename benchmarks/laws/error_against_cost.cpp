@@ -1,0 +1,226 @@
+// Run time against error of the fracture-energy law: 256 points on cyclic paths of opening, sliding in two directions
+// and varying pressure, each cut into more and more increments, against the same paths in 2^20 increments; and the
+// monotonic paths against their closed forms. Writes CSV to the standard output:
+//   error_against_cost > error_against_cost.csv && gnuplot error_against_cost.gp
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <tuple>
+#include <vector>
+
+#include "quoin/quoin.h"
+
+namespace {
+
+// Table 1 of the paper, mortar joint, SI units.
+constexpr double kn = 82e9, ks = 36e9, ft = 0.2e6, c0 = 0.3e6, phi = 35.0, fc = 5e6, G1 = 15.0, G2 = 125.0, Gc = 8000.0;
+constexpr std::size_t kPoints = 256;
+constexpr int kChecks = 64;  // along every path, where errors are taken
+
+struct Jump {
+  double n, s, t;
+};
+struct Answer {
+  double sigma, tau_s, tau_t, dissipated;
+};
+using Path = Jump (*)(std::size_t point, double x);  // x from 0 to 1
+
+struct Law {
+  const quoin_law* law = nullptr;
+  quoin_material* material = nullptr;
+
+  Law() {
+    void* handle = dlopen(QUOIN_LAWS "/fracture_energy.so", RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) {
+      fmt::print(stderr, "{}\n", dlerror());
+      std::exit(4);
+    }
+    const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
+    const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "error_against_cost", "1"};
+    law = entry(&host, nullptr)->laws[0];
+    const std::array<std::pair<const char*, double>, 9> numbers = {{{"normal_stiffness", kn},
+                                                                    {"shear_stiffness", ks},
+                                                                    {"tensile_strength", ft},
+                                                                    {"cohesion", c0},
+                                                                    {"friction_angle", phi},
+                                                                    {"compressive_strength", fc},
+                                                                    {"fracture_energy_tension", G1},
+                                                                    {"fracture_energy_shear", G2},
+                                                                    {"fracture_energy_compression", Gc}}};
+    std::vector<quoin_property_value> values;
+    for (const auto& [id, number] : numbers) {
+      values.push_back({sizeof(quoin_property_value), id, 1, &number, nullptr});
+    }
+    std::vector<const quoin_property_value*> pointers;
+    for (const quoin_property_value& value : values) pointers.push_back(&value);
+    if (law->create_material(law, pointers.size(), pointers.data(), &material, nullptr) != QUOIN_OK) std::exit(4);
+  }
+};
+
+// Time of this thread alone: others may have the machine meanwhile.
+double thread_seconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// All points along their paths in the given number of increments: the answers at every check, and the seconds that
+// the law took for tractions and states alone (a second drive, without the energies).
+struct Drive {
+  std::vector<Answer> answers;  // check by check, point by point
+  double seconds = 0.0;
+
+  Drive(const Law& law, Path path, int increments) : answers(kChecks * kPoints) {
+    run(law, path, increments, true);
+    run(law, path, increments, false);
+  }
+
+ private:
+  void run(const Law& law, Path path, int increments, bool energies) {
+    constexpr std::size_t kStates = 5;
+    std::vector<std::vector<double>> columns(3 + 3 + kStates + 4, std::vector<double>(kPoints, 0.0));
+    auto *jump = columns.data(), *traction = jump + 3, *state = traction + 3, *dissipated = state + kStates;
+    quoin_in old_states[kStates];
+    quoin_out new_states[kStates];
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = kPoints;
+    batch.normal_jump = {jump[0].data(), 1};
+    for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {jump[1 + k].data(), 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {traction[k].data(), 1};
+      batch.traction_new[k] = {traction[k].data(), 1};
+    }
+    for (std::size_t k = 0; k < kStates; ++k) {
+      old_states[k] = {state[k].data(), 1};
+      new_states[k] = {state[k].data(), 1};
+    }
+    batch.state_old = old_states;
+    batch.state_new = new_states;
+    for (std::size_t k = 0; k < 4 && energies; ++k) batch.dissipated[k] = {dissipated[k].data(), 1};
+
+    std::vector<Jump> last(kPoints);
+    std::vector<double> total(kPoints, 0.0);
+    for (std::size_t i = 0; i < kPoints; ++i) last[i] = path(i, 0.0);
+    for (int step = 1; step <= increments; ++step) {
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        const Jump to = path(i, static_cast<double>(step) / increments);
+        jump[0][i] = to.n, jump[1][i] = to.s - last[i].s, jump[2][i] = to.t - last[i].t;
+        last[i] = to;
+      }
+      const double start = thread_seconds();
+      law.law->evaluate(law.material, &batch);
+      if (!energies) seconds += thread_seconds() - start;
+      if (!energies) continue;
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        for (std::size_t k = 0; k < 4; ++k) total[i] += dissipated[k][i];
+      }
+      if (static_cast<long>(step) * kChecks % increments != 0) continue;
+      Answer* const here =
+          &answers[(static_cast<std::size_t>(step) * kChecks / static_cast<std::size_t>(increments) - 1) * kPoints];
+      for (std::size_t i = 0; i < kPoints; ++i) here[i] = {traction[0][i], traction[1][i], traction[2][i], total[i]};
+    }
+  }
+};
+
+// A different path for every point: pressure, then opening to a third of the ultimate 150 um and back, growing from
+// cycle to cycle, with sliding to and fro in both directions, to half of the ultimate 830 um.
+Jump mixed(std::size_t point, double x) {
+  static const std::vector<std::array<double, 6>> numbers = [] {
+    std::mt19937_64 random(20261121);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::vector<std::array<double, 6>> all(kPoints);
+    for (auto& of_point : all) std::generate(of_point.begin(), of_point.end(), [&] { return unit(random); });
+    return all;
+  }();
+  const auto& r = numbers[point];
+  const double turn = 2.0 * std::numbers::pi * x;
+  const double opening = (1e-5 + 4e-5 * r[1]) * x * (1.0 - std::cos((2.0 + 2.0 * r[2]) * turn));
+  const double sliding = 4e-4 * r[3] * x;
+  return {-1.5e-5 * r[0] * std::min(1.0, 20.0 * x) + opening, sliding * std::sin((2.0 + 3.0 * r[4]) * turn),
+          0.5 * sliding * std::sin((1.0 + 3.0 * r[5]) * turn)};
+}
+
+// The monotonic paths, ten per cent beyond the end of softening in the last point, and their answers.
+double reach(std::size_t point) { return 1.1 * static_cast<double>(point + 1) / kPoints; }
+Jump opening(std::size_t point, double x) { return {2.0 * G1 / ft * reach(point) * x, 0.0, 0.0}; }
+Jump sliding(std::size_t point, double x) { return {-1e-5, 2.0 * G2 / c0 * reach(point) * x, 0.0}; }
+Jump closing(std::size_t point, double x) { return {-2.0 * Gc / fc * reach(point) * x, 0.0, 0.0}; }
+
+// Elastic up to strength plus residual; then on a line that falls by strength over the length ultimate of what is not
+// elastic, jump - stress/stiffness, down to the residual.
+double softened(double jump, double stiffness, double strength, double residual, double ultimate) {
+  if (stiffness * jump <= strength + residual) return stiffness * jump;
+  const double falling = (strength * (1.0 - jump / ultimate) + residual) / (1.0 - strength / (stiffness * ultimate));
+  return std::max(residual, falling);
+}
+Answer opening_answer(const Jump& d) {
+  const double lt = 2.0 * (G1 - 0.5 * ft * ft / kn) / ft, xi = (d.n - ft / kn) / lt;
+  return {xi <= 0.0 ? kn * d.n : ft * std::max(0.0, 1.0 - xi), 0.0, 0.0, 0.0};
+}
+Answer sliding_answer(const Jump& d) {
+  const double sigma = kn * d.n, friction = -sigma * std::tan(phi * (std::numbers::pi / 180.0));
+  return {sigma, softened(d.s, ks, c0, friction, 2.0 * G2 / c0), 0.0, 0.0};
+}
+Answer closing_answer(const Jump& d) { return {-softened(-d.n, kn, fc, 0.0, 2.0 * Gc / fc), 0.0, 0.0, 0.0}; }
+
+struct Errors {
+  double largest = 0.0, rms = 0.0, energy = 0.0;
+};
+
+void print(const char* path, int increments, const Errors& e, double seconds) {
+  const double nanoseconds = 1e9 * seconds / kPoints;
+  fmt::print("{},{},{:.3e},{:.3e},{:.3e},{:.2f},{:.4g}\n", path, increments, e.largest, e.rms, e.energy,
+             nanoseconds / increments, 1e-3 * nanoseconds);
+}
+
+}  // namespace
+
+int main() {
+  const Law law;
+  fmt::print(
+      "path,increments,largest_error_over_strength,rms_error_over_strength,error_of_dissipation,"
+      "ns_per_point_and_increment,us_per_point_and_path\n");
+  const Drive exact(law, mixed, 1 << 20);
+  double spent = 0.0;
+  for (std::size_t i = 0; i < kPoints; ++i) spent += exact.answers[(kChecks - 1) * kPoints + i].dissipated;
+  for (int increments = kChecks; increments <= 1 << 16; increments *= 2) {
+    const Drive drive(law, mixed, increments);
+    Errors e;
+    for (std::size_t k = 0; k < exact.answers.size(); ++k) {
+      const Answer &a = drive.answers[k], &b = exact.answers[k];
+      const double error =
+          std::max(std::abs(a.sigma - b.sigma) / ft, std::hypot(a.tau_s - b.tau_s, a.tau_t - b.tau_t) / c0);
+      e.largest = std::max(e.largest, error);
+      e.rms += error * error / static_cast<double>(exact.answers.size());
+      if (k >= (kChecks - 1) * kPoints) e.energy += std::abs(a.dissipated - b.dissipated) / spent;
+    }
+    e.rms = std::sqrt(e.rms);
+    print("mixed", increments, e, drive.seconds);
+  }
+  const std::tuple<const char*, Path, Answer (*)(const Jump&)> monotonic[] = {
+      {"opening", opening, opening_answer}, {"sliding", sliding, sliding_answer}, {"closing", closing, closing_answer}};
+  for (const auto& [name, path, answer] : monotonic) {
+    for (int increments = kChecks; increments <= 1 << 14; increments *= 16) {
+      const Drive drive(law, path, increments);
+      Errors e;
+      for (int check = 0; check < kChecks; ++check) {
+        for (std::size_t i = 0; i < kPoints; ++i) {
+          const Answer& a = drive.answers[static_cast<std::size_t>(check) * kPoints + i];
+          const Answer b = answer(path(i, static_cast<double>(check + 1) / kChecks));
+          const double error = std::max(std::abs(a.sigma - b.sigma) / ft, std::abs(a.tau_s - b.tau_s) / c0);
+          e.largest = std::max(e.largest, error);
+          e.rms += error * error / (kChecks * kPoints);
+        }
+      }
+      e.rms = std::sqrt(e.rms);
+      print(name, increments, e, drive.seconds);
+    }
+  }
+}

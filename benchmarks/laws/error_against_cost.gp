@@ -1,0 +1,17 @@
+# gnuplot benchmarks/laws/error_against_cost.gp, in the folder of error_against_cost.csv
+set datafile separator ","
+set terminal pngcairo size 900,600
+set output "error_against_cost.png"
+set title "Fracture-energy law: error of 256 cyclic mixed paths against run time"
+set xlabel "run time of the law, microseconds a point and path"
+set ylabel "error"
+set logscale xy
+set format y "10^{%T}"
+set grid
+set key top right
+mixed(column) = strcol(1) eq "mixed" ? column : NaN
+plot "error_against_cost.csv" using (mixed($7)):3 with linespoints pt 7 title "largest error of traction over strength", \
+     "" using (mixed($7)):4 with linespoints pt 7 title "root mean square", \
+     "" using (mixed($7)):5 with linespoints pt 7 title "dissipated energy", \
+     "" using (mixed($7)):(mixed($2) == 64 ? $3 : NaN) every ::1 notitle, \
+     "" using (strcol(1) ne "mixed" ? $7 : NaN):3 with points pt 4 title "monotonic paths, against closed forms (largest)"
