@@ -16,7 +16,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.abspath(os.path.join(here, "../.."))
 
 if not shutil.which("yade"):
-    print("skipped: Yade is not installed (apt-get install yade: 60 packages, 763 MB)")
+    print("skipped: Yade is not installed (apt-get install yade: 0.8 to 1.1 GB)")
     sys.exit(77)
 
 

@@ -28,7 +28,7 @@ def skip(reason):
 
 def skip_without(code):
     if code == "yade" and not shutil.which("yade"):
-        skip("Yade is not installed (apt-get install yade: 60 packages, 763 MB)")
+        skip("Yade is not installed (apt-get install yade: 0.8 to 1.1 GB)")
     if code == "lammps" and subprocess.run(LAMMPS_RUNS, capture_output=True).returncode:
         skip("LAMMPS does not run from Python (apt-get install python3-lammps liblammps-dev)")
 
