@@ -41,7 +41,7 @@ class CubeWall:
         count = columns * courses
         self.centre = np.array([(i % columns + 0.5, i // columns + 0.5, 0.5) for i in range(count)]) * self.size
         self.bottom, self.top = np.arange(columns), np.arange(count - columns, count)
-        self.mass = scene["materials"][wall["unit_material"]]["density"] * self.size.prod()
+        self.mass = float(scene["materials"][wall["unit_material"]]["density"] * self.size.prod())
         self.inertia = self.mass * (np.sum(self.size**2) - self.size**2) / 12
         self.make_points([(i, i + 1, 0) for i in range(count) if (i + 1) % columns] +
                          [(i, i + columns, 1) for i in range(count - columns)])
