@@ -8,10 +8,9 @@ set ylabel "error"
 set logscale xy
 set format y "10^{%T}"
 set grid
-set key top right
+set key at graph 0.98, 0.55
 mixed(column) = strcol(1) eq "mixed" ? column : NaN
 plot "error_against_cost.csv" using (mixed($7)):3 with linespoints pt 7 title "largest error of traction over strength", \
      "" using (mixed($7)):4 with linespoints pt 7 title "root mean square", \
      "" using (mixed($7)):5 with linespoints pt 7 title "dissipated energy", \
-     "" using (mixed($7)):(mixed($2) == 64 ? $3 : NaN) every ::1 notitle, \
      "" using (strcol(1) ne "mixed" ? $7 : NaN):3 with points pt 4 title "monotonic paths, against closed forms (largest)"
