@@ -16,7 +16,7 @@
 #include "hwy/aligned_allocator.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
-#include "machine/limits.h"
+#include "machine_limits.h"
 #include "quoin/quoin.h"
 
 namespace {

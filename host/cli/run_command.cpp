@@ -15,11 +15,13 @@
 #include "results/file.h"
 #include "results/history.h"
 #include "results/plots.h"
+#include "results/quasi_static.h"
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
 #include "scene/block_scene.h"
 #include "scene/generate.h"
+#include "scene/quality.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -203,8 +205,15 @@ void run(const RunOptions& options, int& exit_code) {
   write_summary(folder / "summary.json", simulation, rows, info);
 
   const Peak peak = find_peak(rows, simulation.scene());
-  fmt::print("peak {:.2f} kN at {:.3f} mm; {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
-             peak.displacement * 1e3, simulation.step(), info.wall_clock_s, folder.string());
+  const Scene& done = simulation.scene();
+  const std::string error = done.quality_as_is
+                                ? fmt::format("expected error at quality {}: {:.1f} %", done.quality,
+                                              100 * quality_named(done.quality).peak_error)
+                                : fmt::format("settings of quality {} changed: error not known", done.quality);
+  fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
+             peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
+  const std::string warning = check_quasi_static(rows, done).warning();
+  if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
   if (failure) {
     recorder.progress().message(failure->exit_code == Exit::interrupted
                                     ? "quoin: interrupted; what was computed is kept in " + folder.string()

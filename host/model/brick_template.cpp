@@ -1,7 +1,6 @@
 #include "model/brick_template.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <map>
 
@@ -120,7 +119,9 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   }
 
   const double e = material.young_modulus, nu = material.poisson_ratio;
-  const auto rows = assemble(brick, e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));
+  brick.lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+  brick.shear_modulus = e / (2.0 * (1.0 + nu));
+  const auto rows = assemble(brick, brick.lambda, brick.shear_modulus);
   double largest = 0.0;
   for (const auto& row : rows) {
     for (const auto& [j, block] : row) {
@@ -128,43 +129,31 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
     }
   }
   for (const auto& row : rows) {
-    for (unsigned mask = 1; mask < 8; ++mask) {
-      for (const auto& [j, block] : row) {
-        for (unsigned d = 0; d < 3; ++d) {
-          unsigned present = 0;
-          for (unsigned c = 0; c < 3; ++c) present |= std::abs(block[3 * c + d]) > 1e-14 * largest ? 1u << c : 0u;
-          if (mask == 1) brick.dropped_entries += 3 - std::popcount(present);
-          if (present != mask) continue;
-          brick.column.push_back(j * kLine + static_cast<int>(d) * kLanes);
-          for (unsigned c = 0; c < 3; ++c) {
-            if (mask >> c & 1u) brick.coefficient.push_back(block[3 * c + d]);
-          }
-        }
+    for (const auto& [j, block] : row) {
+      for (unsigned d = 0; d < 3; ++d) {
+        const auto present = [&](unsigned c) { return std::abs(block[3 * c + d]) > 1e-14 * largest; };
+        if (!present(0) && !present(1) && !present(2)) continue;
+        brick.column.push_back(j * kLine + static_cast<int>(d) * kLanes);
+        for (unsigned c = 0; c < 3; ++c) brick.coefficient.push_back(present(c) ? block[3 * c + d] : 0.0);
       }
-      brick.run_end.push_back(static_cast<std::int32_t>(brick.column.size()));
     }
+    if (brick.column.size() % 2 != 0) {  // the kernel takes two at a time
+      brick.column.push_back(0);
+      brick.coefficient.insert(brick.coefficient.end(), 3, 0.0);
+    }
+    brick.column_end.push_back(static_cast<std::int32_t>(brick.column.size()));
   }
-  brick.kept_entries = static_cast<long>(brick.coefficient.size());
   return brick;
 }
 
 std::vector<std::pair<int, double>> stiffness_row(const BrickTemplate& brick, int row) {
-  const int node = row / 3;
-  const unsigned component = static_cast<unsigned>(row % 3);
+  const auto node = static_cast<std::size_t>(row / 3);
   std::vector<std::pair<int, double>> result;
-  std::size_t coefficient = 0;
-  std::int32_t column = 0;
-  for (int n = 0; n <= node; ++n) {
-    for (unsigned mask = 1; mask < 8; ++mask) {
-      for (; column < brick.run_end[static_cast<std::size_t>(7 * n) + mask - 1]; ++column) {
-        for (unsigned c = 0; c < 3; ++c) {
-          if (!(mask >> c & 1u)) continue;
-          const double k = brick.coefficient[coefficient++];
-          const int offset = brick.column[static_cast<std::size_t>(column)];
-          if (n == node && c == component) result.emplace_back(offset / kLine * 3 + offset % kLine / kLanes, k);
-        }
-      }
-    }
+  for (auto i = static_cast<std::size_t>(node == 0 ? 0 : brick.column_end[node - 1]);
+       i < static_cast<std::size_t>(brick.column_end[node]); ++i) {
+    const double k = brick.coefficient[3 * i + static_cast<std::size_t>(row % 3)];
+    const int offset = brick.column[i];
+    if (k != 0.0) result.emplace_back(offset / kLine * 3 + offset % kLine / kLanes, k);
   }
   std::sort(result.begin(), result.end());
   return result;

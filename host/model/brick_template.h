@@ -23,8 +23,6 @@ struct FaceTriangle {
   std::array<int, 3> node;
 };
 
-// A column of the stiffness rows of one gridpoint: displacement component at `column` (offset from the first line of
-// the block group) feels the rows x, y, z that the mask of its run names.
 struct BrickTemplate {
   Vec3 size{};
   std::array<int, 3> zones{};
@@ -35,16 +33,15 @@ struct BrickTemplate {
   std::vector<Vec3> node;  // reference position from the lowest corner; x fastest, then y, then z
   std::vector<Zone> zone;
   std::vector<FaceTriangle> face_triangle;
-  std::vector<double> node_mass;  // kg, a quarter of each zone, without any scaling
+  double lambda = 0.0, shear_modulus = 0.0;  // Lame constants, Pa
+  std::vector<double> node_mass;             // kg, a quarter of each zone, without any scaling
 
-  // Assembled stiffness K, rows of one gridpoint together. The entries of gridpoint i are grouped in 7 runs by the
-  // mask of rows (bit 0 x, bit 1 y, bit 2 z) in which the column is not zero: run m-1 of gridpoint i covers the columns
-  // [run_end[7 i + m - 2], run_end[7 i + m - 1]), and has popcount(m) coefficients a column, rows in order.
-  std::vector<std::int32_t> column;   // doubles from the first line of the group: 24 j + 8 d
-  std::vector<std::int32_t> run_end;  // 7 per gridpoint
-  std::vector<double> coefficient;    // Pa m, in the order of the columns
-  long dropped_entries = 0;           // entries of touching 3x3 blocks below 1e-14 of the largest: zero or cancelled
-  long kept_entries = 0;
+  // Assembled stiffness K, the three rows of a gridpoint together: gridpoint i has the columns
+  // [column_end[i - 1], column_end[i]), an even number, each with its coefficients in the rows x, y, z. Coefficients
+  // that cancel are kept as zeros: loops of irregular length cost more in mispredicted branches than the multiply-adds.
+  std::vector<std::int32_t> column;      // doubles from the first line of the group: 24 j + 8 d
+  std::vector<std::int32_t> column_end;  // by gridpoint
+  std::vector<double> coefficient;       // Pa m, three a column
 
   int node_index(int i, int j, int k) const { return i + (zones[0] + 1) * (j + (zones[1] + 1) * k); }
 };

@@ -45,17 +45,13 @@ class UndamagedSystem {
       const double* u_group = u.data() + group.first_line * kLine;
       double* f_group = f->data() + group.first_line * kLine;
       std::int32_t column = 0;
-      const double* k = shape.coefficient.data();
       for (int n = 0; n < shape.node_count; ++n) {
-        for (unsigned mask = 1; mask < 8; ++mask) {
-          for (; column < shape.run_end[at(7 * n) + mask - 1]; ++column) {
-            const double* from = u_group + shape.column[at(column)];
-            for (unsigned c = 0; c < 3; ++c) {
-              if (!(mask >> c & 1u)) continue;
-              double* to = f_group + n * kLine + static_cast<int>(c) * kLanes;
-              for (int lane = 0; lane < kLanes; ++lane) to[lane] += *k * from[lane];
-              ++k;
-            }
+        for (; column < shape.column_end[at(n)]; ++column) {
+          const double* from = u_group + shape.column[at(column)];
+          for (int c = 0; c < 3; ++c) {
+            const double k = shape.coefficient[at(3 * column + c)];
+            double* to = f_group + n * kLine + c * kLanes;
+            for (int lane = 0; lane < kLanes; ++lane) to[lane] += k * from[lane];
           }
         }
       }
@@ -417,8 +413,8 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (settings.damping == DampingKind::viscous)
     xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
   if (settings.damping == DampingKind::block) xi = settings.deformation_damping;
-  report.stiffness_damping =
-      settings.damping == DampingKind::block ? 2.0 * settings.deformation_damping / omega : settings.stiffness_damping;
+  if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
+  if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
   const double reduction = std::sqrt(1.0 + xi * xi) - xi;
   report.time_step =
       settings.selective_time_step > 0.0

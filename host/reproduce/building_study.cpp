@@ -48,11 +48,12 @@ const std::vector<Ablation>& ablations() {
 std::vector<RunSpec> building_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const Model& m : kModels)
-    runs.push_back({m.name, m.scene, {fmt::format("stage.push.velocity={}", q.velocity)}, "", m.cost});
+    runs.push_back({m.name, m.scene, {q.setting(), fmt::format("stage.push.velocity={}", q.velocity)}, "", m.cost});
   for (const Ablation& a : ablations()) {
     RunSpec spec{a.name, kModels[0].scene, a.overrides, "", 3.0};
     spec.overrides.push_back(fmt::format("stage.push.velocity={}", a.pace * q.velocity));
     spec.overrides.push_back("stage.push.displacement=0.008");
+    spec.overrides.push_back(q.setting());
     runs.push_back(spec);
   }
   return runs;

@@ -138,11 +138,8 @@ constexpr std::array<Size, 4> kSizes{{{"60 blocks", "wall_2m_60", "16 min", 0.7}
 }  // namespace
 
 std::vector<RunSpec> block_size_runs(const Quality& q) {
-  // Twice the height, twice the velocity: the same rate of shear.
-  Quality twice = q;
-  twice.velocity *= 2;
   std::vector<RunSpec> runs;
-  for (const Size& s : kSizes) runs.push_back(shear_run(twice, s.name, s.scene, {}, s.cost));
+  for (const Size& s : kSizes) runs.push_back(shear_run(q, s.name, s.scene, {}, s.cost));
   return runs;
 }
 

@@ -92,7 +92,7 @@ double fullness(const Curve& c, int stage) {
 std::vector<RunSpec> cyclic_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const Cyclic& c : kCyclic) {
-    RunSpec spec{c.name, c.scene, {}, "", c.cost};
+    RunSpec spec{c.name, c.scene, {q.setting()}, "", c.cost};
     // The scenes go at 40 mm/s; half cycles alternate.
     const double velocity = q.name == "reference" ? 0.01 : q.name == "fast" ? 0.08 : 0.04;
     for (int i = 0; velocity != 0.04 && i < c.half_cycles; ++i)

@@ -11,13 +11,13 @@
 
 namespace quoin::reproduce {
 
-// How much time the studies may take. The velocity is that of the top of a 1 m wall.
+// How much time the studies may take: a quality of scenes (scene/quality.h), and what that means here.
 struct Quality {
   std::string name;
-  double velocity;         // m/s
-  std::string error;       // expected, of peaks, against a slow rate
+  double velocity;         // of the top of a wall, m/s
+  std::string error;       // expected, against converged runs
   bool slow_runs = false;  // the run at 0.1 mm/s too
-  double pace() const { return velocity / 0.02; }
+  std::string setting() const { return "solver.quality=" + name; }
 };
 const std::vector<Quality>& qualities();
 
@@ -130,7 +130,7 @@ StudyReport report_blind(const Findings&);
 std::vector<RunSpec> cyclic_runs(const Quality&);
 StudyReport report_cyclic(const Findings&);
 
-// A run of one of the single walls, with its top beam at the pace of the quality.
+// A run of one of the single walls at the quality.
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,
                   std::vector<std::string> overrides = {}, double cost = 1.0);
 

@@ -4,16 +4,17 @@
 
 #include "reproduce/study.h"
 #include "scene/error.h"
+#include "scene/quality.h"
 
 namespace quoin::reproduce {
 
 const std::vector<Quality>& qualities() {
-  // Errors as measured on the wall at 0.30 MPa against 2.5 mm/s.
-  static const std::vector<Quality> all{
-      {"fast", 0.08, "about +5 %, and more where little has cracked yet"},
-      {"standard", 0.02, "below +0.5 %"},
-      {"reference", 0.005, "below +0.2 %", true},
-  };
+  static const std::vector<Quality> all = [] {
+    std::vector<Quality> list;
+    for (const quoin::Quality& q : quoin::qualities())
+      list.push_back({q.name, q.velocity, fmt::format("{:g} % on peaks", 100 * q.peak_error), q.name == "reference"});
+    return list;
+  }();
   return all;
 }
 
@@ -111,7 +112,7 @@ std::vector<RunSpec> no_runs(const Quality&) { return {}; }
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,
                   std::vector<std::string> overrides, double cost) {
   RunSpec spec{name, scene, std::move(overrides), "", cost};
-  spec.overrides.push_back(fmt::format("stage.shear.velocity={}", quality.velocity));
+  spec.overrides.push_back(quality.setting());
   return spec;
 }
 

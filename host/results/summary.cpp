@@ -6,7 +6,9 @@
 
 #include "results/file.h"
 #include "results/plots.h"
+#include "results/quasi_static.h"
 #include "scene/generate.h"
+#include "scene/quality.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"
@@ -115,6 +117,15 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                             Condition::crushing, Condition::crushed_out})
     states[condition_name(c)] = counts[static_cast<size_t>(c)];
   json["laws"] = laws_of(simulation);
+  const Quality& quality = quality_named(scene.quality);
+  Json errors = nullptr;  // of changed settings nothing is known
+  if (scene.quality_as_is)
+    errors = {{"peak", quality.peak_error}, {"curve", quality.curve_error}, {"work", quality.work_error}};
+  json["quality"] = {{"name", quality.name}, {"as_is", scene.quality_as_is}, {"expected_error", errors}};
+  const QuasiStatic check = check_quasi_static(rows, scene);
+  json["quasi_static"] = {{"dynamic_force_over_peak", check.dynamic_force_ratio},
+                          {"kinetic_energy_over_work", check.kinetic_energy_ratio},
+                          {"holds", check.quasi_static()}};
   json["settings"] = settings_of(scene, info);
   write_file(path, json.dump(2) + "\n");
 }

@@ -216,7 +216,7 @@ BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* 
   t.number("equilibrium_ratio", s.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
   t.integer("max_steps", s.max_steps, 1, 1000000000000L);
   if (const auto* table = t.table("solver", "a table: damping of this stage"))
-    s.solver = read_solver({t.context(), *table, t.path("solver")});
+    s.solver = read_solver({t.context(), *table, t.path("solver")}, nullptr);
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]")) {
     Table v(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index));
@@ -310,7 +310,7 @@ BlockScene read_block_scene(const std::string& path, const std::vector<std::stri
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   if (const auto* table = t.table("solver", "a table [solver]"))
-    scene.solver = read_solver({context, *table, "solver"});
+    scene.solver = read_solver({context, *table, "solver"}, nullptr);
   const auto each = [&](const char* kind, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), true);
     if (!all) return;

@@ -13,6 +13,7 @@
 
 #include "scene/error.h"
 #include "scene/generate.h"
+#include "scene/quality.h"
 #include "scene/read_building.h"
 #include "scene/reader.h"
 
@@ -39,32 +40,59 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 namespace reader {
 
-SolverSettings read_solver(Table t) {
+namespace {
+
+DampingKind read_damping(Table& t, DampingKind damping, bool walls) {
+  std::map<std::string, DampingKind> kinds = {
+      {"none", DampingKind::none}, {"local", DampingKind::local}, {"viscous", DampingKind::viscous}};
+  if (walls) kinds["block"] = DampingKind::block;
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds) names.push_back(name);
+  std::string chosen;
+  t.choice("damping", chosen, names);
+  return kinds.contains(chosen) ? kinds.at(chosen) : damping;
+}
+
+}  // namespace
+
+SolverSettings read_solver(Table t, const Quality* quality) {
   SolverSettings s;
+  const DampingKind usual = quality ? quality->solver.damping : s.damping;
+  const DampingKind damping = read_damping(t, usual, quality != nullptr);
+  // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
+  if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
+  s.damping = damping;
+
+  const auto only_with = [&](const char* key, std::initializer_list<DampingKind> allowed, const char* text) {
+    if (std::find(allowed.begin(), allowed.end(), damping) == allowed.end())
+      t.refuse(key, fmt::format("only with damping = {}; remove it, or change damping", text));
+  };
+  if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)"))
+    only_with("local_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
+  if (t.number("mass_damping", s.mass_damping, kNotNegative, "1/s"))
+    only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
+  if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
+    only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1), "of 2/omega_max (0.6 is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
-  t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia against deformation");
-  if (s.deformation_inertia > 1.0 && s.selective_time_step > 0.0)
-    t.refuse("deformation_inertia", "1 with selective_time_step, which has its own way to raise the step; use one");
-  std::string damping = "local";
-  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
-                                                    {"local", DampingKind::local},
-                                                    {"viscous", DampingKind::viscous},
-                                                    {"block", DampingKind::block}};
-  t.choice("damping", damping, {"none", "local", "viscous", "block"});
-  if (kinds.contains(damping)) s.damping = kinds.at(damping);
-  if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)") &&
-      s.damping != DampingKind::local && s.damping != DampingKind::block)
-    t.refuse("local_damping", "only with damping = \"local\" or \"block\"; remove it, or change damping");
-  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)") &&
-      s.damping != DampingKind::block)
-    t.refuse("deformation_damping", "only with damping = \"block\"; remove it, or change damping");
-  for (auto [key, value] :
-       {std::pair{"mass_damping", &s.mass_damping}, std::pair{"stiffness_damping", &s.stiffness_damping}}) {
-    const char* unit = value == &s.mass_damping ? "1/s" : "s";
-    if (t.number(key, *value, kNotNegative, unit) && s.damping != DampingKind::viscous)
-      t.refuse(key, "only with damping = \"viscous\"; remove it, or change damping");
+  if (quality) {
+    if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
+      only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
+             "times the true inertia against deformation");
+    if (s.deformation_inertia > 1.0 && s.selective_time_step > 0.0)
+      t.refuse("deformation_inertia", "1 with selective_time_step, which has its own way to raise the step; use one");
+    if (s.deformation_inertia > 1.0 && damping == DampingKind::local)
+      t.refuse("deformation_inertia",
+               "1 with damping = \"local\": slow vibrations of blocks would brake their motion (a wall came out 15 % "
+               "too strong); use damping = \"block\"");
+    const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
+                                                        {"assembled", InternalForces::assembled},
+                                                        {"zones", InternalForces::zones}};
+    std::string way = "automatic";
+    t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
+    if (ways.contains(way)) s.internal_forces = ways.at(way);
   }
   t.finish();
   return s;
@@ -311,7 +339,8 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
   stage.controls.push_back(top);
 }
 
-Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pressure) {
+Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure) {
+  const Quality& quality = quality_named(scene.quality);
   Stage stage;
   stage.source = {t.where()};
   const std::vector<std::string> bodies = body_names(scene);
@@ -338,13 +367,14 @@ Stage read_stage(Table t, const Scene& scene, const Stage* previous, double& pre
   if (kind == "pressure") {
     t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)", true);
     if (!t.has("ramp_time")) stage.ramp_time = 0.005;
-    if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = 1e-4;
+    if (!t.has("equilibrium_ratio") && !stage.duration) stage.equilibrium_ratio = quality.equilibrium_ratio;
     if (!t.has("max_steps")) stage.max_steps = 1000000;
     add_beam_controls(stage, bodies, pressure * area, true, 0.0);
   } else if (kind == "shear") {
-    double velocity = 0.0;
+    double velocity = quality.velocity;
     std::string vertical = "held";
-    const bool velocity_known = t.number("velocity", velocity, kAny, "m/s", true);
+    const bool velocity_known = !t.has("velocity") || t.number("velocity", velocity, kAny, "m/s");
+    scene.quality_as_is = scene.quality_as_is && velocity == quality.velocity;
     t.number("displacement", stage.displacement, kPositive, "m");
     t.choice("vertical", vertical, {"held", "pressure"});
     if (!t.has("ramp_time")) stage.ramp_time = 0.05;
@@ -418,8 +448,19 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   scene.file = path;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
-  if (const auto* table = t.table("solver", "a table [solver]"))
-    scene.solver = read_solver({context, *table, "solver"});
+  const Quality* quality = &quality_named("standard");
+  scene.solver = quality->solver;
+  if (const auto* table = t.table("solver", "a table [solver]")) {
+    Table solver(context, *table, "solver");
+    std::vector<std::string> names;
+    for (const Quality& q : qualities()) names.push_back(q.name);
+    std::string name = quality->name;
+    solver.choice("quality", name, names);
+    quality = &quality_named(name);
+    scene.quality_as_is = table->size() == (solver.has("quality") ? 1u : 0u);
+    scene.solver = read_solver(std::move(solver), quality);
+  }
+  scene.quality = quality->name;
 
   auto each = [&](const char* kind, bool required, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);

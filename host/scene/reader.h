@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "scene/error.h"
+#include "scene/quality.h"
 #include "scene/read_scene.h"
 #include "scene/scene.h"
 #include "scene/toml.h"
@@ -245,7 +246,8 @@ class Table {
 };
 
 // Tables that every kind of scene has.
-SolverSettings read_solver(Table t);
+// quality: of a wall, whose settings are the defaults; null: a scene of the general path, which has none.
+SolverSettings read_solver(Table t, const Quality* quality);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
 

@@ -45,11 +45,16 @@ struct BlockMaterial {
 // deformation, so that the vibration of a block brakes no motion of the block.
 enum class DampingKind { none, local, viscous, block };
 
+// Internal forces of deformable blocks. assembled: the template's assembled stiffness on 8 blocks at a time. zones:
+// zone by zone and block by block, as for blocks without companions. automatic: zones where a group has few blocks.
+enum class InternalForces { automatic, assembled, zones };
+
 struct SolverSettings {
   double time_step_fraction = 0.6;   // of 2/omega_max of the undamaged assembled system
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
+  InternalForces internal_forces = InternalForces::automatic;
   DampingKind damping = DampingKind::local;
   double local_damping = 0.8;        // local, block: gamma of eq. 1
   double deformation_damping = 0.2;  // block: damping ratio at omega_max, less at lower frequencies in proportion
@@ -174,6 +179,8 @@ struct OutputSettings {
 
 struct Scene {
   std::string title, file;
+  std::string quality;        // whose settings are the defaults; empty: none
+  bool quality_as_is = true;  // nothing of it was changed: its errors apply
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;

@@ -1,5 +1,7 @@
 #include "step/kernels.h"
 
+#include <cstring>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -15,6 +17,10 @@ using D = hn::CappedTag<double, kLanes>;
 using V = hn::Vec<D>;
 constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));
 constexpr int kParts = kLanes / kWidth;
+
+// Up to so many blocks of a group are cheaper one by one (benchmarks/README.md). It must not depend on the instruction
+// set: the two ways differ in the last bits.
+constexpr int kFewBlocks = 1;
 
 // base[index[i]] for the next lanes of a tag. On AVX2 machines the gather instruction is slower than the loads that it
 // stands for (a third of the time of a chunk's jumps on Zen 3), with AVX-512 it is faster.
@@ -75,48 +81,94 @@ void ContactForces(const Model& model, const ContactChunk& chunk, const StepData
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------
 
-// Adds the columns of one run: each displacement is loaded once and serves the rows that the mask names.
-template <unsigned kMask>
-HWY_INLINE void add_run(const std::int32_t*& column, const std::int32_t* end, const double*& coefficient,
-                        const double* w, V (&f)[3][kParts]) {
-  const D d;
-  for (; column < end; ++column) {
-    V x[kParts];
-    for (int p = 0; p < kParts; ++p) x[p] = hn::Load(d, w + *column + p * kWidth);
-    for (unsigned c = 0; c < 3; ++c) {
-      if (!(kMask >> c & 1u)) continue;
-      const V k = hn::Set(d, *coefficient++);
-      for (int p = 0; p < kParts; ++p) f[c][p] = hn::MulAdd(k, x[p], f[c][p]);
+// Walks the rows of a template: next() gives K w of the next gridpoint. Even and odd columns are summed apart, so that
+// there are enough independent multiply-adds to hide the latency of one.
+struct StiffnessRows {
+  explicit StiffnessRows(const BrickTemplate& shape)
+      : column(shape.column.data()),
+        columns(column),
+        column_end(shape.column_end.data()),
+        coefficient(shape.coefficient.data()) {}
+
+  HWY_INLINE void next(const double* w, V (&f)[3][kParts]) {
+    const D d;
+    V odd[3][kParts];
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) f[c][p] = odd[c][p] = hn::Zero(d);
+    }
+    const auto add = [&](const double* x, const double* k, V(&sum)[3][kParts]) HWY_ATTR {
+      V part[kParts];
+      for (int p = 0; p < kParts; ++p) part[p] = hn::Load(d, x + p * kWidth);
+      for (int c = 0; c < 3; ++c) {
+        const V factor = hn::Set(d, k[c]);
+        for (int p = 0; p < kParts; ++p) sum[c][p] = hn::MulAdd(factor, part[p], sum[c][p]);
+      }
+    };
+    for (const std::int32_t* end = columns + *column_end++; column < end; column += 2, coefficient += 6) {
+      add(w + column[0], coefficient, f);
+      add(w + column[1], coefficient + 3, odd);
+    }
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Add(f[c][p], odd[c][p]);
+    }
+  }
+
+  const std::int32_t* column;
+  const std::int32_t* columns;
+  const std::int32_t* column_end;
+  const double* coefficient;
+};
+
+// K w zone by zone for the blocks of a group, one after the other: f = V sigma grad N at each corner.
+HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const double* w, double* f) {
+  std::memset(f, 0, sizeof(double) * static_cast<std::size_t>(shape.node_count) * kLine);
+  for (int lane = 0; lane < block_count; ++lane) {
+    for (const Zone& zone : shape.zone) {
+      double gradient[3][3] = {};  // d w_c / d x_k
+      for (std::size_t a = 0; a < 4; ++a) {
+        const double* at = w + zone.node[a] * kLine + lane;
+        const Vec3& shape_gradient = zone.shape_gradient[a];
+        for (std::size_t c = 0; c < 3; ++c) {
+          for (std::size_t k = 0; k < 3; ++k) gradient[c][k] += at[c * kLanes] * shape_gradient[k];
+        }
+      }
+      const double pressure = shape.lambda * (gradient[0][0] + gradient[1][1] + gradient[2][2]);
+      double stress[3][3];  // times volume
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t k = 0; k < 3; ++k)
+          stress[c][k] = zone.volume * shape.shear_modulus * (gradient[c][k] + gradient[k][c]);
+        stress[c][c] += zone.volume * pressure;
+      }
+      for (std::size_t a = 0; a < 4; ++a) {
+        double* at = f + zone.node[a] * kLine + lane;
+        const Vec3& shape_gradient = zone.shape_gradient[a];
+        for (std::size_t c = 0; c < 3; ++c) {
+          at[c * kLanes] +=
+              stress[c][0] * shape_gradient[0] + stress[c][1] * shape_gradient[1] + stress[c][2] * shape_gradient[2];
+        }
+      }
     }
   }
 }
 
-// Walks the rows of a template: next() gives K w of the next gridpoint.
-struct StiffnessRows {
-  explicit StiffnessRows(const BrickTemplate& shape)
-      : columns(shape.column.data()),
-        column(columns),
-        run_end(shape.run_end.data()),
-        coefficient(shape.coefficient.data()) {}
+// K w of a group, gridpoint by gridpoint: from the template, or from what zone_forces left in lane layout.
+class InternalForceRows {
+ public:
+  InternalForceRows(const BrickTemplate& shape, const double* w, const double* by_zone)
+      : rows_(shape), w_(w), by_zone_(by_zone) {}
 
-  HWY_INLINE void next(const double* w, V (&f)[3][kParts]) {
-    for (auto& row : f) {
-      for (V& part : row) part = hn::Zero(D());
+  HWY_INLINE void next(V (&f)[3][kParts]) {
+    if (!by_zone_) return rows_.next(w_, f);
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Load(D(), by_zone_ + c * kLanes + p * kWidth);
     }
-    add_run<1>(column, columns + run_end[0], coefficient, w, f);
-    add_run<2>(column, columns + run_end[1], coefficient, w, f);
-    add_run<3>(column, columns + run_end[2], coefficient, w, f);
-    add_run<4>(column, columns + run_end[3], coefficient, w, f);
-    add_run<5>(column, columns + run_end[4], coefficient, w, f);
-    add_run<6>(column, columns + run_end[5], coefficient, w, f);
-    add_run<7>(column, columns + run_end[6], coefficient, w, f);
-    run_end += 7;
+    by_zone_ += kLine;
   }
 
-  const std::int32_t* columns;
-  const std::int32_t* column;
-  const std::int32_t* run_end;
-  const double* coefficient;
+ private:
+  StiffnessRows rows_;
+  const double* w_;
+  const double* by_zone_;
 };
 
 // Sums lanes 0 .. 7 in this order.
@@ -135,13 +187,18 @@ struct GroupScratch {
         weighted(memory + doubles),
         elastic(memory + 2 * doubles),
         damping(memory + 3 * doubles),
-        velocity(memory + 4 * doubles) {}
+        velocity(memory + 4 * doubles),
+        by_zone(memory + 5 * doubles),
+        elastic_by_zone(memory + 6 * doubles) {}
   double* net;       // forces less damping
   double* weighted;  // u + beta v, with stiffness-proportional damping
   // In measured steps:
   double* elastic;   // K u
   double* damping;   // damping forces
   double* velocity;  // of half a step ago
+  // With forces by zones:
+  double* by_zone;
+  double* elastic_by_zone;
 };
 
 // Everything about a group that its passes need.
@@ -174,6 +231,12 @@ struct GroupData {
   GroupScratch scratch;
 };
 
+// The assembled template does all 8 lanes whatever they hold.
+bool forces_by_zone(const GroupData& g) {
+  if (g.step.internal_forces != InternalForces::automatic) return g.step.internal_forces == InternalForces::zones;
+  return g.group.block_count <= kFewBlocks;
+}
+
 // Nodal forces and damping forces: - K u, contact points in the order of the slots, weight; Fd of equation 1.
 template <DampingKind kDamping, bool kMeasure>
 HWY_INLINE void group_forces(const GroupData& g) {
@@ -193,14 +256,24 @@ HWY_INLINE void group_forces(const GroupData& g) {
     w = g.scratch.weighted;
   }
 
-  StiffnessRows rows(g.shape), elastic_rows(g.shape);
+  const bool by_zone = forces_by_zone(g);
+  const double* elastic_by_zone = g.scratch.by_zone;
+  if (by_zone) {
+    zone_forces(g.shape, g.group.block_count, w, g.scratch.by_zone);
+    if (kMeasure && w != g.u) {
+      zone_forces(g.shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
+      elastic_by_zone = g.scratch.elastic_by_zone;
+    }
+  }
+  InternalForceRows rows(g.shape, w, by_zone ? g.scratch.by_zone : nullptr);
+  InternalForceRows elastic_rows(g.shape, g.u, by_zone ? elastic_by_zone : nullptr);
   int slot = 0;
   for (int n = 0; n < g.shape.node_count; ++n) {
     V f[3][kParts];
-    rows.next(w, f);
+    rows.next(f);
     if (kMeasure) {
       V elastic[3][kParts];
-      elastic_rows.next(g.u, elastic);
+      elastic_rows.next(elastic);
       for (int c = 0; c < 3; ++c) {
         for (int p = 0; p < kParts; ++p) {
           const int i = n * kLine + c * kLanes + p * kWidth;

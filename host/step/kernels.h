@@ -13,6 +13,7 @@ namespace quoin {
 // What one step needs besides the model. Pointers are to whole arrays of the simulation.
 struct StepData {
   double time_step = 0.0;  // s
+  InternalForces internal_forces = InternalForces::automatic;
   DampingKind damping = DampingKind::none;
   double local_damping = 0.0;      // gamma
   double mass_damping = 0.0;       // alpha, 1/s
@@ -51,7 +52,7 @@ void contact_forces(const Model& model, const ContactChunk& chunk, const StepDat
 
 // Internal forces, sums of contact forces, weight, damping, central differences. scratch: kScratchColumns times the
 // doubles of the group. measured may be null.
-inline constexpr int kScratchColumns = 5;
+inline constexpr int kScratchColumns = 7;
 void advance_group(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
                    Measured* measured);
 

@@ -251,6 +251,13 @@ HistoryRow Simulation::Impl::measure() const {
     row.displacement = row.monitor_displacement[0] - monitor_start[0];
     row.resistance = row.joint_force[0];
   }
+  const double whole = model.assembly.symmetry_factor;
+  row.dynamic_force = whole * model.total_mass() * data.gravity[direction];
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double weight = model.bodies[b].mass * data.gravity[direction];
+    row.dynamic_force += whole * (bodies[b].prescribed[direction] ? -bodies[b].joint_force[direction] - weight
+                                                                  : bodies[b].applied_force[direction]);
+  }
   row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
 }
@@ -524,9 +531,10 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   }
 
   data.time_step = time_step.time_step;
+  data.internal_forces = scene.solver.internal_forces;
   data.damping = scene.solver.damping;
   data.local_damping = scene.solver.local_damping;
-  data.mass_damping = scene.solver.mass_damping;
+  data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
   data.stiffness_damping = time_step.stiffness_damping;
   bind_columns();
   partition_work();

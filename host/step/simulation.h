@@ -44,6 +44,7 @@ struct HistoryRow {
   double vertical_force = 0.0;       // force between monitor and wall along y, compression positive, N
   Vec3 monitor_displacement{};       // since the start of the simulation, m
   Vec3 joint_force{};                // of the joints on the bodies of the monitor, N
+  double dynamic_force = 0.0;        // along Stage::direction: what supports and loads give in all, N; 0 at rest
   double unbalanced_ratio = 0.0;     // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;       // J, of the model as computed
   std::optional<Energies> energies;  // when Scene::output.energy

@@ -90,7 +90,10 @@ TEST_F(ReadScene, FillsTheStructs) {
   const Scene s = read(kScene);
   EXPECT_EQ(s.title, "small");
   EXPECT_EQ(s.materials.at("brick").density, 1900);
-  EXPECT_EQ(s.solver.time_step_fraction, 0.6);
+  EXPECT_EQ(s.quality, "standard");
+  EXPECT_EQ(s.solver.time_step_fraction, 0.8);
+  EXPECT_EQ(s.solver.deformation_inertia, 16.0);
+  EXPECT_FALSE(s.quality_as_is);  // the shear stage has a velocity of its own
   EXPECT_EQ(s.wall->zones, (std::array<int, 3>{4, 2, 2}));
   const JointFamily& mortar = s.joints.at("mortar");
   ASSERT_EQ(mortar.properties.size(), 2u);
@@ -130,6 +133,19 @@ TEST_F(ReadScene, OverridesByNumberAndByName) {
   EXPECT_EQ(s.wall->bond, "stack");
   EXPECT_EQ(s.solver.damping, DampingKind::none);
   EXPECT_EQ(s.output.frames, 0);
+}
+
+TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
+  const Scene reference = read(kScene, {"solver.quality=reference"});
+  EXPECT_EQ(reference.solver.damping, DampingKind::local);
+  EXPECT_EQ(reference.solver.deformation_inertia, 1.0);
+  EXPECT_EQ(reference.solver.time_step_fraction, 0.4);
+  const Scene local = read(kScene, {"solver.damping=local"});
+  EXPECT_EQ(local.solver.deformation_inertia, 1.0);
+  EXPECT_EQ(local.solver.local_damping, 0.8);
+  EXPECT_THAT(message(kScene, {"solver.damping=local", "solver.deformation_inertia=4"}),
+              HasSubstr("solver.deformation_inertia = 4"));
+  EXPECT_THAT(message(kScene, {"solver.quality=best"}), HasSubstr("fast, standard, reference"));
 }
 
 TEST_F(ReadScene, UnknownKey) {

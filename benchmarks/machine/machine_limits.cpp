@@ -1,4 +1,4 @@
-#include "machine/limits.h"
+#include "machine_limits.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "hwy/aligned_allocator.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "machine/limits.cpp"
+#define HWY_TARGET_INCLUDE "machine_limits.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 
 // After foreach_target.h, which includes this file once for every instruction set.

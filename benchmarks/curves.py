@@ -1,0 +1,65 @@
+"""Runs of `quoin run` and their errors against stored references; shared by the programs of this folder."""
+
+import csv
+import json
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent
+
+
+def run(program, scene, settings, threads=2):
+    """One run without pictures. Returns (summary, curve), the curve as rows of mm and kN of the last stage."""
+    folder = tempfile.mkdtemp(prefix="quoin-")
+    try:
+        command = [str(program), "run", str(ROOT / "host" / "scenes" / f"{scene}.toml"), "--out", folder,
+                   "--threads", str(threads)]
+        for setting in settings:
+            command += ["--set", setting]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            return {"status": "failed", "message": done.stderr.strip().splitlines()[-1]}, []
+        summary = json.loads((pathlib.Path(folder) / "summary.json").read_text())
+        return summary, read_history(pathlib.Path(folder) / "history.csv")
+    finally:
+        shutil.rmtree(folder)
+
+
+def read_history(path):
+    rows = list(csv.DictReader(open(path)))
+    last = rows[-1]["stage"]
+    return [(1e3 * float(r["displacement_m"]), 1e-3 * float(r["horizontal_force_N"])) for r in rows
+            if r["stage"] == last]
+
+
+def read_reference(name):
+    with open(HERE / "reference" / f"{name}.csv") as file:
+        return [tuple(map(float, line.split(","))) for line in file if not line.startswith(("#", "displacement"))]
+
+
+def at(curve, x):
+    """Force at a displacement, between rows in a straight line."""
+    low, high = 0, len(curve) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if curve[middle][0] <= x:
+            low = middle
+        else:
+            high = middle
+    (x0, f0), (x1, f1) = curve[low], curve[high]
+    return f0 if x1 == x0 else f0 + (f1 - f0) * min(max((x - x0) / (x1 - x0), 0.0), 1.0)
+
+
+def errors(curve, reference, points=2000):
+    """Relative errors: peak; curve, root mean square of the difference over that of the force; work up to the end,
+    which is what is dissipated but for the little that a broken wall still stores."""
+    end = min(curve[-1][0], reference[-1][0])
+    xs = [end * (i + 0.5) / points for i in range(points)]
+    a, b = [at(curve, x) for x in xs], [at(reference, x) for x in xs]
+    peak = max(f for x, f in reference if x <= end)
+    return {"peak": max(f for x, f in curve if x <= end) / peak - 1.0,
+            "curve": (sum((p - q) ** 2 for p, q in zip(a, b)) / sum(q * q for q in b)) ** 0.5,
+            "work": sum(a) / sum(b) - 1.0}

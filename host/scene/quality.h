@@ -1,0 +1,25 @@
+// How exact a run of a wall shall be: settings that go together, and the error they were measured to have
+// (benchmarks/README.md, program benchmarks/error_against_cost). Keys that a scene gives itself win.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct Quality {
+  std::string name;
+  SolverSettings solver;
+  double velocity = 0.0;           // of the top beam in a shear stage, m/s
+  double equilibrium_ratio = 0.0;  // at the end of a pressure stage
+  // Expected errors against a converged run, as fractions: peak force; curve (root of the mean square over the mean
+  // square of the force); work up to the last displacement.
+  double peak_error = 0.0, curve_error = 0.0, work_error = 0.0;
+};
+
+const std::vector<Quality>& qualities();  // fast, standard, reference
+const Quality& quality_named(const std::string& name);
+
+}  // namespace quoin
