@@ -49,6 +49,7 @@ void check(const SceneOptions& options) {
   print_limit("nodal 2 sqrt(m/k), eq. 3 (not safe)", report.nodal, report);
   fmt::print("  {:<44} {:.4g} s  ({:.2f} of 2/omega_max)\n", "in use", report.time_step,
              report.time_step / report.critical.value);
+  if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
   if (report.added_mass != 0.0)
     fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
                100 * report.added_mass / report.model_mass);

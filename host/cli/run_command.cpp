@@ -173,6 +173,8 @@ void run(const RunOptions& options, int& exit_code) {
       simulation.model().point_count, law, step.time_step, step.time_step / step.critical.value,
       simulation.thread_count(), simulation.instruction_set()));
 
+  if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
+
   RunInfo info;
   info.overrides = options.scene.overrides;
   std::optional<Error> failure;

@@ -234,7 +234,7 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
   constexpr int kMaxSteps = 600;  // enough for walls of 1000 blocks by a factor of 3
   // Relative growth of the eigenvalue over ten steps. Its residual is no measure: walls have clusters of equal modes,
   // between which the vector wanders long after the value stands.
-  constexpr double kSettled = 1e-9;
+  constexpr double kSettled = 1e-7;
   std::vector<double> alpha, beta, product(n), scaled(n);
   const auto slow_deformation = [&](std::vector<double>* x) {
     if (inertia.deformation != 1.0) system.slow_deformation(inertia, x);
@@ -345,6 +345,14 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
 
 }  // namespace
 
+std::string TimeStepReport::warning() const {
+  if (time_step <= quiet_fraction * critical.value * (1.0 + 1e-12)) return {};
+  return fmt::format(
+      "the time step is {:.2f} of the critical one; with this damping stiff modes chatter above {:.2f}, and "
+      "their noise breaks joints. Lower solver.time_step_fraction or solver.local_damping",
+      time_step / critical.value, quiet_fraction);
+}
+
 TimeStepReport time_step_limits(const Model& model, const Inertia& inertia) {
   return limits(model, UndamagedSystem(model), inertia);
 }
@@ -413,6 +421,8 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (settings.damping == DampingKind::viscous)
     xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
   if (settings.damping == DampingKind::block) xi = settings.deformation_damping;
+  if (settings.damping == DampingKind::local || settings.damping == DampingKind::block)
+    report.quiet_fraction = 1.0 / std::sqrt(1.0 + settings.local_damping);
   if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
   if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
   const double reduction = std::sqrt(1.0 + xi * xi) - xi;

@@ -25,9 +25,9 @@ SolverSettings as_printed() {
 }  // namespace
 
 const std::vector<Quality>& qualities() {
-  static const std::vector<Quality> all{{"fast", by_block(), 0.08, 1e-3, 0.05, 0.05, 0.05},
-                                        {"standard", by_block(), 0.04, 1e-3, 0.02, 0.03, 0.03},
-                                        {"reference", as_printed(), 0.0025, 1e-4, 0.005, 0.005, 0.005}};
+  static const std::vector<Quality> all{{"fast", by_block(), 0.08, 1e-3, 0.035, 0.15, 0.10},
+                                        {"standard", by_block(), 0.04, 1e-3, 0.015, 0.11, 0.06},
+                                        {"reference", as_printed(), 0.0025, 1e-4, 0.005, 0.015, 0.005}};
   return all;
 }
 

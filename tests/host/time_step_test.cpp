@@ -101,6 +101,20 @@ TEST(TimeStep, StableJustBelowTheLimitUnstableJustAbove) {
   EXPECT_GT(largest_after(1.02, 3000), 1e3);
 }
 
+// F against v all the time makes a mode (1 + gamma) times as stiff: its limit is 1/sqrt(1 + gamma) of the undamped one.
+TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
+  const Assembly assembly = sandwich();
+  const Model model(assembly, make_materials(assembly));
+  for (const auto& [gamma, fraction, warned] :
+       {std::tuple{0.8, 0.74, false}, {0.8, 0.76, true}, {0.5, 0.81, false}, {0.5, 0.83, true}}) {
+    SolverSettings settings;
+    settings.local_damping = gamma;
+    settings.time_step_fraction = fraction;
+    Inertia inertia;
+    EXPECT_EQ(!choose_time_step(model, settings, &inertia).warning().empty(), warned) << gamma << " " << fraction;
+  }
+}
+
 TEST(TimeStep, MassScalingIsReported) {
   const Assembly assembly = sandwich();
   const Model model(assembly, make_materials(assembly));
