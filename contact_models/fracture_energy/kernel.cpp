@@ -133,7 +133,8 @@ HWY_NOINLINE void step_points(const Law& law, const Columns& c, std::size_t i, s
     put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
     put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
     put(kDissipated + QUOIN_DISSIPATED_CRUSHING, energies.crushing);
-    for (int k = 0; k < 9; ++k) put(kTangent + k, tangent.entry[k]);
+    // + 0 makes every zero positive: its sign would tell whether another point of the vector slips.
+    for (int k = 0; k < 9; ++k) put(kTangent + k, hn::Add(tangent.entry[k], zero()));
     if (c.out[kFlags]) put(kFlags, flags_of(p, r, old));
     if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
   }

@@ -249,6 +249,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  quoin run host/scenes/solid_wall_030.toml\n"
       "  quoin run host/scenes/solid_wall_030.toml --out /tmp/brittle --law coulomb_slip\n"
       "  quoin run host/scenes/solid_wall_030.toml --law ./my_law.so --threads 2\n"
+      "  quoin run host/scenes/solid_wall_030.toml --set solver.quality=fast       or reference: slower, smaller "
+      "error\n"
       "  quoin run host/scenes/solid_wall_121.toml --set stage.shear.velocity=0.01 --set "
       "joints.mortar.cohesion=0.35e6");
   command->callback([options, &exit_code] { run(*options, exit_code); });
