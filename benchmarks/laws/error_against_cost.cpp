@@ -2,7 +2,6 @@
 // and varying pressure, each cut into more and more increments, against the same paths in 2^20 increments; and the
 // monotonic paths against their closed forms. Writes CSV to the standard output:
 //   error_against_cost > error_against_cost.csv && gnuplot error_against_cost.gp
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <time.h>
 
@@ -15,11 +14,13 @@
 #include <vector>
 
 #include "quoin/quoin.h"
+#include "tests/kernels/plugin.h"
+#include "tests/mortar.h"
 
 namespace {
 
-// Table 1 of the paper, mortar joint, SI units.
-constexpr double kn = 82e9, ks = 36e9, ft = 0.2e6, c0 = 0.3e6, phi = 35.0, fc = 5e6, G1 = 15.0, G2 = 125.0, Gc = 8000.0;
+using namespace quoin::test::mortar;
+using Law = quoin::test::TestMaterial;
 constexpr std::size_t kPoints = 256;
 constexpr int kChecks = 64;  // along every path, where errors are taken
 
@@ -30,38 +31,6 @@ struct Answer {
   double sigma, tau_s, tau_t, dissipated;
 };
 using Path = Jump (*)(std::size_t point, double x);  // x from 0 to 1
-
-struct Law {
-  const quoin_law* law = nullptr;
-  quoin_material* material = nullptr;
-
-  Law() {
-    void* handle = dlopen(QUOIN_LAWS "/fracture_energy.so", RTLD_NOW | RTLD_LOCAL);
-    if (handle == nullptr) {
-      fmt::print(stderr, "{}\n", dlerror());
-      std::exit(4);
-    }
-    const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
-    const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "error_against_cost", "1"};
-    law = entry(&host, nullptr)->laws[0];
-    const std::array<std::pair<const char*, double>, 9> numbers = {{{"normal_stiffness", kn},
-                                                                    {"shear_stiffness", ks},
-                                                                    {"tensile_strength", ft},
-                                                                    {"cohesion", c0},
-                                                                    {"friction_angle", phi},
-                                                                    {"compressive_strength", fc},
-                                                                    {"fracture_energy_tension", G1},
-                                                                    {"fracture_energy_shear", G2},
-                                                                    {"fracture_energy_compression", Gc}}};
-    std::vector<quoin_property_value> values;
-    for (const auto& [id, number] : numbers) {
-      values.push_back({sizeof(quoin_property_value), id, 1, &number, nullptr});
-    }
-    std::vector<const quoin_property_value*> pointers;
-    for (const quoin_property_value& value : values) pointers.push_back(&value);
-    if (law->create_material(law, pointers.size(), pointers.data(), &material, nullptr) != QUOIN_OK) std::exit(4);
-  }
-};
 
 // Time of this thread alone: others may have the machine meanwhile.
 double thread_seconds() {
@@ -115,7 +84,7 @@ struct Drive {
         last[i] = to;
       }
       const double start = thread_seconds();
-      law.law->evaluate(law.material, &batch);
+      law.law.evaluate(law.handle, &batch);
       if (!energies) seconds += thread_seconds() - start;
       if (!energies) continue;
       for (std::size_t i = 0; i < kPoints; ++i) {
@@ -183,7 +152,7 @@ void print(const char* path, int increments, const Errors& e, double seconds) {
 }  // namespace
 
 int main() {
-  const Law law;
+  const Law law(quoin::test::load_law("fracture_energy"), {{properties.begin(), properties.end()}, {}, {}});
   fmt::print(
       "path,increments,largest_error_over_strength,rms_error_over_strength,error_of_dissipation,"
       "ns_per_point_and_increment,us_per_point_and_path\n");

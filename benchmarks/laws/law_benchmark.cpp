@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <deque>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,41 +20,19 @@
 #include "hwy/targets.h"
 #include "machine_limits.h"
 #include "quoin/quoin.h"
+#include "tests/kernels/plugin.h"
+#include "tests/mortar.h"
 
 namespace {
 
 constexpr int kStates = 5;
 
-struct LoadedLaw {
-  const quoin_law* law = nullptr;
-  quoin_material* material = nullptr;
-
-  explicit LoadedLaw(const std::string& path) {
-    void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle == nullptr) {
-      fmt::print(stderr, "{}\n", dlerror());
-      std::exit(4);
-    }
-    const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
-    const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "law_benchmark", "1"};
-    law = entry(&host, nullptr)->laws[0];
-    // Table 1 of the paper, mortar joint.
-    const std::pair<const char*, double> numbers[] = {{"normal_stiffness", 82e9},
-                                                      {"shear_stiffness", 36e9},
-                                                      {"tensile_strength", 0.2e6},
-                                                      {"cohesion", 0.3e6},
-                                                      {"friction_angle", 35.0},
-                                                      {"compressive_strength", 5e6},
-                                                      {"fracture_energy_tension", 15.0},
-                                                      {"fracture_energy_shear", 125.0},
-                                                      {"fracture_energy_compression", 8000.0}};
-    std::vector<quoin_property_value> values;
-    for (const auto& [id, number] : numbers) {
-      values.push_back({sizeof(quoin_property_value), id, 1, &number, nullptr});
-    }
-    std::vector<const quoin_property_value*> pointers;
-    for (const quoin_property_value& value : values) pointers.push_back(&value);
-    if (law->create_material(law, pointers.size(), pointers.data(), &material, nullptr) != QUOIN_OK) std::exit(4);
+// A law of a file with the mortar of Table 1.
+struct LoadedLaw : quoin::test::TestMaterial {
+  explicit LoadedLaw(const std::string& path)
+      : TestMaterial(quoin::test::load_law_file(path),
+                     {{quoin::test::mortar::properties.begin(), quoin::test::mortar::properties.end()}, {}, {}}) {
+    if (handle == nullptr) throw std::runtime_error(path + ": " + text);
   }
 };
 
@@ -149,7 +129,7 @@ void measure(benchmark::State& state, const LoadedLaw& loaded, Population popula
              const quoin::benchmarks::Limits& limits) {
   Points points(static_cast<std::size_t>(state.range(0)), population);
   for (auto _ : state) {
-    loaded.law->evaluate(loaded.material, &points.batch);
+    loaded.law.evaluate(loaded.handle, &points.batch);
     benchmark::ClobberMemory();
   }
   if (points.batch.failed_count != 0) state.SkipWithError("failed points");
@@ -172,10 +152,9 @@ int main(int argc, char** argv) {
   const quoin::benchmarks::Limits limits = quoin::benchmarks::measure_limits();
   fmt::print("{}\n", quoin::benchmarks::describe(limits));
   std::fflush(stdout);
-  const std::string shipped = std::string(QUOIN_LAWS) + "/fracture_energy.so";
+  const std::string shipped = quoin::test::law_file("fracture_energy");
   const LoadedLaw scalar(QUOIN_SCALAR_LAW);
-  std::vector<LoadedLaw> laws;
-  laws.reserve(8);
+  std::deque<LoadedLaw> laws;  // materials do not move
   const std::pair<const char*, Population> populations[] = {{"elastic", Population::elastic},
                                                             {"softening", Population::softening},
                                                             {"damaged", Population::damaged},

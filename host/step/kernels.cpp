@@ -257,25 +257,23 @@ HWY_INLINE void group_forces(const GroupData& g) {
   }
 
   const bool by_zone = forces_by_zone(g);
-  const double* elastic_by_zone = g.scratch.by_zone;
+  const bool elastic_apart = kMeasure && w != g.u;
   if (by_zone) {
     zone_forces(g.shape, g.group.block_count, w, g.scratch.by_zone);
-    if (kMeasure && w != g.u) {
-      zone_forces(g.shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
-      elastic_by_zone = g.scratch.elastic_by_zone;
-    }
+    if (elastic_apart) zone_forces(g.shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
   }
   InternalForceRows rows(g.shape, w, by_zone ? g.scratch.by_zone : nullptr);
-  InternalForceRows elastic_rows(g.shape, g.u, by_zone ? elastic_by_zone : nullptr);
+  InternalForceRows elastic_rows(g.shape, g.u, by_zone ? g.scratch.elastic_by_zone : nullptr);
   int slot = 0;
   for (int n = 0; n < g.shape.node_count; ++n) {
     V f[3][kParts];
     rows.next(f);
     if (kMeasure) {
       V elastic[3][kParts];
-      elastic_rows.next(elastic);
+      if (elastic_apart) elastic_rows.next(elastic);
       for (int c = 0; c < 3; ++c) {
         for (int p = 0; p < kParts; ++p) {
+          if (!elastic_apart) elastic[c][p] = f[c][p];
           const int i = n * kLine + c * kLanes + p * kWidth;
           hn::Store(elastic[c][p], d, g.scratch.elastic + i);
           hn::Store(hn::Sub(f[c][p], elastic[c][p]), d, g.scratch.damping + i);  // beta K v
@@ -356,9 +354,9 @@ HWY_INLINE void rigid_sums(const GroupData& g, const double* x, Weight weight_of
 HWY_INLINE RigidVectors times_inverse_inertia(const GroupData& g, const RigidVectors& sum, double factor) {
   const D d;
   RigidVectors result;
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (int p = 0; p < kParts; ++p) {
-      const V use = hn::Mul(lanes_in_use(g, p), hn::Set(d, factor));
+  for (int p = 0; p < kParts; ++p) {
+    const V use = hn::Mul(lanes_in_use(g, p), hn::Set(d, factor));
+    for (std::size_t c = 0; c < 3; ++c) {
       result.linear[c][p] = hn::Mul(hn::Mul(hn::Set(d, g.motion->inverse_mass[c]), use), sum.linear[c][p]);
       V turn = hn::Zero(d);
       for (std::size_t k = 0; k < 3; ++k)

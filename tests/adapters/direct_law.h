@@ -9,13 +9,14 @@
 #include "shared/law_library.h"
 #include "shared/material.h"
 #include "tests/adapters/paths.h"
+#include "tests/mortar.h"
 
 namespace quoin::tests {
 
 inline std::vector<adapters::PropertyValue> mortar_of(const quoin_law& law) {
   std::vector<adapters::PropertyValue> values;
   for (std::uint64_t i = 0; i < law.property_count; ++i)
-    for (const auto& [id, number] : mortar)
+    for (const auto& [id, number] : test::mortar::properties)
       if (std::string(id) == law.properties[i]->id) values.push_back({id, {number}, {}});
   return values;
 }

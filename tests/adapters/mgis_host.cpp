@@ -12,6 +12,7 @@
 #include "tests/adapters/check.h"
 #include "tests/adapters/direct_law.h"
 #include "tests/adapters/timing.h"
+#include "tests/mortar.h"
 
 using quoin::mgis::BehaviourData;
 using quoin::tests::DirectLaw;
@@ -67,7 +68,7 @@ struct Point {
   explicit Point(const Library& library) {
     for (const std::string& name : library.names("MaterialProperties")) {
       properties.push_back(std::numeric_limits<double>::quiet_NaN());  // the law's default
-      for (const auto& [id, number] : quoin::tests::mortar)
+      for (const auto& [id, number] : quoin::test::mortar::properties)
         if (name == id) properties.back() = number;
     }
     isv0.resize(library.flag("nInternalStateVariables"));
@@ -159,7 +160,7 @@ void check_path(const Library& library, Integrate integrate, const quoin_law& la
 }
 
 void check_operators(const Library& library, Integrate integrate) {
-  constexpr double kn = 82e9, ks = 36e9;
+  using quoin::test::mortar::kn, quoin::test::mortar::ks;
   Point point(library);
   for (const double request : {-1.0, -3.0, 1.0, 4.0}) {  // closed and unbroken: all are the elastic operator
     CHECK(point.integrate(integrate, {-1e-7, 1e-8, 0.0}, request) == quoin::mgis::results_reliable);

@@ -1,11 +1,10 @@
 // The paths on which every adapter is compared with the law called directly: growing cycles of opening, of sliding
-// under pressure and of compression, far beyond the strengths of `mortar`.
+// under pressure and of compression, far beyond the strengths of tests/mortar.h.
 #pragma once
 
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 namespace quoin::tests {
 
@@ -27,16 +26,5 @@ inline std::array<double, 3> displacement(Leg leg, int step) {
       return {-4e-4 * cycle, 1e-7 * cycle, 0.0};
   }
 }
-
-// Table 1 of the paper, mortar joint; each law takes those that it knows.
-inline const std::vector<std::pair<const char*, double>> mortar = {{"normal_stiffness", 82e9},
-                                                                   {"shear_stiffness", 36e9},
-                                                                   {"tensile_strength", 0.2e6},
-                                                                   {"cohesion", 0.3e6},
-                                                                   {"friction_angle", 35.0},
-                                                                   {"compressive_strength", 5e6},
-                                                                   {"fracture_energy_tension", 15.0},
-                                                                   {"fracture_energy_shear", 125.0},
-                                                                   {"fracture_energy_compression", 8000.0}};
 
 }  // namespace quoin::tests

@@ -13,6 +13,7 @@
 #include "tests/adapters/check.h"
 #include "tests/adapters/direct_law.h"
 #include "tests/adapters/timing.h"
+#include "tests/mortar.h"
 
 #if defined(_WIN32)
 #include <windows.h>
@@ -34,7 +35,7 @@ using quoin::tests::Leg;
 
 namespace {
 
-constexpr double kn = 82e9, ks = 36e9;
+using quoin::test::mortar::kn, quoin::test::mortar::ks;
 constexpr double area = 0.25;  // a power of two: stress and force have the same digits
 
 struct ContactState : jmodels::State {
@@ -69,7 +70,7 @@ using Model = std::unique_ptr<JointModel>;
 
 Model mortar_joint(const JointModel& prototype) {
   Model model(prototype.clone());
-  for (const auto& [id, number] : quoin::tests::mortar)
+  for (const auto& [id, number] : quoin::test::mortar::properties)
     if (const UInt index = index_of(*model, id); index != 0) model->setProperty(index, number);
   return model;
 }

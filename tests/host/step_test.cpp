@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "support.h"
 
@@ -87,11 +86,7 @@ TEST(Step, EnergyIsKeptWithoutDamping) {
   Scene scene = bare_scene(0.9);
   scene.output.energy = true;
   Simulation simulation(scene, brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}), 1);
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
-  for (std::size_t i = 0; i < simulation.velocity().size(); ++i) {
-    if (simulation.model().node_mass[i] > 0.0) simulation.velocity()[i] = uniform(random);
-  }
+  random_velocities(&simulation, 3);
   // At rest as a whole: a drifting block loses digits of its deformation to those of its place.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   const auto each = [&](auto visit) {
@@ -129,11 +124,7 @@ TEST(Step, EnergyBalanceClosesWithDamping) {
     scene.solver.mass_damping = 500.0;
     scene.solver.stiffness_damping = 2e-7;
     Simulation simulation(scene, brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}), 1);
-    std::mt19937_64 random(3);
-    std::uniform_real_distribution<double> uniform(-1e-3, 1e-3);
-    for (std::size_t i = 0; i < simulation.velocity().size(); ++i) {
-      if (simulation.model().node_mass[i] > 0.0) simulation.velocity()[i] = uniform(random);
-    }
+    random_velocities(&simulation, 3);
     simulation.advance(1);
     const double start = simulation.measure().energies->balance_error();
     simulation.advance(3000);

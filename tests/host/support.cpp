@@ -1,5 +1,8 @@
 #include "support.h"
 
+#include <cmath>
+#include <random>
+
 namespace quoin {
 
 BlockMaterial brick_material(double poisson_ratio) { return {"brick", kYoung, poisson_ratio, kDensity}; }
@@ -153,6 +156,27 @@ std::size_t dof(const Model& model, int block, int node, int c) {
   const auto& place = model.place[static_cast<std::size_t>(block)];
   const int line = model.groups[static_cast<std::size_t>(place.group)].first_line + node;
   return static_cast<std::size_t>(line * kLine + c * kLanes + place.lane);
+}
+
+void random_velocities(Simulation* simulation, unsigned seed, double largest) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> uniform(-largest, largest);
+  for (std::size_t i = 0; i < simulation->velocity().size(); ++i) {
+    if (simulation->model().node_mass[i] > 0.0) simulation->velocity()[i] = uniform(random);
+  }
+}
+
+double largest_after(const Scene& scene, const Assembly& assembly, int steps) {
+  Simulation simulation(scene, assembly, 1);
+  random_velocities(&simulation, 7);
+  try {
+    simulation.advance(steps);
+  } catch (const Error&) {
+    return INFINITY;
+  }
+  double largest = 0.0;
+  for (double u : simulation.displacement()) largest = std::max(largest, std::abs(u));
+  return std::isfinite(largest) ? largest : INFINITY;
 }
 
 }  // namespace quoin

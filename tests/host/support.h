@@ -31,6 +31,12 @@ Scene bare_scene(double fraction = 0.6, DampingKind damping = DampingKind::none)
 Eigen::MatrixXd dense_stiffness(const Brick& brick, const BlockMaterial& material);
 Eigen::VectorXd dense_mass(const Brick& brick, const BlockMaterial& material);
 
+// Every moving component from -largest to largest.
+void random_velocities(Simulation* simulation, unsigned seed, double largest = 1e-3);
+
+// Largest displacement after some steps from small random velocities; infinite when the step gave up.
+double largest_after(const Scene& scene, const Assembly& assembly, int steps);
+
 // Offset of component c of a gridpoint of a deformable block.
 std::size_t dof(const Model& model, int block, int node, int c);
 

@@ -9,6 +9,7 @@
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "plugin.h"
+#include "tests/mortar.h"
 
 namespace {
 
@@ -16,6 +17,7 @@ using quoin::test::Batch;
 using quoin::test::load_law;
 using quoin::test::TestMaterial;
 using quoin::test::Values;
+namespace mortar = quoin::test::mortar;
 
 // A material keeps the kernels of the best instruction set enabled when it is made.
 struct OnTarget {
@@ -30,17 +32,7 @@ struct OnTarget {
 };
 
 std::vector<Values> materials() {
-  const Values table1{{{"normal_stiffness", 82e9},
-                       {"shear_stiffness", 36e9},
-                       {"tensile_strength", 0.2e6},
-                       {"cohesion", 0.3e6},
-                       {"friction_angle", 35.0},
-                       {"compressive_strength", 5e6},
-                       {"fracture_energy_tension", 15.0},
-                       {"fracture_energy_shear", 125.0},
-                       {"fracture_energy_compression", 8000.0}},
-                      {},
-                      {}};
+  const Values table1{{mortar::properties.begin(), mortar::properties.end()}, {}, {}};
   std::vector<Values> all;
   for (const char* shape : {"linear", "exponential", "table"}) {
     for (const char* coupling : {"shared", "none"}) {

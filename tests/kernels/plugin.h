@@ -12,13 +12,15 @@
 
 namespace quoin::test {
 
-inline const quoin_law& load_law(const std::string& name) {
-  void* handle = dlopen((std::string(QUOIN_LAWS) + "/" + name + ".so").c_str(), RTLD_NOW | RTLD_LOCAL);
+inline const quoin_law& load_law_file(const std::string& path) {
+  void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw std::runtime_error(dlerror());
   const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
   const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "tests", "1"};
   return *entry(&host, nullptr)->laws[0];
 }
+inline std::string law_file(const std::string& name) { return std::string(QUOIN_LAWS) + "/" + name + ".so"; }
+inline const quoin_law& load_law(const std::string& name) { return load_law_file(law_file(name)); }
 
 struct Values {
   std::vector<std::pair<std::string, double>> numbers;
