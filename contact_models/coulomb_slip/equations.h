@@ -8,7 +8,7 @@
 #endif
 
 #include "coulomb_slip/parameters.h"
-#include "shim/lanes.h"
+#include "shim/extras.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::coulomb_slip::HWY_NAMESPACE {
@@ -32,14 +32,6 @@ struct Result {
   State state;
   V sigma, slip;
   M open, fails, slips;
-};
-
-struct Energies {
-  V stored, tension, cohesion, friction;
-};
-
-struct Tangent {
-  V entry[9];
 };
 
 // Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
@@ -68,7 +60,8 @@ struct Equations {
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V trial = hn::Sqrt(hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t)));
-    const V elastic = hn::Mul(p.kn, in.d_n);
+    // Never -0: which zero the smaller of 0 and -0 is depends on the instruction set.
+    const V elastic = hn::MulAdd(p.kn, in.d_n, zero());
     const V scale = hn::Max(hn::Max(hn::Max(p.ft, p.c0), hn::Abs(elastic)), trial);
     const V tolerance = hn::Mul(splat(kYieldTolerance), scale);
 
@@ -108,6 +101,7 @@ struct Equations {
       // opening when slip does.
       const V opening_at_drop = select(breaks, hn::Div(p.ft, p.kn), in.d_n);
       const V freed = hn::Sub(normal_energy(opening_at_drop, p.ft), normal_energy(opening_at_drop, p.ftr));
+      energies->crushing = zero();
       energies->tension = hn::IfThenElseZero(r.fails, positive_part(freed));
       const V pressure = positive_part(hn::Neg(r.sigma));
       energies->friction = hn::IfThenElseZero(r.slips, hn::Mul(hn::Mul(pressure, p.mur), r.slip));

@@ -3,8 +3,6 @@
 
 #include <cmath>
 
-#include "quoin/quoin.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "coulomb_slip/kernel.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
@@ -88,22 +86,14 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
     summary.yielding |= !none(hn::And(moved, hn::FirstN(d, count - i)));
 
     if constexpr (kFull) {
-      const auto put = [&](int k, V value) {
-        if (c.out[k]) store(hn::IfThenElseZero(sound, value), c.out[k], i);
-      };
-      put(kEnergyStored, energies.stored);
-      put(kDissipated + QUOIN_DISSIPATED_TENSION, energies.tension);
-      put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
-      put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
-      put(kDissipated + QUOIN_DISSIPATED_CRUSHING, zero());
-      for (int k = 0; k < 9; ++k) put(kTangent + k, tangent.entry[k]);
-      const M damaged = hn::Gt(failed, zero());
-      V flags = flag_if(r.open, QUOIN_FLAG_OPEN);
-      flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
-      flags = hn::Add(flags, flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_TENSION_COMPLETE |
-                                                  QUOIN_FLAG_SHEAR_DAMAGED | QUOIN_FLAG_SHEAR_COMPLETE));
-      put(kFlags, hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING)));
-      if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+      put_extras(c, i, sound, energies, tangent, [&] {
+        const M damaged = hn::Gt(failed, zero());
+        V flags = flag_if(r.open, QUOIN_FLAG_OPEN);
+        flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
+        flags = hn::Add(flags, flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_TENSION_COMPLETE |
+                                                    QUOIN_FLAG_SHEAR_DAMAGED | QUOIN_FLAG_SHEAR_COMPLETE));
+        return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
+      });
     }
   }
 }

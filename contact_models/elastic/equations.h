@@ -7,7 +7,7 @@
 #endif
 
 #include "elastic/parameters.h"
-#include "shim/lanes.h"
+#include "shim/extras.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::elastic::HWY_NAMESPACE {
@@ -47,20 +47,11 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
     store(tau_t, c.out[kTractionNew + 2], i);
 
     if (!c.extras) continue;
-    if (c.out[kEnergyStored]) {
-      const V shear = hn::MulAdd(tau_s, tau_s, hn::Mul(tau_t, tau_t));
-      store(hn::IfThenElseZero(sound, hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)))), c.out[kEnergyStored],
-            i);
-    }
-    for (int k = 0; k < 4; ++k) {
-      if (c.out[kDissipated + k]) store(zero(), c.out[kDissipated + k], i);
-    }
-    for (int k = 0; k < 9; ++k) {
-      const V entry = k == 0 ? kn : k % 4 == 0 ? ks : zero();
-      if (c.out[kTangent + k]) store(hn::IfThenElseZero(sound, entry), c.out[kTangent + k], i);
-    }
-    if (c.out[kFlags]) store(flag_if(hn::And(sound, hn::Gt(d_n, zero())), QUOIN_FLAG_OPEN), c.out[kFlags], i);
-    if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+    const V shear = hn::MulAdd(tau_s, tau_s, hn::Mul(tau_t, tau_t));
+    const V stored = hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)));
+    const Energies energies{stored, zero(), zero(), zero(), zero()};
+    const Tangent tangent{{kn, zero(), zero(), zero(), ks, zero(), zero(), zero(), ks}};
+    put_extras(c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); });
   }
 }
 

@@ -12,6 +12,7 @@
 #include "fracture_energy/parameters.h"
 #include "fracture_energy/root.h"
 #include "fracture_energy/softening.h"
+#include "shim/extras.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::fracture_energy::HWY_NAMESPACE {
@@ -84,14 +85,6 @@ struct Result {
   M open, opens, slips, crushes;
 };
 
-struct Energies {
-  V stored, tension, cohesion, friction, crushing;
-};
-
-struct Tangent {
-  V entry[9];
-};
-
 // Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
@@ -159,7 +152,8 @@ struct Equations {
       if (!none(c.crushes)) {
         c.w = crushing_closure(c.crushes, d_n_less_v, w_old, tolerance);
       }
-      c.sigma = hn::Max(hn::Mul(p.kn, hn::Add(d_n_less_v, c.w)), hn::Neg(crushing_strength(c.w)));
+      // 0 - F, not -F: which zero the larger of 0 and -0 is depends on the instruction set.
+      c.sigma = hn::Max(hn::Mul(p.kn, hn::Add(d_n_less_v, c.w)), hn::Sub(zero(), crushing_strength(c.w)));
     }
     return c;
   }
@@ -331,7 +325,8 @@ struct Equations {
     const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
     // Less, not equal: two squares that overflow take the long path. So does what is not a number, or infinite.
     const M held = hn::Lt(trial_squared, hn::Mul(S, hn::Abs(S)));
-    V limit_e = hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0);
+    // f(xi) may lose what is not a number, or infinite; the limit does not.
+    V limit_e = hn::MulAdd(old.xi_s, zero(), hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
     if constexpr (!kShared) limit_e = hn::MulAdd(old.xi_t, zero(), limit_e);
     const M full_stiffness = hn::Le(e, limit_e);
     M uncrushed = hn::Ge(sigma, splat(std::numeric_limits<double>::lowest()));

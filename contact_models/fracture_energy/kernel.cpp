@@ -4,8 +4,6 @@
 #include <new>
 #include <type_traits>
 
-#include "quoin/quoin.h"
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fracture_energy/kernel.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
@@ -125,18 +123,7 @@ HWY_NOINLINE void step_points(const Law& law, const Columns& c, std::size_t i, s
   summary.yielding |= !none(hn::And(moved, live));
   put_slip(r.slip, c, i);
   if constexpr (kFull) {
-    const auto put = [&](int k, V value) {
-      if (c.out[k]) store(hn::IfThenElseZero(sound, value), c.out[k], i);
-    };
-    put(kEnergyStored, energies.stored);
-    put(kDissipated + QUOIN_DISSIPATED_TENSION, energies.tension);
-    put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
-    put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
-    put(kDissipated + QUOIN_DISSIPATED_CRUSHING, energies.crushing);
-    // + 0 makes every zero positive: its sign would tell whether another point of the vector slips.
-    for (int k = 0; k < 9; ++k) put(kTangent + k, hn::Add(tangent.entry[k], zero()));
-    if (c.out[kFlags]) put(kFlags, flags_of(p, r, old));
-    if (c.out[kStatus]) store(hn::IfThenZeroElse(sound, splat(QUOIN_POINT_FAILED)), c.out[kStatus], i);
+    put_extras(c, i, sound, energies, tangent, [&] { return flags_of(p, r, old); });
   }
   put_traction(r, c, i);
   put_history(r.state, c, i);

@@ -85,7 +85,7 @@ MUTANTS = {
             (EQUATIONS, "value = overstress(d_n_less_v, x);",
              "value = hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, x))), crushing_strength(w_old));"),
             (EQUATIONS, "slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));", "slope = hn::Neg(p.kn);"),
-            (EQUATIONS, "hn::Neg(crushing_strength(c.w)));", "hn::Neg(crushing_strength(w_old)));"),
+            (EQUATIONS, "hn::Sub(zero(), crushing_strength(c.w)));", "hn::Sub(zero(), crushing_strength(w_old)));"),
         ],
     ),
     "slip_direction_lost_on_reversal": (

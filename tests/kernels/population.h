@@ -1,0 +1,85 @@
+// Materials and random points on which kernels are compared. The same bits on every machine: whole numbers and exact
+// operations only, no distribution of a library.
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "plugin.h"
+#include "tests/mortar.h"
+
+namespace quoin::test {
+
+// Every branch of the law: shape, coupling, and elastic in compression, crushing, or that with residuals and dilation.
+inline std::vector<Values> materials(const std::string& law) {
+  const auto first = [](std::size_t n) {
+    return Values{{mortar::properties.begin(), mortar::properties.begin() + n}, {}, {}};
+  };
+  if (law == "elastic") return {first(2)};
+  if (law == "coulomb_slip") {
+    Values residual = first(5);
+    residual.numbers.insert(
+        residual.numbers.end(),
+        {{"tensile_strength_residual", 0.02e6}, {"cohesion_residual", 0.05e6}, {"friction_angle_residual", 28.0}});
+    return {first(5), residual};
+  }
+  std::vector<Values> all;
+  for (const char* shape : {"linear", "exponential", "table"}) {
+    for (const char* coupling : {"shared", "none"}) {
+      for (int variant = 0; variant < 3; ++variant) {
+        Values v = first(mortar::properties.size());
+        v.words = {{"softening", shape}, {"coupling", coupling}};
+        if (std::strcmp(shape, "table") == 0) v.table = {0.0, 1.0, 0.3, 0.5, 1.0, 0.0};
+        if (variant == 0) v.numbers[5].second = HUGE_VAL;
+        if (variant == 2) {
+          v.numbers.insert(v.numbers.end(), {{"dilation_angle", 12.0},
+                                             {"friction_angle_residual", 28.0},
+                                             {"cohesion_residual", 0.05e6},
+                                             {"compressive_strength_residual", 0.5e6}});
+        }
+        all.push_back(v);
+      }
+    }
+  }
+  return all;
+}
+
+// Uniform in [-1, 1).
+inline double unit(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-52 - 1.0; }
+
+// New jumps and sliding for every point. One random number an expression: compilers order operands as they like.
+inline void randomise(Batch& b, std::mt19937_64& random) {
+  for (std::size_t i = 0; i < b.count; ++i) {
+    const double reach = unit(random) > 0.0 ? 1e-4 : 8e-5;
+    b.in[0][i] = reach * unit(random);
+    b.in[1][i] = 1e-5 * unit(random);
+    b.in[2][i] = 1e-5 * unit(random);
+  }
+}
+
+// Makes some of them zero of either sign, some any size from 1e-15 to 1 m, and a few not finite; so too a few old
+// values.
+inline void make_some_extreme(Batch& b, std::mt19937_64& random) {
+  const double not_finite[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity()};
+  for (std::size_t i = 0; i < b.count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto choice = random() % 256;
+      const double any = unit(random);
+      const int halvings = static_cast<int>(random() % 50);
+      if (choice < 24) b.in[k][i] = std::copysign(0.0, any);
+      if (choice >= 24 && choice < 40) b.in[k][i] = std::ldexp(any, -halvings);
+      if (choice >= 40 && choice < 43) b.in[k][i] = not_finite[choice - 40];
+    }
+    if (random() % 512 == 0) {
+      const std::size_t column = 3 + random() % (b.in.size() - 3);
+      b.in[column][i] = not_finite[random() % 3];
+    }
+  }
+}
+
+}  // namespace quoin::test
