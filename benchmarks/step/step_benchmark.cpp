@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "scene/generate.h"
+#include "scene/quality.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -30,6 +31,7 @@ JointFamily family(const std::string& name, double kn, double ks, double ft, dou
 // Table 1 of the paper, with the replacements of the shipped scenes.
 Scene wall(int courses, double units) {
   Scene scene;
+  scene.solver = quality_named("standard").solver;
   scene.materials["brick"] = {"brick", 16.7e9, 0.15, 1900.0};
   scene.joints["mortar"] = family("mortar", 82e9, 36e9, 0.2e6, 0.3e6, 5e6, 15, 125, 8000);
   scene.joints["unit"] = family("unit", 1000e9, 1000e9, 2e6, 3e6, 12e6, 80, 550, 19000);

@@ -217,6 +217,50 @@ class PointFinder {
   double tolerance_ = 0.0;
 };
 
+Vec3 offset_between(const Assembly& assembly, int first, int block) {
+  const Vec3 &from = assembly.bricks[at(first)].origin, &to = assembly.bricks[at(block)].origin;
+  return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
+}
+
+// Units that are alike: the same templates at the same distance.
+struct UnitClass {
+  std::vector<std::vector<int>> units;  // blocks of each
+};
+
+// Deformable blocks by unit, in the order of their first blocks. Blocks of a unit that is cut into more than two stand
+// alone.
+std::vector<UnitClass> unit_classes(const Assembly& assembly, const std::vector<int>& template_of) {
+  std::map<int, std::vector<int>> blocks_of;
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    if (!assembly.bricks[i].rigid && assembly.bricks[i].unit >= 0)
+      blocks_of[assembly.bricks[i].unit].push_back(static_cast<int>(i));
+  }
+  std::vector<UnitClass> classes;
+  const auto alike = [&](const std::vector<int>& x, const std::vector<int>& y) {
+    for (std::size_t b = 0; b < std::min(x.size(), y.size()); ++b) {
+      if (template_of[at(x[b])] != template_of[at(y[b])]) return false;
+      const Brick& brick = assembly.bricks[at(x[b])];
+      const double tolerance = 1e-9 * *std::max_element(brick.size.begin(), brick.size.end());
+      const Vec3 p = offset_between(assembly, x[0], x[b]), q = offset_between(assembly, y[0], y[b]);
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (std::abs(p[c] - q[c]) > tolerance) return false;
+      }
+    }
+    return x.size() == y.size();
+  };
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    const Brick& brick = assembly.bricks[i];
+    if (brick.rigid) continue;
+    std::vector<int> unit{static_cast<int>(i)};
+    if (brick.unit >= 0 && blocks_of[brick.unit].size() == kUnitBlocks) unit = blocks_of[brick.unit];
+    if (unit[0] != static_cast<int>(i)) continue;
+    const auto found =
+        std::find_if(classes.begin(), classes.end(), [&](const UnitClass& c) { return alike(c.units[0], unit); });
+    (found == classes.end() ? classes.emplace_back() : *found).units.push_back(unit);
+  }
+  return classes;
+}
+
 void check_input(const Assembly& assembly) {
   for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
     const Brick& brick = assembly.bricks[i];
@@ -298,27 +342,32 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     if (found == templates.end())
       templates.push_back(make_brick_template(brick, assembly.materials[at(brick.material)]));
   }
-  // Block i of n goes to lane i / G of group i mod G, G = ceil(n/8): neighbours in the order of the assembly share a
-  // lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no gathers.
-  for (std::size_t t = 0; t < templates.size(); ++t) {
-    const int count = static_cast<int>(std::count(template_of.begin(), template_of.end(), static_cast<int>(t)));
-    const int group_count = (count + kLanes - 1) / kLanes, first_group = static_cast<int>(groups.size());
-    for (int g = 0; g < group_count; ++g) {
-      BlockGroup group;
-      group.brick_template = static_cast<int>(t);
-      group.first_line = line_count;
-      groups.push_back(group);
-      line_count += templates[t].node_count;
+  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8): neighbours in the order of the assembly share
+  // a lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no
+  // gathers.
+  for (const UnitClass& kind : unit_classes(assembly, template_of)) {
+    const std::size_t count = kind.units.size(), group_count = (count + kLanes - 1) / kLanes;
+    const std::size_t first_group = groups.size(), block_count = kind.units[0].size();
+    for (std::size_t g = 0; g < group_count; ++g) {
+      unit_groups.push_back({static_cast<int>(groups.size()), static_cast<int>(block_count)});
+      for (std::size_t b = 0; b < block_count; ++b) {
+        BlockGroup group;
+        group.brick_template = template_of[at(kind.units[0][b])];
+        group.offset = offset_between(assembly, kind.units[0][0], kind.units[0][b]);
+        group.first_line = line_count;
+        groups.push_back(group);
+        line_count += templates[at(group.brick_template)].node_count;
+      }
     }
-    int n = 0;
-    for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
-      if (template_of[i] != static_cast<int>(t)) continue;
-      place[i].group = first_group + n % group_count;
-      place[i].lane = n / group_count;
-      BlockGroup& group = groups[at(place[i].group)];
-      group.block[at(place[i].lane)] = static_cast<int>(i);
-      group.block_count = place[i].lane + 1;
-      ++n;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t b = 0; b < block_count; ++b) {
+        const int block = kind.units[i][b];
+        BlockPlace& where = place[at(block)];
+        where.group = static_cast<int>(first_group + i % group_count * block_count + b);
+        where.lane = static_cast<int>(i / group_count);
+        groups[at(where.group)].block[at(where.lane)] = block;
+        groups[at(where.group)].block_count = where.lane + 1;
+      }
     }
   }
   block_line_count = line_count;

@@ -16,13 +16,20 @@
 namespace quoin {
 
 // Up to 8 blocks of one template, one a lane. Lanes without a block have zero inverse mass and never move.
-// Blocks that follow each other in the assembly are in the same lane of groups that follow each other.
 struct BlockGroup {
   int brick_template = 0;
+  Vec3 offset{};                    // of its blocks from the first blocks of their units, m
   std::int32_t first_line = 0;      // gridpoint i of the template is line first_line + i
   int block_count = 0;              // lanes in use, from lane 0
   std::array<int, kLanes> block{};  // index into Assembly::bricks
   std::int32_t first_slot = 0;      // into Model::slot_point, in units of 8 lanes
+};
+
+// Groups in a row whose lanes hold the blocks of the same masonry units: two halves, or one block that is a unit by
+// itself. Units that follow each other in the assembly are in the same lane of unit groups that follow each other.
+inline constexpr int kUnitBlocks = 2;
+struct UnitGroup {
+  int first_group = 0, group_count = 0;
 };
 
 // Where the contact points of a template's gridpoint come from: the same for all its groups. A slot is one possible
@@ -73,6 +80,7 @@ struct Model {
   std::vector<BrickTemplate> templates;
   std::vector<ContactSlots> slots;  // per template
   std::vector<BlockGroup> groups;
+  std::vector<UnitGroup> unit_groups;  // all groups, in order
   std::vector<RigidBody> bodies;
   std::vector<ContactFamily> families;
   std::vector<ContactChunk> chunks;

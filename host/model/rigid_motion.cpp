@@ -13,26 +13,40 @@ std::size_t offset(const BlockGroup& group, int n, int c, int lane) {
   return static_cast<std::size_t>((group.first_line + n) * kLine + c * kLanes + lane);
 }
 
-}  // namespace
-
-RigidMotion rigid_motion_of(const Model& model, const BlockGroup& group, const LaneVector<double>& node_mass) {
+// Gridpoint n of a group from the lowest corner of the first block of its unit.
+Eigen::Vector3d place_in_unit(const Model& model, const BlockGroup& group, int n) {
   const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-  const auto mass_of = [&](int n) { return node_mass[offset(group, n, 0, 0)]; };
+  return vector(shape.node[static_cast<std::size_t>(n)]) + vector(group.offset);
+}
+
+int node_count(const Model& model, const BlockGroup& group) {
+  return model.templates[static_cast<std::size_t>(group.brick_template)].node_count;
+}
+
+// Of the blocks of `count` groups as one body; positions from the first block of the unit.
+RigidMotion motion_of(const Model& model, const BlockGroup* groups, int count, const LaneVector<double>& node_mass) {
   double mass = 0.0;
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   bool held[3] = {false, false, false};
-  for (int n = 0; n < shape.node_count; ++n) {
-    mass += mass_of(n);
-    moment += mass_of(n) * vector(shape.node[static_cast<std::size_t>(n)]);
+  const auto for_each_gridpoint = [&](auto visit) {
+    for (const BlockGroup* group = groups; group < groups + count; ++group) {
+      for (int n = 0; n < node_count(model, *group); ++n)
+        visit(*group, n, node_mass[offset(*group, n, 0, 0)], place_in_unit(model, *group, n));
+    }
+  };
+  for_each_gridpoint([&](const BlockGroup& group, int n, double m, const Eigen::Vector3d& x) {
+    mass += m;
+    moment += m * x;
     for (int c = 0; c < 3; ++c) held[c] = held[c] || model.node_free[offset(group, n, c, 0)] == 0.0;
-  }
+  });
   const Eigen::Vector3d centre = moment / mass;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  for (int n = 0; n < shape.node_count; ++n) {
-    const Eigen::Vector3d r = vector(shape.node[static_cast<std::size_t>(n)]) - centre;
-    inertia += mass_of(n) * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
-  }
+  for_each_gridpoint([&](const BlockGroup&, int, double m, const Eigen::Vector3d& x) {
+    const Eigen::Vector3d r = x - centre;
+    inertia += m * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  });
   RigidMotion motion;
+  motion.mass = mass;
   for (std::size_t c = 0; c < 3; ++c) {
     motion.centre[c] = centre[static_cast<int>(c)];
     motion.inverse_mass[c] = held[c] ? 0.0 : 1.0 / mass;
@@ -49,39 +63,75 @@ RigidMotion rigid_motion_of(const Model& model, const BlockGroup& group, const L
   } else {
     for (int c = 0; c < 3; ++c) inverse(c, c) = turns[c] ? 1.0 / inertia(c, c) : 0.0;
   }
-  for (int i = 0; i < 9; ++i) motion.inverse_inertia[static_cast<std::size_t>(i)] = inverse(i / 3, i % 3);
+  for (int i = 0; i < 9; ++i) {
+    motion.inertia[static_cast<std::size_t>(i)] = inertia(i / 3, i % 3);
+    motion.inverse_inertia[static_cast<std::size_t>(i)] = inverse(i / 3, i % 3);
+  }
   return motion;
 }
 
-void scale_deformation(const Model& model, const std::vector<RigidMotion>& motions, const LaneVector<double>& node_mass,
-                       double deformation_inertia, std::vector<double>* x) {
-  const double factor = 1.0 / std::sqrt(deformation_inertia);
-  for (std::size_t g = 0; g < model.groups.size(); ++g) {
-    const BlockGroup& group = model.groups[g];
-    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-    const RigidMotion& motion = motions[g];
-    const auto inverse_inertia =
-        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.inverse_inertia.data());
-    for (int lane = 0; lane < group.block_count; ++lane) {
-      Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
-      const auto arm = [&](int n) {
-        return Eigen::Vector3d(vector(shape.node[static_cast<std::size_t>(n)]) - vector(motion.centre));
-      };
-      for (int n = 0; n < shape.node_count; ++n) {
-        const double root = std::sqrt(node_mass[offset(group, n, 0, lane)]);
-        Eigen::Vector3d f;
-        for (int c = 0; c < 3; ++c) f[c] = root * (*x)[offset(group, n, c, lane)];
-        force += f;
-        torque += arm(n).cross(f);
-      }
-      const Eigen::Vector3d linear = vector(motion.inverse_mass).cwiseProduct(force);
-      const Eigen::Vector3d angular = inverse_inertia * torque;
-      for (int n = 0; n < shape.node_count; ++n) {
-        const double root = std::sqrt(node_mass[offset(group, n, 0, lane)]);
-        const Eigen::Vector3d rigid = root * (linear + angular.cross(arm(n)));
-        for (int c = 0; c < 3; ++c) {
-          double& value = (*x)[offset(group, n, c, lane)];
-          value = factor * value + (1.0 - factor) * rigid[c];
+struct Field {  // v(r) = linear + angular x r
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
+};
+
+// P M^-1/2 x for one lane of some groups, x in coordinates sqrt(m) u.
+Field rigid_part(const Model& model, const RigidMotion& motion, const Eigen::Vector3d& centre, const BlockGroup* groups,
+                 int count, int lane, const LaneVector<double>& node_mass, const std::vector<double>& x) {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
+  for (const BlockGroup* group = groups; group < groups + count; ++group) {
+    for (int n = 0; n < node_count(model, *group); ++n) {
+      const double root = std::sqrt(node_mass[offset(*group, n, 0, lane)]);
+      Eigen::Vector3d f;
+      for (int c = 0; c < 3; ++c) f[c] = root * x[offset(*group, n, c, lane)];
+      force += f;
+      torque += (place_in_unit(model, *group, n) - centre).cross(f);
+    }
+  }
+  const auto inverse_inertia =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.inverse_inertia.data());
+  return {vector(motion.inverse_mass).cwiseProduct(force), inverse_inertia * torque};
+}
+
+}  // namespace
+
+RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass) {
+  RigidMotions motions;
+  for (const BlockGroup& group : model.groups) {
+    RigidMotion& motion = motions.block.emplace_back(motion_of(model, &group, 1, node_mass));
+    for (std::size_t c = 0; c < 3; ++c) motion.centre[c] -= group.offset[c];
+  }
+  for (const UnitGroup& unit : model.unit_groups) {
+    const BlockGroup* first = &model.groups[static_cast<std::size_t>(unit.first_group)];
+    motions.unit.push_back(motion_of(model, first, unit.group_count, node_mass));
+  }
+  return motions;
+}
+
+void scale_motion(const Model& model, const RigidMotions& motions, const LaneVector<double>& node_mass,
+                  double deformation_inertia, double unit_inertia, std::vector<double>* x) {
+  const double of_deformation = 1.0 / std::sqrt(deformation_inertia), of_unit = 1.0 / std::sqrt(unit_inertia);
+  for (std::size_t u = 0; u < model.unit_groups.size(); ++u) {
+    const UnitGroup& unit = model.unit_groups[u];
+    const auto first = static_cast<std::size_t>(unit.first_group);
+    const BlockGroup* groups = &model.groups[first];
+    for (int lane = 0; lane < groups->block_count; ++lane) {
+      const Eigen::Vector3d unit_centre = vector(motions.unit[u].centre);
+      const Field whole =
+          rigid_part(model, motions.unit[u], unit_centre, groups, unit.group_count, lane, node_mass, *x);
+      for (int b = 0; b < unit.group_count; ++b) {
+        const BlockGroup& group = groups[b];
+        const RigidMotion& motion = motions.block[first + static_cast<std::size_t>(b)];
+        const Eigen::Vector3d centre = vector(motion.centre) + vector(group.offset);
+        const Field part = rigid_part(model, motion, centre, &group, 1, lane, node_mass, *x);
+        for (int n = 0; n < node_count(model, group); ++n) {
+          const double root = std::sqrt(node_mass[offset(group, n, 0, lane)]);
+          const Eigen::Vector3d r = place_in_unit(model, group, n);
+          const Eigen::Vector3d of_block = root * (part.linear + part.angular.cross(r - centre));
+          const Eigen::Vector3d of_whole = root * (whole.linear + whole.angular.cross(r - unit_centre));
+          for (int c = 0; c < 3; ++c) {
+            double& value = (*x)[offset(group, n, c, lane)];
+            value = of_deformation * value + (of_unit - of_deformation) * of_block[c] + (1.0 - of_unit) * of_whole[c];
+          }
         }
       }
     }

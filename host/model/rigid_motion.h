@@ -1,12 +1,16 @@
-// Rigid-body motion of a deformable block: what scaling the inertia of deformation leaves as it is.
+// Rigid-body motion of deformable blocks and of masonry units: what scaling the inertia of all other motion leaves as
+// it is.
 //
-// Blocks are stiff beside their joints, so their own vibrations set the time step although nothing in a quasi-static
-// wall hangs on them. With P the projection of a block's motion on rigid motions (orthogonal in the mass matrix M), the
-// inertia M' = M (P + s (1 - P)), s >= 1, slows these vibrations by sqrt(s) and leaves mass, moments of inertia and
-// stiffness of the block: rigid blocks on joints move as before (selective mass scaling after Olovsson, Simonsson and
-// Unosson 2005, with all six rigid modes kept). Limits: s = 1 is the true inertia, s -> infinity a rigid block. Its
-// inverse needs no solution:
-//   M'^-1 f = f/(s m) + (1 - 1/s) (A + alpha x r),  A = sum f / sum m,  alpha = J^-1 sum r x f.
+// Blocks are stiff beside mortar joints, and so is the joint inside a unit that keeps its halves together. Their
+// vibrations set the time step although nothing in a quasi-static wall hangs on them. With P_u and P_b the projections
+// of motion on rigid motions of units and of blocks (orthogonal in the mass matrix M; P_u P_b = P_u), the inertia
+//   M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)),  s_u, s_b >= 1,
+// slows the motion of halves against each other by sqrt(s_u) and the deformation of blocks by sqrt(s_b), and leaves
+// mass, moments of inertia and stiffness: rigid units on joints move as before (selective mass scaling after Olovsson,
+// Simonsson and Unosson 2005, with all six rigid modes kept). Limits: s = 1 is the true inertia, s -> infinity a rigid
+// block or unit. Its inverse needs no solution:
+//   M'^-1 f = M^-1 f/s_b + (1/s_u - 1/s_b) P_b M^-1 f + (1 - 1/s_u) P_u M^-1 f,
+//   P M^-1 f = A + alpha x r,  A = sum f / sum m,  alpha = J^-1 sum r x f.
 #pragma once
 
 #include <array>
@@ -17,16 +21,24 @@
 namespace quoin {
 
 struct RigidMotion {
-  Vec3 centre{};                            // from the lowest corner of the block, m
+  Vec3 centre{};                            // from the lowest corner of the block, or of the first block of the unit, m
+  double mass = 0.0;                        // kg
   Vec3 inverse_mass{};                      // by direction, 1/kg; 0: held by a symmetry plane
-  std::array<double, 9> inverse_inertia{};  // about the centre, rows; 1/(kg m2); 0 where rotation is held
+  std::array<double, 9> inertia{};          // about the centre, rows; kg m2
+  std::array<double, 9> inverse_inertia{};  // 1/(kg m2); 0 where rotation is held
 };
 
-// Of the blocks of a group, which share one inertia: node_mass in lane layout, kg.
-RigidMotion rigid_motion_of(const Model& model, const BlockGroup& group, const LaneVector<double>& node_mass);
+struct RigidMotions {
+  std::vector<RigidMotion> block;  // by block group, whose blocks share one inertia
+  std::vector<RigidMotion> unit;   // by unit group
+};
 
-// In coordinates sqrt(m) u: x -> (P + (1 - P)/sqrt(s)) x over all blocks, the square root of the inverse inertia.
-void scale_deformation(const Model& model, const std::vector<RigidMotion>& motions, const LaneVector<double>& node_mass,
-                       double deformation_inertia, std::vector<double>* x);
+// node_mass: in lane layout, kg.
+RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass);
+
+// In coordinates sqrt(m) u: x -> (P_u + (P_b - P_u)/sqrt(s_u) + (1 - P_b)/sqrt(s_b)) x, the square root of the inverse
+// inertia.
+void scale_motion(const Model& model, const RigidMotions& motions, const LaneVector<double>& node_mass,
+                  double deformation_inertia, double unit_inertia, std::vector<double>* x);
 
 }  // namespace quoin

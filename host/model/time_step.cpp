@@ -114,8 +114,9 @@ class UndamagedSystem {
     return rows;
   }
 
-  void slow_deformation(const Inertia& inertia, std::vector<double>* x) const {
-    scale_deformation(model_, inertia.rigid_motion, inertia.node, inertia.deformation, x);
+  void slow_motion(const Inertia& inertia, std::vector<double>* x) const {
+    if (inertia.deformation == 1.0 && inertia.unit == 1.0) return;
+    scale_motion(model_, inertia.rigid, inertia.node, inertia.deformation, inertia.unit, x);
   }
 
   // Inertia of a degree of freedom; with `scaled`, rotations in units of the radius of gyration.
@@ -236,9 +237,6 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
   // between which the vector wanders long after the value stands.
   constexpr double kSettled = 1e-7;
   std::vector<double> alpha, beta, product(n), scaled(n);
-  const auto slow_deformation = [&](std::vector<double>* x) {
-    if (inertia.deformation != 1.0) system.slow_deformation(inertia, x);
-  };
   Lanczos result;
   Eigen::VectorXd ritz;
   const auto sweep = [&](int steps, const Eigen::VectorXd* weights) {
@@ -249,11 +247,11 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
         if (j + 1 == steps) return;
       }
       scaled = q;
-      slow_deformation(&scaled);
+      system.slow_motion(inertia, &scaled);
       for (std::size_t i = 0; i < n; ++i) scaled[i] *= scale[i];
       system.apply(scaled, &product);
       for (std::size_t i = 0; i < n; ++i) product[i] *= scale[i];
-      slow_deformation(&product);
+      system.slow_motion(inertia, &product);
       double a = 0.0, b = 0.0;
       for (std::size_t i = 0; i < n; ++i) a += product[i] * q[i];
       const double old_beta = j > 0 ? beta[at(j - 1)] : 0.0;
@@ -396,10 +394,9 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   }
 
   inertia->deformation = settings.deformation_inertia;
-  if (inertia->deformation != 1.0 || settings.damping == DampingKind::block) {
-    for (const BlockGroup& group : model.groups)
-      inertia->rigid_motion.push_back(rigid_motion_of(model, group, inertia->node));
-  }
+  inertia->unit = settings.unit_inertia;
+  if (inertia->deformation != 1.0 || inertia->unit != 1.0 || settings.damping == DampingKind::block)
+    inertia->rigid = rigid_motions(model, inertia->node);
 
   TimeStepReport report = limits(model, system, *inertia);
   double in_use = 0.0;
@@ -422,7 +419,8 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
     xi = 0.5 * (settings.mass_damping / omega + settings.stiffness_damping * omega);
   if (settings.damping == DampingKind::block) xi = settings.deformation_damping;
   if (settings.damping == DampingKind::local || settings.damping == DampingKind::block)
-    report.quiet_fraction = 1.0 / std::sqrt(1.0 + settings.local_damping);
+    report.quiet_fraction =
+        1.0 / std::sqrt(1.0 + std::max(settings.local_damping, settings.settling_damping.value_or(0.0)));
   if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
   if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
   const double reduction = std::sqrt(1.0 + xi * xi) - xi;

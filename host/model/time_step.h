@@ -33,11 +33,11 @@ struct TimeStepReport {
 
 // Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.
 struct Inertia {
-  LaneVector<double> node;         // kg; 0 where there is nothing to move
-  std::vector<double> body_mass;   // kg
-  std::vector<Vec3> body_inertia;  // kg m2
-  double deformation = 1.0;        // s of rigid_motion.h: what the inertia against deformation of blocks is times
-  std::vector<RigidMotion> rigid_motion;  // by block group; empty when neither scaling nor damping asks for it
+  LaneVector<double> node;               // kg; 0 where there is nothing to move
+  std::vector<double> body_mass;         // kg
+  std::vector<Vec3> body_inertia;        // kg m2
+  double deformation = 1.0, unit = 1.0;  // s_b and s_u of rigid_motion.h
+  RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
 };
 
 // Inertia with the scaling of the settings, and the time step that goes with it.

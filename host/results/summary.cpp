@@ -56,9 +56,11 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
           {"mass_scaling", s.mass_scaling},
           {"selective_time_step_s", s.selective_time_step},
           {"deformation_inertia", s.deformation_inertia},
+          {"unit_inertia", s.unit_inertia},
           {"deformation_damping", s.deformation_damping},
           {"damping", damping},
           {"local_damping", s.local_damping},
+          {"settling_damping", s.settling_damping.value_or(s.local_damping)},
           {"mass_damping_per_s", s.mass_damping},
           {"stiffness_damping_s", s.stiffness_damping},
           {"stages", stages}};

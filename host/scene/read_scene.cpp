@@ -69,6 +69,11 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   };
   if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)"))
     only_with("local_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
+  if (t.has("settling_damping")) {
+    s.settling_damping = s.local_damping;
+    t.number("settling_damping", *s.settling_damping, between(0, 0.99), "(gamma of stages that run to equilibrium)");
+    only_with("settling_damping", {DampingKind::local, DampingKind::block}, "\"local\" or \"block\"");
+  }
   if (t.number("mass_damping", s.mass_damping, kNotNegative, "1/s"))
     only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
@@ -81,6 +86,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
       only_with("deformation_damping", {DampingKind::block}, "\"block\"");
     t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
              "times the true inertia against deformation");
+    t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
+             "times the true inertia against motion of the halves of a unit on each other");
     if (s.deformation_inertia > 1.0 && s.selective_time_step > 0.0)
       t.refuse("deformation_inertia", "1 with selective_time_step, which has its own way to raise the step; use one");
     if (s.deformation_inertia > 1.0 && damping == DampingKind::local)

@@ -54,9 +54,12 @@ struct SolverSettings {
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
+  double unit_inertia = 1.0;         // and on that against motion of the two halves of a unit on each other
   InternalForces internal_forces = InternalForces::automatic;
   DampingKind damping = DampingKind::local;
-  double local_damping = 0.8;        // local, block: gamma of eq. 1
+  double local_damping = 0.8;  // local, block: gamma of eq. 1
+  // The same in stages that run to equilibrium: vibrations shall die there, while cracks shall run freely elsewhere.
+  std::optional<double> settling_damping;
   double deformation_damping = 0.2;  // block: damping ratio at omega_max, less at lower frequencies in proportion
   double mass_damping = 0.0;         // viscous: alpha, 1/s
   double stiffness_damping = 0.0;    // viscous: beta, s

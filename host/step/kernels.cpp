@@ -81,8 +81,10 @@ void ContactForces(const Model& model, const ContactChunk& chunk, const StepData
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------
 
-// Walks the rows of a template: next() gives K w of the next gridpoint. Even and odd columns are summed apart, so that
-// there are enough independent multiply-adds to hide the latency of one.
+// Walks the rows of a template: next() gives K w of the next gridpoint for kCount groups at once, which share the loads
+// of the coefficients. Alone, even and odd columns are summed apart, so that there are enough independent multiply-adds
+// to hide the latency of one.
+template <int kCount>
 struct StiffnessRows {
   explicit StiffnessRows(const BrickTemplate& shape)
       : column(shape.column.data()),
@@ -90,26 +92,35 @@ struct StiffnessRows {
         column_end(shape.column_end.data()),
         coefficient(shape.coefficient.data()) {}
 
-  HWY_INLINE void next(const double* w, V (&f)[3][kParts]) {
+  HWY_INLINE void next(const double* const (&w)[kCount], V (&f)[kCount][3][kParts]) {
+    constexpr int kSums = kCount == 1 ? 2 : 1;
     const D d;
-    V odd[3][kParts];
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) f[c][p] = odd[c][p] = hn::Zero(d);
+    V sum[kSums][kCount][3][kParts];
+    for (auto& of_group : sum) {
+      for (auto& of_component : of_group) {
+        for (auto& of_part : of_component) {
+          for (V& x : of_part) x = hn::Zero(d);
+        }
+      }
     }
-    const auto add = [&](const double* x, const double* k, V(&sum)[3][kParts]) HWY_ATTR {
-      V part[kParts];
-      for (int p = 0; p < kParts; ++p) part[p] = hn::Load(d, x + p * kWidth);
-      for (int c = 0; c < 3; ++c) {
-        const V factor = hn::Set(d, k[c]);
-        for (int p = 0; p < kParts; ++p) sum[c][p] = hn::MulAdd(factor, part[p], sum[c][p]);
+    const auto add = [&](std::int32_t from, const double* k, V(&to)[kCount][3][kParts]) HWY_ATTR {
+      V factor[3];
+      for (int c = 0; c < 3; ++c) factor[c] = hn::Set(d, k[c]);
+      for (int b = 0; b < kCount; ++b) {
+        for (int p = 0; p < kParts; ++p) {
+          const V x = hn::Load(d, w[b] + from + p * kWidth);
+          for (int c = 0; c < 3; ++c) to[b][c][p] = hn::MulAdd(factor[c], x, to[b][c][p]);
+        }
       }
     };
-    for (const std::int32_t* end = columns + *column_end++; column < end; column += 2, coefficient += 6) {
-      add(w + column[0], coefficient, f);
-      add(w + column[1], coefficient + 3, odd);
+    for (const std::int32_t* end = columns + *column_end++; column < end; column += kSums, coefficient += 3 * kSums) {
+      for (int i = 0; i < kSums; ++i) add(column[i], coefficient + 3 * i, sum[i]);
     }
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Add(f[c][p], odd[c][p]);
+    for (int b = 0; b < kCount; ++b) {
+      for (int c = 0; c < 3; ++c) {
+        for (int p = 0; p < kParts; ++p)
+          f[b][c][p] = kSums == 2 ? hn::Add(sum[0][b][c][p], sum[kSums - 1][b][c][p]) : sum[0][b][c][p];
+      }
     }
   }
 
@@ -151,24 +162,30 @@ HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const
   }
 }
 
-// K w of a group, gridpoint by gridpoint: from the template, or from what zone_forces left in lane layout.
+// K w of kCount groups, gridpoint by gridpoint: from the template, or from what zone_forces left in lane layout.
+template <int kCount>
 class InternalForceRows {
  public:
-  InternalForceRows(const BrickTemplate& shape, const double* w, const double* by_zone)
-      : rows_(shape), w_(w), by_zone_(by_zone) {}
+  explicit InternalForceRows(const BrickTemplate& shape) : rows_(shape) {}
+  void group(int b, const double* w, const double* by_zone) {
+    w_[b] = w;
+    by_zone_[b] = by_zone;
+  }
 
-  HWY_INLINE void next(V (&f)[3][kParts]) {
-    if (!by_zone_) return rows_.next(w_, f);
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Load(D(), by_zone_ + c * kLanes + p * kWidth);
+  HWY_INLINE void next(V (&f)[kCount][3][kParts]) {
+    if (!by_zone_[0]) return rows_.next(w_, f);
+    for (int b = 0; b < kCount; ++b) {
+      for (int c = 0; c < 3; ++c) {
+        for (int p = 0; p < kParts; ++p) f[b][c][p] = hn::Load(D(), by_zone_[b] + c * kLanes + p * kWidth);
+      }
+      by_zone_[b] += kLine;
     }
-    by_zone_ += kLine;
   }
 
  private:
-  StiffnessRows rows_;
-  const double* w_;
-  const double* by_zone_;
+  StiffnessRows<kCount> rows_;
+  const double* w_[kCount] = {};
+  const double* by_zone_[kCount] = {};
 };
 
 // Sums lanes 0 .. 7 in this order.
@@ -203,19 +220,22 @@ struct GroupScratch {
 
 // Everything about a group that its passes need.
 struct GroupData {
-  GroupData(const Model& model, const BlockGroup& group_in, const StepData& step_in, double* scratch_in)
-      : group(group_in),
+  GroupData(const Model& model, int index, const StepData& step_in, double* scratch_in)
+      : group(model.groups[static_cast<std::size_t>(index)]),
         step(step_in),
-        shape(model.templates[static_cast<std::size_t>(group_in.brick_template)]),
-        slots(model.slots[static_cast<std::size_t>(group_in.brick_template)]),
-        slot_point(model.slot_point.data() + static_cast<std::size_t>(group_in.first_slot) * kLanes),
-        slot_run(model.slot_run.data() + group_in.first_slot),
-        motion(step_in.rigid_motion ? step_in.rigid_motion + (&group_in - model.groups.data()) : nullptr),
+        shape(model.templates[static_cast<std::size_t>(group.brick_template)]),
+        slots(model.slots[static_cast<std::size_t>(group.brick_template)]),
+        slot_point(model.slot_point.data() + static_cast<std::size_t>(group.first_slot) * kLanes),
+        slot_run(model.slot_run.data() + group.first_slot),
+        motion(step_in.block_motion ? step_in.block_motion + index : nullptr),
         doubles(shape.node_count * kLine),
-        u(step_in.displacement + static_cast<std::size_t>(group_in.first_line) * kLine),
-        v(step_in.velocity + static_cast<std::size_t>(group_in.first_line) * kLine),
-        dt_over_mass(step_in.dt_over_mass + static_cast<std::size_t>(group_in.first_line) * kLine),
-        scratch(scratch_in, doubles) {}
+        u(step_in.displacement + static_cast<std::size_t>(group.first_line) * kLine),
+        v(step_in.velocity + static_cast<std::size_t>(group.first_line) * kLine),
+        dt_over_mass(step_in.dt_over_mass + static_cast<std::size_t>(group.first_line) * kLine),
+        shared_dt_over_mass(step_in.shared_dt_over_mass[index]),
+        scratch(scratch_in, doubles) {
+    for (int lane = 0; lane < kLanes; ++lane) in_use[lane] = lane < group.block_count ? 1.0 : 0.0;
+  }
 
   const BlockGroup& group;
   const StepData& step;
@@ -223,13 +243,30 @@ struct GroupData {
   const ContactSlots& slots;
   const std::int32_t* slot_point;
   const std::int32_t* slot_run;
-  const RigidMotion* motion;
+  const RigidMotion* motion;  // of its blocks; null: not needed
   const int doubles;
   double* const u;
   double* const v;
   const double* const dt_over_mass;
+  const double* const shared_dt_over_mass;  // null: not shared
+  alignas(64) double in_use[kLanes];        // lanes that hold blocks
   GroupScratch scratch;
 };
+
+// dt/(s_b m) of component c of gridpoint n in part p of the lanes.
+HWY_INLINE V dt_over_mass(const GroupData& g, int n, int c, int p) {
+  const D d;
+  if (g.shared_dt_over_mass)
+    return hn::Mul(hn::Set(d, g.shared_dt_over_mass[3 * n + c]), hn::Load(d, g.in_use + p * kWidth));
+  return hn::Load(d, g.dt_over_mass + n * kLine + c * kLanes + p * kWidth);
+}
+
+// s_b m; 0 where held.
+HWY_INLINE V inertia_at(const GroupData& g, int n, int c, int p) {
+  const D d;
+  const V scale = dt_over_mass(g, n, c, p);
+  return hn::IfThenElseZero(hn::Ne(scale, hn::Zero(d)), hn::Div(hn::Set(d, g.step.time_step), scale));
+}
 
 // The assembled template does all 8 lanes whatever they hold.
 bool forces_by_zone(const GroupData& g) {
@@ -237,101 +274,148 @@ bool forces_by_zone(const GroupData& g) {
   return g.group.block_count <= kFewBlocks;
 }
 
-// Nodal forces and damping forces: - K u, contact points in the order of the slots, weight; Fd of equation 1.
-template <DampingKind kDamping, bool kMeasure>
-HWY_INLINE void group_forces(const GroupData& g) {
+// Nodal forces and damping forces of kCount groups of one template: - K u, contact points in the order of the slots,
+// weight; Fd of equation 1.
+template <DampingKind kDamping, bool kMeasure, int kCount>
+HWY_INLINE void group_forces(const GroupData* groups) {
   const D d;
-  const StepData& step = g.step;
-  double* HWY_RESTRICT net = g.scratch.net;
-  const double* HWY_RESTRICT v = g.v;
+  const StepData& step = groups[0].step;
+  const BrickTemplate& shape = groups[0].shape;
+  const ContactSlots& slots = groups[0].slots;
   const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
+  const bool by_zone = forces_by_zone(groups[0]);
+  const bool elastic_apart = kMeasure && step.stiffness_damping != 0.0;
 
-  // Stiffness-proportional damping acts like the stiffness on u + beta v.
-  const double* w = g.u;
-  if (step.stiffness_damping != 0.0) {
-    const V beta = hn::Set(d, step.stiffness_damping);
-    for (int i = 0; i < g.doubles; i += kWidth) {
-      hn::Store(hn::MulAdd(beta, hn::Load(d, v + i), hn::Load(d, g.u + i)), d, g.scratch.weighted + i);
+  InternalForceRows<kCount> rows(shape), elastic_rows(shape);
+  for (int b = 0; b < kCount; ++b) {
+    const GroupData& g = groups[b];
+    // Stiffness-proportional damping acts like the stiffness on u + beta v.
+    const double* w = g.u;
+    if (step.stiffness_damping != 0.0) {
+      const V beta = hn::Set(d, step.stiffness_damping);
+      for (int i = 0; i < g.doubles; i += kWidth) {
+        hn::Store(hn::MulAdd(beta, hn::Load(d, g.v + i), hn::Load(d, g.u + i)), d, g.scratch.weighted + i);
+      }
+      w = g.scratch.weighted;
     }
-    w = g.scratch.weighted;
+    if (by_zone) {
+      zone_forces(shape, g.group.block_count, w, g.scratch.by_zone);
+      if (elastic_apart) zone_forces(shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
+    }
+    rows.group(b, w, by_zone ? g.scratch.by_zone : nullptr);
+    elastic_rows.group(b, g.u, by_zone ? g.scratch.elastic_by_zone : nullptr);
   }
 
-  const bool by_zone = forces_by_zone(g);
-  const bool elastic_apart = kMeasure && w != g.u;
-  if (by_zone) {
-    zone_forces(g.shape, g.group.block_count, w, g.scratch.by_zone);
-    if (elastic_apart) zone_forces(g.shape, g.group.block_count, g.u, g.scratch.elastic_by_zone);
-  }
-  InternalForceRows rows(g.shape, w, by_zone ? g.scratch.by_zone : nullptr);
-  InternalForceRows elastic_rows(g.shape, g.u, by_zone ? g.scratch.elastic_by_zone : nullptr);
   int slot = 0;
-  for (int n = 0; n < g.shape.node_count; ++n) {
-    V f[3][kParts];
+  for (int n = 0; n < shape.node_count; ++n) {
+    V f[kCount][3][kParts];
     rows.next(f);
     if (kMeasure) {
-      V elastic[3][kParts];
+      V elastic[kCount][3][kParts];
       if (elastic_apart) elastic_rows.next(elastic);
-      for (int c = 0; c < 3; ++c) {
-        for (int p = 0; p < kParts; ++p) {
-          if (!elastic_apart) elastic[c][p] = f[c][p];
-          const int i = n * kLine + c * kLanes + p * kWidth;
-          hn::Store(elastic[c][p], d, g.scratch.elastic + i);
-          hn::Store(hn::Sub(f[c][p], elastic[c][p]), d, g.scratch.damping + i);  // beta K v
+      for (int b = 0; b < kCount; ++b) {
+        for (int c = 0; c < 3; ++c) {
+          for (int p = 0; p < kParts; ++p) {
+            if (!elastic_apart) elastic[b][c][p] = f[b][c][p];
+            const int i = n * kLine + c * kLanes + p * kWidth;
+            hn::Store(elastic[b][c][p], d, groups[b].scratch.elastic + i);
+            hn::Store(hn::Sub(f[b][c][p], elastic[b][c][p]), d, groups[b].scratch.damping + i);  // beta K v
+          }
         }
       }
     }
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) f[c][p] = hn::Neg(f[c][p]);
-    }
-    for (; slot < g.slots.slot_end[static_cast<std::size_t>(n)]; ++slot) {
-      const V sign = hn::Set(d, g.slots.sign[static_cast<std::size_t>(slot)]);
-      const std::int32_t* point = g.slot_point + slot * kLanes;
-      const std::int32_t run = g.slot_run[slot];
+    for (int b = 0; b < kCount; ++b) {
       for (int c = 0; c < 3; ++c) {
-        for (int p = 0; p < kParts; ++p) {
-          const double* force = step.force[c];
-          const V along = run >= 0 ? hn::LoadU(d, force + run + p * kWidth) : gather(d, force, point + p * kWidth);
-          f[c][p] = hn::MulAdd(sign, along, f[c][p]);
+        for (int p = 0; p < kParts; ++p) f[b][c][p] = hn::Neg(f[b][c][p]);
+      }
+    }
+    for (; slot < slots.slot_end[static_cast<std::size_t>(n)]; ++slot) {
+      const V sign = hn::Set(d, slots.sign[static_cast<std::size_t>(slot)]);
+      for (int b = 0; b < kCount; ++b) {
+        const std::int32_t* point = groups[b].slot_point + slot * kLanes;
+        const std::int32_t run = groups[b].slot_run[slot];
+        for (int c = 0; c < 3; ++c) {
+          for (int p = 0; p < kParts; ++p) {
+            const double* force = step.force[c];
+            const V along = run >= 0 ? hn::LoadU(d, force + run + p * kWidth) : gather(d, force, point + p * kWidth);
+            f[b][c][p] = hn::MulAdd(sign, along, f[b][c][p]);
+          }
         }
       }
     }
-    const double mass = g.shape.node_mass[static_cast<std::size_t>(n)];
+    const double mass = shape.node_mass[static_cast<std::size_t>(n)];
     for (int c = 0; c < 3; ++c) {
       const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
-      for (int p = 0; p < kParts; ++p) {
-        const int i = n * kLine + c * kLanes + p * kWidth;
-        const V force = hn::Add(f[c][p], weight);
-        V after = force;
-        if (kDamping == DampingKind::local) {
-          // Fd = gamma |F| sgn(v), sgn(0) = +1
-          const V amount = hn::Mul(gamma, hn::Abs(force));
-          const V damping = hn::IfThenElse(hn::Lt(hn::Load(d, v + i), zero), hn::Neg(amount), amount);
-          after = hn::Sub(force, damping);
-          if (kMeasure) hn::Store(damping, d, g.scratch.damping + i);
+      for (int b = 0; b < kCount; ++b) {
+        const GroupData& g = groups[b];
+        for (int p = 0; p < kParts; ++p) {
+          const int i = n * kLine + c * kLanes + p * kWidth;
+          const V force = hn::Add(f[b][c][p], weight);
+          V after = force;
+          if (kDamping == DampingKind::local) {
+            // Fd = gamma |F| sgn(v), sgn(0) = +1
+            const V amount = hn::Mul(gamma, hn::Abs(force));
+            const V damping = hn::IfThenElse(hn::Lt(hn::Load(d, g.v + i), zero), hn::Neg(amount), amount);
+            after = hn::Sub(force, damping);
+            if (kMeasure) hn::Store(damping, d, g.scratch.damping + i);
+          }
+          hn::Store(after, d, g.scratch.net + i);
+          if (kMeasure) hn::Store(hn::Load(d, g.v + i), d, g.scratch.velocity + i);
         }
-        hn::Store(after, d, net + i);
-        if (kMeasure) hn::Store(hn::Load(d, v + i), d, g.scratch.velocity + i);
       }
     }
   }
 }
 
-// Lanes that hold a block.
-HWY_INLINE V lanes_in_use(const GroupData& g, int part) {
-  alignas(64) double use[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) use[lane] = lane < g.group.block_count ? 1.0 : 0.0;
-  return hn::Load(D(), use + part * kWidth);
-}
+// ---- Rigid motion of blocks and units (model/rigid_motion.h)
+// ---------------------------------------------------------
 
-// Sum x and sum r x x over the gridpoints, times inverse mass and inertia: the rigid-body acceleration of forces x.
-struct RigidVectors {
+// Force and moment about a centre, or velocity and spin, or acceleration of both; of the blocks in all lanes.
+struct Rigid {
   V linear[3][kParts], angular[3][kParts];
 };
-template <class Weight>
-HWY_INLINE void rigid_sums(const GroupData& g, const double* x, Weight weight_of, RigidVectors* sum) {
-  const D d;
+
+template <class Operation>
+HWY_INLINE Rigid each(const Rigid& x, const Rigid& y, Operation operation) {
+  Rigid result;
   for (int c = 0; c < 3; ++c) {
-    for (int p = 0; p < kParts; ++p) sum->linear[c][p] = sum->angular[c][p] = hn::Zero(d);
+    for (int p = 0; p < kParts; ++p) {
+      result.linear[c][p] = operation(x.linear[c][p], y.linear[c][p]);
+      result.angular[c][p] = operation(x.angular[c][p], y.angular[c][p]);
+    }
+  }
+  return result;
+}
+
+// The blocks of a unit group, and their rigid motion.
+struct UnitData {
+  UnitData(const Model& model, const UnitGroup& unit, const StepData& step_in, double* scratch)
+      : step(step_in),
+        count(unit.group_count),
+        blocks{{model, unit.first_group, step_in, scratch},
+               {model, unit.first_group + unit.group_count - 1, step_in, scratch + step_in.scratch_doubles}},
+        motion(step_in.unit_motion ? step_in.unit_motion + (&unit - model.unit_groups.data()) : nullptr) {
+    if (!motion) return;
+    for (std::size_t b = 0; b < kUnitBlocks; ++b) {
+      for (std::size_t c = 0; c < 3; ++c)
+        arm[b][c] = blocks[b].motion->centre[c] + blocks[b].group.offset[c] - motion->centre[c];
+    }
+  }
+
+  const StepData& step;
+  const int count;
+  const GroupData blocks[kUnitBlocks];  // the second is the first where count is 1
+  const RigidMotion* const motion;
+  Vec3 arm[kUnitBlocks];  // of the centre of each block from that of the unit
+};
+
+// Sum x and sum r x x over the gridpoints of a group.
+template <class Weight>
+HWY_INLINE Rigid rigid_sums(const GroupData& g, const double* x, Weight weight_of) {
+  const D d;
+  Rigid sum;
+  for (int c = 0; c < 3; ++c) {
+    for (int p = 0; p < kParts; ++p) sum.linear[c][p] = sum.angular[c][p] = hn::Zero(d);
   }
   for (int n = 0; n < g.shape.node_count; ++n) {
     const Vec3& at = g.shape.node[static_cast<std::size_t>(n)];
@@ -339,86 +423,176 @@ HWY_INLINE void rigid_sums(const GroupData& g, const double* x, Weight weight_of
       V f[3];
       for (int c = 0; c < 3; ++c) {
         const int i = n * kLine + c * kLanes + p * kWidth;
-        f[c] = weight_of(n, i, hn::Load(d, x + i));
-        sum->linear[c][p] = hn::Add(sum->linear[c][p], f[c]);
+        f[c] = weight_of(n, c, p, hn::Load(d, x + i));
+        sum.linear[c][p] = hn::Add(sum.linear[c][p], f[c]);
       }
       for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
         const V r_next = hn::Set(d, at[next] - g.motion->centre[next]);
         const V r_last = hn::Set(d, at[last] - g.motion->centre[last]);
-        sum->angular[c][p] = hn::MulAdd(r_next, f[last], hn::NegMulAdd(r_last, f[next], sum->angular[c][p]));
+        sum.angular[c][p] = hn::MulAdd(r_next, f[last], hn::NegMulAdd(r_last, f[next], sum.angular[c][p]));
       }
     }
   }
+  return sum;
 }
-HWY_INLINE RigidVectors times_inverse_inertia(const GroupData& g, const RigidVectors& sum, double factor) {
+
+HWY_INLINE Rigid times(const std::array<double, 9>& matrix, const Vec3& diagonal, const Rigid& x) {
   const D d;
-  RigidVectors result;
+  Rigid result;
   for (int p = 0; p < kParts; ++p) {
-    const V use = hn::Mul(lanes_in_use(g, p), hn::Set(d, factor));
     for (std::size_t c = 0; c < 3; ++c) {
-      result.linear[c][p] = hn::Mul(hn::Mul(hn::Set(d, g.motion->inverse_mass[c]), use), sum.linear[c][p]);
+      result.linear[c][p] = hn::Mul(hn::Set(d, diagonal[c]), x.linear[c][p]);
       V turn = hn::Zero(d);
-      for (std::size_t k = 0; k < 3; ++k)
-        turn = hn::MulAdd(hn::Set(d, g.motion->inverse_inertia[3 * c + k]), sum.angular[k][p], turn);
-      result.angular[c][p] = hn::Mul(turn, use);
+      for (std::size_t k = 0; k < 3; ++k) turn = hn::MulAdd(hn::Set(d, matrix[3 * c + k]), x.angular[k][p], turn);
+      result.angular[c][p] = turn;
+    }
+  }
+  return result;
+}
+HWY_INLINE Rigid over_inertia(const RigidMotion& motion, const Rigid& x) {
+  return times(motion.inverse_inertia, motion.inverse_mass, x);
+}
+HWY_INLINE Rigid times_inertia(const RigidMotion& motion, const Rigid& x) {
+  return times(motion.inertia, {motion.mass, motion.mass, motion.mass}, x);
+}
+
+// sum + arm x direct, component by component.
+HWY_INLINE void add_cross(const Vec3& arm, const V (&direct)[3][kParts], V (&sum)[3][kParts]) {
+  const D d;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+    const V r_next = hn::Set(d, arm[next]), r_last = hn::Set(d, arm[last]);
+    for (int p = 0; p < kParts; ++p)
+      sum[c][p] = hn::MulAdd(r_next, direct[last][p], hn::NegMulAdd(r_last, direct[next][p], sum[c][p]));
+  }
+}
+
+// Motion of the unit from forces on its blocks, or from their momenta.
+HWY_INLINE Rigid motion_of_unit(const UnitData& unit, const Rigid (&of_block)[kUnitBlocks]) {
+  Rigid sum = of_block[0];
+  add_cross(unit.arm[0], of_block[0].linear, sum.angular);
+  Rigid second = of_block[1];
+  add_cross(unit.arm[1], of_block[1].linear, second.angular);
+  sum = each(sum, second, [](V x, V y) HWY_ATTR { return hn::Add(x, y); });
+  return over_inertia(*unit.motion, sum);
+}
+
+// Motion of the unit as its block b sees it: A + alpha x arm, alpha.
+HWY_INLINE Rigid at_block(const UnitData& unit, int b, const Rigid& of_unit) {
+  Rigid result = of_unit;
+  const Vec3& arm = unit.arm[b];
+  add_cross({-arm[0], -arm[1], -arm[2]}, of_unit.angular, result.linear);
+  return result;
+}
+
+HWY_INLINE Rigid difference(const Rigid& x, const Rigid& y) {
+  return each(x, y, [](V a, V b) HWY_ATTR { return hn::Sub(a, b); });
+}
+
+// Rigid part of the acceleration of each block that M'^-1 gives beyond net/(s_b m), and with damping by block the
+// damping: gamma |a| sgn(v) on the motion of the unit, and on that of its halves beside it.
+struct RigidStep {
+  Rigid extra[kUnitBlocks];    // m/s2, 1/s2
+  Rigid damping[kUnitBlocks];  // the same, before the inertia of unit motion
+};
+template <DampingKind kDamping>
+HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
+  const D d;
+  const StepData& step = unit.step;
+  const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
+  const double of_deformation = 1.0 / step.deformation_inertia, of_unit = 1.0 / step.unit_inertia;
+  const auto damped = [&](V a, V v) HWY_ATTR {
+    const V amount = hn::Mul(gamma, hn::Abs(a));
+    return hn::IfThenElse(hn::Lt(v, zero), hn::Neg(amount), amount);
+  };
+  const auto plus = [&](V x, V y) HWY_ATTR { return hn::Add(x, y); };
+  const auto plus_times = [d](double factor) HWY_ATTR {
+    return [f = hn::Set(d, factor)](V x, V y) HWY_ATTR { return hn::MulAdd(f, y, x); };
+  };
+
+  Rigid force[kUnitBlocks], momentum[kUnitBlocks], acceleration[kUnitBlocks], velocity[kUnitBlocks];
+  for (int b = 0; b < unit.count; ++b) {
+    const GroupData& g = unit.blocks[b];
+    force[b] = rigid_sums(g, g.scratch.net, [](int, int, int, V f) HWY_ATTR { return f; });
+    acceleration[b] = over_inertia(*g.motion, force[b]);
+    if (kDamping != DampingKind::block) continue;
+    momentum[b] = rigid_sums(g, g.v, [&](int n, int, int, V v) HWY_ATTR {
+      return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), v);
+    });
+    velocity[b] = over_inertia(*g.motion, momentum[b]);
+  }
+
+  RigidStep result;
+  const auto times_factor = [d](double factor, const Rigid& x) HWY_ATTR {
+    return each(x, x, [f = hn::Set(d, factor)](V y, V) HWY_ATTR { return hn::Mul(f, y); });
+  };
+  if (unit.count == 1) {
+    result.extra[0] = times_factor(1.0 - of_deformation, acceleration[0]);
+    if (kDamping == DampingKind::block) {
+      result.damping[0] = each(acceleration[0], velocity[0], damped);
+      result.extra[0] = difference(result.extra[0], result.damping[0]);
+    }
+  } else {
+    const Rigid whole = motion_of_unit(unit, force);
+    Rigid whole_damping, beside_damping[kUnitBlocks], beside_force[kUnitBlocks], leak;
+    if (kDamping == DampingKind::block) {
+      const Rigid whole_velocity = motion_of_unit(unit, momentum);
+      whole_damping = each(whole, whole_velocity, damped);
+      for (int b = 0; b < kUnitBlocks; ++b) {
+        beside_damping[b] = each(difference(acceleration[b], at_block(unit, b, whole)),
+                                 difference(velocity[b], at_block(unit, b, whole_velocity)), damped);
+        beside_force[b] = times_inertia(*unit.blocks[b].motion, beside_damping[b]);
+      }
+      // What halves do beside the unit must not brake the unit.
+      leak = motion_of_unit(unit, beside_force);
+    }
+    for (int b = 0; b < kUnitBlocks; ++b) {
+      result.extra[b] = each(times_factor(of_unit - of_deformation, acceleration[b]), at_block(unit, b, whole),
+                             plus_times(1.0 - of_unit));
+      if (kDamping != DampingKind::block) continue;
+      const Rigid of_whole = at_block(unit, b, whole_damping);
+      const Rigid beside = difference(beside_damping[b], at_block(unit, b, leak));
+      result.damping[b] = each(of_whole, beside, plus);
+      result.extra[b] = each(difference(result.extra[b], of_whole), beside, plus_times(-of_unit));
     }
   }
   return result;
 }
 
-// Central differences: v += dt M'^-1 (F - Fd), u += dt v. With damping by block, rigid_damping gets force and moment of
-// Fd = gamma |F| sgn(v) on the rigid motion.
+// Central differences: v += dt M'^-1 (F - Fd), u += dt v.
 template <DampingKind kDamping>
-HWY_INLINE void integrate_group(const GroupData& g, RigidVectors* rigid_damping) {
+HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra) {
   const D d;
+  const GroupData& g = unit.blocks[b];
   const V dt = hn::Set(d, g.step.time_step);
   // The part alpha m v of viscous damping needs no mass: alpha m v dt/m = alpha dt v.
   const V decay = hn::Set(d, g.step.mass_damping * g.step.time_step);
   const double* net = g.scratch.net;
-  const auto move = [&](int i, V extra) {
-    const V before = hn::Load(d, g.v + i);
-    const V after = hn::MulAdd(hn::Load(d, net + i), hn::Load(d, g.dt_over_mass + i),
-                               hn::Add(hn::NegMulAdd(decay, before, before), extra));
+  const auto move = [&](int n, int c, int p, V more) HWY_ATTR {
+    const int i = n * kLine + c * kLanes + p * kWidth;
+    V before = hn::Load(d, g.v + i);
+    if (kDamping == DampingKind::viscous) before = hn::NegMulAdd(decay, before, before);
+    const V after = hn::MulAdd(hn::Load(d, net + i), dt_over_mass(g, n, c, p), hn::Add(before, more));
     hn::Store(after, d, g.v + i);
     hn::Store(hn::MulAdd(after, dt, hn::Load(d, g.u + i)), d, g.u + i);
   };
-  if (!g.motion) {
-    for (int i = 0; i < g.doubles; i += kWidth) move(i, hn::Zero(d));
-    return;
-  }
-  RigidVectors force, excess;
-  rigid_sums(
-      g, net, [](int, int, V f) { return f; }, &force);
-  const V released = hn::Set(d, 1.0 - 1.0 / g.step.deformation_inertia);
-  if (kDamping == DampingKind::block) {
-    RigidVectors momentum;
-    const auto mass_times = [&](int n, int, V velocity) {
-      return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), velocity);
-    };
-    rigid_sums(g, g.v, mass_times, &momentum);
-    const V gamma = hn::Set(d, g.step.local_damping), zero = hn::Zero(d);
-    const auto damp = [&](const V(&f)[3][kParts], const V(&motion)[3][kParts], V(&damping)[3][kParts],
-                          V(&net_force)[3][kParts]) {
+  if (!extra) {
+    for (int n = 0; n < g.shape.node_count; ++n) {
       for (int c = 0; c < 3; ++c) {
-        for (int p = 0; p < kParts; ++p) {
-          const V amount = hn::Mul(gamma, hn::Abs(f[c][p]));
-          damping[c][p] = hn::IfThenElse(hn::Lt(motion[c][p], zero), hn::Neg(amount), amount);
-          net_force[c][p] = hn::MulSub(released, f[c][p], damping[c][p]);
-        }
-      }
-    };
-    damp(force.linear, momentum.linear, rigid_damping->linear, excess.linear);
-    damp(force.angular, momentum.angular, rigid_damping->angular, excess.angular);
-  } else {
-    for (int c = 0; c < 3; ++c) {
-      for (int p = 0; p < kParts; ++p) {
-        excess.linear[c][p] = hn::Mul(released, force.linear[c][p]);
-        excess.angular[c][p] = hn::Mul(released, force.angular[c][p]);
+        for (int p = 0; p < kParts; ++p) move(n, c, p, hn::Zero(d));
       }
     }
+    return;
   }
-  const RigidVectors rigid = times_inverse_inertia(g, excess, g.step.time_step);
+  Rigid gain;  // of velocity in the step, where there is a block
+  for (int p = 0; p < kParts; ++p) {
+    const V factor = hn::Mul(hn::Load(d, g.in_use + p * kWidth), dt);
+    for (int c = 0; c < 3; ++c) {
+      gain.linear[c][p] = hn::Mul(extra->linear[c][p], factor);
+      gain.angular[c][p] = hn::Mul(extra->angular[c][p], factor);
+    }
+  }
   for (int n = 0; n < g.shape.node_count; ++n) {
     const Vec3& at = g.shape.node[static_cast<std::size_t>(n)];
     for (std::size_t c = 0; c < 3; ++c) {
@@ -426,31 +600,25 @@ HWY_INLINE void integrate_group(const GroupData& g, RigidVectors* rigid_damping)
       const V r_next = hn::Set(d, at[next] - g.motion->centre[next]);
       const V r_last = hn::Set(d, at[last] - g.motion->centre[last]);
       for (int p = 0; p < kParts; ++p) {
-        const V turn = hn::NegMulAdd(rigid.angular[last][p], r_next, hn::Mul(rigid.angular[next][p], r_last));
-        move(n * kLine + static_cast<int>(c) * kLanes + p * kWidth, hn::Add(rigid.linear[c][p], turn));
+        const V turn = hn::NegMulAdd(gain.angular[last][p], r_next, hn::Mul(gain.angular[next][p], r_last));
+        move(n, static_cast<int>(c), p, hn::Add(gain.linear[c][p], turn));
       }
     }
   }
 }
 
-// What a measured step records, from what the passes left in scratch.
-template <DampingKind kDamping>
-HWY_INLINE void measure_group(const GroupData& g, const RigidVectors& rigid_damping, Measured* measured) {
-  const D d;
-  const StepData& step = g.step;
-  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
-  const V half_dt = hn::Mul(half, dt), alpha = hn::Set(d, step.mass_damping);
-  const GroupScratch& s = g.scratch;
+// What a measured step records, lane by lane, from what the passes left in scratch.
+struct LaneSums {
   V unbalanced[kParts], kinetic[kParts], moment[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
       weight_before[kParts], weight_after[kParts];
-  for (int p = 0; p < kParts; ++p) {
-    unbalanced[p] = kinetic[p] = moment[p] = strain[p] = damping_before[p] = damping_after[p] = weight_before[p] =
-        weight_after[p] = zero;
-  }
-  const auto inertia_at = [&](int i) {
-    const V scale = hn::Load(d, g.dt_over_mass + i);
-    return hn::IfThenElseZero(hn::Ne(scale, zero), hn::Div(dt, scale));
-  };
+};
+
+template <DampingKind kDamping>
+HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
+  const D d;
+  const StepData& step = g.step;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step), half_dt = hn::Mul(half, dt);
+  const GroupScratch& s = g.scratch;
   for (int n = 0; n < g.shape.node_count; ++n) {
     const double mass = g.shape.node_mass[static_cast<std::size_t>(n)];
     V squared[kParts];
@@ -459,107 +627,135 @@ HWY_INLINE void measure_group(const GroupData& g, const RigidVectors& rigid_damp
       const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
       for (int p = 0; p < kParts; ++p) {
         const int i = n * kLine + c * kLanes + p * kWidth;
-        const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(i);
+        const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(g, n, c, p);
         const V damping = hn::Load(d, s.damping + i);
         // Local damping is part of the net force, beta K v of the internal force.
         const V force =
             kDamping == DampingKind::local ? hn::Add(hn::Load(d, s.net + i), damping) : hn::Load(d, s.net + i);
         const V free_force = hn::IfThenElseZero(hn::Ne(inertia, zero), force);
         squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
-        kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), kinetic[p]);
-        moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), moment[p]);
+        sums->kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), sums->kinetic[p]);
+        sums->moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), sums->moment[p]);
         // K u was formed before u moved on.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
-        strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, strain[p]);
+        sums->strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, sums->strain[p]);
         if (kDamping != DampingKind::none) {
-          damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), damping_before[p]);
-          damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), damping_after[p]);
+          sums->damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), sums->damping_before[p]);
+          sums->damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), sums->damping_after[p]);
         }
-        weight_before[p] = hn::MulAdd(weight, hn::Mul(before, half_dt), weight_before[p]);
-        weight_after[p] = hn::MulAdd(weight, hn::Mul(after, half_dt), weight_after[p]);
+        sums->weight_before[p] = hn::MulAdd(weight, hn::Mul(before, half_dt), sums->weight_before[p]);
+        sums->weight_after[p] = hn::MulAdd(weight, hn::Mul(after, half_dt), sums->weight_after[p]);
       }
     }
-    for (int p = 0; p < kParts; ++p) unbalanced[p] = hn::Max(unbalanced[p], squared[p]);
+    for (int p = 0; p < kParts; ++p) sums->unbalanced[p] = hn::Max(sums->unbalanced[p], squared[p]);
   }
+}
 
-  // v M' w = s v m w - (s - 1) (P v) M (P w): rigid motion has its true inertia.
-  if (g.motion) {
-    const double s_factor = step.deformation_inertia;
-    const auto momentum = [&](int, int i, V velocity) { return hn::Mul(inertia_at(i), velocity); };
-    RigidVectors before, after;
-    rigid_sums(g, s.velocity, momentum, &before);
-    rigid_sums(g, g.v, momentum, &after);
-    // The sums hold s m v: what is over is (s - 1)/s^2 of their product.
-    const double over = (s_factor - 1.0) / (s_factor * s_factor);
-    const RigidVectors motion = times_inverse_inertia(g, before, over);
+// sum + factor x . y, force times velocity.
+HWY_INLINE void add_product(double factor, const Rigid& x, const Rigid& y, V (&sum)[kParts]) {
+  const V f = hn::Set(D(), factor);
+  for (int p = 0; p < kParts; ++p) {
+    for (int c = 0; c < 3; ++c) {
+      sum[p] = hn::MulAdd(hn::Mul(x.linear[c][p], f), y.linear[c][p], sum[p]);
+      sum[p] = hn::MulAdd(hn::Mul(x.angular[c][p], f), y.angular[c][p], sum[p]);
+    }
+  }
+}
+
+// v M' w = s_b v M w - (s_b - s_u) (P_b v) M (P_b w) - (s_u - 1) (P_u v) M (P_u w), of which measure_group has summed
+// the first part; and the work of damping by block.
+template <DampingKind kDamping>
+HWY_INLINE void measure_rigid_motion(const UnitData& unit, const RigidStep& rigid, LaneSums* sums) {
+  const StepData& step = unit.step;
+  const double half_dt = 0.5 * step.time_step;
+  const double s_b = step.deformation_inertia, s_u = unit.count == 1 ? 1.0 : step.unit_inertia;
+  // The sums hold s_b m v.
+  const double over_b = (s_b - s_u) / (s_b * s_b), over_u = (s_u - 1.0) / (s_b * s_b);
+  Rigid before[kUnitBlocks], after[kUnitBlocks];
+  for (int b = 0; b < unit.count; ++b) {
+    const GroupData& g = unit.blocks[b];
+    const auto momentum = [&](int n, int c, int p, V velocity)
+                              HWY_ATTR { return hn::Mul(inertia_at(g, n, c, p), velocity); };
+    before[b] = rigid_sums(g, g.scratch.velocity, momentum);
+    after[b] = rigid_sums(g, g.v, momentum);
+    const Rigid motion = over_inertia(*g.motion, before[b]);
+    add_product(-over_b, motion, after[b], sums->kinetic);
+    add_product(-over_b, motion, before[b], sums->moment);
     if (kDamping == DampingKind::block) {
-      const RigidVectors first = times_inverse_inertia(g, before, 1.0 / s_factor);
-      const RigidVectors second = times_inverse_inertia(g, after, 1.0 / s_factor);
-      const auto add_work = [&](const V(&force)[3][kParts], const V(&velocity)[3][kParts], V(&work)[kParts]) {
-        for (int p = 0; p < kParts; ++p) {
-          for (int c = 0; c < 3; ++c) work[p] = hn::MulAdd(hn::Mul(force[c][p], half_dt), velocity[c][p], work[p]);
-        }
-      };
-      add_work(rigid_damping.linear, first.linear, damping_before);
-      add_work(rigid_damping.angular, first.angular, damping_before);
-      add_work(rigid_damping.linear, second.linear, damping_after);
-      add_work(rigid_damping.angular, second.angular, damping_after);
-    }
-    for (int p = 0; p < kParts; ++p) {
-      for (int c = 0; c < 3; ++c) {
-        kinetic[p] = hn::NegMulAdd(motion.linear[c][p], after.linear[c][p], kinetic[p]);
-        kinetic[p] = hn::NegMulAdd(motion.angular[c][p], after.angular[c][p], kinetic[p]);
-        moment[p] = hn::NegMulAdd(motion.linear[c][p], before.linear[c][p], moment[p]);
-        moment[p] = hn::NegMulAdd(motion.angular[c][p], before.angular[c][p], moment[p]);
-      }
+      const Rigid force = times_inertia(*g.motion, rigid.damping[b]);
+      add_product(half_dt / s_b, force, motion, sums->damping_before);
+      add_product(half_dt / s_b, force, over_inertia(*g.motion, after[b]), sums->damping_after);
     }
   }
-  if (kDamping == DampingKind::viscous) {
-    for (int p = 0; p < kParts; ++p) {  // the part alpha M' v
-      damping_before[p] = hn::MulAdd(hn::Mul(alpha, half_dt), moment[p], damping_before[p]);
-      damping_after[p] = hn::MulAdd(hn::Mul(alpha, half_dt), kinetic[p], damping_after[p]);
-    }
+  if (unit.count == 1) return;
+  const Rigid motion = motion_of_unit(unit, before);
+  for (int b = 0; b < unit.count; ++b) {
+    add_product(-over_u, at_block(unit, b, motion), after[b], sums->kinetic);
+    add_product(-over_u, at_block(unit, b, motion), before[b], sums->moment);
   }
-  for (int p = 0; p < kParts; ++p) kinetic[p] = hn::Mul(half, kinetic[p]);
+}
 
+template <DampingKind kDamping>
+HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measured* measured) {
+  const D d;
+  LaneSums sums;
+  for (int p = 0; p < kParts; ++p) {
+    sums.unbalanced[p] = sums.kinetic[p] = sums.moment[p] = sums.strain[p] = sums.damping_before[p] =
+        sums.damping_after[p] = sums.weight_before[p] = sums.weight_after[p] = hn::Zero(d);
+  }
+  for (int b = 0; b < unit.count; ++b) measure_group<kDamping>(unit.blocks[b], &sums);
+  if (unit.motion) measure_rigid_motion<kDamping>(unit, rigid, &sums);
+  if (kDamping == DampingKind::viscous) {  // the part alpha M' v
+    const V factor = hn::Set(d, unit.step.mass_damping * 0.5 * unit.step.time_step);
+    for (int p = 0; p < kParts; ++p) {
+      sums.damping_before[p] = hn::MulAdd(factor, sums.moment[p], sums.damping_before[p]);
+      sums.damping_after[p] = hn::MulAdd(factor, sums.kinetic[p], sums.damping_after[p]);
+    }
+  }
   alignas(64) double lane[kLanes];
-  for (int p = 0; p < kParts; ++p) hn::Store(unbalanced[p], d, lane + p * kWidth);
+  for (int p = 0; p < kParts; ++p) hn::Store(sums.unbalanced[p], d, lane + p * kWidth);
   measured->unbalanced_squared = 0.0;
   for (double x : lane)
     measured->unbalanced_squared = x > measured->unbalanced_squared ? x : measured->unbalanced_squared;
-  measured->kinetic = sum_lanes(kinetic);
-  measured->strain = sum_lanes(strain);
-  measured->damping_before = sum_lanes(damping_before);
-  measured->damping_after = sum_lanes(damping_after);
-  measured->external_before = sum_lanes(weight_before);
-  measured->external_after = sum_lanes(weight_after);
+  measured->kinetic = 0.5 * sum_lanes(sums.kinetic);
+  measured->strain = sum_lanes(sums.strain);
+  measured->damping_before = sum_lanes(sums.damping_before);
+  measured->damping_after = sum_lanes(sums.damping_after);
+  measured->external_before = sum_lanes(sums.weight_before);
+  measured->external_after = sum_lanes(sums.weight_after);
 }
 
 template <DampingKind kDamping, bool kMeasure>
-HWY_NOINLINE void AdvanceGroupAs(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+HWY_NOINLINE void AdvanceUnitsAs(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                                  Measured* measured) {
-  const GroupData g(model, group, step, scratch);
-  RigidVectors rigid_damping;
-  group_forces<kDamping, kMeasure>(g);
-  integrate_group<kDamping>(g, &rigid_damping);
-  if (kMeasure) measure_group<kDamping>(g, rigid_damping, measured);
+  const UnitData unit(model, units, step, scratch);
+  const bool alike = unit.count == 2 && &unit.blocks[0].shape == &unit.blocks[1].shape;
+  if (alike && !forces_by_zone(unit.blocks[0])) {
+    group_forces<kDamping, kMeasure, 2>(unit.blocks);
+  } else {
+    for (int b = 0; b < unit.count; ++b) group_forces<kDamping, kMeasure, 1>(&unit.blocks[b]);
+  }
+  RigidStep rigid;
+  if (unit.motion) rigid = rigid_step<kDamping>(unit);
+  for (int b = 0; b < unit.count; ++b) integrate_group<kDamping>(unit, b, unit.motion ? &rigid.extra[b] : nullptr);
+  if (kMeasure) measure_unit<kDamping>(unit, rigid, measured);
 }
 
-void AdvanceGroup(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                   Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
-      return measured ? AdvanceGroupAs<DampingKind::none, true>(model, group, step, scratch, measured)
-                      : AdvanceGroupAs<DampingKind::none, false>(model, group, step, scratch, measured);
+      return measured ? AdvanceUnitsAs<DampingKind::none, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<DampingKind::none, false>(model, units, step, scratch, measured);
     case DampingKind::local:
-      return measured ? AdvanceGroupAs<DampingKind::local, true>(model, group, step, scratch, measured)
-                      : AdvanceGroupAs<DampingKind::local, false>(model, group, step, scratch, measured);
+      return measured ? AdvanceUnitsAs<DampingKind::local, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<DampingKind::local, false>(model, units, step, scratch, measured);
     case DampingKind::viscous:
-      return measured ? AdvanceGroupAs<DampingKind::viscous, true>(model, group, step, scratch, measured)
-                      : AdvanceGroupAs<DampingKind::viscous, false>(model, group, step, scratch, measured);
+      return measured ? AdvanceUnitsAs<DampingKind::viscous, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<DampingKind::viscous, false>(model, units, step, scratch, measured);
     case DampingKind::block:
-      return measured ? AdvanceGroupAs<DampingKind::block, true>(model, group, step, scratch, measured)
-                      : AdvanceGroupAs<DampingKind::block, false>(model, group, step, scratch, measured);
+      return measured ? AdvanceUnitsAs<DampingKind::block, true>(model, units, step, scratch, measured)
+                      : AdvanceUnitsAs<DampingKind::block, false>(model, units, step, scratch, measured);
   }
 }
 
@@ -574,7 +770,7 @@ namespace quoin {
 
 HWY_EXPORT(ContactJumps);
 HWY_EXPORT(ContactForces);
-HWY_EXPORT(AdvanceGroup);
+HWY_EXPORT(AdvanceUnits);
 HWY_EXPORT(InstructionSet);
 
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps) {
@@ -583,9 +779,9 @@ void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData
 void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step) {
   HWY_DYNAMIC_DISPATCH(ContactForces)(model, chunk, step);
 }
-void advance_group(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured) {
-  HWY_DYNAMIC_DISPATCH(AdvanceGroup)(model, group, step, scratch, measured);
+  HWY_DYNAMIC_DISPATCH(AdvanceUnits)(model, units, step, scratch, measured);
 }
 const char* kernel_instruction_set() { return HWY_DYNAMIC_DISPATCH(InstructionSet)(); }
 

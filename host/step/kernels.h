@@ -20,17 +20,23 @@ struct StepData {
   double stiffness_damping = 0.0;  // beta, s
   Vec3 gravity{};                  // m/s2
 
-  double* displacement = nullptr;             // lane layout
-  double* velocity = nullptr;                 // lane layout, of half a step ago
-  const double* dt_over_mass = nullptr;       // lane layout, s/kg; 0 for held components
-  double deformation_inertia = 1.0;           // s of model/rigid_motion.h; dt_over_mass has its factor
-  const RigidMotion* rigid_motion = nullptr;  // by block group; null: s is 1
+  double* displacement = nullptr;        // lane layout
+  double* velocity = nullptr;            // lane layout, of half a step ago
+  const double* dt_over_mass = nullptr;  // lane layout, s/kg; 0 for held components
+  // By block group: the same by gridpoint and component where all blocks of the group share it, which is a third less
+  // to read; else null.
+  const double* const* shared_dt_over_mass = nullptr;
+  double deformation_inertia = 1.0;           // s_b of model/rigid_motion.h; dt_over_mass has its factor
+  double unit_inertia = 1.0;                  // s_u
+  const RigidMotion* block_motion = nullptr;  // by block group; null: not needed
+  const RigidMotion* unit_motion = nullptr;   // by unit group; null: not needed
+  std::size_t scratch_doubles = 0;            // of each block of a unit
   const double* normal_shift = nullptr;       // by contact point, added to the opening; null: none
   const double* traction[3] = {};             // sigma, tau_s, tau_t by contact point
   double* force[3] = {};                      // x, y, z on side a by contact point, then a dummy that stays 0
 };
 
-// What a measured step records of a block group or a rigid body. Work is split into the half step that ends at the
+// What a measured step records of a unit group or a rigid body. Work is split into the half step that ends at the
 // time of the displacements and the half step that begins there, so that energies belong to one time.
 struct Measured {
   double unbalanced_squared = 0.0;  // largest over gridpoints, N2
@@ -50,10 +56,10 @@ struct ChunkJumps {
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps);
 void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step);
 
-// Internal forces, sums of contact forces, weight, damping, central differences. scratch: kScratchColumns times the
-// doubles of the group. measured may be null.
+// Internal forces, sums of contact forces, weight, damping, central differences. scratch: kUnitBlocks times
+// scratch_doubles, which are kScratchColumns times the doubles of the largest group. measured may be null.
 inline constexpr int kScratchColumns = 7;
-void advance_group(const Model& model, const BlockGroup& group, const StepData& step, double* scratch,
+void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured);
 
 const char* kernel_instruction_set();  // "AVX2"

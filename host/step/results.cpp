@@ -344,6 +344,7 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   }
   s.monitor = s.model.bodies_named(s.stage >= 0 ? s.scene.stages[at(s.stage)].monitor : "");
   s.bind_whiffletree();
+  s.choose_damping();
   s.controls_settled = s.stage < 0;
   s.flags_step = -1;
   s.energies.reset();

@@ -46,13 +46,13 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
 
   auto blocks_and_bodies = [&](int thread) {
     const auto t = static_cast<std::size_t>(thread);
-    const int group_count = static_cast<int>(model.groups.size());
+    const int unit_count = static_cast<int>(model.unit_groups.size());
     for (int i = thread == 0 ? 0 : item_end[t - 1]; i < item_end[t]; ++i) {
       Measured* const record = measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr;
-      if (i < group_count) {
-        advance_group(model, model.groups[static_cast<std::size_t>(i)], data, scratch[t].data(), record);
+      if (i < unit_count) {
+        advance_units(model, model.unit_groups[static_cast<std::size_t>(i)], data, scratch[t].data(), record);
       } else {
-        const auto b = static_cast<std::size_t>(i - group_count);
+        const auto b = static_cast<std::size_t>(i - unit_count);
         advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
       }
     }
@@ -325,6 +325,7 @@ void Simulation::Impl::begin_stage(int index) {
   monitor = new_monitor;
   monitor_start = monitor_mean(&BodyState::displacement);
   bind_whiffletree();
+  choose_damping();
   if (!whiffletree.empty()) {
     // The tree starts without force: from the mean displacement of the floors.
     monitor_start = {};
@@ -336,6 +337,12 @@ void Simulation::Impl::begin_stage(int index) {
   next_row = 0;
   swaps.clear();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+void Simulation::Impl::choose_damping() {
+  const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
+  const SolverSettings& settings = scene.solver;
+  data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
 void Simulation::Impl::bind_whiffletree() {
@@ -515,13 +522,14 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   }
   bodies.resize(model.bodies.size());
   ramps.resize(model.bodies.size());
-  measured.resize(model.groups.size() + model.bodies.size());
+  measured.resize(model.unit_groups.size() + model.bodies.size());
 
   dt_over_mass.assign(doubles, 0.0);
   for (std::size_t i = 0; i < doubles; ++i) {
     if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0)
       dt_over_mass[i] = time_step.time_step / (inertia.deformation * inertia.node[i]);
   }
+  share_inertia();
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     const ContactFamily& family = model.families[f];
     const std::vector<double> initial = family.material->initial_state(model.assembly.families[f].initial_state);
@@ -533,19 +541,37 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   data.time_step = time_step.time_step;
   data.internal_forces = scene.solver.internal_forces;
   data.damping = scene.solver.damping;
-  data.local_damping = scene.solver.local_damping;
   data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
   data.stiffness_damping = time_step.stiffness_damping;
+  choose_damping();
   bind_columns();
   partition_work();
+}
+
+void Simulation::Impl::share_inertia() {
+  for (const BlockGroup& group : model.groups) {
+    std::vector<double> table;
+    bool alike = true;
+    for (int n = 0; n < model.templates[static_cast<std::size_t>(group.brick_template)].node_count; ++n) {
+      for (int c = 0; c < 3; ++c) {
+        const double* lane = dt_over_mass.data() + (group.first_line + n) * kLine + c * kLanes;
+        table.push_back(lane[0]);
+        alike = alike && std::all_of(lane, lane + group.block_count, [&](double x) { return x == lane[0]; });
+      }
+    }
+    shared_dt_over_mass.push_back(alike ? inertia_tables.insert(std::move(table)).first->data() : nullptr);
+  }
 }
 
 void Simulation::Impl::bind_columns() {
   data.displacement = displacement.data();
   data.velocity = velocity.data();
   data.dt_over_mass = dt_over_mass.data();
+  data.shared_dt_over_mass = shared_dt_over_mass.data();
   data.deformation_inertia = inertia.deformation;
-  data.rigid_motion = inertia.rigid_motion.empty() ? nullptr : inertia.rigid_motion.data();
+  data.unit_inertia = inertia.unit;
+  data.block_motion = inertia.rigid.block.empty() ? nullptr : inertia.rigid.block.data();
+  data.unit_motion = inertia.rigid.unit.empty() ? nullptr : inertia.rigid.unit.data();
   data.normal_shift = normal_shift.empty() ? nullptr : normal_shift.data();
   for (std::size_t k = 0; k < 3; ++k) {
     data.traction[k] = traction[k].data();
@@ -607,16 +633,21 @@ void Simulation::Impl::partition_work() {
       20.0;  // one contact point of a rigid body costs about as much as 20 coefficients of a group
   weight.clear();
   std::size_t largest = 0;
-  for (const BlockGroup& group : model.groups) {
-    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-    weight.push_back(static_cast<double>(shape.coefficient.size()));
-    largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
+  for (const UnitGroup& unit : model.unit_groups) {
+    weight.push_back(0.0);
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = model.groups[static_cast<std::size_t>(g)];
+      const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+      weight.back() += static_cast<double>(shape.coefficient.size());
+      largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
+    }
   }
   for (const RigidBody& body : model.bodies)
     weight.push_back(kBodyPoint * (static_cast<double>(body.point.size()) + 2.0));
   item_end = cut(weight);
+  data.scratch_doubles = kScratchColumns * largest;
   for (int t = 0; t < pool.thread_count(); ++t) {
-    scratch.emplace_back(kScratchColumns * largest, 0.0);
+    scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
     jumps.push_back(std::make_unique<ChunkJumps>());
   }
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,7 @@ struct Simulation::Impl {
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
   void bind_whiffletree();     // bodies of the stage's floors
+  void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
@@ -72,7 +74,8 @@ struct Simulation::Impl {
   long chosen_record_interval() const;
   void sum_measurements();
 
-  void bind_columns();  // pointers of step data and law calls
+  void bind_columns();   // pointers of step data and law calls
+  void share_inertia();  // where the blocks of a group are alike
   void partition_work();
   std::vector<std::uint32_t> current_flags() const;
 
@@ -103,12 +106,14 @@ struct Simulation::Impl {
 
   // Rebuilt from the state or derived.
   LaneVector<double> dt_over_mass;
+  std::set<std::vector<double>> inertia_tables;  // of groups whose blocks share them
+  std::vector<const double*> shared_dt_over_mass;
   LaneVector<double> force[3];           // by contact point, and a dummy
   LaneVector<double> energy_columns[5];  // stored, dissipated by mode; scratch by contact point, energy runs only
   std::vector<std::uint32_t> flags;
   long flags_step = -1;  // step that computed them
   std::vector<LawCall> calls;
-  std::vector<Measured> measured;  // groups, then bodies
+  std::vector<Measured> measured;  // unit groups, then bodies
   double unbalanced_ratio = 0.0;
   std::optional<Energies> energies;
   double kinetic = 0.0;
@@ -119,7 +124,7 @@ struct Simulation::Impl {
   bool keep_diagnostics = false;
 
   StepData data;
-  std::vector<int> chunk_end, item_end;     // per thread; items: groups, then bodies
+  std::vector<int> chunk_end, item_end;     // per thread; items: unit groups, then bodies
   std::vector<LaneVector<double>> scratch;  // per thread
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::atomic<bool> law_failed{false};

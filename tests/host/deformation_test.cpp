@@ -1,4 +1,5 @@
-// Inertia against deformation scaled apart from rigid motion, damping by block, and forces zone by zone.
+// Inertia against deformation, and against motion of the halves of a unit on each other, scaled apart from rigid
+// motion; damping by block; and forces zone by zone.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -14,6 +15,18 @@ constexpr Vec3 kBrick{0.11, 0.0625, 0.1};
 Scene scaled_scene(double deformation_inertia, DampingKind damping = DampingKind::none, double fraction = 0.6) {
   Scene scene = bare_scene(fraction, damping);
   scene.solver.deformation_inertia = deformation_inertia;
+  return scene;
+}
+
+// Pairs of neighbours along x as units of two halves.
+Assembly in_units(Assembly assembly) {
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) assembly.bricks[i].unit = static_cast<int>(i / 2);
+  return assembly;
+}
+
+Scene scaled_units(double deformation_inertia, double unit_inertia, DampingKind damping, double fraction) {
+  Scene scene = scaled_scene(deformation_inertia, damping, fraction);
+  scene.solver.unit_inertia = unit_inertia;
   return scene;
 }
 
@@ -38,37 +51,107 @@ TEST(Deformation, CriticalStepAgreesWithAnIndependentMassMatrix) {
   }
 }
 
+// The same for units: M' = M (P_u + s_u (P_b - P_u) + s_b (1 - P_b)), rigid motions of blocks from the null space of
+// their stiffness, of units from that of blocks and joint together. With and without a plane of symmetry.
+TEST(Deformation, CriticalStepOfUnitsAgreesWithAnIndependentMassMatrix) {
+  for (const bool symmetric : {false, true}) {
+    Assembly assembly = in_units(brick_grid({2, 1, 1}, kBrick, {2, 2, 1}));
+    assembly.symmetry_plane_z0 = symmetric;
+    const Model model(assembly, make_materials(assembly));
+    const int nodes = model.templates[0].node_count;
+    std::vector<std::size_t> free;
+    for (int i = 0; i < 2 * 3 * nodes; ++i) {
+      const std::size_t at = dof(model, i / (3 * nodes), i % (3 * nodes) / 3, i % 3);
+      if (model.node_free[at] != 0.0) free.push_back(at);
+    }
+    const auto n = static_cast<Eigen::Index>(free.size());
+    Eigen::MatrixXd k(n, n), m = Eigen::MatrixXd::Zero(n, n), k_blocks = Eigen::MatrixXd::Zero(n, n);
+    const Eigen::MatrixXd block = dense_stiffness(assembly.bricks[0], brick_material());
+    const Eigen::VectorXd mass = dense_mass(assembly.bricks[0], brick_material());
+    const auto place = [&](std::size_t offset) {  // block, degree of freedom in it
+      for (int i = 0; i < 2 * 3 * nodes; ++i) {
+        if (dof(model, i / (3 * nodes), i % (3 * nodes) / 3, i % 3) == offset)
+          return std::pair(i / (3 * nodes), i % (3 * nodes));
+      }
+      return std::pair(-1, -1);
+    };
+    std::vector<double> u(static_cast<std::size_t>(model.line_count) * kLine, 0.0), f;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      u[free[static_cast<std::size_t>(j)]] = 1.0;
+      apply_undamaged_stiffness(model, u, &f);
+      u[free[static_cast<std::size_t>(j)]] = 0.0;
+      const auto [block_j, dof_j] = place(free[static_cast<std::size_t>(j)]);
+      m(j, j) = mass[dof_j];
+      for (Eigen::Index i = 0; i < n; ++i) {
+        k(i, j) = f[free[static_cast<std::size_t>(i)]];
+        const auto [block_i, dof_i] = place(free[static_cast<std::size_t>(i)]);
+        if (block_i == block_j) k_blocks(i, j) = block(dof_i, dof_j);
+      }
+    }
+    const auto projection = [&](const Eigen::MatrixXd& stiffness, Eigen::Index rigid) -> Eigen::MatrixXd {
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness);
+      EXPECT_LT(solver.eigenvalues()[rigid - 1], 1e-9 * solver.eigenvalues()[n - 1]);
+      EXPECT_GT(solver.eigenvalues()[rigid], 1e-6 * solver.eigenvalues()[n - 1]);
+      const Eigen::MatrixXd r = solver.eigenvectors().leftCols(rigid);
+      return r * (r.transpose() * m * r).inverse() * r.transpose() * m;
+    };
+    const Eigen::MatrixXd of_blocks = projection(k_blocks, symmetric ? 6 : 12);
+    const Eigen::MatrixXd of_unit = projection(k, symmetric ? 3 : 6);
+    for (const auto& [s_b, s_u] : {std::pair{1.0, 9.0}, std::pair{64.0, 16.0}, std::pair{50.0, 1.0}}) {
+      SolverSettings settings;
+      settings.deformation_inertia = s_b;
+      settings.unit_inertia = s_u;
+      Inertia inertia;
+      const TimeStepReport report = choose_time_step(model, settings, &inertia);
+      const Eigen::MatrixXd scaled =
+          m * (of_unit + s_u * (of_blocks - of_unit) + s_b * (Eigen::MatrixXd::Identity(n, n) - of_blocks));
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(k, 0.5 * (scaled + scaled.transpose()),
+                                                                            Eigen::EigenvaluesOnly);
+      EXPECT_NEAR(report.critical.value, 2.0 / std::sqrt(modes.eigenvalues().maxCoeff()), 1e-7 * report.critical.value);
+    }
+  }
+}
+
 TEST(Deformation, StableJustBelowTheLimitUnstableJustAbove) {
   const Assembly assembly = brick_grid({2, 2, 1}, kBrick, {4, 2, 2});
   EXPECT_LT(largest_after(scaled_scene(16.0, DampingKind::none, 0.98), assembly, 3000), 1e-3);
   EXPECT_GT(largest_after(scaled_scene(16.0, DampingKind::none, 1.02), assembly, 3000), 1e3);
+  const Assembly units = in_units(assembly);
+  EXPECT_LT(largest_after(scaled_units(16.0, 5.0, DampingKind::none, 0.98), units, 3000), 1e-3);
+  EXPECT_GT(largest_after(scaled_units(16.0, 5.0, DampingKind::none, 1.02), units, 3000), 1e3);
 }
 
-// Rigid motion has the true inertia whatever the factor: a force on a corner accelerates the block as a rigid body.
+// Rigid motion of blocks and units has the true inertia whatever the factors: it falls and turns as a rigid body.
 TEST(Deformation, RigidMotionKeepsItsInertia) {
-  for (const DampingKind damping : {DampingKind::none, DampingKind::block}) {
-    Scene scene = scaled_scene(100.0, damping);
+  for (const int halves : {1, 2}) {
+    const DampingKind damping = halves == 1 ? DampingKind::none : DampingKind::block;
+    Scene scene = scaled_units(100.0, 30.0, damping, 0.6);
     Stage stage;
     stage.gravity = {1.0, -9.81, 0.5};
     stage.duration = 1.0;
     scene.stages = {stage};
     scene.solver.local_damping = 0.0;
-    Simulation simulation(scene, brick_grid({1, 1, 1}, kBrick, {4, 2, 2}), 1);
+    Simulation simulation(scene, in_units(brick_grid({halves, 1, 1}, kBrick, {4, 2, 2})), 1);
     // Turning slowly about z: u = omega x r.
     const Model& model = simulation.model();
-    for (int n = 0; n < model.templates[0].node_count; ++n) {
-      const Vec3& x = model.templates[0].node[static_cast<std::size_t>(n)];
-      simulation.velocity()[dof(model, 0, n, 0)] = -1e-3 * x[1];
-      simulation.velocity()[dof(model, 0, n, 1)] = 1e-3 * x[0];
+    for (int b = 0; b < halves; ++b) {
+      const auto mesh = simulation.block_mesh(b);
+      for (int n = 0; n < model.templates[0].node_count; ++n) {
+        const Vec3& x = mesh.gridpoint[static_cast<std::size_t>(n)];
+        simulation.velocity()[dof(model, b, n, 0)] = -1e-3 * x[1];
+        simulation.velocity()[dof(model, b, n, 1)] = 1e-3 * x[0];
+      }
     }
     simulation.advance(1000);
     const double t = simulation.time();
-    const auto mesh = simulation.block_mesh(0);
-    const auto velocity = simulation.block_velocity(0);
-    for (std::size_t n = 0; n < velocity.size(); ++n) {
-      EXPECT_NEAR(velocity[n][0], 1.0 * t - 1e-3 * mesh.gridpoint[n][1], 1e-12);
-      EXPECT_NEAR(velocity[n][1], -9.81 * t + 1e-3 * mesh.gridpoint[n][0], 1e-12);
-      EXPECT_NEAR(velocity[n][2], 0.5 * t, 1e-12);
+    for (int b = 0; b < halves; ++b) {
+      const auto mesh = simulation.block_mesh(b);
+      const auto velocity = simulation.block_velocity(b);
+      for (std::size_t n = 0; n < velocity.size(); ++n) {
+        EXPECT_NEAR(velocity[n][0], 1.0 * t - 1e-3 * mesh.gridpoint[n][1], 1e-11);
+        EXPECT_NEAR(velocity[n][1], -9.81 * t + 1e-3 * mesh.gridpoint[n][0], 1e-11);
+        EXPECT_NEAR(velocity[n][2], 0.5 * t, 1e-11);
+      }
     }
   }
 }
@@ -76,42 +159,51 @@ TEST(Deformation, RigidMotionKeepsItsInertia) {
 // Energies count M' and what every damping takes.
 TEST(Deformation, EnergyBalanceCloses) {
   for (const DampingKind damping : {DampingKind::none, DampingKind::viscous, DampingKind::block}) {
-    Scene scene = scaled_scene(16.0, damping, 0.5);
-    scene.output.energy = true;
-    scene.solver.mass_damping = 500.0;
-    scene.solver.stiffness_damping = 2e-7;
-    Simulation simulation(scene, brick_grid({2, 2, 1}, kBrick, {2, 1, 1}), 1);
-    random_velocities(&simulation, 11, 1e-3);
-    simulation.advance(1);
-    const double start = simulation.measure().energies->balance_error();
-    simulation.advance(3000);
-    const Energies end = *simulation.measure().energies;
-    EXPECT_NEAR(end.balance_error(), start, damping == DampingKind::none ? 1e-7 * start : 1e-9 * start);
-    if (damping != DampingKind::none) {
-      EXPECT_GT(end.damping, 0.05 * start);
+    for (const bool units : {false, true}) {
+      Scene scene = scaled_units(16.0, units ? 5.0 : 1.0, damping, 0.5);
+      scene.output.energy = true;
+      scene.solver.mass_damping = 500.0;
+      scene.solver.stiffness_damping = 2e-7;
+      const Assembly blocks = brick_grid({2, 2, 1}, kBrick, {2, 1, 1});
+      Simulation simulation(scene, units ? in_units(blocks) : blocks, 1);
+      random_velocities(&simulation, 11, 1e-3);
+      simulation.advance(1);
+      const double start = simulation.measure().energies->balance_error();
+      simulation.advance(3000);
+      const Energies end = *simulation.measure().energies;
+      EXPECT_NEAR(end.balance_error(), start, damping == DampingKind::none ? 1e-7 * start : 1e-9 * start);
+      if (damping != DampingKind::none) {
+        EXPECT_GT(end.damping, 0.05 * start);
+      }
     }
   }
 }
 
 // The reason for damping by block: local damping lets the vibration of a block brake its flight.
 TEST(Deformation, VibrationBrakesNoMotionUnderDampingByBlock) {
-  const auto momentum_left = [](DampingKind damping, double inertia) {
-    Simulation simulation(scaled_scene(inertia, damping), brick_grid({1, 1, 1}, kBrick, {4, 2, 2}), 1);
+  const auto momentum_left = [](DampingKind damping, double inertia, int halves = 1) {
+    Simulation simulation(scaled_units(inertia, inertia, damping, 0.6),
+                          in_units(brick_grid({halves, 1, 1}, kBrick, {4, 2, 2})), 1);
     const Model& model = simulation.model();
     random_velocities(&simulation, 11, 1e-2);
     const auto momentum = [&] {
       double sum = 0.0;
-      for (int n = 0; n < model.templates[0].node_count; ++n)
-        sum += model.node_mass[dof(model, 0, n, 0)] * simulation.velocity()[dof(model, 0, n, 0)];
+      for (int b = 0; b < halves; ++b) {
+        for (int n = 0; n < model.templates[0].node_count; ++n)
+          sum += model.node_mass[dof(model, b, n, 0)] * simulation.velocity()[dof(model, b, n, 0)];
+      }
       return sum;
     };
-    for (int n = 0; n < model.templates[0].node_count; ++n) simulation.velocity()[dof(model, 0, n, 0)] += 0.02;
+    for (int b = 0; b < halves; ++b) {
+      for (int n = 0; n < model.templates[0].node_count; ++n) simulation.velocity()[dof(model, b, n, 0)] += 0.02;
+    }
     const double start = momentum();
     simulation.advance(3000);
     return momentum() / start;
   };
   EXPECT_NEAR(momentum_left(DampingKind::block, 1.0), 1.0, 1e-9);
   EXPECT_NEAR(momentum_left(DampingKind::block, 16.0), 1.0, 1e-9);
+  EXPECT_NEAR(momentum_left(DampingKind::block, 16.0, 2), 1.0, 1e-9);
   EXPECT_LT(momentum_left(DampingKind::local, 1.0), 0.98);
 }
 
@@ -122,7 +214,7 @@ TEST(Deformation, ForcesByZoneAreThoseOfTheAssembledStiffness) {
       Scene scene = scaled_scene(damping == DampingKind::block ? 16.0 : 1.0, damping, 0.5);
       scene.solver.internal_forces = way;
       scene.output.energy = true;
-      Simulation simulation(scene, brick_grid({3, 3, 1}, kBrick, {4, 2, 2}), 1);
+      Simulation simulation(scene, in_units(brick_grid({4, 3, 1}, kBrick, {4, 2, 2})), 1);
       random_velocities(&simulation, 11, 1e-3);
       simulation.advance(100);
       auto& u = displacement[way == InternalForces::zones];

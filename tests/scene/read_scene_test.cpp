@@ -91,8 +91,9 @@ TEST_F(ReadScene, FillsTheStructs) {
   EXPECT_EQ(s.title, "small");
   EXPECT_EQ(s.materials.at("brick").density, 1900);
   EXPECT_EQ(s.quality, "standard");
-  EXPECT_EQ(s.solver.time_step_fraction, 0.8);
-  EXPECT_EQ(s.solver.deformation_inertia, 16.0);
+  EXPECT_EQ(s.solver.deformation_inertia, 64.0);
+  EXPECT_EQ(s.solver.unit_inertia, 16.0);
+  EXPECT_EQ(s.solver.settling_damping, 0.5);
   EXPECT_FALSE(s.quality_as_is);  // the shear stage has a velocity of its own
   EXPECT_EQ(s.wall->zones, (std::array<int, 3>{4, 2, 2}));
   const JointFamily& mortar = s.joints.at("mortar");
@@ -143,6 +144,7 @@ TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
   const Scene local = read(kScene, {"solver.damping=local"});
   EXPECT_EQ(local.solver.deformation_inertia, 1.0);
   EXPECT_EQ(local.solver.local_damping, 0.8);
+  EXPECT_FALSE(local.solver.settling_damping);
   EXPECT_THAT(message(kScene, {"solver.damping=local", "solver.deformation_inertia=4"}),
               HasSubstr("solver.deformation_inertia = 4"));
   EXPECT_THAT(message(kScene, {"solver.quality=best"}), HasSubstr("fast, standard, reference"));
