@@ -13,6 +13,7 @@ build=$(cd "${2:-build/release}" && pwd)
 scratch=$(mktemp -d)
 bochs_pid=
 trap '[ -z "$bochs_pid" ] || kill "$bochs_pid" 2>/dev/null || true; rm -rf "$scratch"' EXIT
+trap 'exit 1' INT TERM
 ran=0
 failed=0
 
@@ -51,11 +52,11 @@ avx512() {
     "$build/instruction_sets" avx512 "$scratch/reference" "$build/laws" || failed=1
     return
   fi
-  vmlinuz=${QUOIN_VMLINUZ:-$(ls /boot/vmlinuz-* 2>/dev/null | tail -n 1)}
+  vmlinuz=${QUOIN_VMLINUZ:-$(find /boot -name "vmlinuz-*" | sort | tail -n 1)}
   isolinux=/usr/lib/ISOLINUX/isolinux.bin
   loader=/usr/lib/syslinux/modules/bios/ldlinux.c32
   roms=/usr/share/bochs
-  lacks=$(missing bochs xorriso cpio $isolinux $loader $roms/BIOS-bochs-latest $roms/VGABIOS-lgpl-latest \
+  lacks=$(missing bochs-bin xorriso cpio $isolinux $loader $roms/BIOS-bochs-latest $roms/VGABIOS-lgpl-latest \
     "${vmlinuz:-/boot/vmlinuz}")
   [ -z "$lacks" ] || { echo "AVX-512 skipped: no $lacks (the packages at the head of this script)"; return; }
   ran=1
@@ -95,7 +96,7 @@ speaker: enabled=0
 sound: waveoutdrv=dummy, waveindrv=dummy, midioutdrv=dummy
 EOF
   echo c >"$scratch/commands"  # Debian's Bochs starts in its debugger
-  bochs -q -f "$scratch/bochsrc" <"$scratch/commands" >"$scratch/screen" 2>&1 &
+  bochs-bin -q -f "$scratch/bochsrc" <"$scratch/commands" >"$scratch/screen" 2>&1 &
   bochs_pid=$!
   # The first process ends, and Linux with it.
   waited=0
