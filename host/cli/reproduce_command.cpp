@@ -104,7 +104,7 @@ void add_reproduce_command(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember(ids));
   command->add_option("--out", options->out, "Folder for results (default: out/reproduce)")->type_name("DIR");
   command
-      ->add_option("--quality", options->quality, "fast, standard (default) or reference: walls at 80, 40 or 2.5 mm/s")
+      ->add_option("--quality", options->quality, "fast, standard (default) or reference: walls at 40, 20 or 2.5 mm/s")
       ->type_name("QUALITY")
       ->check(CLI::IsMember(qualities_known));
   command->add_option("--jobs", options->jobs, "Runs side by side (default: one a core)")

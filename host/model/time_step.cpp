@@ -212,7 +212,7 @@ struct Lanczos {
 
 // Lanczos without reorthogonalisation: the largest Ritz value converges all the same, lost orthogonality only makes
 // copies of it. A second sweep with the same recurrence gives the vector without storing a basis.
-Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia) {
+Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia, bool with_vector) {
   const std::size_t n = at(system.size());
   std::vector<double> scale(n, 0.0);
   std::size_t free_count = 0;
@@ -273,6 +273,7 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
           result.largest = solver.eigenvalues()[j];
           result.steps = j + 1;
           if (exhausted || settled || j + 1 == steps) {
+            if (!with_vector) return;
             solver.computeFromTridiagonal(diagonal, beside);  // vectors cost far more than values
             ritz = solver.eigenvectors().col(j);
             return;
@@ -285,6 +286,7 @@ Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia
   };
   if (free_count == 0) return result;
   sweep(kMaxSteps, nullptr);
+  if (!with_vector) return result;
   result.vector.assign(n, 0.0);
   sweep(result.steps, &ritz);
   return result;
@@ -301,12 +303,25 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
   return text;
 }
 
-TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia) {
+TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia, Limits wanted) {
   TimeStepReport report;
   report.model_mass = model.total_mass();
+  const auto step_of = [](double omega_squared) {
+    return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
+  };
+  const Lanczos lanczos = largest_eigenvalue(system, inertia, wanted == Limits::all);
+  report.critical.value = step_of(lanczos.largest);
+  report.lanczos_steps = lanczos.steps;
+  if (wanted == Limits::critical) return report;
+
   const auto rows = system.rows(inertia);
+  const auto set_by = [&](int dof, TimeStepLimit* limit) {
+    if (dof < 0) return;
+    limit->position = system.position(dof);
+    limit->where = with_contact_share(model, system, rows, dof);
+  };
   double worst_sum = 0.0, worst_diagonal = 0.0;
-  int sum_dof = -1, diagonal_dof = -1;
+  int sum_dof = -1, diagonal_dof = -1, vector_dof = -1;
   for (int i = 0; i < system.size(); ++i) {
     const double m = system.inertia_of(i, inertia, true);
     if (system.free(i) == 0.0 || m <= 0.0) continue;
@@ -319,25 +334,15 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
       diagonal_dof = i;
     }
   }
-  const auto limit = [&](double omega_squared, int dof) {
-    TimeStepLimit result;
-    result.value = omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
-    if (dof >= 0) {
-      result.position = system.position(dof);
-      result.where = with_contact_share(model, system, rows, dof);
-    }
-    return result;
-  };
-  report.gershgorin = limit(worst_sum, sum_dof);
-  report.nodal = limit(worst_diagonal, diagonal_dof);
-
-  const Lanczos lanczos = largest_eigenvalue(system, inertia);
-  int dof = -1;
   for (std::size_t i = 0; i < lanczos.vector.size(); ++i) {
-    if (dof < 0 || std::abs(lanczos.vector[i]) > std::abs(lanczos.vector[at(dof)])) dof = static_cast<int>(i);
+    if (vector_dof < 0 || std::abs(lanczos.vector[i]) > std::abs(lanczos.vector[at(vector_dof)]))
+      vector_dof = static_cast<int>(i);
   }
-  report.critical = limit(lanczos.largest, dof);
-  report.lanczos_steps = lanczos.steps;
+  report.gershgorin.value = step_of(worst_sum);
+  report.nodal.value = step_of(worst_diagonal);
+  set_by(vector_dof, &report.critical);
+  set_by(sum_dof, &report.gershgorin);
+  set_by(diagonal_dof, &report.nodal);
   return report;
 }
 
@@ -351,15 +356,11 @@ std::string TimeStepReport::warning() const {
       time_step / critical.value, quiet_fraction);
 }
 
-TimeStepReport time_step_limits(const Model& model, const Inertia& inertia) {
-  return limits(model, UndamagedSystem(model), inertia);
-}
-
 void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f) {
   UndamagedSystem(model).apply(u, f);
 }
 
-TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia) {
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted) {
   const UndamagedSystem system(model);
   inertia->node = model.node_mass;
   for (double& m : inertia->node) m *= settings.mass_scaling;
@@ -398,7 +399,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (inertia->deformation != 1.0 || inertia->unit != 1.0 || settings.damping == DampingKind::block)
     inertia->rigid = rigid_motions(model, inertia->node);
 
-  TimeStepReport report = limits(model, system, *inertia);
+  TimeStepReport report = limits(model, system, *inertia, wanted);
   double in_use = 0.0;
   for (int line = 0; line < model.block_line_count; ++line) {
     for (int lane = 0; lane < kLanes; ++lane) in_use += inertia->node[at(line * kLine + lane)];

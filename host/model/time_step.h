@@ -40,11 +40,12 @@ struct Inertia {
   RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
 };
 
-// Inertia with the scaling of the settings, and the time step that goes with it.
-TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia);
+// What a report tells: critical.value alone, or also where it is set and the two other limits, for twice the time.
+enum class Limits { critical, all };
 
-// 2/omega_max etc. for given inertia; exposed for tests.
-TimeStepReport time_step_limits(const Model& model, const Inertia& inertia);
+// Inertia with the scaling of the settings, and the time step that goes with it.
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
+                                Limits wanted = Limits::all);
 
 // K of the undamaged assembled system times a vector: gridpoints in lane layout, then 6 numbers a rigid body
 // (translation, rotation about its centre). Symmetric.

@@ -28,8 +28,8 @@ SolverSettings as_printed() {
 }  // namespace
 
 const std::vector<Quality>& qualities() {
-  static const std::vector<Quality> all{{"fast", by_block(), 0.04, 1e-3, 0.035, 0.15, 0.10},
-                                        {"standard", by_block(), 0.02, 1e-3, 0.015, 0.11, 0.06},
+  static const std::vector<Quality> all{{"fast", by_block(), 0.04, 1e-3, 0.01, 0.12, 0.06},
+                                        {"standard", by_block(), 0.02, 1e-3, 0.01, 0.08, 0.015},
                                         {"reference", as_printed(), 0.0025, 1e-4, 0.005, 0.015, 0.005}};
   return all;
 }

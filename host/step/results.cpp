@@ -97,6 +97,32 @@ constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '1'};
 
 }  // namespace
 
+std::vector<HotArray> Simulation::hot_arrays() const {
+  const Impl& s = *impl_;
+  const Model& model = s.model;
+  const std::size_t lanes = at(model.block_line_count) * kLine * sizeof(double), points = at(model.point_count);
+  std::size_t own_inertia = 0, state_columns = 0, scattered_slots = 0;
+  for (std::size_t g = 0; g < model.groups.size(); ++g) {
+    const auto t = at(model.groups[g].brick_template);
+    if (!s.shared_dt_over_mass[g]) own_inertia += at(model.templates[t].node_count) * kLine * sizeof(double);
+  }
+  for (const std::int32_t run : model.slot_run) scattered_slots += run < 0 ? kLanes : 0;
+  for (const LawCall& call : s.calls) {
+    for (const quoin_out& column : call.state_new) state_columns += column.data ? call.batch.count : 0;
+  }
+  return {{"displacement of gridpoints", false, lanes},
+          {"velocity of gridpoints", false, lanes},
+          {"inertia, where blocks of a group differ", false, own_inertia},
+          {"where slots find their points in a row", false, model.slot_run.size() * sizeof(std::int32_t)},
+          {"where other slots find their points", false, scattered_slots * sizeof(std::int32_t)},
+          {"offsets of the two gridpoints", true, 2 * points * sizeof(std::int32_t)},
+          {"gridpoints in a row from here on", true, points * sizeof(std::uint8_t)},
+          {"area", true, points * sizeof(double)},
+          {"traction", true, 3 * points * sizeof(double)},
+          {"force", true, 3 * points * sizeof(double)},
+          {"state of the law", true, state_columns * sizeof(double)}};
+}
+
 const char* condition_name(Condition condition) {
   constexpr const char* names[kConditionCount] = {"crushed_out", "crushing",  "open",
                                                   "slipping",    "softening", "elastic"};

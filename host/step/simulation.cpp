@@ -506,7 +506,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
     : scene(std::move(scene_in)),
       model(std::move(assembly), std::move(materials)),
-      time_step(choose_time_step(model, scene.solver, &inertia)),
+      time_step(choose_time_step(model, scene.solver, &inertia, Limits::critical)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       want_energy(scene.output.energy),
       keep_diagnostics(scene.output.energy) {

@@ -108,6 +108,13 @@ struct PhaseTimes {
   long steps = 0;
 };
 
+// An array that every step reads or writes.
+struct HotArray {
+  const char* what;
+  bool by_point;      // of contact points; else of deformable blocks
+  std::size_t bytes;  // all of it
+};
+
 class Simulation {
  public:
   // threads 0: as many as the machine has. Laws are found by their names; or pass materials, one a joint family.
@@ -129,6 +136,7 @@ class Simulation {
   void advance(long steps, bool measure_last = true);
   void time_phases(bool on);
   PhaseTimes phase_times() const;
+  std::vector<HotArray> hot_arrays() const;
 
   const Scene& scene() const;
   const Assembly& assembly() const;
