@@ -7,6 +7,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <optional>
 
 #include "cli/prepare.h"
@@ -198,8 +199,10 @@ void run(const RunOptions& options, int& exit_code) {
   }
   const auto& rows = recorder.history().rows();
   if (output.plots) {
-    for (const std::string& notice :
-         {plot_curve(folder, rows, simulation.scene(), law), plot_cracks(folder, simulation, surfaces, rows, law)}) {
+    // Each waits for a gnuplot of its own.
+    auto curve = std::async(std::launch::async, [&] { return plot_curve(folder, rows, simulation.scene(), law); });
+    const std::string of_cracks = plot_cracks(folder, simulation, surfaces, rows, law);
+    for (const std::string& notice : {curve.get(), of_cracks}) {
       if (!notice.empty()) recorder.progress().message("quoin: " + notice);
     }
   }

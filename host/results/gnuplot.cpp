@@ -38,10 +38,11 @@ std::string draw_picture(const std::filesystem::path& folder, const std::string&
   write_file(plots / (name + ".gp"), head + script);
 
   const std::string target = fmt::format("target='../{}.png.part'", name), file = name + ".gp";
+  const std::string log_file = plots / (name + ".log");
   const pid_t child = fork();
-  if (child == 0) {
+  if (child == 0) {  // no allocation from here on: other threads may hold its lock
     const int null = open("/dev/null", O_WRONLY);
-    const int log = open((plots / (name + ".log")).c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const int log = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
     dup2(null, STDOUT_FILENO);
     dup2(log >= 0 ? log : null, STDERR_FILENO);
     if (chdir(plots.c_str()) == 0) execlp("gnuplot", "gnuplot", "-e", target.c_str(), file.c_str(), nullptr);

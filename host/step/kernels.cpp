@@ -284,7 +284,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   const ContactSlots& slots = groups[0].slots;
   const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
   const bool by_zone = forces_by_zone(groups[0]);
-  const bool elastic_apart = kMeasure && step.stiffness_damping != 0.0;
+  const bool elastic_apart = kMeasure && step.energies && step.stiffness_damping != 0.0;
 
   InternalForceRows<kCount> rows(shape), elastic_rows(shape);
   for (int b = 0; b < kCount; ++b) {
@@ -310,7 +310,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   for (int n = 0; n < shape.node_count; ++n) {
     V f[kCount][3][kParts];
     rows.next(f);
-    if (kMeasure) {
+    if (kMeasure && step.energies) {
       V elastic[kCount][3][kParts];
       if (elastic_apart) elastic_rows.next(elastic);
       for (int b = 0; b < kCount; ++b) {
@@ -635,6 +635,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         const V free_force = hn::IfThenElseZero(hn::Ne(inertia, zero), force);
         squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
         sums->kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), sums->kinetic[p]);
+        if (!step.energies) continue;
         sums->moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), sums->moment[p]);
         // K u was formed before u moved on.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));

@@ -14,6 +14,7 @@ namespace quoin {
 struct StepData {
   double time_step = 0.0;  // s
   InternalForces internal_forces = InternalForces::automatic;
+  bool energies = false;  // measured steps record strain energy and work too, which costs a second internal force
   DampingKind damping = DampingKind::none;
   double local_damping = 0.0;      // gamma
   double mass_damping = 0.0;       // alpha, 1/s
@@ -41,6 +42,7 @@ struct StepData {
 struct Measured {
   double unbalanced_squared = 0.0;  // largest over gridpoints, N2
   double kinetic = 0.0;             // m v(-1/2) v(+1/2) / 2, which is what central differences conserve
+  // Of block groups only with StepData::energies:
   double strain = 0.0;
   double damping_before = 0.0, damping_after = 0.0;
   double external_before = 0.0, external_after = 0.0;

@@ -27,37 +27,34 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // ---- The step ------------------------------------------------------------------------------------------------------
 
 // One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
-// Both phases go over independent pieces, each owned by one thread, so the bits do not depend on the number of threads.
+// Both phases go over independent pieces, so the bits do not depend on which thread does which.
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   apply_controls();
   const auto start = timing ? Clock::now() : Clock::time_point();
 
-  auto contacts = [&](int thread) {
-    const auto t = static_cast<std::size_t>(thread);
-    for (int i = thread == 0 ? 0 : chunk_end[t - 1]; i < chunk_end[t]; ++i) {
-      contact_jumps(model, model.chunks[static_cast<std::size_t>(i)], data, jumps[t].get());
-      evaluate_law(i, *jumps[t], measure_step, report);
-      contact_forces(model, model.chunks[static_cast<std::size_t>(i)], data);
-    }
+  auto contacts = [&](int thread, int i) {
+    ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
+    const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(i)];
+    contact_jumps(model, chunk, data, jump);
+    evaluate_law(i, *jump, measure_step, report);
+    contact_forces(model, chunk, data);
   };
-  pool.run(contacts);
+  pool.for_each(chunk_end, contacts);
   if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
   const auto middle = timing ? Clock::now() : Clock::time_point();
 
-  auto blocks_and_bodies = [&](int thread) {
-    const auto t = static_cast<std::size_t>(thread);
-    const int unit_count = static_cast<int>(model.unit_groups.size());
-    for (int i = thread == 0 ? 0 : item_end[t - 1]; i < item_end[t]; ++i) {
-      Measured* const record = measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr;
-      if (i < unit_count) {
-        advance_units(model, model.unit_groups[static_cast<std::size_t>(i)], data, scratch[t].data(), record);
-      } else {
-        const auto b = static_cast<std::size_t>(i - unit_count);
-        advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
-      }
+  const int unit_count = static_cast<int>(model.unit_groups.size());
+  auto blocks_and_bodies = [&](int thread, int i) {
+    Measured* const record = measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr;
+    if (i < unit_count) {
+      double* const memory = scratch[static_cast<std::size_t>(thread)].data();
+      advance_units(model, model.unit_groups[static_cast<std::size_t>(i)], data, memory, record);
+    } else {
+      const auto b = static_cast<std::size_t>(i - unit_count);
+      advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
     }
   };
-  pool.run(blocks_and_bodies);
+  pool.for_each(item_end, blocks_and_bodies);
   if (measure_step) sum_measurements();
   if (report) flags_step = step_count;
   ++step_count;
@@ -540,6 +537,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
 
   data.time_step = time_step.time_step;
   data.internal_forces = scene.solver.internal_forces;
+  data.energies = want_energy;
   data.damping = scene.solver.damping;
   data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
   data.stiffness_damping = time_step.stiffness_damping;
