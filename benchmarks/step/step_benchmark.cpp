@@ -3,8 +3,10 @@
 // has cracked).
 #include <benchmark/benchmark.h>
 
+#include "machine_limits.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
+#include "step/kernels.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -85,6 +87,37 @@ void step(benchmark::State& state) {
   state.counters["bytes_a_point"] = bytes[1] / simulation.model().point_count;
   state.SetLabel(simulation.instruction_set());
 }
+
+// The product with the stiffness alone, over all blocks of the 576-block wall, on one thread: of what the machine can
+// do at best, measured just before.
+void internal_forces(benchmark::State& state) {
+  const benchmarks::Limits limits = benchmarks::measure_limits();
+  const Scene scene = wall(32, 9.0);
+  const Model model(assemble(scene), make_materials(assemble(scene)));
+  LaneVector<double> u(static_cast<std::size_t>(model.line_count) * kLine, 1e-6), force(1 << 16);
+  const std::vector<const double*> none(model.groups.size(), nullptr);
+  StepData data;
+  data.displacement = u.data();
+  data.velocity = u.data();
+  data.dt_over_mass = u.data();
+  data.shared_dt_over_mass = none.data();
+  for (auto _ : state) {
+    for (const UnitGroup& unit : model.unit_groups) internal_force(model, unit, data, force.data());
+    benchmark::DoNotOptimize(force.data());
+  }
+  double flops = 0.0, bytes = 0.0;
+  for (const BlockGroup& group : model.groups) {
+    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+    flops += 2.0 * kLanes * static_cast<double>(shape.coefficient.size());
+    bytes += 2.0 * sizeof(double) * kLine * shape.node_count;  // u in, force out; K stays in the cache
+  }
+  const auto rate = [](double x) { return benchmark::Counter(x, benchmark::Counter::kIsIterationInvariantRate); };
+  state.counters["flop/s"] = rate(flops);
+  state.counters["of_peak"] = rate(flops / limits.flops);
+  state.counters["flop/byte"] = flops / bytes;
+  state.SetLabel(benchmarks::describe(limits));
+}
+BENCHMARK(internal_forces)->Unit(benchmark::kMicrosecond)->MinTime(1.0);
 
 // Blocks from 60 to 100 thousand, undamaged; setting up the largest takes minutes.
 void size(benchmark::State& state) { step(state); }

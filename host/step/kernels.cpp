@@ -367,6 +367,22 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   }
 }
 
+template <int kCount>
+HWY_INLINE void stiffness_times_u(const GroupData* groups, double* force) {
+  InternalForceRows<kCount> rows(groups[0].shape);
+  for (int b = 0; b < kCount; ++b) rows.group(b, groups[b].u, nullptr);
+  for (int n = 0; n < groups[0].shape.node_count; ++n) {
+    V f[kCount][3][kParts];
+    rows.next(f);
+    for (int b = 0; b < kCount; ++b) {
+      for (int c = 0; c < 3; ++c) {
+        for (int p = 0; p < kParts; ++p)
+          hn::Store(f[b][c][p], D(), force + b * groups[0].doubles + n * kLine + c * kLanes + p * kWidth);
+      }
+    }
+  }
+}
+
 // ---- Rigid motion of blocks and units (model/rigid_motion.h)
 // ---------------------------------------------------------
 
@@ -760,6 +776,12 @@ void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& st
   }
 }
 
+void InternalForce(const Model& model, const UnitGroup& units, const StepData& step, double* force) {
+  const UnitData unit(model, units, step, nullptr);
+  if (unit.count == 2) return stiffness_times_u<2>(unit.blocks, force);
+  stiffness_times_u<1>(unit.blocks, force);
+}
+
 const char* InstructionSet() { return hwy::TargetName(HWY_TARGET); }
 
 }  // namespace HWY_NAMESPACE
@@ -772,6 +794,7 @@ namespace quoin {
 HWY_EXPORT(ContactJumps);
 HWY_EXPORT(ContactForces);
 HWY_EXPORT(AdvanceUnits);
+HWY_EXPORT(InternalForce);
 HWY_EXPORT(InstructionSet);
 
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps) {
@@ -783,6 +806,9 @@ void contact_forces(const Model& model, const ContactChunk& chunk, const StepDat
 void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured) {
   HWY_DYNAMIC_DISPATCH(AdvanceUnits)(model, units, step, scratch, measured);
+}
+void internal_force(const Model& model, const UnitGroup& units, const StepData& step, double* force) {
+  HWY_DYNAMIC_DISPATCH(InternalForce)(model, units, step, force);
 }
 const char* kernel_instruction_set() { return HWY_DYNAMIC_DISPATCH(InstructionSet)(); }
 

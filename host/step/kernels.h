@@ -64,6 +64,10 @@ inline constexpr int kScratchColumns = 7;
 void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured);
 
+// K u alone, as advance_units forms it from the assembled stiffness; in lane layout, the groups of the unit one after
+// the other, which must have one template. For benchmarks.
+void internal_force(const Model& model, const UnitGroup& units, const StepData& step, double* force);
+
 const char* kernel_instruction_set();  // "AVX2"
 
 }  // namespace quoin
