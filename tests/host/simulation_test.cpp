@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "scene/quality.h"
 #include "support.h"
 
 namespace quoin {
@@ -66,6 +67,27 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   for (const auto& stress : simulation.block_stress(1)) EXPECT_NEAR(stress[1], -0.3e6, 10.0);
   const auto counts = simulation.condition_counts();
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
+}
+
+// What is only recorded moves nothing: energies; unbalanced force, kinetic energy and flags at every step.
+TEST(Simulation, RecordingChangesNoBit) {
+  std::vector<LaneVector<double>> displacement;
+  for (const auto& [energy, every_step] : {std::pair{false, false}, std::pair{true, false}, std::pair{false, true}}) {
+    Scene scene = sheared_wall(0.1e-3, 3, 2);
+    scene.solver = quality_named("standard").solver;
+    scene.output.energy = energy;
+    scene.stages.erase(scene.stages.begin());
+    Simulation simulation(scene, assemble(scene), 1);
+    if (every_step) {
+      for (int i = 0; i < 1000; ++i) simulation.advance(1, true);
+    } else {
+      simulation.advance(1000, false);
+    }
+    EXPECT_GT(simulation.condition_counts()[static_cast<std::size_t>(Condition::softening)], 0);
+    displacement.push_back(simulation.displacement());
+  }
+  EXPECT_EQ(displacement[1], displacement[0]);
+  EXPECT_EQ(displacement[2], displacement[0]);
 }
 
 TEST(Simulation, ThreadsDoNotChangeABit) {
