@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "model/body_groups.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -35,7 +36,7 @@ bool same_template(const BrickTemplate& t, const Brick& brick) {
 // One side of a joint's contact point before numbering: a template gridpoint of a deformable block, or a rigid body.
 struct Side {
   int block = -1;
-  int node = -1;  // -1: rigid
+  int node = -1;  // of a template, or the slot of a body in a group; -1: a lone body
 };
 
 struct NewPoint {
@@ -372,11 +373,72 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   }
   block_line_count = line_count;
 
+  auto found = PointFinder(assembly, templates, template_of).find();
+
+  // Bodies: those that are alike into groups of 8 lanes. Their contact points learn their slots.
+  struct BodyPlace {
+    int group = -1, lane = -1;
+  };
+  std::vector<BodyPlace> body_place(bodies.size());
+  std::vector<std::array<int, 6>> next_slot(bodies.size());  // by face
+  const auto body_of = [&](const Side& side) { return place[at(side.block)].body; };
+  const auto as_seen_by = [&](const RigidBody& body, const NewPoint& p, bool side_a) {
+    const Vec3 &x = p.position, &centre = body.centre;
+    return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
+  };
+  std::vector<std::vector<BodyPoint>> body_points(bodies.size());
+  std::vector<std::pair<int, int>> joined;
+  for (const NewPoint& p : found) {
+    const int a = body_of(p.a), b = body_of(p.b);
+    if (a >= 0) body_points[at(a)].push_back(as_seen_by(bodies[at(a)], p, true));
+    if (b >= 0) body_points[at(b)].push_back(as_seen_by(bodies[at(b)], p, false));
+    if (a >= 0 && b >= 0) joined.emplace_back(a, b);
+  }
+  for (const BodyClass& kind : body_classes(bodies, body_points)) {
+    BodySlots& places = body_slots.emplace_back();
+    for (const BodyPoint& slot : kind.slot) {
+      places.arm.push_back(slot.arm);
+      places.sign.push_back(slot.face % 2 == 1 ? 1.0 : -1.0);
+    }
+    const int first_group = static_cast<int>(body_groups.size()), count = group_count(kind, joined);
+    for (int g = 0; g < count; ++g) {
+      BodyGroup group;
+      group.slots = static_cast<int>(body_slots.size()) - 1;
+      group.first_line = line_count;
+      line_count += places.slot_count();
+      group.body.fill(kind.body[at(g)]);
+      body_groups.push_back(group);
+    }
+    for (int i = 0; i < static_cast<int>(kind.body.size()); ++i) {
+      const int body = kind.body[at(i)];
+      BodyPlace& where = body_place[at(body)];
+      where = {first_group + i % count, i / count};
+      body_groups[at(where.group)].body[at(where.lane)] = body;
+      body_groups[at(where.group)].body_count = where.lane + 1;
+      // A face that the body uses has the points of the class in the same order.
+      for (int face = 0; face < 6; ++face) next_slot[at(body)][at(face)] = kind.first_slot(face);
+    }
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (body_place[b].group < 0) lone_bodies.push_back(static_cast<int>(b));
+  }
+  for (NewPoint& p : found) {
+    for (Side* side : {&p.a, &p.b}) {
+      const int body = body_of(*side);
+      if (body >= 0 && body_place[at(body)].group >= 0)
+        side->node = next_slot[at(body)][at(2 * p.axis + (side == &p.a ? 1 : 0))]++;
+    }
+  }
+  const std::int32_t grouped_line_count = line_count;
+
   // Contact points, sorted so that neighbouring points have gridpoints in neighbouring lanes. Rows that fill all lanes
   // come first: the others must not break their alignment.
-  auto found = PointFinder(assembly, templates, template_of).find();
   const auto offset_of = [&](const Side& side) {
     const BlockPlace& where = place[at(side.block)];
+    if (where.body >= 0) {
+      const BodyPlace& lane = body_place[at(where.body)];
+      return (body_groups[at(lane.group)].first_line + side.node) * kLine + lane.lane;
+    }
     return (groups[at(where.group)].first_line + side.node) * kLine + where.lane;
   };
   const auto row_of = [&](const NewPoint& p) {
@@ -400,13 +462,16 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   }
   point_count = static_cast<std::int32_t>(found.size());
 
-  std::int32_t slave_count = 0;
+  std::int32_t lone_slave_count = 0;
   for (std::int32_t i = 0; i < point_count; ++i) {
     const NewPoint& p = found[at(i)];
     const auto attach = [&](const Side& side, double sign) {
-      if (side.node >= 0) return offset_of(side);
-      const std::int32_t offset = (block_line_count + slave_count / kLanes) * kLine + slave_count % kLanes;
-      ++slave_count;
+      if (body_of(side) < 0) return offset_of(side);
+      std::int32_t offset = (grouped_line_count + lone_slave_count / kLanes) * kLine + lone_slave_count % kLanes;
+      if (side.node >= 0)
+        offset = offset_of(side);
+      else
+        ++lone_slave_count;
       RigidBody& body = bodies[at(place[at(side.block)].body)];
       body.point.push_back(i);
       body.slave.push_back(offset);
@@ -422,7 +487,7 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     point_position.push_back(p.position);
     point_axis.push_back(static_cast<std::uint8_t>(p.axis));
   }
-  line_count = block_line_count + (slave_count + kLanes - 1) / kLanes;
+  line_count = grouped_line_count + (lone_slave_count + kLanes - 1) / kLanes;
   point_run.assign(at(point_count), 1);
   for (int i = point_count - 2; i >= 0; --i) {
     const bool in_step = node_a[at(i + 1)] == node_a[at(i)] + 1 && node_b[at(i + 1)] == node_b[at(i)] + 1;
@@ -464,8 +529,8 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   }
   for (std::int32_t i = 0; i < point_count; ++i) {
     const NewPoint& p = found[at(i)];
-    if (p.a.node >= 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
-    if (p.b.node >= 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
+    if (body_of(p.a) < 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
+    if (body_of(p.b) < 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
   }
   slots.resize(templates.size());
   std::vector<std::vector<std::array<std::size_t, 6>>> width(templates.size());
@@ -501,12 +566,32 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     }
   }
 
-  for (std::size_t row = 0; row < slot_point.size(); row += kLanes) {
-    bool in_step = true;
-    for (std::size_t lane = 1; lane < kLanes; ++lane)
-      in_step = in_step && slot_point[row + lane] == slot_point[row] + static_cast<int>(lane);
-    slot_run.push_back(in_step ? slot_point[row] : -1);
+  for (BodyGroup& group : body_groups) {
+    group.first_slot = static_cast<std::int32_t>(slot_point.size()) / kLanes;
+    slot_point.resize(slot_point.size() + at(body_slots[at(group.slots)].slot_count() * kLanes), point_count);
   }
+  for (std::int32_t i = 0; i < point_count; ++i) {
+    for (const Side& side : {found[at(i)].a, found[at(i)].b}) {
+      if (body_of(side) < 0 || side.node < 0) continue;
+      const BodyPlace& where = body_place[at(body_of(side))];
+      slot_point[at((body_groups[at(where.group)].first_slot + side.node) * kLanes + where.lane)] = i;
+    }
+  }
+
+  const auto add_runs = [&](int first_slot, int slot_count, int lanes_in_use) {
+    for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
+      const std::int32_t* point = slot_point.data() + slot * kLanes;
+      bool in_step = true;
+      for (int lane = 1; lane < lanes_in_use; ++lane) in_step = in_step && point[lane] == point[0] + lane;
+      const bool empty = std::all_of(point, point + kLanes, [&](std::int32_t p) { return p == point_count; });
+      slot_run.push_back(empty ? kEmptySlot : in_step ? point[0] : -1);
+    }
+  };
+  for (const BlockGroup& group : groups)
+    add_runs(group.first_slot, slots[at(group.brick_template)].slot_count(), kLanes);
+  // What lanes without a body read does not matter: nothing of them is kept.
+  for (const BodyGroup& group : body_groups)
+    add_runs(group.first_slot, body_slots[at(group.slots)].slot_count(), group.body_count);
 
   // Gridpoints: positions, masses, constraints.
   position.assign(at(line_count * kLanes), Vec3{});

@@ -56,6 +56,22 @@ struct RigidBody {
   std::vector<double> sign;         // +1 side a, -1 side b
 };
 
+// Up to 8 rigid bodies with contact points at the same places, one a lane. Lanes without a body repeat that of lane 0.
+struct BodyGroup {
+  int slots = 0;                   // index into Model::body_slots
+  std::int32_t first_line = 0;     // the slave of slot i is in line first_line + i
+  int body_count = 0;              // lanes in use, from lane 0
+  std::array<int, kLanes> body{};  // index into Model::bodies
+  std::int32_t first_slot = 0;     // into Model::slot_point, in units of 8 lanes
+};
+
+// Places of contact points, the same for all bodies of some groups. A body may lack those of whole faces.
+struct BodySlots {
+  std::vector<Vec3> arm;     // from the centre, m
+  std::vector<double> sign;  // +1 side a, -1 side b
+  int slot_count() const { return static_cast<int>(sign.size()); }
+};
+
 // Contact points of one joint family: the law and its states.
 struct ContactFamily {
   std::string name;
@@ -82,6 +98,9 @@ struct Model {
   std::vector<BlockGroup> groups;
   std::vector<UnitGroup> unit_groups;  // all groups, in order
   std::vector<RigidBody> bodies;
+  std::vector<BodySlots> body_slots;
+  std::vector<BodyGroup> body_groups;
+  std::vector<int> lone_bodies;  // in no group
   std::vector<ContactFamily> families;
   std::vector<ContactChunk> chunks;
 
@@ -90,13 +109,15 @@ struct Model {
     int group = -1, lane = -1, body = -1;
   };
   std::vector<BlockPlace> place;
-  LaneVector<std::int32_t> slot_point;  // [group][slot][lane]: contact point, or point_count: a dummy without force
-  std::vector<std::int32_t>
-      slot_run;  // [group][slot]: point of lane 0 when the 8 lanes have 8 points in a row; else -1
+  // [group][slot][lane]: contact point, or point_count: a dummy without force. Block groups, then body groups.
+  LaneVector<std::int32_t> slot_point;
+  // [group][slot]: point of lane 0 when the 8 lanes have 8 points in a row; kEmptySlot when they have none; else -1.
+  std::vector<std::int32_t> slot_run;
+  static constexpr std::int32_t kEmptySlot = -2;
 
   // Gridpoints, in lane layout.
   std::int32_t line_count = 0;
-  std::int32_t block_line_count = 0;  // lines of deformable blocks; slaves of rigid bodies follow
+  std::int32_t block_line_count = 0;  // lines of deformable blocks; slaves of body groups follow, then of lone bodies
   LaneVector<double> node_mass;       // kg, per component; without scaling; 0: no gridpoint, or a slave
   LaneVector<double> node_free;       // 1 free, 0 held (symmetry plane, padding, slaves)
 

@@ -7,76 +7,75 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "step/vectors-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-// A line of 8 lanes is kParts vectors of kWidth.
-using D = hn::CappedTag<double, kLanes>;
-using V = hn::Vec<D>;
-constexpr int kWidth = static_cast<int>(hn::MaxLanes(D()));
-constexpr int kParts = kLanes / kWidth;
-
 // Up to so many blocks of a group are cheaper one by one (benchmarks/README.md). It must not depend on the instruction
 // set: the two ways differ in the last bits.
 constexpr int kFewBlocks = 1;
 
-// base[index[i]] for the next lanes of a tag. On AVX2 machines the gather instruction is slower than the loads that it
-// stands for (a third of the time of a chunk's jumps on Zen 3), with AVX-512 it is faster.
-template <class Tag>
-HWY_INLINE hn::Vec<Tag> gather(Tag d, const double* base, const std::int32_t* index) {
-#if HWY_TARGET == HWY_AVX2
-  if constexpr (hn::MaxLanes(Tag()) == 4) {
-    return hn::Vec<Tag>{_mm256_set_pd(base[index[3]], base[index[2]], base[index[1]], base[index[0]])};
-  }
-#endif
-  const hn::Rebind<std::int64_t, Tag> wide;
-  const hn::Rebind<std::int32_t, Tag> narrow;
-  return hn::GatherIndex(d, base, hn::PromoteTo(wide, hn::LoadU(narrow, index)));
-}
-
 // ---- Contact points ------------------------------------------------------------------------------------------------
 
+// Pointers of a chunk, fetched once: the stores of the loops might alias what they are kept in.
+struct JumpSource {
+  const std::int32_t *a, *b;
+  const std::uint8_t* run;
+  const double *normal, *slip_s, *slip_t;  // displacement, velocity, velocity along the axis
+  const double* shift;                     // null: none
+  double time_step;
+};
+
 template <class Tag>
-HWY_INLINE void jumps_of(Tag d, const Model& model, const ContactChunk& chunk, const StepData& step, int i,
-                         ChunkJumps* jumps) {
-  const std::int32_t* a = model.node_a.data() + chunk.first_point + i;
-  const std::int32_t* b = model.node_b.data() + chunk.first_point + i;
-  const int n = kLanes * chunk.axis, s = kLanes * ((chunk.axis + 1) % 3), t = kLanes * ((chunk.axis + 2) % 3);
-  const auto dt = hn::Set(d, step.time_step);
+HWY_INLINE void jumps_of(Tag d, const JumpSource& from, int i, ChunkJumps* jumps) {
+  const std::int32_t* a = from.a + i;
+  const std::int32_t* b = from.b + i;
+  const auto dt = hn::Set(d, from.time_step);
   // Gridpoints side by side in memory, as a regular wall has them, need no gathers.
-  const bool side_by_side = model.point_run[static_cast<std::size_t>(chunk.first_point + i)] >= hn::Lanes(d);
+  const bool side_by_side = from.run[i] >= hn::Lanes(d);
   const auto jump = [&](const double* field) {
     if (side_by_side) return hn::Sub(hn::LoadU(d, field + *b), hn::LoadU(d, field + *a));
     return hn::Sub(gather(d, field, b), gather(d, field, a));
   };
-  auto normal = jump(step.displacement + n);
-  if (step.normal_shift) normal = hn::Add(normal, hn::LoadU(d, step.normal_shift + chunk.first_point + i));
+  auto normal = jump(from.normal);
+  if (from.shift) normal = hn::Add(normal, hn::LoadU(d, from.shift + i));
   hn::StoreU(normal, d, jumps->normal + i);
-  hn::StoreU(hn::Mul(jump(step.velocity + s), dt), d, jumps->slip_s + i);
-  hn::StoreU(hn::Mul(jump(step.velocity + t), dt), d, jumps->slip_t + i);
+  hn::StoreU(hn::Mul(jump(from.slip_s), dt), d, jumps->slip_s + i);
+  hn::StoreU(hn::Mul(jump(from.slip_t), dt), d, jumps->slip_t + i);
 }
 
 void ContactJumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps) {
+  const int first = chunk.first_point, count = chunk.point_count;
+  const int n = kLanes * chunk.axis, s = kLanes * ((chunk.axis + 1) % 3), t = kLanes * ((chunk.axis + 2) % 3);
+  const JumpSource from{model.node_a.data() + first,
+                        model.node_b.data() + first,
+                        model.point_run.data() + first,
+                        step.displacement + n,
+                        step.velocity + s,
+                        step.velocity + t,
+                        step.normal_shift ? step.normal_shift + first : nullptr,
+                        step.time_step};
   int i = 0;
-  for (; i + kWidth <= chunk.point_count; i += kWidth) jumps_of(D(), model, chunk, step, i, jumps);
-  for (; i < chunk.point_count; ++i) jumps_of(hn::CappedTag<double, 1>(), model, chunk, step, i, jumps);
+  for (; i + kWidth <= count; i += kWidth) jumps_of(D(), from, i, jumps);
+  for (; i < count; ++i) jumps_of(hn::CappedTag<double, 1>(), from, i, jumps);
 }
 
 template <class Tag>
-HWY_INLINE void forces_of(Tag d, const Model& model, const ContactChunk& chunk, const StepData& step, int i) {
-  const auto area = hn::LoadU(d, model.area.data() + i);
-  for (int k = 0; k < 3; ++k) {
-    hn::StoreU(hn::Mul(hn::LoadU(d, step.traction[k] + i), area), d, step.force[(chunk.axis + k) % 3] + i);
-  }
+HWY_INLINE void forces_of(Tag d, const double* area, const double* const (&traction)[3], double* const (&force)[3],
+                          int i) {
+  const auto times = hn::LoadU(d, area + i);
+  for (int k = 0; k < 3; ++k) hn::StoreU(hn::Mul(hn::LoadU(d, traction[k] + i), times), d, force[k] + i);
 }
 
 void ContactForces(const Model& model, const ContactChunk& chunk, const StepData& step) {
-  const int end = chunk.first_point + chunk.point_count;
+  const int axis = chunk.axis, end = chunk.first_point + chunk.point_count;
+  const double* area = model.area.data();
+  const double* const traction[3] = {step.traction[0], step.traction[1], step.traction[2]};
+  double* const force[3] = {step.force[axis], step.force[(axis + 1) % 3], step.force[(axis + 2) % 3]};
   int i = chunk.first_point;
-  for (; i + kWidth <= end; i += kWidth) forces_of(D(), model, chunk, step, i);
-  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), model, chunk, step, i);
+  for (; i + kWidth <= end; i += kWidth) forces_of(D(), area, traction, force, i);
+  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), area, traction, force, i);
 }
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------

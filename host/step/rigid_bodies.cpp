@@ -76,11 +76,11 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
     state->rotation[c] += step.time_step * state->spin[c];
   }
   for (std::size_t i = 0; i < body.slave.size(); ++i) {
-    const Vec3 turn = cross(state->spin, body.arm[i]);
+    const Vec3 turn = cross(state->spin, body.arm[i]), turned = cross(state->rotation, body.arm[i]);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = static_cast<std::size_t>(body.slave[i]) + kLanes * c;
       step.velocity[at] = state->velocity[c] + turn[c];
-      step.displacement[at] += step.time_step * step.velocity[at];
+      step.displacement[at] = state->displacement[c] + turned[c];
     }
   }
   if (measured) {

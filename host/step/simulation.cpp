@@ -43,16 +43,9 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
   const auto middle = timing ? Clock::now() : Clock::time_point();
 
-  const int unit_count = static_cast<int>(model.unit_groups.size());
   auto blocks_and_bodies = [&](int thread, int i) {
-    Measured* const record = measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr;
-    if (i < unit_count) {
-      double* const memory = scratch[static_cast<std::size_t>(thread)].data();
-      advance_units(model, model.unit_groups[static_cast<std::size_t>(i)], data, memory, record);
-    } else {
-      const auto b = static_cast<std::size_t>(i - unit_count);
-      advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
-    }
+    double* const memory = scratch[static_cast<std::size_t>(thread)].data();
+    advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
   };
   pool.for_each(item_end, blocks_and_bodies);
   if (measure_step) sum_measurements();
@@ -65,6 +58,16 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     times.blocks += seconds_since(middle);
     ++times.steps;
   }
+}
+
+void Simulation::Impl::advance_item(int item, double* memory, Measured* record) {
+  auto i = static_cast<std::size_t>(item);
+  if (i < model.unit_groups.size()) return advance_units(model, model.unit_groups[i], data, memory, record);
+  i -= model.unit_groups.size();
+  if (i < model.body_groups.size())
+    return advance_bodies(model, model.body_groups[i], body_lanes[i], data, bodies.data(), record);
+  const auto b = static_cast<std::size_t>(model.lone_bodies[i - model.body_groups.size()]);
+  advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
 }
 
 void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, bool measure_step, bool report) {
@@ -519,7 +522,9 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   }
   bodies.resize(model.bodies.size());
   ramps.resize(model.bodies.size());
-  measured.resize(model.unit_groups.size() + model.bodies.size());
+  measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
+  for (const BodyGroup& group : model.body_groups)
+    body_lanes.push_back(lanes_of(group, model, inertia, time_step.time_step));
 
   dt_over_mass.assign(doubles, 0.0);
   for (std::size_t i = 0; i < doubles; ++i) {
@@ -627,8 +632,8 @@ void Simulation::Impl::partition_work() {
   for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
   chunk_end = cut(weight);
 
-  constexpr double kBodyPoint =
-      20.0;  // one contact point of a rigid body costs about as much as 20 coefficients of a group
+  // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
+  constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
   weight.clear();
   std::size_t largest = 0;
   for (const UnitGroup& unit : model.unit_groups) {
@@ -640,8 +645,10 @@ void Simulation::Impl::partition_work() {
       largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
     }
   }
-  for (const RigidBody& body : model.bodies)
-    weight.push_back(kBodyPoint * (static_cast<double>(body.point.size()) + 2.0));
+  for (const BodyGroup& group : model.body_groups)
+    weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
+  for (const int b : model.lone_bodies)
+    weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
   item_end = cut(weight);
   data.scratch_doubles = kScratchColumns * largest;
   for (int t = 0; t < pool.thread_count(); ++t) {

@@ -32,6 +32,15 @@ struct BodyRamp {
   Vec3 force_from{}, force_to{};
 };
 
+// What does not change about the bodies of a group, by lane.
+struct BodyGroupLanes {
+  alignas(64) double weighing_mass[kLanes];       // kg, without scaling
+  alignas(64) double inertia[6][kLanes];          // kg, kg m2
+  alignas(64) double dt_over_inertia[6][kLanes];  // 0 where held
+  std::int32_t state_offset[kLanes];              // from the first body's state to this one's, in doubles
+};
+BodyGroupLanes lanes_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step);
+
 // One chunk's call of its law, with all columns in place; only the jumps differ by thread.
 struct LawCall {
   quoin_batch batch{};
@@ -47,6 +56,9 @@ struct LawCall {
 // Moves one body by a step: sums, control or free motion, gridpoints. Fixed order throughout.
 void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyState* state,
                   Measured* measured);
+// The same for the bodies of a group, side by side. bodies: of the whole model.
+void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupLanes& lanes, const StepData& step,
+                    BodyState* bodies, Measured* measured);
 
 struct Simulation::Impl {
   Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
@@ -54,6 +66,7 @@ struct Simulation::Impl {
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
   void step_once(bool measure, bool report);
+  void advance_item(int item, double* scratch, Measured* measured);
   void apply_controls();
   void follow_ramps();
   void pull_whiffletree();
@@ -108,12 +121,13 @@ struct Simulation::Impl {
   LaneVector<double> dt_over_mass;
   std::set<std::vector<double>> inertia_tables;  // of groups whose blocks share them
   std::vector<const double*> shared_dt_over_mass;
-  LaneVector<double> force[3];           // by contact point, and a dummy
-  LaneVector<double> energy_columns[5];  // stored, dissipated by mode; scratch by contact point, energy runs only
+  std::vector<BodyGroupLanes> body_lanes;  // by body group
+  LaneVector<double> force[3];             // by contact point, and a dummy
+  LaneVector<double> energy_columns[5];    // stored, dissipated by mode; scratch by contact point, energy runs only
   std::vector<std::uint32_t> flags;
   long flags_step = -1;  // step that computed them
   std::vector<LawCall> calls;
-  std::vector<Measured> measured;  // unit groups, then bodies
+  std::vector<Measured> measured;  // by item
   double unbalanced_ratio = 0.0;
   std::optional<Energies> energies;
   double kinetic = 0.0;
@@ -124,7 +138,7 @@ struct Simulation::Impl {
   bool keep_diagnostics = false;
 
   StepData data;
-  std::vector<int> chunk_end, item_end;     // per thread; items: unit groups, then bodies
+  std::vector<int> chunk_end, item_end;     // per thread; items: unit groups, body groups, lone bodies
   std::vector<LaneVector<double>> scratch;  // per thread
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::atomic<bool> law_failed{false};
