@@ -18,8 +18,6 @@ struct Vector {
 
 HWY_INLINE Vector zero_vector() { return {{hn::Zero(D()), hn::Zero(D()), hn::Zero(D())}}; }
 
-HWY_INLINE V minus_if(hn::Mask<D> condition, V x) { return hn::IfThenElse(condition, hn::Neg(x), x); }
-
 // What one part of the lanes of a group works on.
 struct Part {
   const BodyGroup& group;
@@ -98,7 +96,7 @@ HWY_INLINE V damping_force(const StepData& step, V force, V inertia, V velocity)
   switch (step.damping) {
     case DampingKind::local:
     case DampingKind::block:
-      return minus_if(hn::Lt(velocity, hn::Zero(d)), hn::Mul(hn::Set(d, step.local_damping), hn::Abs(force)));
+      return local_damping(hn::Set(d, step.local_damping), force, velocity);
     case DampingKind::viscous:
       return hn::Mul(hn::Mul(hn::Set(d, step.mass_damping), inertia), velocity);
     case DampingKind::none:

@@ -12,6 +12,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace quoin {
 namespace HWY_NAMESPACE {
+
 // Up to so many blocks of a group are cheaper one by one (benchmarks/README.md). It must not depend on the instruction
 // set: the two ways differ in the last bits.
 constexpr int kFewBlocks = 1;
@@ -281,7 +282,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
   const StepData& step = groups[0].step;
   const BrickTemplate& shape = groups[0].shape;
   const ContactSlots& slots = groups[0].slots;
-  const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
+  const V gamma = hn::Set(d, step.local_damping);
   const bool by_zone = forces_by_zone(groups[0]);
   const bool elastic_apart = kMeasure && step.energies && step.stiffness_damping != 0.0;
 
@@ -352,9 +353,7 @@ HWY_INLINE void group_forces(const GroupData* groups) {
           const V force = hn::Add(f[b][c][p], weight);
           V after = force;
           if (kDamping == DampingKind::local) {
-            // Fd = gamma |F| sgn(v), sgn(0) = +1
-            const V amount = hn::Mul(gamma, hn::Abs(force));
-            const V damping = hn::IfThenElse(hn::Lt(hn::Load(d, g.v + i), zero), hn::Neg(amount), amount);
+            const V damping = local_damping(gamma, force, hn::Load(d, g.v + i));
             after = hn::Sub(force, damping);
             if (kMeasure) hn::Store(damping, d, g.scratch.damping + i);
           }
@@ -382,8 +381,7 @@ HWY_INLINE void stiffness_times_u(const GroupData* groups, double* force) {
   }
 }
 
-// ---- Rigid motion of blocks and units (model/rigid_motion.h)
-// ---------------------------------------------------------
+// ---- Rigid motion of blocks and units (model/rigid_motion.h) -------------------------------------------------------
 
 // Force and moment about a centre, or velocity and spin, or acceleration of both; of the blocks in all lanes.
 struct Rigid {
@@ -515,12 +513,9 @@ template <DampingKind kDamping>
 HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
   const D d;
   const StepData& step = unit.step;
-  const V zero = hn::Zero(d), gamma = hn::Set(d, step.local_damping);
   const double of_deformation = 1.0 / step.deformation_inertia, of_unit = 1.0 / step.unit_inertia;
-  const auto damped = [&](V a, V v) HWY_ATTR {
-    const V amount = hn::Mul(gamma, hn::Abs(a));
-    return hn::IfThenElse(hn::Lt(v, zero), hn::Neg(amount), amount);
-  };
+  const auto damped = [gamma = hn::Set(d, step.local_damping)](V a, V v)
+                          HWY_ATTR { return local_damping(gamma, a, v); };
   const auto plus = [&](V x, V y) HWY_ATTR { return hn::Add(x, y); };
   const auto plus_times = [d](double factor) HWY_ATTR {
     return [f = hn::Set(d, factor)](V x, V y) HWY_ATTR { return hn::MulAdd(f, y, x); };

@@ -37,6 +37,12 @@ HWY_INLINE hn::Vec<Tag> gather(Tag d, const double* base, const std::int32_t* in
   return hn::GatherIndex(d, base, hn::PromoteTo(wide, hn::LoadU(narrow, index)));
 }
 
+// Fd = gamma |F| sgn(v) of equation 1, sgn(0) = +1.
+HWY_INLINE V local_damping(V gamma, V force, V velocity) {
+  const V amount = hn::Mul(gamma, hn::Abs(force));
+  return hn::IfThenElse(hn::Lt(velocity, hn::Zero(D())), hn::Neg(amount), amount);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace quoin
 HWY_AFTER_NAMESPACE();

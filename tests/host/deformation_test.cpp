@@ -18,12 +18,6 @@ Scene scaled_scene(double deformation_inertia, DampingKind damping = DampingKind
   return scene;
 }
 
-// Pairs of neighbours along x as units of two halves.
-Assembly in_units(Assembly assembly) {
-  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) assembly.bricks[i].unit = static_cast<int>(i / 2);
-  return assembly;
-}
-
 Scene scaled_units(double deformation_inertia, double unit_inertia, DampingKind damping, double fraction) {
   Scene scene = scaled_scene(deformation_inertia, damping, fraction);
   scene.solver.unit_inertia = unit_inertia;

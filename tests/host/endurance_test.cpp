@@ -32,9 +32,7 @@ double energy_drift(long steps, double deformation_inertia, double unit_inertia)
   scene.solver.deformation_inertia = deformation_inertia;
   scene.solver.unit_inertia = unit_inertia;
   scene.output.energy = true;
-  Assembly assembly = brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1});
-  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) assembly.bricks[i].unit = static_cast<int>(i / 2);
-  Simulation simulation(scene, assembly, 1);
+  Simulation simulation(scene, in_units(brick_grid({2, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1})), 1);
   random_velocities(&simulation, 3);
   take_away_drift(&simulation);
   simulation.advance(1);

@@ -55,6 +55,11 @@ Assembly brick_grid(std::array<int, 3> count, Vec3 size, std::array<int, 3> zone
   return assembly;
 }
 
+Assembly in_units(Assembly assembly) {
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) assembly.bricks[i].unit = static_cast<int>(i / 2);
+  return assembly;
+}
+
 Scene wall_scene(int courses, double units) {
   Scene scene;
   scene.materials["brick"] = brick_material();

@@ -20,6 +20,9 @@ JointFamily mortar_family();  // fracture energy, Table 1 of the paper
 Assembly brick_grid(std::array<int, 3> count, Vec3 size, std::array<int, 3> zones,
                     JointFamily family = elastic_family(), BlockMaterial material = brick_material());
 
+// Pairs of neighbours along x as units of two halves.
+Assembly in_units(Assembly assembly);
+
 // The paper's solid wall, or a smaller one of the same bricks.
 Scene wall_scene(int courses = 16, double units = 4.5);
 
