@@ -397,9 +397,11 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   for (const BodyClass& kind : body_classes(bodies, body_points)) {
     BodySlots& places = body_slots.emplace_back();
     for (const BodyPoint& slot : kind.slot) {
-      places.arm.push_back(slot.arm);
-      places.sign.push_back(slot.face % 2 == 1 ? 1.0 : -1.0);
+      const std::size_t axis = at(slot.face / 2);
+      places.arm.push_back({slot.arm[(axis + 1) % 3], slot.arm[(axis + 2) % 3]});
+      places.face[at(slot.face)].normal_arm = slot.arm[axis];
     }
+    for (int face = 0; face < 6; ++face) places.face[at(face)].slot_end = kind.first_slot(face + 1);
     const int first_group = static_cast<int>(body_groups.size()), count = group_count(kind, joined);
     for (int g = 0; g < count; ++g) {
       BodyGroup group;

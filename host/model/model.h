@@ -65,11 +65,16 @@ struct BodyGroup {
   std::int32_t first_slot = 0;     // into Model::slot_point, in units of 8 lanes
 };
 
-// Places of contact points, the same for all bodies of some groups. A body may lack those of whole faces.
+// Places of contact points, the same for all bodies of some groups, face after face. A body may lack those of whole
+// faces. Face 2 axis + 1 is on the positive side, which is side a of its joints.
 struct BodySlots {
-  std::vector<Vec3> arm;     // from the centre, m
-  std::vector<double> sign;  // +1 side a, -1 side b
-  int slot_count() const { return static_cast<int>(sign.size()); }
+  struct Face {
+    int slot_end = 0;         // its slots are [slot_end of the face before, slot_end)
+    double normal_arm = 0.0;  // from the centre along the axis, the same for all slots of the face, m
+  };
+  std::array<Face, 6> face{};
+  std::vector<std::array<double, 2>> arm;  // per slot: from the centre along the two axes after the normal, m
+  int slot_count() const { return static_cast<int>(arm.size()); }
 };
 
 // Contact points of one joint family: the law and its states.

@@ -13,216 +13,249 @@ namespace quoin {
 namespace HWY_NAMESPACE {
 
 struct Vector {
-  V x[3];
+  V x[3][kParts];
 };
 
-HWY_INLINE Vector zero_vector() { return {{hn::Zero(D()), hn::Zero(D()), hn::Zero(D())}}; }
-
-// What one part of the lanes of a group works on.
-struct Part {
-  const BodyGroup& group;
-  const BodySlots& slots;
-  const BodyGroupLanes& lanes;
-  const StepData& step;
-  BodyState* bodies;
-  int first_lane;
-
-  HWY_INLINE V in_lanes(const double (&value)[kLanes]) const { return hn::Load(D(), value + first_lane); }
-
-  HWY_INLINE Vector read(Vec3 BodyState::*quantity) const {
-    Vector v;
-    for (std::size_t c = 0; c < 3; ++c)
-      v.x[c] = gather(D(), (bodies->*quantity).data() + c, lanes.state_offset + first_lane);
-    return v;
+HWY_INLINE void set_zero(Vector& v) {
+  for (auto& component : v.x) {
+    for (V& part : component) part = hn::Zero(D());
   }
-
-  HWY_INLINE void write(const Vector& v, Vec3 BodyState::*quantity) const {
-    alignas(64) double x[3][kWidth];
-    for (int c = 0; c < 3; ++c) hn::Store(v.x[c], D(), x[c]);
-    for (int i = 0; i < kWidth && first_lane + i < group.body_count; ++i)
-      bodies[group.body[static_cast<std::size_t>(first_lane + i)]].*quantity = {x[0][i], x[1][i], x[2][i]};
-  }
-};
-
-// Force of the contact points and its moment about the centre, in the order of the slots.
-HWY_INLINE void sum_contact_forces(const Model& model, const Part& part, Vector* force_sum, Vector* moment_sum) {
-  const D d;
-  const double* force[3] = {part.step.force[0], part.step.force[1], part.step.force[2]};
-  const std::int32_t* point = model.slot_point.data() + part.group.first_slot * kLanes + part.first_lane;
-  const std::int32_t* run = model.slot_run.data() + part.group.first_slot;
-  const double* sign = part.slots.sign.data();
-  const Vec3* arm = part.slots.arm.data();
-  Vector sum = zero_vector(), moment = zero_vector();
-  const int slot_count = part.slots.slot_count();
-  for (int i = 0; i < slot_count; ++i, point += kLanes) {
-    if (run[i] == Model::kEmptySlot) continue;
-    Vector f;
-    for (int c = 0; c < 3; ++c)
-      f.x[c] = run[i] >= 0 ? hn::LoadU(d, force[c] + run[i] + part.first_lane) : gather(d, force[c], point);
-    const V side = hn::Set(d, sign[i]);
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
-      const V turning = hn::MulSub(hn::Set(d, arm[i][next]), f.x[last], hn::Mul(hn::Set(d, arm[i][last]), f.x[next]));
-      sum.x[c] = hn::MulAdd(side, f.x[c], sum.x[c]);
-      moment.x[c] = hn::MulAdd(side, turning, moment.x[c]);
-    }
-  }
-  *force_sum = sum;
-  *moment_sum = moment;
 }
 
-// translation + rotation x arm, at every slot into the lane layout.
-HWY_INLINE void move_slaves(const Model& model, const Part& part, const Vector& translation, const Vector& rotation,
-                            double* field) {
+// Slots of one face of a group, which have contact points either all or not at all.
+struct FaceSlots {
+  HWY_INLINE FaceSlots(const Model& model, const BodyGroup& group, std::size_t face) {
+    const BodySlots& slots = model.body_slots[static_cast<std::size_t>(group.slots)];
+    const std::size_t first = static_cast<std::size_t>(face == 0 ? 0 : slots.face[face - 1].slot_end);
+    run = model.slot_run.data() + static_cast<std::size_t>(group.first_slot) + first;
+    point = model.slot_point.data() + (static_cast<std::size_t>(group.first_slot) + first) * kLanes;
+    arm = slots.arm.data() + first;
+    first_value = (static_cast<std::size_t>(group.first_line) + first) * kLine;
+    count = slots.face[face].slot_end - static_cast<int>(first);
+    if (count > 0 && *run == Model::kEmptySlot) count = 0;
+    normal_arm = slots.face[face].normal_arm;
+  }
+  const std::int32_t* run;
+  const std::int32_t* point;
+  const std::array<double, 2>* arm;
+  std::size_t first_value;  // of the slaves in lane layout
+  int count;
+  double normal_arm;
+};
+
+// Force and moment about the centre of the contact points of one face, in the order of the slots.
+template <std::size_t kAxis>
+HWY_INLINE void add_face(const Model& model, const BodyGroup& group, const StepData& step, bool side_a,
+                         Vector* force_sum, Vector* moment_sum) {
+  constexpr std::size_t n = kAxis, s = (n + 1) % 3, t = (n + 2) % 3;
   const D d;
-  double* line = field + static_cast<std::size_t>(part.group.first_line) * kLine + part.first_lane;
-  const std::int32_t* run = model.slot_run.data() + part.group.first_slot;
-  const Vec3* arm = part.slots.arm.data();
-  const int slot_count = part.slots.slot_count();
-  for (int i = 0; i < slot_count; ++i, line += kLine) {
-    if (run[i] == Model::kEmptySlot) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
-      const V turn = hn::NegMulAdd(rotation.x[last], hn::Set(d, arm[i][next]),
-                                   hn::MulAdd(rotation.x[next], hn::Set(d, arm[i][last]), translation.x[c]));
-      hn::Store(turn, d, line + c * kLanes);
+  const FaceSlots slots(model, group, 2 * n + (side_a ? 1 : 0));
+  if (slots.count == 0) return;
+  const double* const force[3] = {step.force[0], step.force[1], step.force[2]};
+  Vector f, m;
+  set_zero(f);
+  set_zero(m);
+  for (int i = 0; i < slots.count; ++i) {
+    const V arm_s = hn::Set(d, slots.arm[i][0]), arm_t = hn::Set(d, slots.arm[i][1]);
+    const auto add = [&](int p, V f_n, V f_s, V f_t) HWY_ATTR {
+      f.x[n][p] = hn::Add(f.x[n][p], f_n);
+      f.x[s][p] = hn::Add(f.x[s][p], f_s);
+      f.x[t][p] = hn::Add(f.x[t][p], f_t);
+      m.x[n][p] = hn::NegMulAdd(arm_t, f_s, hn::MulAdd(arm_s, f_t, m.x[n][p]));
+      m.x[s][p] = hn::MulAdd(arm_t, f_n, m.x[s][p]);
+      m.x[t][p] = hn::NegMulAdd(arm_s, f_n, m.x[t][p]);
+    };
+    const std::int32_t run = slots.run[i];
+    if (run >= 0) {
+      for (int p = 0; p < kParts; ++p) {
+        const std::ptrdiff_t at = run + p * kWidth;
+        add(p, hn::LoadU(d, force[n] + at), hn::LoadU(d, force[s] + at), hn::LoadU(d, force[t] + at));
+      }
+    } else {
+      for (int p = 0; p < kParts; ++p) {
+        const std::int32_t* point = slots.point + i * kLanes + p * kWidth;
+        add(p, gather(d, force[n], point), gather(d, force[s], point), gather(d, force[t], point));
+      }
     }
+  }
+  const V arm_n = hn::Set(d, slots.normal_arm), side = hn::Set(d, side_a ? 1.0 : -1.0);
+  for (int p = 0; p < kParts; ++p) {
+    m.x[s][p] = hn::NegMulAdd(arm_n, f.x[t][p], m.x[s][p]);
+    m.x[t][p] = hn::MulAdd(arm_n, f.x[s][p], m.x[t][p]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      force_sum->x[c][p] = hn::MulAdd(side, f.x[c][p], force_sum->x[c][p]);
+      moment_sum->x[c][p] = hn::MulAdd(side, m.x[c][p], moment_sum->x[c][p]);
+    }
+  }
+}
+
+HWY_INLINE void sum_contact_forces(const Model& model, const BodyGroup& group, const StepData& step, Vector* force,
+                                   Vector* moment) {
+  set_zero(*force);
+  set_zero(*moment);
+  for (const bool side_a : {false, true}) {
+    add_face<0>(model, group, step, side_a, force, moment);
+    add_face<1>(model, group, step, side_a, force, moment);
+    add_face<2>(model, group, step, side_a, force, moment);
+  }
+}
+
+// Translation + rotation x arm at the slots of one face: displacement along the normal, velocity across.
+template <std::size_t kAxis>
+HWY_INLINE void move_face(const Model& model, const BodyGroup& group, const StepData& step, bool side_a,
+                          const BodyLanes& body) {
+  constexpr std::size_t n = kAxis, s = (n + 1) % 3, t = (n + 2) % 3;
+  const D d;
+  const FaceSlots slots(model, group, 2 * n + (side_a ? 1 : 0));
+  if (slots.count == 0) return;
+  const V arm_n = hn::Set(d, slots.normal_arm);
+  for (int p = 0; p < kParts; ++p) {
+    const auto lanes = [p](const double(&value)[kLanes]) HWY_ATTR { return hn::Load(D(), value + p * kWidth); };
+    const V spin_n = lanes(body.spin[n]);
+    const V velocity_s = hn::MulAdd(lanes(body.spin[t]), arm_n, lanes(body.velocity[s]));
+    const V velocity_t = hn::NegMulAdd(lanes(body.spin[s]), arm_n, lanes(body.velocity[t]));
+    const V rotation_s = lanes(body.rotation[s]), rotation_t = lanes(body.rotation[t]);
+    const V displacement_n = lanes(body.displacement[n]);
+    double* moved = step.displacement + slots.first_value + p * kWidth;
+    double* moving = step.velocity + slots.first_value + p * kWidth;
+    for (int i = 0; i < slots.count; ++i, moved += kLine, moving += kLine) {
+      const V arm_s = hn::Set(d, slots.arm[i][0]), arm_t = hn::Set(d, slots.arm[i][1]);
+      const V turned = hn::NegMulAdd(rotation_t, arm_s, hn::MulAdd(rotation_s, arm_t, displacement_n));
+      hn::Store(turned, d, moved + n * kLanes);
+      hn::Store(hn::NegMulAdd(spin_n, arm_t, velocity_s), d, moving + s * kLanes);
+      hn::Store(hn::MulAdd(spin_n, arm_s, velocity_t), d, moving + t * kLanes);
+    }
+  }
+}
+
+HWY_INLINE void move_slaves(const Model& model, const BodyGroup& group, const StepData& step, const BodyLanes& body) {
+  for (const bool side_a : {false, true}) {
+    move_face<0>(model, group, step, side_a, body);
+    move_face<1>(model, group, step, side_a, body);
+    move_face<2>(model, group, step, side_a, body);
   }
 }
 
 // Equation 1: the damping force of one degree of freedom.
+template <DampingKind kDamping>
 HWY_INLINE V damping_force(const StepData& step, V force, V inertia, V velocity) {
   const D d;
-  switch (step.damping) {
-    case DampingKind::local:
-    case DampingKind::block:
-      return local_damping(hn::Set(d, step.local_damping), force, velocity);
-    case DampingKind::viscous:
-      return hn::Mul(hn::Mul(hn::Set(d, step.mass_damping), inertia), velocity);
-    case DampingKind::none:
-      break;
-  }
+  if (kDamping == DampingKind::local) return local_damping(hn::Set(d, step.local_damping), force, velocity);
+  if (kDamping == DampingKind::viscous) return hn::Mul(hn::Mul(hn::Set(d, step.mass_damping), inertia), velocity);
   return hn::Zero(d);
 }
 
-// Sums of a measured step by lane; the fields of Measured.
+// The fields of Measured, by lane.
 struct LaneWork {
-  alignas(64) double unbalanced[kLanes], kinetic[kLanes];
-  alignas(64) double damping_before[kLanes], damping_after[kLanes], external_before[kLanes], external_after[kLanes];
-};
-
-struct PartWork {
-  V unbalanced, kinetic;
-  V damping_before, damping_after, external_before, external_after;
+  V unbalanced[kParts], kinetic[kParts];
+  V damping_before[kParts], damping_after[kParts], external_before[kParts], external_after[kParts];
 };
 
 // A degree of freedom through a step: its new velocity, and the work if somebody asks.
-HWY_INLINE V advance_component(const Part& part, std::size_t dof, V joint_force, V given, V before, V prescribed,
-                               hn::Mask<D> is_prescribed, PartWork* work) {
+template <DampingKind kDamping, bool kMeasure>
+HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& step, std::size_t dof, int p,
+                               V joint_force, V given, V before, V prescribed, hn::Mask<D> is_prescribed,
+                               LaneWork* work) {
   const D d;
-  const V zero = hn::Zero(d), inertia = part.in_lanes(part.lanes.inertia[dof]);
-  const V dt_over_inertia = part.in_lanes(part.lanes.dt_over_inertia[dof]);  // 0 where held
+  const V zero = hn::Zero(d), inertia = hn::Load(d, lanes.inertia[dof] + p * kWidth);
+  const V dt_over_inertia = hn::Load(d, lanes.dt_over_inertia[dof] + p * kWidth);  // 0 where held
   const V net = hn::Add(joint_force, given);
-  const V damping = damping_force(part.step, net, inertia, before);
+  const V damping = damping_force<kDamping>(step, net, inertia, before);
   const V free = hn::MulAdd(hn::Sub(net, damping), dt_over_inertia, before);
   const V after = hn::IfThenElse(is_prescribed, prescribed, free);
-  if (!work) return after;
+  if (!kMeasure) return after;
 
   // A support does the work that the joints take from it.
-  const V half_dt = hn::Set(d, 0.5 * part.step.time_step);
+  const V half_dt = hn::Set(d, 0.5 * step.time_step);
   const auto is_free = hn::AndNot(is_prescribed, hn::Ne(dt_over_inertia, zero));
   const V external =
       hn::Mul(half_dt, hn::IfThenElse(is_prescribed, hn::Neg(joint_force), hn::IfThenElseZero(is_free, given)));
   const V damped = hn::Mul(half_dt, hn::IfThenElseZero(is_free, damping));
-  work->external_before = hn::MulAdd(external, before, work->external_before);
-  work->external_after = hn::MulAdd(external, after, work->external_after);
-  work->damping_before = hn::MulAdd(damped, before, work->damping_before);
-  work->damping_after = hn::MulAdd(damped, after, work->damping_after);
+  work->external_before[p] = hn::MulAdd(external, before, work->external_before[p]);
+  work->external_after[p] = hn::MulAdd(external, after, work->external_after[p]);
+  work->damping_before[p] = hn::MulAdd(damped, before, work->damping_before[p]);
+  work->damping_after[p] = hn::MulAdd(damped, after, work->damping_after[p]);
   const V momentum = hn::Mul(hn::Mul(hn::Set(d, 0.5), inertia), before);
-  work->kinetic = hn::MulAdd(hn::IfThenElseZero(is_free, momentum), after, work->kinetic);
+  work->kinetic[p] = hn::MulAdd(hn::IfThenElseZero(is_free, momentum), after, work->kinetic[p]);
   const V unbalanced = hn::IfThenElseZero(is_free, net);
-  if (dof < 3) work->unbalanced = hn::MulAdd(unbalanced, unbalanced, work->unbalanced);
+  if (dof < 3) work->unbalanced[p] = hn::MulAdd(unbalanced, unbalanced, work->unbalanced[p]);
   return after;
 }
 
-// 1 in the lanes whose control prescribes a degree of freedom.
-struct ControlLanes {
-  alignas(64) double prescribed[6][kLanes];
-  bool any = false;
-
-  ControlLanes(const BodyGroup& group, const BodyState* bodies) {
-    for (int body : group.body) {
-      for (bool on : bodies[body].prescribed) any = any || on;
-    }
-    if (!any) return;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      for (std::size_t dof = 0; dof < 6; ++dof)
-        prescribed[dof][lane] = bodies[group.body[lane]].prescribed[dof] ? 1.0 : 0.0;
-    }
-  }
-};
-
-HWY_INLINE void advance_part(const Model& model, const Part& part, const ControlLanes& controls, LaneWork* lane_work) {
+template <DampingKind kDamping, bool kMeasure>
+HWY_NOINLINE void AdvanceBodiesAs(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia,
+                                  const StepData& step, BodyLanes* state, LaneWork* work) {
   const D d;
-  const V zero = hn::Zero(d);
-  PartWork sums{zero, zero, zero, zero, zero, zero};
-  PartWork* const work = lane_work ? &sums : nullptr;
-  const auto controlled = [&](std::size_t dof) HWY_ATTR {
-    return controls.any ? hn::Ne(part.in_lanes(controls.prescribed[dof]), zero) : hn::Ne(zero, zero);
-  };
-
+  const V zero = hn::Zero(d), dt = hn::Set(d, step.time_step);
+  BodyLanes& bodies = *state;
   Vector force, moment;
-  sum_contact_forces(model, part, &force, &moment);
-  part.write(force, &BodyState::joint_force);
-
-  Vector velocity = part.read(&BodyState::velocity), spin = part.read(&BodyState::spin);
-  const Vector applied = part.read(&BodyState::applied_force);
-  const Vector driven = controls.any ? part.read(&BodyState::prescribed_velocity) : zero_vector();
-  const V mass = part.in_lanes(part.lanes.weighing_mass);
+  sum_contact_forces(model, group, step, &force, &moment);
   for (std::size_t c = 0; c < 3; ++c) {
-    const V given = hn::MulAdd(mass, hn::Set(d, part.step.gravity[c]), applied.x[c]);
-    velocity.x[c] = advance_component(part, c, force.x[c], given, velocity.x[c], driven.x[c], controlled(c), work);
-    spin.x[c] = advance_component(part, 3 + c, moment.x[c], zero, spin.x[c], zero, controlled(3 + c), work);
+    for (int p = 0; p < kParts; ++p) {
+      const int lane = p * kWidth;
+      const auto prescribed = [&](std::size_t dof) HWY_ATTR {
+        return bodies.any_prescribed ? hn::Ne(hn::Load(d, bodies.prescribed[dof] + lane), zero) : hn::Ne(zero, zero);
+      };
+      const auto advance = [&](std::size_t dof, V joint_force, V given, V driven, double* velocity,
+                               double* displacement) HWY_ATTR {
+        const V after = advance_component<kDamping, kMeasure>(inertia, step, dof, p, joint_force, given,
+                                                              hn::Load(d, velocity), driven, prescribed(dof), work);
+        hn::Store(after, d, velocity);
+        hn::Store(hn::MulAdd(dt, after, hn::Load(d, displacement)), d, displacement);
+      };
+      const V mass = hn::Load(d, inertia.weighing_mass + lane),
+              driven = hn::Load(d, bodies.prescribed_velocity[c] + lane);
+      const V given = hn::MulAdd(mass, hn::Set(d, step.gravity[c]), hn::Load(d, bodies.applied_force[c] + lane));
+      advance(c, force.x[c][p], given, driven, bodies.velocity[c] + lane, bodies.displacement[c] + lane);
+      advance(3 + c, moment.x[c][p], zero, zero, bodies.spin[c] + lane, bodies.rotation[c] + lane);
+    }
   }
-  Vector displacement = part.read(&BodyState::displacement), rotation = part.read(&BodyState::rotation);
-  const V dt = hn::Set(d, part.step.time_step);
-  for (int c = 0; c < 3; ++c) {
-    displacement.x[c] = hn::MulAdd(dt, velocity.x[c], displacement.x[c]);
-    rotation.x[c] = hn::MulAdd(dt, spin.x[c], rotation.x[c]);
-  }
-  part.write(velocity, &BodyState::velocity);
-  part.write(spin, &BodyState::spin);
-  part.write(displacement, &BodyState::displacement);
-  part.write(rotation, &BodyState::rotation);
-  move_slaves(model, part, velocity, spin, part.step.velocity);
-  move_slaves(model, part, displacement, rotation, part.step.displacement);
-
-  if (!lane_work) return;
-  hn::Store(sums.unbalanced, d, lane_work->unbalanced + part.first_lane);
-  hn::Store(sums.kinetic, d, lane_work->kinetic + part.first_lane);
-  hn::Store(sums.damping_before, d, lane_work->damping_before + part.first_lane);
-  hn::Store(sums.damping_after, d, lane_work->damping_after + part.first_lane);
-  hn::Store(sums.external_before, d, lane_work->external_before + part.first_lane);
-  hn::Store(sums.external_after, d, lane_work->external_after + part.first_lane);
+  move_slaves(model, group, step, bodies);
 }
 
-void AdvanceBodies(const Model& model, const BodyGroup& group, const BodyGroupLanes& lanes, const StepData& step,
-                   BodyState* bodies, Measured* measured) {
-  const BodySlots& slots = model.body_slots[static_cast<std::size_t>(group.slots)];
-  const ControlLanes controls(group, bodies);
+template <DampingKind kDamping>
+void AdvanceBodiesAndMeasure(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia,
+                             const StepData& step, BodyLanes* state, Measured* measured) {
+  if (!measured) return AdvanceBodiesAs<kDamping, false>(model, group, inertia, step, state, nullptr);
   LaneWork work;
-  for (int lane = 0; lane < group.body_count; lane += kWidth)
-    advance_part(model, {group, slots, lanes, step, bodies, lane}, controls, measured ? &work : nullptr);
-  if (!measured) return;
+  for (V(*sum)[kParts] : {&work.unbalanced, &work.kinetic, &work.damping_before, &work.damping_after,
+                          &work.external_before, &work.external_after}) {
+    for (V& part : *sum) part = hn::Zero(D());
+  }
+  AdvanceBodiesAs<kDamping, true>(model, group, inertia, step, state, &work);
+  const auto in_lanes = [](const V(&x)[kParts], double(&lanes)[kLanes]) HWY_ATTR {
+    for (int p = 0; p < kParts; ++p) hn::StoreU(x[p], D(), lanes + p * kWidth);
+  };
+  const auto sum = [&](const V(&x)[kParts]) HWY_ATTR {
+    double lanes[kLanes], total = 0.0;
+    in_lanes(x, lanes);
+    for (int i = 0; i < group.body_count; ++i) total += lanes[i];
+    return total;
+  };
   *measured = {};
-  for (int lane = 0; lane < group.body_count; ++lane) {
+  double unbalanced[kLanes];
+  in_lanes(work.unbalanced, unbalanced);
+  for (int i = 0; i < group.body_count; ++i) {
     // Written so that a NaN stays.
-    if (!(work.unbalanced[lane] <= measured->unbalanced_squared)) measured->unbalanced_squared = work.unbalanced[lane];
-    measured->kinetic += work.kinetic[lane];
-    measured->damping_before += work.damping_before[lane];
-    measured->damping_after += work.damping_after[lane];
-    measured->external_before += work.external_before[lane];
-    measured->external_after += work.external_after[lane];
+    if (!(unbalanced[i] <= measured->unbalanced_squared)) measured->unbalanced_squared = unbalanced[i];
+  }
+  measured->kinetic = sum(work.kinetic);
+  measured->damping_before = sum(work.damping_before);
+  measured->damping_after = sum(work.damping_after);
+  measured->external_before = sum(work.external_before);
+  measured->external_after = sum(work.external_after);
+}
+
+void AdvanceBodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
+                   BodyLanes* state, Measured* measured) {
+  switch (step.damping) {
+    case DampingKind::none:
+      return AdvanceBodiesAndMeasure<DampingKind::none>(model, group, inertia, step, state, measured);
+    case DampingKind::local:
+    case DampingKind::block:
+      return AdvanceBodiesAndMeasure<DampingKind::local>(model, group, inertia, step, state, measured);
+    case DampingKind::viscous:
+      return AdvanceBodiesAndMeasure<DampingKind::viscous>(model, group, inertia, step, state, measured);
   }
 }
 
@@ -235,22 +268,21 @@ namespace quoin {
 
 HWY_EXPORT(AdvanceBodies);
 
-void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupLanes& lanes, const StepData& step,
-                    BodyState* bodies, Measured* measured) {
-  HWY_DYNAMIC_DISPATCH(AdvanceBodies)(model, group, lanes, step, bodies, measured);
+void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
+                    BodyLanes* state, Measured* measured) {
+  HWY_DYNAMIC_DISPATCH(AdvanceBodies)(model, group, inertia, step, state, measured);
 }
 
-BodyGroupLanes lanes_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step) {
-  static_assert(sizeof(BodyState) % sizeof(double) == 0, "the same component of all bodies is a whole number apart");
-  BodyGroupLanes lanes;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const auto b = static_cast<std::size_t>(group.body[lane]);
-    lanes.weighing_mass[lane] = model.bodies[b].mass;
+BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step) {
+  BodyGroupInertia lanes;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto i = static_cast<std::size_t>(lane), b = static_cast<std::size_t>(group.body[i]);
+    lanes.weighing_mass[i] = model.bodies[b].mass;
     for (std::size_t dof = 0; dof < 6; ++dof) {
-      lanes.inertia[dof][lane] = dof < 3 ? inertia.body_mass[b] : inertia.body_inertia[b][dof - 3];
-      lanes.dt_over_inertia[dof][lane] = model.bodies[b].held[dof] ? 0.0 : time_step / lanes.inertia[dof][lane];
+      lanes.inertia[dof][i] = dof < 3 ? inertia.body_mass[b] : inertia.body_inertia[b][dof - 3];
+      const bool moves = lane < group.body_count && !model.bodies[b].held[dof];
+      lanes.dt_over_inertia[dof][i] = moves ? time_step / lanes.inertia[dof][i] : 0.0;
     }
-    lanes.state_offset[lane] = group.body[lane] * static_cast<std::int32_t>(sizeof(BodyState) / sizeof(double));
   }
   return lanes;
 }

@@ -73,7 +73,7 @@ void transfer(Archive&& archive, Simulation::Impl& s) {
   for (auto& column : s.traction) archive.array(column);
   for (auto& columns : s.law_state) archive.array(columns);
   archive.array(s.normal_shift);
-  archive.array(s.bodies);
+  archive.array(s.body_lanes);
   archive.array(s.ramps);
   archive.value(s.gravity_from);
   archive.value(s.gravity_to);
@@ -93,7 +93,7 @@ void transfer(Archive&& archive, Simulation::Impl& s) {
   archive.value(s.in_stage);
 }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '1'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '2'};
 
 }  // namespace
 
@@ -153,13 +153,13 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
 namespace {
 
 std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneVector<double>& values,
-                               Vec3 BodyState::*translation, Vec3 BodyState::*rotation,
+                               BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation,
                                const Simulation::BlockMesh& mesh) {
   const Model::BlockPlace& place = s.model.place[at(block)];
   std::vector<Vec3> result;
   if (place.body >= 0) {
-    const BodyState& body = s.bodies[at(place.body)];
-    const Vec3 &t = body.*translation, &w = body.*rotation, &centre = s.model.bodies[at(place.body)].centre;
+    const Vec3 t = s.of_body(place.body, translation), w = s.of_body(place.body, rotation);
+    const Vec3& centre = s.model.bodies[at(place.body)].centre;
     for (const Vec3& p : mesh.gridpoint) {
       const Vec3 r{p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
       result.push_back(
@@ -177,12 +177,12 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
 }  // namespace
 
 std::vector<Vec3> Simulation::block_displacement(int block) const {
-  return block_values(*impl_, block, impl_->displacement, &BodyState::displacement, &BodyState::rotation,
+  return block_values(*impl_, block, impl_->displacement, &BodyLanes::displacement, &BodyLanes::rotation,
                       block_mesh(block));
 }
 
 std::vector<Vec3> Simulation::block_velocity(int block) const {
-  return block_values(*impl_, block, impl_->velocity, &BodyState::velocity, &BodyState::spin, block_mesh(block));
+  return block_values(*impl_, block, impl_->velocity, &BodyLanes::velocity, &BodyLanes::spin, block_mesh(block));
 }
 
 std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
@@ -211,14 +211,8 @@ std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & QUOIN_CAN_FLAGS)) continue;
     for (int i = 0; i < chunk.point_count; ++i) {
-      const std::size_t p = at(chunk.first_point + i);
-      const int component = kLanes * chunk.axis;
-      // The opening at the time of the last evaluation: displacements have moved on by one step since.
-      const auto before = [&](std::int32_t offset) {
-        return displacement[at(offset + component)] - data.time_step * velocity[at(offset + component)];
-      };
-      normal[at(i)] =
-          before(model.node_b[p]) - before(model.node_a[p]) + (normal_shift.empty() ? 0.0 : normal_shift[p]);
+      const std::int32_t p = chunk.first_point + i;
+      normal[at(i)] = jump_at_traction(p)[0] + (normal_shift.empty() ? 0.0 : normal_shift[at(p)]);
     }
     const LawCall& call = calls[c];
     scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
@@ -257,9 +251,7 @@ std::vector<ContactPoint> Simulation::contact_points() const {
     // Normals point along +axis: joints given the other way round have changed sides.
     point.block_a = joint.face_a % 2 == 1 ? joint.block_a : joint.block_b;
     point.block_b = joint.face_a % 2 == 1 ? joint.block_b : joint.block_a;
-    const Vec3 a = read_line(impl_->displacement, at(model.node_a[p])),
-               b = read_line(impl_->displacement, at(model.node_b[p]));
-    point.jump = {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
+    point.jump = impl_->jump_at_traction(i);
     point.traction = {impl_->traction[0][p], impl_->traction[1][p], impl_->traction[2][p]};
     point.flags = flags[p];
     point.condition = condition_of(flags[p]);
@@ -290,13 +282,18 @@ std::array<long, kConditionCount> Simulation::condition_counts() const {
 // FNV-1a over 64-bit words.
 std::uint64_t Simulation::hash() const {
   std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](const LaneVector<double>& values) {
+  const auto add = [&](const auto& values) {
     for (double value : values) {
       std::uint64_t word;
       std::memcpy(&word, &value, sizeof word);
       hash = (hash ^ word) * 0x100000001b3u;
     }
   };
+  for (const BodyLanes& lanes : impl_->body_lanes) {
+    for (const auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin}) {
+      for (const auto& component : *quantity) add(component);
+    }
+  }
   add(impl_->displacement);
   add(impl_->velocity);
   for (const auto& column : impl_->traction) add(column);
@@ -348,7 +345,7 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   }
   const std::vector<std::uint8_t> undo = save();
   const auto sizes = [&] {
-    std::vector<std::size_t> all{s.displacement.size(), s.velocity.size(), s.bodies.size(), s.ramps.size()};
+    std::vector<std::size_t> all{s.displacement.size(), s.velocity.size(), s.body_lanes.size(), s.ramps.size()};
     for (const auto& column : s.traction) all.push_back(column.size());
     for (const auto& columns : s.law_state) all.push_back(columns.size());
     return all;
@@ -372,6 +369,7 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   s.bind_whiffletree();
   s.choose_damping();
   s.controls_settled = s.stage < 0;
+  s.bind_controls();
   s.flags_step = -1;
   s.energies.reset();
   s.bind_columns();

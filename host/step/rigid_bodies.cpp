@@ -24,7 +24,7 @@ double advance_component(double force, double inertia, const StepData& step, dou
 
 }  // namespace
 
-void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyState* state,
+void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyLanes* state,
                   Measured* measured) {
   Vec3 force{}, moment{};
   for (std::size_t i = 0; i < body.point.size(); ++i) {
@@ -37,56 +37,54 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
       moment[c] += m[c];
     }
   }
-  state->joint_force = force;
 
   Measured work;
   const double half_dt = 0.5 * step.time_step;
-  double unbalanced = 0.0;
+  Vec3 displacement, rotation, velocity, spin;
   for (std::size_t c = 0; c < 3; ++c) {
-    const double before = state->velocity[c];
-    if (state->prescribed[c]) {
+    const double before = state->velocity[c][0];
+    double& after = state->velocity[c][0];
+    if (state->prescribed[c][0] != 0.0) {
       // The support does the work that the joints take from it.
-      state->velocity[c] = state->prescribed_velocity[c];
+      after = state->prescribed_velocity[c][0];
       work.external_before -= force[c] * before * half_dt;
-      work.external_after -= force[c] * state->velocity[c] * half_dt;
+      work.external_after -= force[c] * after * half_dt;
     } else if (!body.held[c]) {
-      const double given = state->applied_force[c] + body.mass * step.gravity[c];
-      const double damping = advance_component(force[c] + given, mass, step, &state->velocity[c]);
+      const double given = state->applied_force[c][0] + body.mass * step.gravity[c];
+      const double damping = advance_component(force[c] + given, mass, step, &after);
       work.external_before += given * before * half_dt;
-      work.external_after += given * state->velocity[c] * half_dt;
+      work.external_after += given * after * half_dt;
       work.damping_before += damping * before * half_dt;
-      work.damping_after += damping * state->velocity[c] * half_dt;
-      work.kinetic += 0.5 * mass * before * state->velocity[c];
-      unbalanced += (force[c] + given) * (force[c] + given);
+      work.damping_after += damping * after * half_dt;
+      work.kinetic += 0.5 * mass * before * after;
+      work.unbalanced_squared += (force[c] + given) * (force[c] + given);
     }
-    if (state->prescribed[3 + c]) {
+    const double spin_before = state->spin[c][0];
+    double& spin_after = state->spin[c][0];
+    if (state->prescribed[3 + c][0] != 0.0) {
       // Held: the support does no work unless the body was turning before it was caught.
-      work.external_before -= moment[c] * state->spin[c] * half_dt;
-      state->spin[c] = 0.0;
+      work.external_before -= moment[c] * spin_before * half_dt;
+      spin_after = 0.0;
     } else if (!body.held[3 + c]) {
-      const double spin = state->spin[c];
-      const double damping = advance_component(moment[c], inertia[c], step, &state->spin[c]);
-      work.damping_before += damping * spin * half_dt;
-      work.damping_after += damping * state->spin[c] * half_dt;
-      work.kinetic += 0.5 * inertia[c] * spin * state->spin[c];
+      const double damping = advance_component(moment[c], inertia[c], step, &spin_after);
+      work.damping_before += damping * spin_before * half_dt;
+      work.damping_after += damping * spin_after * half_dt;
+      work.kinetic += 0.5 * inertia[c] * spin_before * spin_after;
     }
-  }
-  for (std::size_t c = 0; c < 3; ++c) {
-    state->displacement[c] += step.time_step * state->velocity[c];
-    state->rotation[c] += step.time_step * state->spin[c];
+    velocity[c] = after;
+    spin[c] = spin_after;
+    displacement[c] = state->displacement[c][0] += step.time_step * after;
+    rotation[c] = state->rotation[c][0] += step.time_step * spin_after;
   }
   for (std::size_t i = 0; i < body.slave.size(); ++i) {
-    const Vec3 turn = cross(state->spin, body.arm[i]), turned = cross(state->rotation, body.arm[i]);
+    const Vec3 turn = cross(spin, body.arm[i]), turned = cross(rotation, body.arm[i]);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t at = static_cast<std::size_t>(body.slave[i]) + kLanes * c;
-      step.velocity[at] = state->velocity[c] + turn[c];
-      step.displacement[at] = state->displacement[c] + turned[c];
+      step.velocity[at] = velocity[c] + turn[c];
+      step.displacement[at] = displacement[c] + turned[c];
     }
   }
-  if (measured) {
-    work.unbalanced_squared = unbalanced;
-    *measured = work;
-  }
+  if (measured) *measured = work;
 }
 
 }  // namespace quoin

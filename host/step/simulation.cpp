@@ -64,10 +64,14 @@ void Simulation::Impl::advance_item(int item, double* memory, Measured* record) 
   auto i = static_cast<std::size_t>(item);
   if (i < model.unit_groups.size()) return advance_units(model, model.unit_groups[i], data, memory, record);
   i -= model.unit_groups.size();
+  if (body_lanes[i].at_rest) {
+    if (record) *record = {};
+    return;
+  }
   if (i < model.body_groups.size())
-    return advance_bodies(model, model.body_groups[i], body_lanes[i], data, bodies.data(), record);
+    return advance_bodies(model, model.body_groups[i], group_inertia[i], data, &body_lanes[i], record);
   const auto b = static_cast<std::size_t>(model.lone_bodies[i - model.body_groups.size()]);
-  advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &bodies[b], record);
+  advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &body_lanes[i], record);
 }
 
 void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, bool measure_step, bool report) {
@@ -143,15 +147,17 @@ void Simulation::Impl::report_failed_points() {
 // ---- Controls and measurements -------------------------------------------------------------------------------------
 
 void Simulation::Impl::apply_controls() {
-  if (!controls_settled) follow_ramps();
+  if (!controls_settled)
+    follow_ramps();
+  else if (!rest_known)
+    find_bodies_at_rest();
   if (!whiffletree.empty()) pull_whiffletree();
 }
 
 double Simulation::Impl::floor_displacement(std::size_t floor) const {
   double sum = 0.0;
   for (const int body : whiffletree[floor])
-    sum += bodies[static_cast<std::size_t>(body)].displacement[0] -
-           data.time_step * bodies[static_cast<std::size_t>(body)].velocity[0];
+    sum += of_body(body, &BodyLanes::displacement)[0] - data.time_step * of_body(body, &BodyLanes::velocity)[0];
   return sum / static_cast<double>(whiffletree[floor].size());
 }
 
@@ -170,8 +176,10 @@ void Simulation::Impl::pull_whiffletree() {
     mean += floor_displacement(f) / static_cast<double>(whiffletree.size());
   const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
   for (const std::vector<int>& floor : whiffletree) {
-    for (const int body : floor)
-      bodies[static_cast<std::size_t>(body)].applied_force[0] = pull / static_cast<double>(floor.size());
+    for (const int body : floor) {
+      const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
+      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / static_cast<double>(floor.size());
+    }
   }
 }
 
@@ -180,10 +188,13 @@ void Simulation::Impl::follow_ramps() {
   const double elapsed = (static_cast<double>(stage_step) + 0.5) * data.time_step;
   const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
   const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  for (const int body : ramped_bodies) {
+    const auto b = static_cast<std::size_t>(body);
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
     for (std::size_t c = 0; c < 3; ++c) {
-      bodies[b].prescribed_velocity[c] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
-      bodies[b].applied_force[c] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
+      lanes.prescribed_velocity[c][lane] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
+      lanes.applied_force[c][lane] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
     }
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
@@ -234,11 +245,11 @@ HistoryRow Simulation::Impl::measure() const {
   if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
-  const Vec3 moved = monitor_mean(&BodyState::displacement), velocity_now = monitor_mean(&BodyState::velocity);
+  const Vec3 moved = monitor_mean(&BodyLanes::displacement), velocity_now = monitor_mean(&BodyLanes::velocity);
   double arms = 0.0;
   for (const int b : monitor) {
-    for (std::size_t c = 0; c < 3; ++c)
-      row.joint_force[c] += model.assembly.symmetry_factor * bodies[static_cast<std::size_t>(b)].joint_force[c];
+    const Vec3 joints = joint_force(b);
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
     for (const Vec3& arm : model.bodies[static_cast<std::size_t>(b)].arm) arms += arm[1];
   }
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
@@ -253,19 +264,67 @@ HistoryRow Simulation::Impl::measure() const {
   }
   const double whole = model.assembly.symmetry_factor;
   row.dynamic_force = whole * model.total_mass() * data.gravity[direction];
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    const BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
     const double weight = model.bodies[b].mass * data.gravity[direction];
-    row.dynamic_force += whole * (bodies[b].prescribed[direction] ? -bodies[b].joint_force[direction] - weight
-                                                                  : bodies[b].applied_force[direction]);
+    row.dynamic_force +=
+        whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(static_cast<int>(b))[direction] - weight
+                                                          : lanes.applied_force[direction][lane]);
   }
   row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
 }
 
-Vec3 Simulation::Impl::monitor_mean(Vec3 BodyState::*quantity) const {
+Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
+  const auto [index, lane] = body_place[static_cast<std::size_t>(body)];
+  const BodyLanes::Quantity& value = body_lanes[static_cast<std::size_t>(index)].*quantity;
+  return {value[0][lane], value[1][lane], value[2][lane]};
+}
+
+Vec3 Simulation::Impl::joint_force(int body) const {
+  const RigidBody& b = model.bodies[static_cast<std::size_t>(body)];
+  Vec3 sum{};
+  for (std::size_t i = 0; i < b.point.size(); ++i) {
+    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(model.point_axis[p]);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (model.area[p] * traction[c][p]);
+  }
+  return sum;
+}
+
+Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
+  const auto p = static_cast<std::size_t>(point);
+  const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
+  const double dt = data.time_step;
+  const auto displacement_of = [&](int block, std::int32_t gridpoint) {
+    const int body = model.place[static_cast<std::size_t>(block)].body;
+    Vec3 u{};
+    if (body < 0) {
+      const auto i = static_cast<std::size_t>(gridpoint);
+      for (std::size_t c = 0; c < 3; ++c) u[c] = displacement[i + c * kLanes] - dt * velocity[i + c * kLanes];
+      return u;
+    }
+    const Vec3 moved = of_body(body, &BodyLanes::displacement), moving = of_body(body, &BodyLanes::velocity);
+    const Vec3 turned = of_body(body, &BodyLanes::rotation), turning = of_body(body, &BodyLanes::spin);
+    const Vec3 &x = model.point_position[p], &centre = model.bodies[static_cast<std::size_t>(body)].centre;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+      u[c] = moved[c] - dt * moving[c] + (turned[next] - dt * turning[next]) * (x[last] - centre[last]) -
+             (turned[last] - dt * turning[last]) * (x[next] - centre[next]);
+    }
+    return u;
+  };
+  const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
+  const Vec3 a = displacement_of(in_order ? joint.block_a : joint.block_b, model.node_a[p]);
+  const Vec3 b = displacement_of(in_order ? joint.block_b : joint.block_a, model.node_b[p]);
+  const std::size_t n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
+  return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
+}
+
+Vec3 Simulation::Impl::monitor_mean(BodyLanes::Quantity BodyLanes::*quantity) const {
   Vec3 mean{};
   for (const int b : monitor) {
-    const Vec3& value = bodies[static_cast<std::size_t>(b)].*quantity;
+    const Vec3 value = of_body(b, quantity);
     for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(monitor.size());
   }
   return mean;
@@ -295,35 +354,38 @@ void Simulation::Impl::begin_stage(int index) {
                                              settings.source.text, settings.name));
   }
 
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    BodyState& body = bodies[b];
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [place, lane] = body_place[b];
+    BodyLanes& body = body_lanes[static_cast<std::size_t>(place)];
+    const Vec3 joints = joint_force(static_cast<int>(b));
     const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
       return !c.body.empty() && c.body == model.bodies[b].name;
     });
     const bool controlled = control != settings.controls.end();
     for (std::size_t c = 0; c < 3; ++c) {
-      const bool was_prescribed = body.prescribed[c];
+      const bool was_prescribed = body.prescribed[c][lane] != 0.0;
       const bool prescribed = controlled && control->kind[c] == DofKind::velocity;
       // What a support has carried so far is the force from which a newly freed component starts.
       const double carried =
-          was_prescribed ? -body.joint_force[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c];
-      ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c] : body.velocity[c];
+          was_prescribed ? -joints[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c][lane];
+      ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
       ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
       ramps[b].force_from[c] = prescribed ? 0.0 : carried;
       ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
-      body.prescribed[c] = prescribed;
-      body.prescribed[c + 3] = controlled && !control->may_turn;
+      body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
+      body.prescribed[c + 3][lane] = controlled && !control->may_turn ? 1.0 : 0.0;
     }
   }
   gravity_from = data.gravity;
   gravity_to = settings.gravity;
   controls_settled = false;
+  bind_controls();
 
   stage = index;
   stage_step = 0;
   in_stage = true;
   monitor = new_monitor;
-  monitor_start = monitor_mean(&BodyState::displacement);
+  monitor_start = monitor_mean(&BodyLanes::displacement);
   bind_whiffletree();
   choose_damping();
   if (!whiffletree.empty()) {
@@ -337,6 +399,43 @@ void Simulation::Impl::begin_stage(int index) {
   next_row = 0;
   swaps.clear();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+void Simulation::Impl::bind_controls() {
+  ramped_bodies.clear();
+  for (BodyLanes& lanes : body_lanes) lanes.any_prescribed = false;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    for (const auto& prescribed : lanes.prescribed)
+      lanes.any_prescribed = lanes.any_prescribed || prescribed[lane] != 0.0;
+    const BodyRamp& ramp = ramps[b];
+    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to)
+      ramped_bodies.push_back(static_cast<int>(b));
+    for (std::size_t c = 0; c < 3; ++c) {
+      lanes.prescribed_velocity[c][lane] = ramp.velocity_from[c];
+      lanes.applied_force[c][lane] = ramp.force_from[c];
+    }
+  }
+  find_bodies_at_rest();
+  rest_known = false;  // the end of the ramps may bring others to rest
+}
+
+void Simulation::Impl::find_bodies_at_rest() {
+  for (BodyLanes& lanes : body_lanes) lanes.at_rest = true;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool held = (lanes.prescribed[c][lane] != 0.0 || model.bodies[b].held[c]) &&
+                        (lanes.prescribed[3 + c][lane] != 0.0 || model.bodies[b].held[3 + c]);
+      const bool still = lanes.velocity[c][lane] == 0.0 && lanes.spin[c][lane] == 0.0 &&
+                         (controls_settled ? lanes.prescribed_velocity[c][lane] == 0.0
+                                           : ramps[b].velocity_from[c] == 0.0 && ramps[b].velocity_to[c] == 0.0);
+      lanes.at_rest = lanes.at_rest && held && still;
+    }
+  }
+  rest_known = true;
 }
 
 void Simulation::Impl::choose_damping() {
@@ -387,7 +486,7 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
     const double now =
-        whiffletree.empty() ? monitor_mean(&BodyState::displacement)[c] : floor_displacement(whiffletree.size() - 1);
+        whiffletree.empty() ? monitor_mean(&BodyLanes::displacement)[c] : floor_displacement(whiffletree.size() - 1);
     const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }
@@ -429,14 +528,8 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
   if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
   // The opening that belongs to the standing tractions: displacements have moved on by one step since.
   std::vector<double> jump(count), shift(count, 0.0), stored(count, 0.0), energy_jump(count, 0.0), zero(count, 0.0);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::int32_t component = kLanes * model.point_axis[first + i];
-    const auto at_traction = [&](std::int32_t offset) {
-      const auto k = static_cast<std::size_t>(offset + component);
-      return displacement[k] - data.time_step * velocity[k];
-    };
-    jump[i] = at_traction(model.node_b[first + i]) - at_traction(model.node_a[first + i]) + normal_shift[first + i];
-  }
+  for (std::size_t i = 0; i < count; ++i)
+    jump[i] = jump_at_traction(static_cast<std::int32_t>(first + i))[0] + normal_shift[first + i];
   LaneVector<double> new_state(law.law->state_count * count, 0.0);
   std::vector<const char*> ids;
   std::vector<quoin_in> from;
@@ -520,11 +613,18 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   if (want_energy) {
     for (auto& column : energy_columns) column.assign(points, 0.0);
   }
-  bodies.resize(model.bodies.size());
   ramps.resize(model.bodies.size());
   measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
-  for (const BodyGroup& group : model.body_groups)
-    body_lanes.push_back(lanes_of(group, model, inertia, time_step.time_step));
+  body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
+  body_place.resize(model.bodies.size());
+  for (std::size_t g = 0; g < model.body_groups.size(); ++g) {
+    const BodyGroup& group = model.body_groups[g];
+    for (int lane = 0; lane < group.body_count; ++lane)
+      body_place[static_cast<std::size_t>(group.body[static_cast<std::size_t>(lane)])] = {static_cast<int>(g), lane};
+    group_inertia.push_back(inertia_of(group, model, inertia, time_step.time_step));
+  }
+  for (std::size_t i = 0; i < model.lone_bodies.size(); ++i)
+    body_place[static_cast<std::size_t>(model.lone_bodies[i])] = {static_cast<int>(model.body_groups.size() + i), 0};
 
   dt_over_mass.assign(doubles, 0.0);
   for (std::size_t i = 0; i < doubles; ++i) {

@@ -14,16 +14,18 @@
 
 namespace quoin {
 
-// A rigid body in motion. Rotations are small: a vector.
-struct BodyState {
-  Vec3 displacement{}, rotation{};  // m, rad
-  Vec3 velocity{}, spin{};          // m/s, rad/s; of half a step ago
-  Vec3 joint_force{};               // of the contact points, at the time of the last law evaluation, N
+// Rigid bodies in motion, one a lane: those of a group, or a lone one in lane 0. Rotations are small: a vector.
+struct BodyLanes {
+  using Quantity = double[3][kLanes];
+  alignas(64) Quantity displacement = {}, rotation = {};  // m, rad
+  Quantity velocity = {}, spin = {};                      // m/s, rad/s; of half a step ago
 
   // What controls impose in this step.
-  std::array<bool, 6> prescribed{};  // translations: velocity given; rotations: held
-  Vec3 prescribed_velocity{};
-  Vec3 applied_force{};
+  Quantity applied_force = {};        // N
+  Quantity prescribed_velocity = {};  // m/s
+  double prescribed[6][kLanes] = {};  // 1: translations have this velocity, rotations are held; else 0
+  bool any_prescribed = false;
+  bool at_rest = false;  // and held there: a step changes nothing
 };
 
 // Control of a body through a stage: from what was to what shall be, over the ramp.
@@ -33,13 +35,12 @@ struct BodyRamp {
 };
 
 // What does not change about the bodies of a group, by lane.
-struct BodyGroupLanes {
+struct BodyGroupInertia {
   alignas(64) double weighing_mass[kLanes];       // kg, without scaling
   alignas(64) double inertia[6][kLanes];          // kg, kg m2
-  alignas(64) double dt_over_inertia[6][kLanes];  // 0 where held
-  std::int32_t state_offset[kLanes];              // from the first body's state to this one's, in doubles
+  alignas(64) double dt_over_inertia[6][kLanes];  // 0 where held, and in lanes without a body
 };
-BodyGroupLanes lanes_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step);
+BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step);
 
 // One chunk's call of its law, with all columns in place; only the jumps differ by thread.
 struct LawCall {
@@ -53,12 +54,13 @@ struct LawCall {
   std::array<double, 4> dissipated{};  // J during the last step, energy steps
 };
 
-// Moves one body by a step: sums, control or free motion, gridpoints. Fixed order throughout.
-void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyState* state,
+// Moves the body of lane 0 by a step: sums, control or free motion, gridpoints. Fixed order throughout.
+void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const StepData& step, BodyLanes* state,
                   Measured* measured);
-// The same for the bodies of a group, side by side. bodies: of the whole model.
-void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupLanes& lanes, const StepData& step,
-                    BodyState* bodies, Measured* measured);
+// The same for the bodies of a group, side by side. Of the gridpoints it writes what the joints of their faces ask for:
+// displacement along the normal, velocity across.
+void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupInertia& inertia, const StepData& step,
+                    BodyLanes* state, Measured* measured);
 
 struct Simulation::Impl {
   Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
@@ -76,13 +78,19 @@ struct Simulation::Impl {
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
-  void bind_whiffletree();     // bodies of the stage's floors
+  void bind_whiffletree();  // bodies of the stage's floors
+  void bind_controls();     // lists that follow from ramps and prescribed components
+  void find_bodies_at_rest();
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
-  Vec3 monitor_mean(Vec3 BodyState::*quantity) const;  // over its bodies
-  double stage_fraction() const;                       // by duration or displacement
+  Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
+  Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
+  // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
+  Vec3 jump_at_traction(std::int32_t point) const;
+  Vec3 monitor_mean(BodyLanes::Quantity BodyLanes::*quantity) const;  // over its bodies
+  double stage_fraction() const;                                      // by duration or displacement
   bool equilibrium_reached(const Stage& settings);
   long chosen_record_interval() const;
   void sum_measurements();
@@ -103,7 +111,7 @@ struct Simulation::Impl {
   LaneVector<double> traction[3];             // by contact point
   std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other
   LaneVector<double> normal_shift;            // by contact point: added to the opening (laws swapped in); else empty
-  std::vector<BodyState> bodies;
+  std::vector<BodyLanes> body_lanes;          // body groups, then lone bodies
   std::vector<BodyRamp> ramps;
   Vec3 gravity_from{}, gravity_to{};
   long step_count = 0;
@@ -121,9 +129,11 @@ struct Simulation::Impl {
   LaneVector<double> dt_over_mass;
   std::set<std::vector<double>> inertia_tables;  // of groups whose blocks share them
   std::vector<const double*> shared_dt_over_mass;
-  std::vector<BodyGroupLanes> body_lanes;  // by body group
-  LaneVector<double> force[3];             // by contact point, and a dummy
-  LaneVector<double> energy_columns[5];    // stored, dissipated by mode; scratch by contact point, energy runs only
+  std::vector<std::pair<int, int>> body_place;  // by body: index into body_lanes, lane
+  std::vector<int> ramped_bodies;               // whose control changes over the ramp
+  std::vector<BodyGroupInertia> group_inertia;  // by body group
+  LaneVector<double> force[3];                  // by contact point, and a dummy
+  LaneVector<double> energy_columns[5];  // stored, dissipated by mode; scratch by contact point, energy runs only
   std::vector<std::uint32_t> flags;
   long flags_step = -1;  // step that computed them
   std::vector<LawCall> calls;
@@ -134,6 +144,7 @@ struct Simulation::Impl {
   std::vector<int> monitor;                   // bodies that the history shows
   std::vector<std::vector<int>> whiffletree;  // bodies of each floor, in stages that have one
   bool controls_settled = true;               // the ramp of the stage is over
+  bool rest_known = true;                     // at_rest of all bodies is up to date
   bool want_energy = false;
   bool keep_diagnostics = false;
 

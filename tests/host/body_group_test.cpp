@@ -29,14 +29,21 @@ TEST(BodyGroup, EveryBodyHasALaneAndEveryPointASlotOnEachSide) {
     for (const BodyGroup& group : model.body_groups) {
       for (int lane = 0; lane < group.body_count; ++lane) ++seen[at(group.body[at(lane)])];
       const BodySlots& slots = model.body_slots[at(group.slots)];
-      for (int slot = 0; slot < slots.slot_count(); ++slot) {
+      for (int slot = 0, face = 0; slot < slots.slot_count(); ++slot) {
+        while (slot >= slots.face[at(face)].slot_end) ++face;
+        const std::size_t n = at(face / 2), s = (n + 1) % 3, t = (n + 2) % 3;
+        Vec3 arm;
+        arm[n] = slots.face[at(face)].normal_arm;
+        arm[s] = slots.arm[at(slot)][0];
+        arm[t] = slots.arm[at(slot)][1];
         for (int lane = 0; lane < kLanes; ++lane) {
           const std::int32_t point = model.slot_point[at((group.first_slot + slot) * kLanes + lane)];
           if (point == model.point_count) continue;
           ++sides[at(point)];
-          const auto& node = slots.sign[at(slot)] > 0.0 ? model.node_a : model.node_b;
+          EXPECT_EQ(model.point_axis[at(point)], n);
+          const auto& node = face % 2 == 1 ? model.node_a : model.node_b;
           EXPECT_EQ(node[at(point)], (group.first_line + slot) * kLine + lane);
-          const Vec3 &centre = model.bodies[at(group.body[at(lane)])].centre, &arm = slots.arm[at(slot)];
+          const Vec3& centre = model.bodies[at(group.body[at(lane)])].centre;
           for (std::size_t c = 0; c < 3; ++c)
             EXPECT_NEAR(centre[c] + arm[c], model.point_position[at(point)][c], 1e-12);
         }
@@ -54,45 +61,48 @@ TEST(BodyGroup, MostContactPointsOfAWallNeedNoGathers) {
   EXPECT_LT(static_cast<double>(gathered), 0.25 * static_cast<double>(model.slot_run.size()));
 }
 
-// Everything that a step moves, with random values.
-struct RandomState {
-  explicit RandomState(const Model& model)
-      : displacement(at(model.line_count * kLine), 0.0),
-        velocity(displacement),
-        bodies(model.bodies.size()),
-        measured(model.bodies.size()) {
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> value(-1.0, 1.0);
-    std::bernoulli_distribution rarely(0.2);
-    for (auto& column : force) {
-      for (int i = 0; i < model.point_count; ++i) column.push_back(100.0 * value(random));
-      column.resize(column.size() + kLanes, 0.0);  // the dummy
-    }
-    for (BodyState& body : bodies) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        body.displacement[c] = 1e-3 * value(random);
-        body.rotation[c] = 1e-3 * value(random);
-        body.velocity[c] = value(random);
-        body.spin[c] = value(random);
-        body.applied_force[c] = 50.0 * value(random);
-        body.prescribed_velocity[c] = value(random);
-      }
-      for (bool& prescribed : body.prescribed) prescribed = rarely(random);
-    }
-  }
-  void bind(StepData* step) {
-    step->displacement = displacement.data();
-    step->velocity = velocity.data();
-    for (std::size_t c = 0; c < 3; ++c) step->force[c] = force[c].data();
-  }
-  LaneVector<double> displacement, velocity, force[3];
-  std::vector<BodyState> bodies;
-  std::vector<Measured> measured;
-};
+using Quantity = BodyLanes::Quantity BodyLanes::*;
 
-void expect_near(const Vec3& x, const Vec3& y, double scale) {
-  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(x[c], y[c], 1e-13 * scale);
+double random_value(std::mt19937_64& random) { return std::uniform_real_distribution<double>(-1.0, 1.0)(random); }
+
+// One random body in all lanes.
+BodyLanes random_body(std::mt19937_64& random, const RigidBody& body) {
+  BodyLanes lanes;
+  const auto fill = [&](Quantity quantity, std::size_t c, double size) {
+    const double value = size * random_value(random);
+    for (double& x : (lanes.*quantity)[c]) x = value;
+  };
+  for (std::size_t c = 0; c < 3; ++c) {
+    fill(&BodyLanes::displacement, c, 1e-3);
+    fill(&BodyLanes::rotation, c, 1e-3);
+    fill(&BodyLanes::velocity, c, body.held[c] ? 0.0 : 1.0);
+    fill(&BodyLanes::spin, c, body.held[3 + c] ? 0.0 : 1.0);
+    fill(&BodyLanes::applied_force, c, 50.0);
+    fill(&BodyLanes::prescribed_velocity, c, 1.0);
+  }
+  for (auto& prescribed : lanes.prescribed) {
+    const double on = std::bernoulli_distribution(0.2)(random) ? 1.0 : 0.0;
+    lanes.any_prescribed = lanes.any_prescribed || on != 0.0;
+    for (double& x : prescribed) x = on;
+  }
+  return lanes;
 }
+
+void copy_lane(const BodyLanes& from, int lane, BodyLanes* to) {
+  const auto i = at(lane);
+  for (const Quantity quantity : {&BodyLanes::displacement, &BodyLanes::rotation, &BodyLanes::velocity,
+                                  &BodyLanes::spin, &BodyLanes::applied_force, &BodyLanes::prescribed_velocity}) {
+    for (std::size_t c = 0; c < 3; ++c) (to->*quantity)[c][i] = (from.*quantity)[c][i];
+  }
+  for (std::size_t dof = 0; dof < 6; ++dof) to->prescribed[dof][i] = from.prescribed[dof][i];
+  to->any_prescribed = to->any_prescribed || from.any_prescribed;
+}
+
+// What contact points give and take.
+struct Field {
+  explicit Field(const Model& model) : displacement(at(model.line_count * kLine), 0.0), velocity(displacement) {}
+  LaneVector<double> displacement, velocity;
+};
 
 class BodyGroupDamping : public testing::TestWithParam<DampingKind> {};
 
@@ -100,12 +110,13 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
   Model model = cube_wall(10);
   for (std::size_t b = 0; b < model.bodies.size(); b += 7)
     model.bodies[b].held = {false, false, true, true, true, false};
-  RandomState together(model);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].held[2])
-      together.bodies[b].velocity[2] = together.bodies[b].spin[0] = together.bodies[b].spin[1] = 0.0;
+  std::mt19937_64 random(1);
+  LaneVector<double> force[3];
+  for (auto& column : force) {
+    for (int i = 0; i < model.point_count; ++i) column.push_back(100.0 * random_value(random));
+    column.resize(column.size() + kLanes, 0.0);  // the dummy
   }
-  RandomState alone = together;
+  Field together(model), alone(model);
   Inertia inertia;
   for (const RigidBody& body : model.bodies) {
     inertia.body_mass.push_back(1.5 * body.mass);
@@ -118,16 +129,27 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
   step.mass_damping = 30.0;
   step.gravity = {0.5, -9.81, 0.1};
 
+  for (std::size_t c = 0; c < 3; ++c) step.force[c] = force[c].data();
+  const auto use = [&](Field& field) {
+    step.displacement = field.displacement.data();
+    step.velocity = field.velocity.data();
+  };
+
   for (const BodyGroup& group : model.body_groups) {
-    const BodyGroupLanes lanes = lanes_of(group, model, inertia, step.time_step);
+    BodyLanes all;
+    std::vector<BodyLanes> single;
+    for (int lane = 0; lane < group.body_count; ++lane) {
+      single.push_back(random_body(random, model.bodies[at(group.body[at(lane)])]));
+      copy_lane(single.back(), lane, &all);
+    }
     Measured of_group, sum;
-    together.bind(&step);
-    advance_bodies(model, group, lanes, step, together.bodies.data(), &of_group);
-    alone.bind(&step);
+    use(together);
+    advance_bodies(model, group, inertia_of(group, model, inertia, step.time_step), step, &all, &of_group);
+    use(alone);
     for (int lane = 0; lane < group.body_count; ++lane) {
       const std::size_t b = at(group.body[at(lane)]);
       Measured one;
-      advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], step, &alone.bodies[b], &one);
+      advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], step, &single[at(lane)], &one);
       sum.unbalanced_squared = std::max(sum.unbalanced_squared, one.unbalanced_squared);
       sum.kinetic += one.kinetic;
       sum.damping_before += one.damping_before;
@@ -135,18 +157,20 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
       sum.external_before += one.external_before;
       sum.external_after += one.external_after;
 
-      const BodyState &x = together.bodies[b], &y = alone.bodies[b];
-      expect_near(x.joint_force, y.joint_force, 1e3);
-      expect_near(x.velocity, y.velocity, 1.0);
-      expect_near(x.spin, y.spin, 1.0);
-      expect_near(x.displacement, y.displacement, 1e-3);
-      expect_near(x.rotation, y.rotation, 1e-3);
-      for (const std::int32_t slave : model.bodies[b].slave) {
-        for (std::size_t c = 0; c < 3; ++c) {
-          const std::size_t i = at(slave) + c * kLanes;
-          EXPECT_NEAR(together.velocity[i], alone.velocity[i], 1e-13);
-          EXPECT_NEAR(together.displacement[i], alone.displacement[i], 1e-16);
-        }
+      const auto expect_same = [&](Quantity quantity, double scale) {
+        for (std::size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR((all.*quantity)[c][at(lane)], (single[at(lane)].*quantity)[c][0], 1e-13 * scale);
+      };
+      expect_same(&BodyLanes::velocity, 1.0);
+      expect_same(&BodyLanes::spin, 1.0);
+      expect_same(&BodyLanes::displacement, 1e-3);
+      expect_same(&BodyLanes::rotation, 1e-3);
+      for (std::size_t i = 0; i < model.bodies[b].slave.size(); ++i) {
+        const std::size_t slave = at(model.bodies[b].slave[i]), n = model.point_axis[at(model.bodies[b].point[i])];
+        const std::size_t normal = slave + n * kLanes;
+        EXPECT_NEAR(together.displacement[normal], alone.displacement[normal], 1e-16);
+        for (const std::size_t across : {slave + (n + 1) % 3 * kLanes, slave + (n + 2) % 3 * kLanes})
+          EXPECT_NEAR(together.velocity[across], alone.velocity[across], 1e-13);
       }
     }
     EXPECT_NEAR(of_group.unbalanced_squared, sum.unbalanced_squared, 1e-12 * sum.unbalanced_squared);
