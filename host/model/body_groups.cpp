@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 
 namespace quoin {
 namespace {
 
 constexpr double kArmTolerance = 1e-9;   // of the arm
-constexpr double kLargestPadding = 1.5;  // lanes in all over lanes in use, for the sake of neighbours
 
 bool same_place(const BodyPoint& p, const BodyPoint& q) {
   double length = 0.0, distance = 0.0;
@@ -68,24 +66,6 @@ std::vector<BodyClass> body_classes(const std::vector<RigidBody>& bodies,
       std::remove_if(classes.begin(), classes.end(), [](const BodyClass& c) { return c.body.size() < kFewBodies; }),
       classes.end());
   return classes;
-}
-
-int group_count(const BodyClass& kind, const std::vector<std::pair<int, int>>& joined) {
-  std::map<int, int> index_of, pairs_at;
-  for (std::size_t i = 0; i < kind.body.size(); ++i) index_of[kind.body[i]] = static_cast<int>(i);
-  for (const auto& [a, b] : joined) {
-    const auto i = index_of.find(a), j = index_of.find(b);
-    if (i == index_of.end() || j == index_of.end()) continue;
-    const int difference = std::abs(i->second - j->second);
-    if (difference > 1) ++pairs_at[difference];
-  }
-  const int count = static_cast<int>(kind.body.size()), fewest = (count + kLanes - 1) / kLanes;
-  if (pairs_at.empty()) return fewest;
-  const int course = std::max_element(pairs_at.begin(), pairs_at.end(), [](const auto& p, const auto& q) {
-                       return p.second < q.second;
-                     })->first;
-  const int regular = (fewest + course - 1) / course * course;
-  return regular <= kLargestPadding * fewest ? regular : fewest;
 }
 
 }  // namespace quoin

@@ -1,7 +1,6 @@
-// Rigid bodies that move side by side, one a lane: which ones, and in which lane.
+// Rigid bodies that move side by side, one a lane: which ones.
 #pragma once
 
-#include <utility>
 #include <vector>
 
 #include "model/model.h"
@@ -27,10 +26,5 @@ inline constexpr std::size_t kFewBodies = 4;
 // Classes of kFewBodies and more. points_of: by body, face after face.
 std::vector<BodyClass> body_classes(const std::vector<RigidBody>& bodies,
                                     const std::vector<std::vector<BodyPoint>>& points_of);
-
-// Body i of a class goes to lane i / G of group i mod G: G, for bodies joined as these pairs are. Where the same
-// difference of i joins most pairs, as in the courses of a wall, G is a multiple of it: then the lanes of a group have
-// their neighbours in the lanes of one other group, and contact points need no gathers.
-int group_count(const BodyClass& kind, const std::vector<std::pair<int, int>>& joined);
 
 }  // namespace quoin

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "model/body_groups.h"
+#include "model/point_order.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -387,12 +388,10 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
   };
   std::vector<std::vector<BodyPoint>> body_points(bodies.size());
-  std::vector<std::pair<int, int>> joined;
   for (const NewPoint& p : found) {
     const int a = body_of(p.a), b = body_of(p.b);
     if (a >= 0) body_points[at(a)].push_back(as_seen_by(bodies[at(a)], p, true));
     if (b >= 0) body_points[at(b)].push_back(as_seen_by(bodies[at(b)], p, false));
-    if (a >= 0 && b >= 0) joined.emplace_back(a, b);
   }
   for (const BodyClass& kind : body_classes(bodies, body_points)) {
     BodySlots& places = body_slots.emplace_back();
@@ -402,7 +401,9 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
       places.face[at(slot.face)].normal_arm = slot.arm[axis];
     }
     for (int face = 0; face < 6; ++face) places.face[at(face)].slot_end = kind.first_slot(face + 1);
-    const int first_group = static_cast<int>(body_groups.size()), count = group_count(kind, joined);
+    // Body i goes to lane i / G of group i mod G, as units do.
+    const int first_group = static_cast<int>(body_groups.size());
+    const int count = (static_cast<int>(kind.body.size()) + kLanes - 1) / kLanes;
     for (int g = 0; g < count; ++g) {
       BodyGroup group;
       group.slots = static_cast<int>(body_slots.size()) - 1;
@@ -433,8 +434,6 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   }
   const std::int32_t grouped_line_count = line_count;
 
-  // Contact points, sorted so that neighbouring points have gridpoints in neighbouring lanes. Rows that fill all lanes
-  // come first: the others must not break their alignment.
   const auto offset_of = [&](const Side& side) {
     const BlockPlace& where = place[at(side.block)];
     if (where.body >= 0) {
@@ -443,23 +442,13 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     }
     return (groups[at(where.group)].first_line + side.node) * kLine + where.lane;
   };
-  const auto row_of = [&](const NewPoint& p) {
-    const auto line = [&](const Side& side) { return side.node >= 0 ? offset_of(side) / kLine : -1; };
-    return std::tuple(p.family, p.axis, line(p.a), line(p.b));
-  };
-  std::map<std::tuple<int, int, int, int>, int> row_length;
-  for (const NewPoint& p : found) ++row_length[row_of(p)];
-  const auto key = [&](const NewPoint& p) {
-    const int leading = p.a.node >= 0 ? offset_of(p.a) : p.b.node >= 0 ? offset_of(p.b) : p.joint;
-    const bool partial = p.a.node < 0 || p.b.node < 0 || row_length[row_of(p)] < kLanes;
-    return std::tuple(p.family, p.axis, partial, leading, p.joint);
-  };
-  std::vector<std::pair<decltype(key(found[0])), std::size_t>> order;
-  for (std::size_t i = 0; i < found.size(); ++i) order.emplace_back(key(found[i]), i);
-  std::sort(order.begin(), order.end());
   {
+    std::vector<PointEnds> ends;
+    for (const NewPoint& p : found)
+      ends.push_back(
+          {p.family, p.axis, p.joint, p.a.node >= 0 ? offset_of(p.a) : -1, p.b.node >= 0 ? offset_of(p.b) : -1});
     std::vector<NewPoint> sorted;
-    for (const auto& entry : order) sorted.push_back(found[entry.second]);
+    for (const std::size_t i : point_order(ends)) sorted.push_back(found[i]);
     found.swap(sorted);
   }
   point_count = static_cast<std::int32_t>(found.size());
