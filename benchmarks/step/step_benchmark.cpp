@@ -1,11 +1,12 @@
 // Time per step and by phase on the paper's solid wall (11,520 zones, 3,447 contact points) and its 576-block wall,
 // under shear. Arguments: courses, half units a course, threads, displacement before the measurement in um (0: nothing
-// has cracked).
+// has cracked). The same on the walls of rigid cubes, while cracks run: size, threads.
 #include <benchmark/benchmark.h>
 
 #include "machine_limits.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
+#include "scene/read_scene.h"
 #include "step/kernels.h"
 #include "step/simulation.h"
 
@@ -58,12 +59,7 @@ Scene wall(int courses, double units) {
   return scene;
 }
 
-void step(benchmark::State& state) {
-  const Scene scene = wall(static_cast<int>(state.range(0)), 0.5 * static_cast<double>(state.range(1)));
-  Simulation simulation(scene, assemble(scene), static_cast<int>(state.range(2)));
-  do {
-    simulation.advance(200);
-  } while (simulation.measure().displacement < 1e-6 * static_cast<double>(state.range(3)));
+void measure_steps(Simulation& simulation, benchmark::State& state) {
   // The quickest of many windows: other programs on the machine only ever add time.
   constexpr int kWindow = 10;  // shorter than a time slice
   double contacts = 1e9, blocks = 1e9;
@@ -76,17 +72,39 @@ void step(benchmark::State& state) {
       blocks = times.blocks;
     }
   }
+  double block_count = 0.0, body_count = 0.0, bytes[3] = {0.0, 0.0, 0.0};
+  for (const Model::BlockPlace& place : simulation.model().place) ++(place.body < 0 ? block_count : body_count);
+  const double counts[3] = {block_count, body_count, static_cast<double>(simulation.model().point_count)};
+  for (const HotArray& array : simulation.hot_arrays())
+    bytes[static_cast<int>(array.of)] += static_cast<double>(array.bytes);
   state.counters["contacts_us"] = contacts * 1e6 / kWindow;
   state.counters["blocks_us"] = blocks * 1e6 / kWindow;
   state.counters["step_us"] = (contacts + blocks) * 1e6 / kWindow;
-  double bytes[2] = {0.0, 0.0};
-  for (const HotArray& array : simulation.hot_arrays()) bytes[array.by_point] += static_cast<double>(array.bytes);
-  const double block_count = static_cast<double>(state.range(0) * state.range(1));
-  state.counters["ns_a_block"] = (contacts + blocks) * 1e9 / kWindow / block_count;
-  state.counters["bytes_a_block"] = bytes[0] / block_count;
-  state.counters["bytes_a_point"] = bytes[1] / simulation.model().point_count;
+  state.counters["ns_a_block"] = (contacts + blocks) * 1e9 / kWindow / (block_count + body_count);
+  state.counters["ns_a_point"] = (contacts + blocks) * 1e9 / kWindow / counts[2];
+  const char* const names[3] = {"bytes_a_block", "bytes_a_body", "bytes_a_point"};
+  for (int i = 0; i < 3; ++i) {
+    if (counts[i] > 0.0) state.counters[names[i]] = bytes[i] / counts[i];
+  }
   state.SetLabel(simulation.instruction_set());
 }
+
+void step(benchmark::State& state) {
+  const Scene scene = wall(static_cast<int>(state.range(0)), 0.5 * static_cast<double>(state.range(1)));
+  Simulation simulation(scene, assemble(scene), static_cast<int>(state.range(2)));
+  do {
+    simulation.advance(200);
+  } while (simulation.measure().displacement < 1e-6 * static_cast<double>(state.range(3)));
+  measure_steps(simulation, state);
+}
+
+void cubes(benchmark::State& state) {
+  const Scene scene = read_scene(QUOIN_SCENES "/cube_wall_" + std::to_string(state.range(0)) + ".toml", {});
+  Simulation simulation(scene, assemble(scene), static_cast<int>(state.range(1)));
+  simulation.advance(2000);
+  measure_steps(simulation, state);
+}
+BENCHMARK(cubes)->ArgsProduct({{10, 20}, {1, 2}})->Iterations(3000)->Unit(benchmark::kMicrosecond)->UseRealTime();
 
 // The product with the stiffness alone, over all blocks of the 576-block wall, on one thread: of what the machine can
 // do at best, measured just before.

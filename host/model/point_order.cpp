@@ -1,9 +1,9 @@
 #include "model/point_order.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "model/lanes.h"
 
@@ -35,22 +35,23 @@ struct Chains {
   // Continues chains with points whose gridpoint on side a, on side b, or on both is in the next lane.
   void link(bool by_a, bool by_b, bool only_rows = false) {
     using Place = std::tuple<int, int, std::int32_t, std::int32_t>;
-    std::map<Place, std::vector<std::size_t>> at;
-    const auto has_place = [&](const PointEnds& p) { return (by_a && p.a >= 0) || (by_b && p.b >= 0); };
-    for (std::size_t i = points.size(); i-- > 0;) {
-      const PointEnds& p = points[i];
-      if (!has_previous[i] && has_place(p)) at[{p.family, p.axis, by_a ? p.a : -1, by_b ? p.b : -1}].push_back(i);
-    }
+    const auto place = [&](const PointEnds& p) { return Place(p.family, p.axis, by_a ? p.a : -1, by_b ? p.b : -1); };
+    const auto has_place = [&](std::size_t i) { return (by_a && points[i].a >= 0) || (by_b && points[i].b >= 0); };
+    std::vector<std::pair<Place, std::size_t>> free;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const PointEnds& p = points[i];
-      const auto a = next_lane(by_a ? p.a : -1), b = next_lane(by_b ? p.b : -1);
-      if (next[i] != kNone || !has_place(p) || !a || !b) continue;
-      const auto found = at.find({p.family, p.axis, *a, *b});
-      if (found == at.end() || found->second.empty()) continue;
-      if (only_rows && !in_row[i] && !in_row[found->second.back()]) continue;
-      next[i] = found->second.back();
-      has_previous[next[i]] = true;
-      found->second.pop_back();
+      if (!has_previous[i] && has_place(i)) free.emplace_back(place(points[i]), i);
+    }
+    std::sort(free.begin(), free.end());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto a = next_lane(by_a ? points[i].a : -1), b = next_lane(by_b ? points[i].b : -1);
+      if (next[i] != kNone || !has_place(i) || !a || !b) continue;
+      const Place wanted(points[i].family, points[i].axis, *a, *b);
+      auto found = std::lower_bound(free.begin(), free.end(), std::pair(wanted, std::size_t{0}));
+      while (found != free.end() && found->first == wanted && has_previous[found->second]) ++found;
+      if (found == free.end() || found->first != wanted) continue;
+      if (only_rows && !in_row[i] && !in_row[found->second]) continue;
+      next[i] = found->second;
+      has_previous[found->second] = true;
     }
   }
 

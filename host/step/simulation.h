@@ -109,9 +109,10 @@ struct PhaseTimes {
 };
 
 // An array that every step reads or writes.
+enum class HotOf { block, rigid_body, contact_point };
 struct HotArray {
   const char* what;
-  bool by_point;      // of contact points; else of deformable blocks
+  HotOf of;
   std::size_t bytes;  // all of it
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "scene/read_scene.h"
@@ -179,6 +180,60 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
     EXPECT_NEAR(of_group.damping_after, sum.damping_after, 1e-14);
     EXPECT_NEAR(of_group.external_before, sum.external_before, 1e-14);
     EXPECT_NEAR(of_group.external_after, sum.external_after, 1e-14);
+  }
+}
+
+// Bodies at rest are left out of the step: what a step would do to them is nothing, to the bit.
+TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
+  const Model model = cube_wall(10);
+  std::mt19937_64 random(2);
+  LaneVector<double> force[3];
+  for (auto& column : force) {
+    for (int i = 0; i < model.point_count; ++i) column.push_back(100.0 * random_value(random));
+    column.resize(column.size() + kLanes, 0.0);
+  }
+  Inertia inertia;
+  for (const RigidBody& body : model.bodies) {
+    inertia.body_mass.push_back(body.mass);
+    inertia.body_inertia.push_back(body.inertia);
+  }
+  Field field(model);
+  StepData step;
+  step.time_step = 1e-5;
+  step.damping = GetParam();
+  step.local_damping = 0.8;
+  step.mass_damping = 30.0;
+  step.gravity = {0.5, -9.81, 0.1};
+  step.displacement = field.displacement.data();
+  step.velocity = field.velocity.data();
+  for (std::size_t c = 0; c < 3; ++c) step.force[c] = force[c].data();
+
+  for (const BodyGroup& group : model.body_groups) {
+    BodyLanes held;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        held.displacement[c][lane] = 1e-3 * random_value(random);
+        held.rotation[c][lane] = 1e-3 * random_value(random);
+        held.prescribed[c][lane] = held.prescribed[3 + c][lane] = 1.0;
+      }
+    }
+    held.any_prescribed = true;
+    Measured measured;
+    const auto advance = [&](BodyLanes* lanes) {
+      advance_bodies(model, group, inertia_of(group, model, inertia, step.time_step), step, lanes, &measured);
+    };
+    advance(&held);  // writes the gridpoints, which do not change from then on
+    const Field before = field;
+    BodyLanes after = held;
+    advance(&after);
+    for (const Quantity quantity :
+         {&BodyLanes::displacement, &BodyLanes::rotation, &BodyLanes::velocity, &BodyLanes::spin})
+      EXPECT_EQ(std::memcmp(held.*quantity, after.*quantity, sizeof(BodyLanes::Quantity)), 0);
+    EXPECT_EQ(field.displacement, before.displacement);
+    EXPECT_EQ(field.velocity, before.velocity);
+    for (const double x : {measured.unbalanced_squared, measured.kinetic, measured.damping_before,
+                           measured.damping_after, measured.external_before, measured.external_after})
+      EXPECT_EQ(x, 0.0);
   }
 }
 
