@@ -23,10 +23,12 @@ struct Lanes {
   V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr;
   V c_drop, mu_drop, fc_drop;  // c0 - cr, mu0 - mur, fc - fcr
   V strength;                  // the larger of ft and c0
-  V u0;                        // elastic opening at ft
-  V lt, inv_lt;                // kappa grows by lt per unit of xi
-  V su, inv_su;                // slip per unit of xi_s
-  V wu, inv_wu;                // plastic closure per unit of F's argument
+  V inv_ks;
+  V u0;               // elastic opening at ft
+  V lt, inv_lt;       // kappa grows by lt per unit of xi
+  V su, inv_su;       // slip per unit of xi_s
+  V ks_in_softening;  // ks where cohesion goes down along the slip, 0 where it is gone at once
+  V wu, inv_wu;       // plastic closure per unit of F's argument
   // A mode without strength drop completes at its first movement: what xi jumps to, else 0.
   V xi_at_first_opening, xi_at_first_slip;
   V end;         // f(xi >= end) = 0
@@ -42,11 +44,13 @@ struct Lanes {
     end = splat(p.end);
     c_drop = hn::Sub(c0, cr), mu_drop = hn::Sub(mu0, mur), fc_drop = hn::Sub(fc, fcr);
     strength = hn::Max(ft, c0);
+    inv_ks = hn::Div(one, ks);
     u0 = hn::Div(ft, kn);
     lt = hn::IfThenElseZero(drops_t, hn::Div(hn::NegMulAdd(hn::Mul(half, ft), u0, G1), hn::Mul(ft, A)));
     inv_lt = hn::IfThenElseZero(drops_t, hn::Div(one, lt));
     su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c_drop, A)));
     inv_su = hn::IfThenElseZero(drops_s, hn::Div(one, su));
+    ks_in_softening = hn::IfThenElseZero(drops_s, ks);
     wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(fc_drop, A)));
     inv_wu = hn::IfThenElseZero(drops_c, hn::Div(one, wu));
     xi_at_first_opening = hn::IfThenZeroElse(drops_t, end);
@@ -80,8 +84,9 @@ struct Increment {
 struct Result {
   State state;
   V sigma;
-  V slip;  // over the step, >= 0
-  V e;     // effective opening
+  V slip;   // over the step, >= 0
+  V e;      // effective opening
+  V trial;  // |tau*|
   M open, opens, slips, crushes;
 };
 
@@ -148,12 +153,15 @@ struct Equations {
   HWY_INLINE Closed closed(M where, V d_n_less_v, V w_old, V tolerance) const {
     Closed c{hn::Mul(p.kn, hn::Add(d_n_less_v, w_old)), w_old, hn::MaskFromVec(zero())};
     if constexpr (kCrushing) {
-      c.crushes = hn::And(where, hn::Gt(overstress(d_n_less_v, w_old), tolerance));
+      // 0 - F, not -F: which zero the larger of 0 and -0 is depends on the instruction set.
+      V lowest = hn::Sub(zero(), crushing_strength(w_old));
+      c.crushes = hn::And(where, hn::Gt(hn::Sub(lowest, c.sigma), tolerance));
       if (!none(c.crushes)) {
         c.w = crushing_closure(c.crushes, d_n_less_v, w_old, tolerance);
+        c.sigma = hn::Mul(p.kn, hn::Add(d_n_less_v, c.w));
+        lowest = hn::Sub(zero(), crushing_strength(c.w));
       }
-      // 0 - F, not -F: which zero the larger of 0 and -0 is depends on the instruction set.
-      c.sigma = hn::Max(hn::Mul(p.kn, hn::Add(d_n_less_v, c.w)), hn::Sub(zero(), crushing_strength(c.w)));
+      c.sigma = hn::Max(c.sigma, lowest);
     }
     return c;
   }
@@ -168,6 +176,7 @@ struct Equations {
   // Everything that depends on the slip of this step, at its end.
   struct AtSlip {
     V xi_s, v, w, sigma, S;
+    V S_end, S_drop;  // c - sigma mu = S_end + S_drop f, at this sigma
     M crushes;
     // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
     V sigma_slip, sigma_n, S_slip, S_n;
@@ -175,14 +184,17 @@ struct Equations {
 
   struct Step {
     V d_n, w_old, v_old;
-    V e;           // with the old w and v
-    V xi_t, xi_s;  // after the opening of this step
-    V xi_t_by_n;   // d xi_t / d d_n of that opening
-    V tolerance;   // stress, Pa
-    M open;
+    V e;              // with the old w and v
+    V xi_t, xi_s;     // after the opening of this step
+    V c_end, c_drop;  // c = c_end + c_drop f
+    V tolerance;      // stress, Pa
+    M open, opens;
     bool any_open;  // in this vector
     Closed normal;  // with the old v
   };
+
+  // c - sigma mu. mu = mur + (mu0 - mur) f, like c, so that this falls in a straight line with f.
+  HWY_INLINE V coulomb(const AtSlip& a, V factor) const { return hn::MulAdd(a.S_drop, factor, a.S_end); }
 
   // Joint solution for a given slip: xi_s, dilation uplift v, crushing w, sigma and the strength S, all at final
   // values.
@@ -195,10 +207,6 @@ struct Equations {
     AtSlip a;
     a.xi_s = xi_s;
     const V factor = f.factor(a.xi_s);
-    const V damage = hn::Sub(splat(1.0), factor);
-    const V mu = hn::NegMulAdd(p.mu_drop, damage, p.mu0);
-    const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(p.c_drop, factor, p.cr));
-
     a.v = step.v_old;
     Closed c = step.normal;
     if constexpr (kDilation) {
@@ -219,27 +227,40 @@ struct Equations {
       }
       a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
     }
-    const V S = hn::NegMulAdd(a.sigma, mu, cohesion);  // tension reduces S: Coulomb's line continues to its apex
+    a.S_end = hn::NegMulAdd(a.sigma, p.mur, step.c_end);
+    a.S_drop = hn::NegMulAdd(a.sigma, p.mu_drop, step.c_drop);
+    const V S = coulomb(a, factor);  // tension reduces S: Coulomb's line continues to its apex
     a.S = positive_part(S);
 
     if constexpr (kSlopes) {
-      const V df = f.slope(a.xi_s);
-      const V mu_xi = hn::Mul(p.mu_drop, df);
-      const V cohesion_xi = hn::Mul(select(step.open, p.c0, p.c_drop), df);
+      const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
       const V stiffness = closed_slope(c);
+      const V xi_t_by_n = hn::IfThenElseZero(step.opens, p.inv_lt);
       V uplift_slope = zero();
       if constexpr (kDilation) uplift_slope = hn::Mul(p.tan_psi, factor);
       const V sigma_slip_open = kShared ? hn::Mul(K_xi, p.inv_su) : zero();
       a.sigma_slip = select(step.open, sigma_slip_open, hn::Neg(hn::Mul(stiffness, uplift_slope)));
-      a.sigma_n = select(step.open, hn::MulAdd(K_xi, step.xi_t_by_n, K), stiffness);
-      const V S_xi = hn::NegMulAdd(a.sigma, mu_xi, cohesion_xi);
+      a.sigma_n = select(step.open, hn::MulAdd(K_xi, xi_t_by_n, K), stiffness);
+      const V S_xi = hn::Mul(a.S_drop, f.slope(a.xi_s));
       a.S_slip = hn::NegMulAdd(mu, a.sigma_slip, hn::Mul(S_xi, p.inv_su));
       a.S_n = hn::Neg(hn::Mul(mu, a.sigma_n));
-      if constexpr (kShared) a.S_n = hn::MulAdd(hn::IfThenElseZero(step.open, S_xi), step.xi_t_by_n, a.S_n);
+      if constexpr (kShared) a.S_n = hn::MulAdd(hn::IfThenElseZero(step.open, S_xi), xi_t_by_n, a.S_n);
       const M held = hn::Gt(S, zero());
       a.S_slip = hn::IfThenElseZero(held, a.S_slip);
       a.S_n = hn::IfThenElseZero(held, a.S_n);
     }
+    return a;
+  }
+
+  HWY_INLINE static bool sigma_follows_slip(const Step& step) { return kDilation || (kShared && step.any_open); }
+
+  // at_xi once more, at what start has become by the slip: where sigma stays, only f changes.
+  template <bool kSlopes>
+  HWY_INLINE AtSlip after_slip(const Step& step, const AtSlip& start, V xi_s) const {
+    if (kSlopes || sigma_follows_slip(step)) return at_xi<kSlopes>(step, xi_s);
+    AtSlip a = start;
+    a.xi_s = xi_s;
+    a.S = positive_part(coulomb(a, f.factor(xi_s)));
     return a;
   }
 
@@ -248,29 +269,32 @@ struct Equations {
   // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
   // cohesion without drop.
   HWY_INLINE V slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start) const {
-    const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
-    const V slip_beyond = hn::Div(positive_part(hn::Sub(trial, strength_beyond(step))), p.ks);
-    const M within = hn::AndNot(hn::Ge(slip_beyond, slip_at_end), slips);
-    V slip = hn::IfThenElseZero(slips, slip_beyond);
-    if (none(within)) return slip;
-    M curved = within;
+    const V beyond = hn::Mul(positive_part(hn::Sub(trial, strength_beyond(step, start))), p.inv_ks);
+    V slip = beyond;
+    M curved = slips;
     if constexpr (Softening::kShape == Shape::linear) {
-      slip = select(within, hn::Min(straight_slip(step, trial, start), slip), slip);
+      // The line and the constant after it are together convex: the slip ends at whichever it meets first.
+      slip = hn::Min(straight_slip(trial, start), beyond);
+      if (!sigma_follows_slip(step)) return hn::IfThenElseZero(slips, slip);
       curved = hn::MaskFromVec(zero());
-      if constexpr (kShared) curved = hn::And(step.open, within);
-      if constexpr (kDilation) curved = hn::Or(curved, hn::And(within, hn::Gt(p.tan_psi, zero())));
+      if constexpr (kShared) curved = hn::And(step.open, slips);
+      if constexpr (kDilation) curved = hn::Or(curved, hn::And(slips, hn::Gt(p.tan_psi, zero())));
     }
-    if (!none(curved)) slip = curved_slip(curved, slip, slip_at_end, step, trial, xi_start);
-    return slip;
+    slip = hn::IfThenElseZero(slips, select(curved, beyond, slip));
+    const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
+    const M within = hn::AndNot(hn::Ge(beyond, slip_at_end), curved);
+    if (none(within)) return slip;
+    const Step copy = step;  // whose address curved_slip takes: the step itself stays in registers
+    return curved_slip(within, slip, slip_at_end, copy, trial, xi_start);
   }
-  HWY_INLINE V straight_slip(const Step& step, V trial, const AtSlip& start) const {
-    // S' = (c0 - cr) f' - sigma mu', f' = -1/su, mu' = -(mur - mu0) f'; open, c0 f'. It rises only where it is below 0.
-    const V cohesion_fall = select(step.open, p.c0, p.c_drop);
-    const V fall = positive_part(hn::NegMulAdd(start.sigma, p.mu_drop, cohesion_fall));
-    return hn::Div(hn::Sub(trial, start.S), hn::NegMulAdd(fall, p.inv_su, p.ks));
+  // S' = S_drop f', f' = -1/su. S rises only where it is below 0; where it falls faster than ks, and for a cohesion
+  // that is gone at once, the answer is infinite.
+  HWY_INLINE V straight_slip(V trial, const AtSlip& start) const {
+    const V approach = hn::NegMulAdd(positive_part(start.S_drop), p.inv_su, p.ks_in_softening);
+    return hn::Mul(hn::Sub(trial, start.S), hn::Div(splat(1.0), positive_part(approach)));
   }
-  // Out of line, and all by value: it keeps the common path small.
-  HWY_NOINLINE V curved_slip(M curved, V slip, V slip_at_end, Step step, V trial, V xi_start) const {
+  // Out of line: it keeps the common path small.
+  HWY_NOINLINE V curved_slip(M curved, V slip, V slip_at_end, const Step& step, V trial, V xi_start) const {
     const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
     V guess = zero();
     if constexpr (Softening::kShape == Shape::linear && kShared) {
@@ -289,7 +313,7 @@ struct Equations {
   // of one positive root. But for rounding and S = 0 it is the slip.
   HWY_INLINE V opening_slip(const Step& step, V trial, V xi_start) const {
     const V f_0 = f.factor(xi_start), kappa_0 = kappa(xi_start);
-    const V mu = hn::NegMulAdd(p.mu_drop, hn::Sub(splat(1.0), f_0), p.mu0);
+    const V mu = hn::MulAdd(p.mu_drop, f_0, p.mur);
     const V held = hn::NegMulAdd(hn::Mul(mu, p.ft), step.e, hn::Mul(p.c0, kappa_0));
     const V ks_su = hn::Mul(p.ks, p.su);
     const V a = hn::Mul(p.lt, hn::Sub(p.c0, ks_su));  // < 0: no snap-back
@@ -302,11 +326,10 @@ struct Equations {
     return hn::Mul(x, p.su);
   }
   // S once softening is complete: f = 0.
-  HWY_INLINE V strength_beyond(const Step& step) const {
+  HWY_INLINE V strength_beyond(const Step& step, const AtSlip& start) const {
     if constexpr (kDilation) return at_xi<false>(step, hn::Max(step.xi_s, p.end)).S;
-    const V sigma_open = kShared ? zero() : hn::Mul(secant(step.xi_t), step.e);
-    const V sigma = select(step.open, sigma_open, step.normal.sigma);
-    return positive_part(hn::NegMulAdd(sigma, p.mur, hn::IfThenZeroElse(step.open, p.cr)));
+    // With shared softening an open joint is then without sigma, too.
+    return positive_part(kShared ? hn::IfThenZeroElse(step.open, start.S_end) : start.S_end);
   }
 
   // ---- Nothing yields: the short path ---------------------------------------------------------------------------
@@ -319,7 +342,7 @@ struct Equations {
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi_s);
-    const V mu = hn::NegMulAdd(p.mu_drop, hn::Sub(splat(1.0), factor), p.mu0);
+    const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
     // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
     const V S = hn::NegMulAdd(sigma, mu, hn::Mul(p.c_drop, factor));
     const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
@@ -350,16 +373,22 @@ struct Equations {
     step.e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
     step.open = hn::Gt(step.e, zero());
     step.any_open = !none(step.open);
-
-    // Opening: xi = (e - u0)/lt beyond kappa(xi).
+    step.opens = hn::MaskFromVec(zero());
+    step.xi_t = old.xi_t;
+    step.c_end = p.cr;
+    step.c_drop = p.c_drop;
     const V reach = hn::Add(hn::Abs(in.d_n), hn::Add(old.w, old.v));
-    const V tolerance_e = hn::Mul(splat(kYieldTolerance), hn::Max(p.u0, reach));
-    Result r;
-    r.opens = hn::And(step.open, hn::Gt(hn::Sub(step.e, kappa(old.xi_t)), tolerance_e));
-    const V xi_opened = hn::Max(hn::Mul(hn::Sub(step.e, p.u0), p.inv_lt), p.xi_at_first_opening);
-    step.xi_t = select(r.opens, hn::Max(old.xi_t, xi_opened), old.xi_t);
+    if (step.any_open) {
+      // Opening: xi = (e - u0)/lt beyond kappa(xi).
+      const V tolerance_e = hn::Mul(splat(kYieldTolerance), hn::Max(p.u0, reach));
+      step.opens = hn::And(step.open, hn::Gt(hn::Sub(step.e, kappa(old.xi_t)), tolerance_e));
+      const V xi_opened = hn::Max(hn::Mul(hn::Sub(step.e, p.u0), p.inv_lt), p.xi_at_first_opening);
+      step.xi_t = select(step.opens, hn::Max(old.xi_t, xi_opened), old.xi_t);
+      // The residual cohesion acts only while the joint is closed.
+      step.c_end = hn::IfThenZeroElse(step.open, p.cr);
+      step.c_drop = select(step.open, p.c0, p.c_drop);
+    }
     step.xi_s = kShared ? step.xi_t : old.xi_s;
-    step.xi_t_by_n = hn::IfThenElseZero(r.opens, p.inv_lt);
 
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
@@ -369,7 +398,8 @@ struct Equations {
     step.normal = closed(hn::Not(step.open), hn::Sub(in.d_n, old.v), old.w, step.tolerance);
 
     // Elastic trial against the strength before any slip; when the joint opens or closes, tau returns to the new S.
-    AtSlip a = at_slip<kTangent>(step, zero());
+    AtSlip a = at_xi<kTangent>(step, step.xi_s);
+    Result r;
     r.slips = hn::Gt(hn::Sub(trial, a.S), step.tolerance);
     const V S_before_slip = a.S;
     r.slip = zero();
@@ -378,16 +408,19 @@ struct Equations {
     V tau = trial;
     V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
-      xi_start = select(r.slips, hn::Max(step.xi_s, p.xi_at_first_slip), step.xi_s);
+      xi_start = hn::Max(step.xi_s, hn::IfThenElseZero(r.slips, p.xi_at_first_slip));
       r.slip = slip_to_strength(r.slips, step, trial, a, xi_start);
-      a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));
-      tau = select(r.slips, hn::Min(hn::NegMulAdd(p.ks, r.slip, trial), a.S), trial);
-      const V keep = hn::Div(positive_part(tau), trial);
-      r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);
-      r.state.tau_t = select(r.slips, hn::Mul(trial_t, keep), trial_t);
+      a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));
+      tau = select(r.slips, a.S, trial);
+      // The direction first: it does not wait for the strength.
+      const V inv_trial = hn::Div(splat(1.0), trial);
+      r.state.tau_s = select(r.slips, hn::Mul(hn::Mul(trial_s, inv_trial), a.S), trial_s);
+      r.state.tau_t = select(r.slips, hn::Mul(hn::Mul(trial_t, inv_trial), a.S), trial_t);
     }
 
     r.open = step.open;
+    r.opens = step.opens;
+    r.trial = trial;
     r.crushes = a.crushes;
     r.sigma = a.sigma;
     r.e = hn::Add(hn::Sub(in.d_n, a.v), a.w);
@@ -415,7 +448,7 @@ struct Equations {
     const V passed = hn::Mul(splat(2.0), hn::Mul(p.lt, f.area(old.xi_t, step.xi_t)));
     const V freed = hn::Sub(hn::Mul(kappa(old.xi_t), f.drop(old.xi_t, step.xi_t)),
                             hn::Mul(hn::Mul(f.factor(step.xi_t), p.lt), hn::Sub(step.xi_t, old.xi_t)));
-    E.tension = hn::IfThenElseZero(r.opens, hn::Mul(hn::Mul(half, p.ft), hn::Add(passed, freed)));
+    E.tension = hn::IfThenElseZero(step.opens, hn::Mul(hn::Mul(half, p.ft), hn::Add(passed, freed)));
     if constexpr (kShared) {  // slip lowers the secant under a standing opening
       const V lost = hn::Sub(secant(step.xi_t), secant(a.xi_s));
       const V by_slip = hn::Mul(hn::Mul(half, lost), hn::Mul(step.e, step.e));

@@ -1,6 +1,7 @@
 // The loop over points around the equations, compiled for every instruction set.
 #include "fracture_energy/kernel.h"
 
+#include <algorithm>
 #include <new>
 #include <type_traits>
 
@@ -85,10 +86,9 @@ HWY_INLINE void put_slip(V slip, const Columns& c, std::size_t i) {
 }
 
 // The points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
-// full.
+// full: it then ends with copies of the last point.
 template <bool kFull, bool kColumns, class Law>
-HWY_NOINLINE void step_points(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
-  const D d;
+HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const Lanes& p = law.p;
   const Increment in = increment_at(c, i);
   const State old = state_at<Law::kSharedDamage>(c, i);
@@ -97,30 +97,29 @@ HWY_NOINLINE void step_points(const Law& law, const Columns& c, std::size_t i, s
   Result r = law.template evaluate<kFull, kFull>(in, old, &energies, &tangent);
 
   // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state. Old
-  // values too: a minimum or maximum inside the equations may lose one that is not a number.
-  const V tractions = gather_non_finite(r.sigma, gather_non_finite(r.state.tau_s, hn::Mul(r.state.tau_t, zero())));
-  const V jumps = gather_non_finite(r.state.xi_t, gather_non_finite(old.xi_t, hn::Mul(in.d_n, zero())));
-  const V shifts = gather_non_finite(r.state.w, gather_non_finite(r.state.v, hn::Mul(r.state.xi_s, zero())));
-  V collected = hn::Add(tractions, hn::Add(jumps, shifts));
-  if constexpr (!Law::kSharedDamage) collected = gather_non_finite(old.xi_s, collected);
+  // values too: a minimum or maximum inside the equations may lose one that is not a number. e tells of d_n, w and v,
+  // |tau*| of all that slides, also where it is beyond the largest number.
+  V collected = gather_non_finite(old.xi_t, hn::Mul(r.e, zero()));
+  if constexpr (!Law::kSharedDamage) {
+    collected = gather_non_finite(old.xi_s, gather_non_finite(r.state.xi_t, collected));
+  }
+  collected = gather_non_finite(r.state.xi_s, gather_non_finite(r.trial, gather_non_finite(r.sigma, collected)));
   M sound = is_finite(collected);
   if constexpr (kColumns) sound = hn::And(sound, p.admissible);
-  const M live = hn::FirstN(d, count - i);
   if (!all(sound)) {
     r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
-    r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
-    r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
+    r.state.tau_s = select(sound, r.state.tau_s, load(c.in[kTractionOld + 1], i));
+    r.state.tau_t = select(sound, r.state.tau_t, load(c.in[kTractionOld + 2], i));
     r.state.xi_t = select(sound, r.state.xi_t, old.xi_t);
     r.state.xi_s = select(sound, r.state.xi_s, old_state(c, kXiS, i));
     r.state.w = select(sound, r.state.w, old.w);
     r.state.v = select(sound, r.state.v, old.v);
     r.slip = hn::IfThenElseZero(sound, r.slip);
     r.slips = hn::And(sound, r.slips);
-    summary.failed += hn::CountTrue(d, hn::AndNot(sound, live));
+    summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - i)));
   }
 
-  const M moved = hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes));
-  summary.yielding |= !none(hn::And(moved, live));
+  if (!summary.yielding) summary.yielding = !none(hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes)));
   put_slip(r.slip, c, i);
   if constexpr (kFull) {
     put_extras(c, i, sound, energies, tangent, [&] { return flags_of(p, r, old); });
@@ -144,19 +143,39 @@ HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   return true;
 }
 
+// The vectors that begin at starts[0] ... starts[n - 1], back to back: the roots and divisions of one overlap with the
+// next one's. Out of line, so that the short path keeps its registers.
+template <bool kFull, bool kColumns, class Law>
+HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size_t* starts, std::size_t n,
+                               std::size_t count, Summary& summary) {
+  for (std::size_t k = 0; k < n; ++k) step_vector<kFull, kColumns>(law, c, starts[k], count, summary);
+}
+
+// First all vectors of a tile that are elastic, then the others. A tile's columns fit into the first cache.
+inline constexpr std::size_t kTile = 256;
+
 template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull, bool kColumns>
 void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
   Lanes point_lanes;
   const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
   const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
-  // A copy, so that the short path keeps it in registers: what is stored might change c.
-  const Columns own = c;
-  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
-    if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
-    if constexpr (!kFull) {
-      if (step_elastic(law, own, i)) continue;
+  if constexpr (kFull) {
+    for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+      if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
+      step_vectors<kFull, kColumns>(law, c, &i, 1, count, summary);
     }
-    step_points<kFull, kColumns>(law, c, i, count, summary);
+  } else {
+    // A copy, so that the short path keeps it in registers: what is stored might change c.
+    const Columns own = c;
+    std::size_t rest[kTile];
+    for (std::size_t i = 0; i < count;) {
+      const std::size_t end = std::min(count, i + kTile);
+      std::size_t n = 0;
+      for (; i < end; i += hn::Lanes(D())) {
+        if (!step_elastic(law, own, i)) rest[n++] = i;
+      }
+      if (n > 0) step_vectors<kFull, kColumns>(law, c, rest, n, count, summary);
+    }
   }
 }
 

@@ -38,7 +38,7 @@ struct Material {
   Kernel full = nullptr;     // whatever outputs are asked for
   Kernel columns = nullptr;  // per-point properties: every branch, whatever outputs are asked for
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
-  static constexpr std::size_t kLaneVectors = 26;
+  static constexpr std::size_t kLaneVectors = 28;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
 };
 

@@ -8,7 +8,8 @@ namespace quoin::shim {
 
 inline constexpr int kMaxStates = 8;
 inline constexpr int kMaxPropertyColumns = 20;
-// Columns are padded to this many points: the widest vector of doubles that kernels may use (AVX-512).
+// Columns are padded to this many points, with copies of the last one: the widest vector of doubles that kernels may
+// use (AVX-512).
 inline constexpr std::size_t kMaxLanes = 8;
 
 // Indices into Columns::in; plain integers, since laws add their own column numbers to them.

@@ -36,7 +36,10 @@ MUTANTS = {
     ),
     "one_step_lag_in_xi": (
         "strength at the xi of the start of the step",
-        [(EQUATIONS, "const V factor = f.factor(a.xi_s); const V damage", "const V factor = f.factor(step.xi_s); const V damage")],
+        [
+            (EQUATIONS, "const V factor = f.factor(a.xi_s); a.v", "const V factor = f.factor(step.xi_s); a.v"),
+            (EQUATIONS, "coulomb(a, f.factor(xi_s))", "coulomb(a, f.factor(step.xi_s))"),
+        ],
     ),
     "xi_s_for_shared_xi": (
         "shear keeps an xi_s of its own where the shared xi belongs",
@@ -53,9 +56,9 @@ MUTANTS = {
     ),
     "return_to_S_at_old_xi": (
         "tau returns to the strength before this step's slip",
-        [(EQUATIONS, "a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start));",
+        [(EQUATIONS, "a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));",
           "r.slip = select(r.slips, hn::Div(hn::Sub(trial, S_before_slip), p.ks), r.slip);"
-          " a = at_xi<kTangent>(step, hn::MulAdd(r.slip, p.inv_su, xi_start)); a.S = select(r.slips, S_before_slip, a.S);")],
+          " a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start)); a.S = select(r.slips, S_before_slip, a.S);")],
     ),
     "missing_branch_end": (
         "linear softening runs on below zero",
@@ -74,8 +77,12 @@ MUTANTS = {
     ),
     "wrong_sign_of_coulomb_in_tension": (
         "tension raises the shear strength",
-        [(EQUATIONS, "const V S = hn::NegMulAdd(a.sigma, mu, cohesion);",
-          "const V S = hn::MulAdd(hn::Abs(a.sigma), mu, cohesion);")],
+        [
+            (EQUATIONS, "a.S_end = hn::NegMulAdd(a.sigma, p.mur, step.c_end);",
+             "a.S_end = hn::MulAdd(hn::Abs(a.sigma), p.mur, step.c_end);"),
+            (EQUATIONS, "a.S_drop = hn::NegMulAdd(a.sigma, p.mu_drop, step.c_drop);",
+             "a.S_drop = hn::MulAdd(hn::Abs(a.sigma), p.mu_drop, step.c_drop);"),
+        ],
     ),
     "F_at_the_old_w": (
         "crushing strength at the plastic closure of the start of the step",
@@ -85,26 +92,30 @@ MUTANTS = {
             (EQUATIONS, "value = overstress(d_n_less_v, x);",
              "value = hn::Sub(hn::Neg(hn::Mul(p.kn, hn::Add(d_n_less_v, x))), crushing_strength(w_old));"),
             (EQUATIONS, "slope = hn::Neg(hn::Add(p.kn, crushing_slope(x)));", "slope = hn::Neg(p.kn);"),
-            (EQUATIONS, "hn::Sub(zero(), crushing_strength(c.w)));", "hn::Sub(zero(), crushing_strength(w_old)));"),
+            (EQUATIONS, "lowest = hn::Sub(zero(), crushing_strength(c.w));", "lowest = hn::Sub(zero(), crushing_strength(w_old));"),
         ],
     ),
     "slip_direction_lost_on_reversal": (
         "tau keeps its sign when the slip reverses",
-        [(EQUATIONS, "r.state.tau_s = select(r.slips, hn::Mul(trial_s, keep), trial_s);",
-          "r.state.tau_s = select(r.slips, hn::CopySign(hn::Mul(trial_s, keep), old.tau_s), trial_s);")],
+        [(EQUATIONS, "r.state.tau_s = select(r.slips, hn::Mul(hn::Mul(trial_s, inv_trial), a.S), trial_s);",
+          "r.state.tau_s = select(r.slips, hn::CopySign(hn::Mul(hn::Mul(trial_s, inv_trial), a.S), old.tau_s), trial_s);")],
     ),
     "residual_cohesion_kept_when_open": (
         "cohesion cr + (c0 - cr) f while the joint is open",
-        [(EQUATIONS,
-          "const V cohesion = select(step.open, hn::Mul(p.c0, factor), hn::MulAdd(p.c_drop, factor, p.cr));",
-          "const V cohesion = hn::MulAdd(p.c_drop, factor, p.cr);")],
+        [
+            (EQUATIONS, "step.c_end = hn::IfThenZeroElse(step.open, p.cr);", ""),
+            (EQUATIONS, "step.c_drop = select(step.open, p.c0, p.c_drop);", ""),
+        ],
     ),
     "angle_interpolated_before_tangent": (
         "tan(phi0 + (phir - phi0) D) instead of mu0 + (mur - mu0) D",
-        [(EQUATIONS, "const V mu = hn::NegMulAdd(p.mu_drop, damage, p.mu0);",
-          "const V mu = [&] { HWY_ALIGN double m0[64], mr[64], dd[64]; const D d; hn::Store(p.mu0, d, m0);"
-          " hn::Store(p.mur, d, mr); hn::Store(damage, d, dd); for (std::size_t i = 0; i < hn::Lanes(d); ++i)"
-          " m0[i] = std::tan(std::atan(m0[i]) + (std::atan(mr[i]) - std::atan(m0[i])) * dd[i]); return hn::Load(d, m0); }();")],
+        [(EQUATIONS, "coulomb(const AtSlip& a, V factor) const { return hn::MulAdd(a.S_drop, factor, a.S_end); }",
+          "coulomb(const AtSlip& a, V factor) const { HWY_ALIGN double m0[64], mr[64], ff[64]; const D d;"
+          " hn::Store(p.mu0, d, m0); hn::Store(p.mur, d, mr); hn::Store(factor, d, ff);"
+          " for (std::size_t i = 0; i < hn::Lanes(d); ++i)"
+          " m0[i] = std::tan(std::atan(mr[i]) + (std::atan(m0[i]) - std::atan(mr[i])) * ff[i]);"
+          " const V excess = hn::Sub(hn::Load(d, m0), hn::MulAdd(p.mu_drop, factor, p.mur));"
+          " return hn::NegMulAdd(a.sigma, excess, hn::MulAdd(a.S_drop, factor, a.S_end)); }")],
     ),
 }
 NOT_FOUND = 3
