@@ -100,6 +100,7 @@ SolverSettings read_solver(Table t, const Quality* quality) {
     std::string way = "automatic";
     t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
     if (ways.contains(way)) s.internal_forces = ways.at(way);
+    t.boolean("skip_resting_bodies", s.skip_resting_bodies);
   }
   t.finish();
   return s;

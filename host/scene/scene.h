@@ -56,6 +56,7 @@ struct SolverSettings {
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
   double unit_inertia = 1.0;         // and on that against motion of the two halves of a unit on each other
   InternalForces internal_forces = InternalForces::automatic;
+  bool skip_resting_bodies = true;  // rigid blocks that controls hold still are left out of the step
   DampingKind damping = DampingKind::local;
   double local_damping = 0.8;  // local, block: gamma of eq. 1
   // The same in stages that run to equilibrium: vibrations shall die there, while cracks shall run freely elsewhere.

@@ -422,7 +422,7 @@ void Simulation::Impl::bind_controls() {
 }
 
 void Simulation::Impl::find_bodies_at_rest() {
-  for (BodyLanes& lanes : body_lanes) lanes.at_rest = true;
+  for (BodyLanes& lanes : body_lanes) lanes.at_rest = scene.solver.skip_resting_bodies;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const auto [index, lane] = body_place[b];
     BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];

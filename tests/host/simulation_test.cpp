@@ -90,6 +90,35 @@ TEST(Simulation, RecordingChangesNoBit) {
   EXPECT_EQ(displacement[2], displacement[0]);
 }
 
+// Two stages: a body that comes to rest at the end of a ramp, and one that is driven again after it rested.
+TEST(Simulation, SkippingBodiesAtRestChangesNoBit) {
+  std::vector<std::uint64_t> hashes;
+  std::vector<double> last;
+  for (const bool skip : {true, false}) {
+    Scene scene = sheared_wall(0.2e-3, 5, 2);
+    scene.solver.skip_resting_bodies = skip;
+    Stage back = scene.stages.back(), hold = back;
+    hold.name = "hold";
+    for (BodyControl& control : hold.controls) control.velocity = {0.0, 0.0, 0.0};
+    hold.displacement.reset();
+    hold.duration = 3e-3;
+    hold.ramp_time = 1e-3;
+    back.name = "back";
+    back.displacement.reset();
+    back.duration = 3e-3;
+    scene.stages.push_back(hold);
+    scene.stages.push_back(back);
+    Simulation simulation(scene, assemble(scene), 2);
+    Recorder recorder;
+    simulation.run(recorder);
+    hashes.push_back(simulation.hash());
+    last.push_back(recorder.rows.back().resistance);
+    EXPECT_GT(recorder.rows.back().displacement, 0.0);
+  }
+  EXPECT_EQ(hashes[1], hashes[0]);
+  EXPECT_EQ(last[1], last[0]);
+}
+
 TEST(Simulation, ThreadsDoNotChangeABit) {
   std::uint64_t expected = 0;
   for (int threads : {1, 2, 3, 4}) {
