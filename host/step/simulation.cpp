@@ -798,11 +798,11 @@ void Simulation::run(Observer& observer) {
       const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
       const bool row = stop || s.stage_step >= s.next_row;
       const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
-      s.step_once(check || row || frame || s.want_energy, row || frame);
+      s.step_once(check || row || frame || s.want_energy, frame);
 
       done = check && s.equilibrium_reached(settings);
       if (s.stage_fraction() >= 1.0) done = true;
-      if (done && !(row || frame)) s.step_once(true, true);  // so that the last row is complete
+      if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       if (row || done) {
         const HistoryRow now = s.measure();
         if (!std::isfinite(now.kinetic_energy)) {
