@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -10,17 +11,21 @@
 namespace quoin {
 
 // Threads wait by spinning for some microseconds (a phase of a step is not longer), then give way to others.
+//
+// Nobody waits for a thread that has nothing in hand: a call is over when all of its pieces are done, and a thread that
+// the machine held up finds out later that it came too late. So a core that others take away costs its share of the
+// work and no more.
 class ThreadPool {
  public:
   explicit ThreadPool(int thread_count)
       : thread_count_(thread_count),
         spins_(thread_count > static_cast<int>(std::thread::hardware_concurrency()) ? 0 : kSpins),
-        next_(std::make_unique<Counter[]>(static_cast<std::size_t>(thread_count))) {
+        ranges_(std::make_unique<Range[]>(static_cast<std::size_t>(thread_count))) {
     for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
   }
   ~ThreadPool() {
-    job_ = nullptr;
-    generation_.fetch_add(1, std::memory_order_release);
+    stop_.store(true, std::memory_order_relaxed);
+    call_.fetch_add(1, std::memory_order_release);
     for (std::thread& thread : threads_) thread.join();
   }
   ThreadPool(const ThreadPool&) = delete;
@@ -29,42 +34,58 @@ class ThreadPool {
   int thread_count() const { return thread_count_; }
 
   // Calls function(thread, piece) once for every piece 0 .. end.back() - 1, on any thread, in any order. Thread t
-  // begins with the pieces [end[t - 1], end[t]), then takes what is left of the others': one that the machine holds up
-  // delays nobody.
+  // begins with the pieces [end[t - 1], end[t]), then takes what is left of the others'. The function must not throw.
   template <class Function>
   void for_each(const std::vector<int>& end, Function& function) {
-    const auto begin = [&](int t) { return t == 0 ? 0 : end[static_cast<std::size_t>(t - 1)]; };
-    for (int t = 0; t < thread_count_; ++t)
-      next_[static_cast<std::size_t>(t)].value.store(begin(t), std::memory_order_relaxed);
-    auto share = [&](int thread) {
-      for (int i = 0; i < thread_count_; ++i) {
-        const auto owner = static_cast<std::size_t>((thread + i) % thread_count_);
-        for (int piece; (piece = next_[owner].value.fetch_add(1, std::memory_order_relaxed)) < end[owner];)
-          function(thread, piece);
-      }
-    };
-    run(share);
+    if (thread_count_ == 1) {
+      for (int piece = 0; piece < end.back(); ++piece) function(0, piece);
+      return;
+    }
+    const std::uint32_t call = call_.load(std::memory_order_relaxed) + 1;
+    // All pieces of the last call are done. Whoever still looks for one must not find its counters beside the new job.
+    for (int t = 0; t < thread_count_; ++t) range(t).next.store(ticket(call, kNoPiece), std::memory_order_release);
+    run_.store([](void* f, int thread, int piece) { (*static_cast<Function*>(f))(thread, piece); },
+               std::memory_order_release);
+    argument_.store(&function, std::memory_order_release);
+    done_.store(0, std::memory_order_relaxed);
+    for (int t = 0; t < thread_count_; ++t) {
+      range(t).end.store(end[static_cast<std::size_t>(t)], std::memory_order_release);
+      const int begin = t == 0 ? 0 : end[static_cast<std::size_t>(t - 1)];
+      range(t).next.store(ticket(call, begin), std::memory_order_release);
+    }
+    call_.store(call, std::memory_order_release);
+    take_pieces(0, call);
+    wait([&] { return done_.load(std::memory_order_acquire) == end.back(); });
   }
 
  private:
-  struct alignas(64) Counter {
-    std::atomic<int> value{0};
+  // Pieces of a thread. next: the call and its next piece in one word, so that who took part in an earlier call cannot
+  // take a piece of a later one.
+  struct alignas(64) Range {
+    std::atomic<std::uint64_t> next{0};
+    std::atomic<int> end{0};
   };
+  Range& range(int thread) { return ranges_[static_cast<std::size_t>(thread)]; }
+  static std::uint64_t ticket(std::uint32_t call, int piece) {
+    return std::uint64_t{call} << 32 | static_cast<std::uint32_t>(piece);
+  }
 
-  // Calls function(0) .. function(thread_count - 1), one on each thread, and returns when all are done. The function
-  // must not throw.
-  template <class Function>
-  void run(Function& function) {
-    if (thread_count_ == 1) {
-      function(0);
-      return;
+  void take_pieces(int thread, std::uint32_t call) {
+    // Of this call, or of a later one; then no piece will be had.
+    const auto run = run_.load(std::memory_order_acquire);
+    void* const argument = argument_.load(std::memory_order_acquire);
+    for (int i = 0; i < thread_count_; ++i) {
+      auto& [next, end] = range((thread + i) % thread_count_);
+      for (std::uint64_t taken = next.load(std::memory_order_acquire); taken >> 32 == call;) {
+        const int piece = static_cast<int>(taken & 0xffffffffu);
+        if (piece >= end.load(std::memory_order_acquire)) break;
+        if (!next.compare_exchange_weak(taken, taken + 1, std::memory_order_acq_rel, std::memory_order_acquire))
+          continue;
+        run(argument, thread, piece);
+        done_.fetch_add(1, std::memory_order_release);
+        taken = next.load(std::memory_order_acquire);
+      }
     }
-    job_ = [](void* f, int thread) { (*static_cast<Function*>(f))(thread); };
-    argument_ = &function;
-    busy_.store(thread_count_ - 1, std::memory_order_relaxed);
-    generation_.fetch_add(1, std::memory_order_release);
-    function(0);
-    wait([this] { return busy_.load(std::memory_order_acquire) == 0; });
   }
 
   template <class Condition>
@@ -81,24 +102,25 @@ class ThreadPool {
   }
 
   void work(int thread) {
-    for (unsigned seen = 0;;) {
-      wait([&] { return generation_.load(std::memory_order_acquire) != seen; });
-      ++seen;
-      if (!job_) return;
-      job_(argument_, thread);
-      busy_.fetch_sub(1, std::memory_order_release);
+    for (std::uint32_t seen = 0;;) {
+      wait([&] { return call_.load(std::memory_order_acquire) != seen; });
+      seen = call_.load(std::memory_order_acquire);
+      if (stop_.load(std::memory_order_relaxed)) return;
+      take_pieces(thread, seen);
     }
   }
 
+  static constexpr int kNoPiece = 0x7fffffff;
   static constexpr int kSpins = 4000;  // about 20 to 50 us of waiting before the core is offered to others
 
   int thread_count_;
   int spins_;                        // 0 with more threads than cores: waiting would keep the others from working
-  std::unique_ptr<Counter[]> next_;  // by thread: the next piece of its range
-  void (*job_)(void*, int) = nullptr;
-  void* argument_ = nullptr;
-  alignas(64) std::atomic<unsigned> generation_{0};
-  alignas(64) std::atomic<int> busy_{0};
+  std::unique_ptr<Range[]> ranges_;  // by thread
+  std::atomic<void (*)(void*, int, int)> run_{nullptr};
+  std::atomic<void*> argument_{nullptr};
+  std::atomic<bool> stop_{false};
+  alignas(64) std::atomic<std::uint32_t> call_{0};
+  alignas(64) std::atomic<int> done_{0};
   std::vector<std::thread> threads_;
 };
 
