@@ -29,7 +29,7 @@ void check(const SceneOptions& options) {
   auto materials = make_materials(assembly);
   const Model model(std::move(assembly), std::move(materials));
   Inertia inertia;
-  const TimeStepReport report = choose_time_step(model, scene.solver, &inertia);
+  const TimeStepReport report = choose_time_step(model, scene.solver, &inertia, Limits::all, scene.stages);
 
   const auto& bricks = model.assembly.bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });

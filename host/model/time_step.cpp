@@ -303,10 +303,37 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
   return text;
 }
 
-TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia, Limits wanted) {
+// Eigenvalue of the stiffest whiffletree on the bodies that it pulls. Its energy K/(2 n) (sum of the n floors'
+// displacements)^2 gives every floor the same force; with the mean over the m_f bodies of a floor,
+// lambda = K/n sum 1/(m_f^2 mass).
+double whiffletree_eigenvalue(const Model& model, const Inertia& inertia, const std::vector<Stage>& stages) {
+  double largest = 0.0;
+  for (const Stage& stage : stages) {
+    if (!stage.whiffletree) continue;
+    double compliance = 0.0;
+    for (const std::vector<std::string>& floor : stage.whiffletree->floors) {
+      std::vector<int> bodies;
+      for (const std::string& name : floor) {
+        const std::vector<int> named = model.bodies_named(name);
+        bodies.insert(bodies.end(), named.begin(), named.end());
+      }
+      const auto count = static_cast<double>(bodies.size());
+      for (const int body : bodies) compliance += 1.0 / (count * count * inertia.body_mass[at(body)]);
+    }
+    const auto floors = static_cast<double>(stage.whiffletree->floors.size());
+    largest = std::max(largest, stage.whiffletree->stiffness / floors * compliance);
+  }
+  return largest;
+}
+
+TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
+                      const std::vector<Stage>& stages, Limits wanted) {
   TimeStepReport report;
   report.model_mass = model.total_mass();
-  const auto step_of = [](double omega_squared) {
+  // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
+  const double tree = whiffletree_eigenvalue(model, inertia, stages);
+  const auto step_of = [tree](double of_joints) {
+    const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
   };
   const Lanczos lanczos = largest_eigenvalue(system, inertia, wanted == Limits::all);
@@ -360,7 +387,8 @@ void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u,
   UndamagedSystem(model).apply(u, f);
 }
 
-TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted) {
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
+                                const std::vector<Stage>& stages) {
   const UndamagedSystem system(model);
   inertia->node = model.node_mass;
   for (double& m : inertia->node) m *= settings.mass_scaling;
@@ -399,7 +427,7 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (inertia->deformation != 1.0 || inertia->unit != 1.0 || settings.damping == DampingKind::block)
     inertia->rigid = rigid_motions(model, inertia->node);
 
-  TimeStepReport report = limits(model, system, *inertia, wanted);
+  TimeStepReport report = limits(model, system, *inertia, stages, wanted);
   double in_use = 0.0;
   for (int line = 0; line < model.block_line_count; ++line) {
     for (int lane = 0; lane < kLanes; ++lane) in_use += inertia->node[at(line * kLine + lane)];

@@ -43,9 +43,10 @@ struct Inertia {
 // What a report tells: critical.value alone, or also where it is set and the two other limits, for twice the time.
 enum class Limits { critical, all };
 
-// Inertia with the scaling of the settings, and the time step that goes with it.
+// Inertia with the scaling of the settings, and the time step that goes with it. stages: whose whiffletrees are
+// springs.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
-                                Limits wanted = Limits::all);
+                                Limits wanted = Limits::all, const std::vector<Stage>& stages = {});
 
 // K of the undamaged assembled system times a vector: gridpoints in lane layout, then 6 numbers a rigid body
 // (translation, rotation about its centre). Symmetric.

@@ -154,11 +154,10 @@ void Simulation::Impl::apply_controls() {
   if (!whiffletree.empty()) pull_whiffletree();
 }
 
+// At the time of the last forces: displacements have moved on by one step since.
 double Simulation::Impl::floor_displacement(std::size_t floor) const {
-  double sum = 0.0;
-  for (const int body : whiffletree[floor])
-    sum += of_body(body, &BodyLanes::displacement)[0] - data.time_step * of_body(body, &BodyLanes::velocity)[0];
-  return sum / static_cast<double>(whiffletree[floor].size());
+  return mean_of(whiffletree[floor], &BodyLanes::displacement)[0] -
+         data.time_step * mean_of(whiffletree[floor], &BodyLanes::velocity)[0];
 }
 
 void Simulation::Impl::pull_whiffletree() {
@@ -171,9 +170,10 @@ void Simulation::Impl::pull_whiffletree() {
     const double t = std::min(1.0, elapsed / settings.ramp_time);
     driven = settings.ramp_time * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, elapsed - settings.ramp_time);
   }
+  // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
   double mean = 0.0;
-  for (std::size_t f = 0; f < whiffletree.size(); ++f)
-    mean += floor_displacement(f) / static_cast<double>(whiffletree.size());
+  for (const std::vector<int>& floor : whiffletree)
+    mean += mean_of(floor, &BodyLanes::displacement)[0] / static_cast<double>(whiffletree.size());
   const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
   for (const std::vector<int>& floor : whiffletree) {
     for (const int body : floor) {
@@ -245,7 +245,7 @@ HistoryRow Simulation::Impl::measure() const {
   if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
-  const Vec3 moved = monitor_mean(&BodyLanes::displacement), velocity_now = monitor_mean(&BodyLanes::velocity);
+  const Vec3 moved = mean_of(monitor, &BodyLanes::displacement), velocity_now = mean_of(monitor, &BodyLanes::velocity);
   double arms = 0.0;
   for (const int b : monitor) {
     const Vec3 joints = joint_force(b);
@@ -321,11 +321,11 @@ Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
   return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
 }
 
-Vec3 Simulation::Impl::monitor_mean(BodyLanes::Quantity BodyLanes::*quantity) const {
+Vec3 Simulation::Impl::mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const {
   Vec3 mean{};
-  for (const int b : monitor) {
+  for (const int b : indices) {
     const Vec3 value = of_body(b, quantity);
-    for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(monitor.size());
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(indices.size());
   }
   return mean;
 }
@@ -385,7 +385,7 @@ void Simulation::Impl::begin_stage(int index) {
   stage_step = 0;
   in_stage = true;
   monitor = new_monitor;
-  monitor_start = monitor_mean(&BodyLanes::displacement);
+  monitor_start = mean_of(monitor, &BodyLanes::displacement);
   bind_whiffletree();
   choose_damping();
   if (!whiffletree.empty()) {
@@ -485,8 +485,8 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.duration) fraction = static_cast<double>(stage_step) * data.time_step / *settings.duration;
   if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const double now =
-        whiffletree.empty() ? monitor_mean(&BodyLanes::displacement)[c] : floor_displacement(whiffletree.size() - 1);
+    const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
+                                           : floor_displacement(whiffletree.size() - 1);
     const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }
@@ -599,7 +599,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
     : scene(std::move(scene_in)),
       model(std::move(assembly), std::move(materials)),
-      time_step(choose_time_step(model, scene.solver, &inertia, Limits::critical)),
+      time_step(choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       want_energy(scene.output.energy),
       keep_diagnostics(scene.output.energy) {

@@ -89,8 +89,8 @@ struct Simulation::Impl {
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
-  Vec3 monitor_mean(BodyLanes::Quantity BodyLanes::*quantity) const;  // over its bodies
-  double stage_fraction() const;                                      // by duration or displacement
+  Vec3 mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
+  double stage_fraction() const;  // by duration or displacement
   bool equilibrium_reached(const Stage& settings);
   long chosen_record_interval() const;
   void sum_measurements();
