@@ -152,6 +152,7 @@ struct Builder {
           throw Error(Exit::bad_input, fmt::format("{}: half unit {} of course {} carries a beam already",
                                                    floor.source.text, floor.half_units[i], floor.course));
         brick.rigid = brick.beam = true;
+        brick.unit = next_unit++;  // bedded in mortar beside what is left of the unit, not grown together with it
         brick.body = names[i];
       }
     }

@@ -487,13 +487,7 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
   if (const auto* table = t.table("building", "a table [building]"))
     scene.building = read_building({context, *table, "building"}, scene);
-  if (scene.building) {
-    scene.quality_as_is = false;  // its errors were measured on walls
-    // Above it the floors of the shipped buildings ring: 46 % of the peak force at 0.8 of the critical step, 8 % here.
-    constexpr double kBuildingFraction = 0.6;
-    if (!root["solver"]["time_step_fraction"])
-      scene.solver.time_step_fraction = std::min(scene.solver.time_step_fraction, kBuildingFraction);
-  }
+  if (scene.building) scene.quality_as_is = false;  // its errors were measured on walls
   if (const auto* table = t.table("wall", "a table [wall]", !scene.building))
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
