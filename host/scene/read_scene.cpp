@@ -88,12 +88,16 @@ SolverSettings read_solver(Table t, const Quality* quality) {
              "times the true inertia against deformation");
     t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
              "times the true inertia against motion of the halves of a unit on each other");
-    if (s.deformation_inertia > 1.0 && s.selective_time_step > 0.0)
-      t.refuse("deformation_inertia", "1 with selective_time_step, which has its own way to raise the step; use one");
-    if (s.deformation_inertia > 1.0 && damping == DampingKind::local)
-      t.refuse("deformation_inertia",
-               "1 with damping = \"local\": slow vibrations of blocks would brake their motion (a wall came out 15 % "
-               "too strong); use damping = \"block\"");
+    for (const auto& [key, factor] :
+         {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
+      if (factor == 1.0) continue;
+      if (s.selective_time_step > 0.0)
+        t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
+      if (damping == DampingKind::local)
+        t.refuse(key,
+                 "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
+                 "15 % too strong); use damping = \"block\"");
+    }
     const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
                                                         {"assembled", InternalForces::assembled},
                                                         {"zones", InternalForces::zones}};

@@ -145,8 +145,10 @@ TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
   EXPECT_EQ(local.solver.deformation_inertia, 1.0);
   EXPECT_EQ(local.solver.local_damping, 0.8);
   EXPECT_FALSE(local.solver.settling_damping);
-  EXPECT_THAT(message(kScene, {"solver.damping=local", "solver.deformation_inertia=4"}),
-              HasSubstr("solver.deformation_inertia = 4"));
+  for (const std::string other : {"solver.damping=local", "solver.selective_time_step=1e-5"}) {
+    for (const std::string factor : {"solver.deformation_inertia", "solver.unit_inertia"})
+      EXPECT_THAT(message(kScene, {other, factor + "=4"}), HasSubstr(factor + " = 4")) << other;
+  }
   EXPECT_THAT(message(kScene, {"solver.quality=best"}), HasSubstr("fast, standard, reference"));
 }
 
