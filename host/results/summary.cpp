@@ -119,11 +119,12 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                             Condition::crushing, Condition::crushed_out})
     states[condition_name(c)] = counts[static_cast<size_t>(c)];
   json["laws"] = laws_of(simulation);
-  const Quality& quality = quality_named(scene.quality);
   Json errors = nullptr;  // of changed settings nothing is known
-  if (scene.quality_as_is)
+  if (scene.quality_as_is) {
+    const Quality& quality = quality_named(scene.quality);
     errors = {{"peak", quality.peak_error}, {"curve", quality.curve_error}, {"work", quality.work_error}};
-  json["quality"] = {{"name", quality.name}, {"as_is", scene.quality_as_is}, {"expected_error", errors}};
+  }
+  json["quality"] = {{"name", scene.quality}, {"as_is", scene.quality_as_is}, {"expected_error", errors}};
   const QuasiStatic check = check_quasi_static(rows, scene);
   json["quasi_static"] = {{"dynamic_force_over_peak", check.dynamic_force_ratio},
                           {"kinetic_energy_over_work", check.kinetic_energy_ratio},

@@ -1,5 +1,7 @@
 #include "scene/quality.h"
 
+#include "scene/error.h"
+
 namespace quoin {
 namespace {
 
@@ -38,7 +40,9 @@ const Quality& quality_named(const std::string& name) {
   for (const Quality& q : qualities()) {
     if (q.name == name) return q;
   }
-  return qualities()[1];
+  std::string names;
+  for (const Quality& q : qualities()) names += (names.empty() ? "" : ", ") + q.name;
+  throw Error(Exit::bad_input, "no quality '" + name + "'; there are " + names);
 }
 
 }  // namespace quoin

@@ -19,7 +19,7 @@ struct Quality {
   double peak_error = 0.0, curve_error = 0.0, work_error = 0.0;
 };
 
-const std::vector<Quality>& qualities();  // fast, standard, reference
-const Quality& quality_named(const std::string& name);
+const std::vector<Quality>& qualities();                // fast, standard, reference
+const Quality& quality_named(const std::string& name);  // throws Error(bad_input): unknown name
 
 }  // namespace quoin

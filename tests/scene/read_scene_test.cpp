@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "scene/error.h"
+#include "scene/quality.h"
 
 namespace quoin {
 namespace {
@@ -150,6 +151,7 @@ TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
       EXPECT_THAT(message(kScene, {other, factor + "=4"}), HasSubstr(factor + " = 4")) << other;
   }
   EXPECT_THAT(message(kScene, {"solver.quality=best"}), HasSubstr("fast, standard, reference"));
+  EXPECT_THROW(quality_named("best"), Error);
 }
 
 TEST_F(ReadScene, UnknownKey) {
