@@ -206,6 +206,7 @@ void run(const RunOptions& options, int& exit_code) {
       if (!notice.empty()) recorder.progress().message("quoin: " + notice);
     }
   }
+  info.quasi_static = check_quasi_static(rows, simulation.scene());
   info.wall_clock_s = process_seconds();
   write_summary(folder / "summary.json", simulation, rows, info);
 
@@ -217,7 +218,7 @@ void run(const RunOptions& options, int& exit_code) {
                                 : fmt::format("settings of quality {} changed: error not known", done.quality);
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
-  const std::string warning = check_quasi_static(rows, done).warning();
+  const std::string warning = info.quasi_static.warning();
   if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
   if (failure) {
     recorder.progress().message(failure->exit_code == Exit::interrupted

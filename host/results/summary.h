@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "results/quasi_static.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -14,6 +15,7 @@ struct RunInfo {
   std::string message;          // of a failure
   std::vector<std::string> overrides;
   double wall_clock_s = 0.0;  // process start to end
+  QuasiStatic quasi_static;
 };
 
 // The laws in use: one name, or "mortar: a, unit: b" when families differ.
