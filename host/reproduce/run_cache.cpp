@@ -18,6 +18,7 @@
 #include <set>
 #include <utility>
 
+#include "law/law_library.h"
 #include "results/file.h"
 #include "scene/error.h"
 
@@ -38,8 +39,7 @@ std::string read_text(const fs::path& file) {
 }
 
 // FNV-1a: a short name for what a run depends on.
-std::uint64_t hash_of(const std::string& text) {
-  std::uint64_t h = 1469598103934665603ull;
+std::uint64_t hash_of(const std::string& text, std::uint64_t h = 1469598103934665603ull) {
   for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ull;
   return h;
 }
@@ -97,15 +97,26 @@ class StopHandler {
 
 }  // namespace
 
+RunCache::RunCache(CacheSettings settings) : settings_(std::move(settings)) {
+  binaries_ = hash_of(read_text("/proc/self/exe"));
+  for (const std::string& law : installed_laws()) {
+    try {
+      binaries_ = hash_of(read_text(LawLibrary::load(law)->path()), binaries_);
+    } catch (const Error&) {  // of no use to a run; one that asks for it says so
+    }
+  }
+}
+
 std::string RunCache::key(const RunSpec& spec) const {
   const fs::path scene = settings_.scenes / (spec.scene + ".toml");
   const std::string text = read_text(scene);
   if (text.empty()) throw Error(Exit::bad_input, scene.string() + ": the scene cannot be read; set QUOIN_SCENES");
-  std::string all = text + "\nlaw=" + spec.law + "\nversion=" QUOIN_VERSION;
+  std::string all = text + "\nlaw=" + spec.law;
   for (const std::string& o : spec.overrides) all += "\n" + o;
   for (const std::string& o : settings_.overrides) all += "\n" + o;
+  const std::uint64_t hash = hash_of(all, binaries_);
   return fmt::format("{}{}-{:08x}", spec.scene, spec.law.empty() ? "" : "-" + spec.law,
-                     static_cast<std::uint32_t>(hash_of(all) ^ (hash_of(all) >> 32)));
+                     static_cast<std::uint32_t>(hash ^ (hash >> 32)));
 }
 
 bool RunCache::done(const RunSpec& spec) const {

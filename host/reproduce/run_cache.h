@@ -2,6 +2,7 @@
 // means that the run is done. Runs go side by side, each in a process of its own.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,9 +21,9 @@ struct CacheSettings {
 
 class RunCache {
  public:
-  explicit RunCache(CacheSettings settings) : settings_(std::move(settings)) {}
+  explicit RunCache(CacheSettings settings);
 
-  // The key depends on the text of the scene, on what is laid over it, and on the version of Quoin.
+  // The key depends on the text of the scene, on what is laid over it, and on the program and the laws, byte by byte.
   std::string key(const RunSpec& spec) const;
   std::filesystem::path folder(const RunSpec& spec) const { return settings_.root / "runs" / key(spec); }
   bool done(const RunSpec& spec) const;
@@ -34,6 +35,7 @@ class RunCache {
 
  private:
   CacheSettings settings_;
+  std::uint64_t binaries_ = 0;  // hash of the program and of all laws that it finds by name
 };
 
 // The scenes that ship: $QUOIN_SCENES, host/scenes of the working directory or of the program's source tree, or

@@ -110,6 +110,16 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   EXPECT_THAT(page, HasSubstr("Fracture energies"));
   EXPECT_THAT(page, HasSubstr("The law of a joint"));
   EXPECT_EQ(nlohmann::json::parse(read_all(folder_ / "results/verdict.json")).size(), 12u);
+
+  // Another binary of the law: nothing that the old one computed counts.
+  const fs::path law = folder_ / "laws/fracture_energy.so";
+  fs::create_directories(law.parent_path());
+  fs::copy_file(QUOIN_FRACTURE_ENERGY, law);
+  std::ofstream(law, std::ios::app) << "a byte that changes nothing but the file";
+  setenv("QUOIN_LAW_PATH", law.parent_path().c_str(), 1);
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  unsetenv("QUOIN_LAW_PATH");
+  EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
 }
 
 TEST(Curve, ReadsWhatPeopleRead) {
