@@ -21,8 +21,9 @@ struct JointPoint {
   Vec3 side_a, side_b;  // displacements of the two sides, m
   double opening;       // m
   double slip;          // plastic slip where the law keeps it, otherwise the sliding jump, m
-  double damage_tension, damage_shear;
-  double closure;  // plastic closure by crushing, m
+  double damage_tension,
+      damage_shear;  // share of tensile strength and cohesion lost; 0.5 begun, where nothing says more
+  double closure;    // plastic closure by crushing, m
   Crack crack;
 };
 
