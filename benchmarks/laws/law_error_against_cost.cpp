@@ -1,7 +1,7 @@
 // Run time against error of the fracture-energy law: 256 points on cyclic paths of opening, sliding in two directions
 // and varying pressure, each cut into more and more increments, against the same paths in 2^20 increments; and the
 // monotonic paths against their closed forms. Writes CSV to the standard output:
-//   error_against_cost > error_against_cost.csv && gnuplot error_against_cost.gp
+//   law_error_against_cost > law_error_against_cost.csv && gnuplot law_error_against_cost.gp
 #include <fmt/format.h>
 #include <time.h>
 
