@@ -44,6 +44,14 @@ std::string title_of(const Scene& scene) {
   return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;
 }
 
+// Whose displacement the history shows: "top beam", "top course", "roof".
+std::string moved_part(const Scene& scene) {
+  if (scene.building) return "roof";
+  std::string name = scene.stages.empty() ? "" : scene.stages.back().monitor;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name.empty() ? "wall" : name;
+}
+
 }  // namespace
 
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
@@ -82,7 +90,8 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   write_file(folder / "plots" / "curve.dat", data);
 
   const Peak peak = find_peak(rows, scene);
-  std::string script = fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
+  std::string script =
+      fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
 set title {} noenhanced font "Sans,23"
 set xlabel "horizontal displacement of the {} (mm)"
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
@@ -94,8 +103,7 @@ set ytics nomirror textcolor rgb "#b3321e"
 set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
-                                   gnuplot_text(title_of(scene)), scene.building ? "roof" : "top beam",
-                                   largest > 0 ? 1.02 * largest * 1e3 : 1.0);
+                  gnuplot_text(title_of(scene)), moved_part(scene), largest > 0 ? 1.02 * largest * 1e3 : 1.0);
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
                   gnuplot_text("horizontal force, law " + law));
@@ -231,7 +239,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   std::string state = "law " + law;
   if (!rows.empty()) {
     const Response r = response(rows.back(), scene.stages[static_cast<size_t>(rows.back().stage)]);
-    state = fmt::format("{} moved {:.2f} mm, horizontal force {:.1f} kN, law {}", scene.building ? "roof" : "top beam",
+    state = fmt::format("{} moved {:.2f} mm, horizontal force {:.1f} kN, law {}", moved_part(scene),
                         std::abs(r.displacement) * 1e3, std::abs(r.horizontal_force) / 1e3, law);
   }
   // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.

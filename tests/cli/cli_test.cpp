@@ -177,6 +177,15 @@ TEST_F(Cli, RunWritesEveryResult) {
   EXPECT_EQ(vtk, 0) << out_ << error_;
 }
 
+TEST_F(Cli, PicturesNameWhatMoves) {
+  ASSERT_EQ(quoin({"run", QUOIN_SCENES "/cube_wall_10.toml", "--out", out(), "--set", "stage.1.displacement=1e-6",
+                   "--set", "wall.courses=2", "--set", "output.frames=0"}),
+            0)
+      << error_;
+  for (const char* script : {"/plots/curve.gp", "/plots/cracks.gp"})
+    EXPECT_THAT(read_all(out() + script), AllOf(HasSubstr("top course"), Not(HasSubstr("top beam")))) << script;
+}
+
 TEST_F(Cli, OtherLawLeavesOutWhatItDoesNotHave) {
   ASSERT_EQ(run_small({"--law", "elastic", "--set", "output.plots=false", "--set", "output.frames=0"}), 0) << error_;
   EXPECT_THAT(error_, HasSubstr("law elastic has no"));
