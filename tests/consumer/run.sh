@@ -25,6 +25,13 @@ case $1 in
     else
       echo "pkg-config: skipped, not installed"
     fi
+    if python3 -c 'import numpy' 2>/dev/null; then
+      share=$work/elsewhere/share/quoin
+      PYTHONPATH=$share:$share/adapters/shared:$share/adapters/lammps:$share/adapters/yade PYTHONDONTWRITEBYTECODE=1 \
+        python3 -c 'import atom_joints, cube_scene, joints'
+    else
+      echo "adapters in Python: skipped, NumPy is not installed"
+    fi
     ;;
   subdirectory)
     cmake -S "$source/tests/consumer/subdirectory" -B "$work/build" -DQUOIN_SOURCE_DIR="$source" -DBUILD_TESTING=OFF \
