@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace quoin::reference {
@@ -61,6 +62,13 @@ Real Point::f_slope(Real xi, bool complete) const {
       }
   }
   return 0;
+}
+
+// 0 when it is nothing but the rounding of its parts: a joint that is crushed out stands there, and stays closed.
+Real Point::opening() const {
+  const Real e = dn_ + w_ - v_;
+  const Real rounding = 16 * std::numeric_limits<Real>::epsilon() * (std::abs(dn_) + w_ + v_);
+  return std::abs(e) <= rounding ? 0 : e;
 }
 
 Real Point::secant() const {
@@ -240,7 +248,10 @@ void Point::substep(Real dn, Real ds, Real dt) {
   const Real over = can_crush ? -p_.kn * e - crushing_strength() : 0;  // above the crushing strength
   const Real hardness = p_.kn + crushing_slope();
   const auto crush = [&](Real uplift) {
-    return can_crush ? std::max(Real(0), (over - p_.kn * (dn - uplift)) / hardness) : 0;
+    if (!can_crush) return Real(0);
+    // Not beyond where fcr is reached: the slope does not know that F ends there, and would open the joint.
+    const Real most = -(e + dn - uplift) - p_.fcr / p_.kn;
+    return std::clamp((over - p_.kn * (dn - uplift)) / hardness, Real(0), std::max(Real(0), most));
   };
   const auto slip_for = [&](bool crushing) {
     // sigma' = fixed + by_slip * slip'

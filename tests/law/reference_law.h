@@ -53,7 +53,7 @@ class Point {
   Real f_slope(Real xi, bool complete) const;
   Real secant() const;        // sigma/e while open
   Real secant_slope() const;  // its derivative by xi
-  Real opening() const { return dn_ + w_ - v_; }
+  Real opening() const;       // e
   Real crushing_strength() const;
   Real crushing_slope() const;
   bool slip_complete() const { return p_.shared ? complete_t_ : complete_s_; }
