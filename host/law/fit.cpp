@@ -390,7 +390,7 @@ FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curve
 
 std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& result, const std::string& folder) {
   std::filesystem::create_directories(folder);
-  const std::string picture = (std::filesystem::path(folder) / "fit.png").string();
+  std::string picture = (std::filesystem::path(folder) / "fit.png").string();
   std::string script = fmt::format(
       "set terminal pngcairo size 1500,500 font 'sans,11' noenhanced\nset output '{}'\nset grid\nset multiplot layout "
       "1,3\n",

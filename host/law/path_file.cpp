@@ -395,7 +395,7 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
   }
   std::filesystem::create_directories(folder);
   const std::string stem = std::filesystem::path(path.file).stem().string();
-  const std::string picture = (std::filesystem::path(folder) / (stem + ".png")).string();
+  std::string picture = (std::filesystem::path(folder) / (stem + ".png")).string();
 
   const auto axis = [](const std::string& name) -> std::pair<double, std::string> {
     if (name == "dn" || name == "ds" || name == "dt" || name == "w" || name == "v" || name == "slip")

@@ -131,7 +131,7 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   for (const auto& row : rows) {
     for (const auto& [j, block] : row) {
       for (unsigned d = 0; d < 3; ++d) {
-        const auto present = [&](unsigned c) { return std::abs(block[3 * c + d]) > 1e-14 * largest; };
+        const auto present = [&, &k = block](unsigned c) { return std::abs(k[3 * c + d]) > 1e-14 * largest; };
         if (!present(0) && !present(1) && !present(2)) continue;
         brick.column.push_back(j * kLine + static_cast<int>(d) * kLanes);
         for (unsigned c = 0; c < 3; ++c) brick.coefficient.push_back(present(c) ? block[3 * c + d] : 0.0);

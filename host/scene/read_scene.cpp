@@ -200,7 +200,7 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
     try {
       toml::table parsed = toml::parse("value = " + value);
       if (parsed.size() != 1) throw Error(Exit::bad_input, "");
-      parsed.get("value")->visit([&](auto&& v) { table->insert_or_assign(keys[i], std::move(v)); });
+      parsed.get("value")->visit([&](auto& v) { table->insert_or_assign(keys[i], std::move(v)); });
     } catch (const std::exception&) {
       table->insert_or_assign(keys[i], value);  // not TOML: a plain word
     }
