@@ -95,7 +95,7 @@ struct ContactPoint {
   double area;         // m2
   int joint, family;   // indices into the assembly
   int block_a, block_b;
-  Vec3 jump;            // u_b - u_a along n, s, t, m
+  Vec3 jump;            // u_b - u_a along n, s, t at the time of the traction, m
   Vec3 traction;        // sigma, tau_s, tau_t, Pa
   std::uint32_t flags;  // QUOIN_FLAG_..., of the last step
   Condition condition;
@@ -147,7 +147,7 @@ class Simulation {
   double time() const;
   int thread_count() const;
   const char* instruction_set() const;  // chosen at run time: "AVX2"
-  std::uint64_t hash() const;           // of u, v, tractions and states: equal hashes, equal bits
+  std::uint64_t hash() const;           // of gridpoints, bodies, tractions and states: equal hashes, equal bits
   HistoryRow measure() const;           // as it stands
 
   // Results by block (index into Assembly::bricks). Cold.
