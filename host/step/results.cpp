@@ -183,13 +183,7 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
   const Model::BlockPlace& place = s.model.place[at(block)];
   std::vector<Vec3> result;
   if (place.body >= 0) {
-    const Vec3 t = s.of_body(place.body, translation), w = s.of_body(place.body, rotation);
-    const Vec3& centre = s.model.bodies[at(place.body)].centre;
-    for (const Vec3& p : mesh.gridpoint) {
-      const Vec3 r{p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
-      result.push_back(
-          {t[0] + w[1] * r[2] - w[2] * r[1], t[1] + w[2] * r[0] - w[0] * r[2], t[2] + w[0] * r[1] - w[1] * r[0]});
-    }
+    for (const Vec3& p : mesh.gridpoint) result.push_back(s.of_body_at(place.body, translation, rotation, p));
     return result;
   }
   const BlockGroup& group = s.model.groups[at(place.group)];
@@ -235,10 +229,7 @@ std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & QUOIN_CAN_FLAGS)) continue;
-    for (int i = 0; i < chunk.point_count; ++i) {
-      const std::int32_t p = chunk.first_point + i;
-      normal[at(i)] = jump_at_traction(p)[0] + (normal_shift.empty() ? 0.0 : normal_shift[at(p)]);
-    }
+    for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(chunk.first_point + i);
     const LawCall& call = calls[c];
     scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
     quoin_batch batch = call.batch;

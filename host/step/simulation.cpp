@@ -282,6 +282,19 @@ Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantit
   return {value[0][lane], value[1][lane], value[2][lane]};
 }
 
+Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*translation,
+                                  BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position) const {
+  const Vec3 turned = of_body(body, rotation);
+  const Vec3& centre = model.bodies[static_cast<std::size_t>(body)].centre;
+  Vec3 result = of_body(body, translation);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+    result[c] =
+        result[c] + turned[next] * (position[last] - centre[last]) - turned[last] * (position[next] - centre[next]);
+  }
+  return result;
+}
+
 Vec3 Simulation::Impl::joint_force(int body) const {
   const RigidBody& b = model.bodies[static_cast<std::size_t>(body)];
   Vec3 sum{};
@@ -298,20 +311,16 @@ Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
   const double dt = data.time_step;
   const auto displacement_of = [&](int block, std::int32_t gridpoint) {
     const int body = model.place[static_cast<std::size_t>(block)].body;
-    Vec3 u{};
+    Vec3 u, v;
     if (body < 0) {
       const auto i = static_cast<std::size_t>(gridpoint);
-      for (std::size_t c = 0; c < 3; ++c) u[c] = displacement[i + c * kLanes] - dt * velocity[i + c * kLanes];
-      return u;
+      u = {displacement[i], displacement[i + kLanes], displacement[i + 2 * kLanes]};
+      v = {velocity[i], velocity[i + kLanes], velocity[i + 2 * kLanes]};
+    } else {
+      u = of_body_at(body, &BodyLanes::displacement, &BodyLanes::rotation, model.point_position[p]);
+      v = of_body_at(body, &BodyLanes::velocity, &BodyLanes::spin, model.point_position[p]);
     }
-    const Vec3 moved = of_body(body, &BodyLanes::displacement), moving = of_body(body, &BodyLanes::velocity);
-    const Vec3 turned = of_body(body, &BodyLanes::rotation), turning = of_body(body, &BodyLanes::spin);
-    const Vec3 &x = model.point_position[p], &centre = model.bodies[static_cast<std::size_t>(body)].centre;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
-      u[c] = moved[c] - dt * moving[c] + (turned[next] - dt * turning[next]) * (x[last] - centre[last]) -
-             (turned[last] - dt * turning[last]) * (x[next] - centre[next]);
-    }
+    for (std::size_t c = 0; c < 3; ++c) u[c] -= dt * v[c];
     return u;
   };
   const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
@@ -319,6 +328,10 @@ Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
   const Vec3 b = displacement_of(in_order ? joint.block_b : joint.block_a, model.node_b[p]);
   const std::size_t n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
   return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
+}
+
+double Simulation::Impl::opening_at_traction(std::int32_t point) const {
+  return jump_at_traction(point)[0] + (normal_shift.empty() ? 0.0 : normal_shift[static_cast<std::size_t>(point)]);
 }
 
 Vec3 Simulation::Impl::mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const {
@@ -528,8 +541,7 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
   if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
   // The opening that belongs to the standing tractions: displacements have moved on by one step since.
   std::vector<double> jump(count), shift(count, 0.0), stored(count, 0.0), energy_jump(count, 0.0), zero(count, 0.0);
-  for (std::size_t i = 0; i < count; ++i)
-    jump[i] = jump_at_traction(static_cast<std::int32_t>(first + i))[0] + normal_shift[first + i];
+  for (std::size_t i = 0; i < count; ++i) jump[i] = opening_at_traction(static_cast<std::int32_t>(first + i));
   LaneVector<double> new_state(law.law->state_count * count, 0.0);
   std::vector<const char*> ids;
   std::vector<quoin_in> from;

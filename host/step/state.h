@@ -87,8 +87,12 @@ struct Simulation::Impl {
   HistoryRow measure() const;
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
+  // Translation + rotation x arm of a rigid body at a reference position.
+  Vec3 of_body_at(int body, BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation,
+                  const Vec3& position) const;
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
+  double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
   Vec3 mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
   double stage_fraction() const;  // by duration or displacement
   bool equilibrium_reached(const Stage& settings);

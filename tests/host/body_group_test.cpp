@@ -105,6 +105,24 @@ struct Field {
   LaneVector<double> displacement, velocity;
 };
 
+// A step with everything that acts on bodies, and random forces of the contact points.
+struct StepInput {
+  StepInput(const Model& model, DampingKind damping, std::mt19937_64& random) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (int i = 0; i < model.point_count; ++i) force[c].push_back(100.0 * random_value(random));
+      force[c].resize(force[c].size() + kLanes, 0.0);  // the dummy
+      step.force[c] = force[c].data();
+    }
+    step.time_step = 1e-5;
+    step.damping = damping;
+    step.local_damping = 0.8;
+    step.mass_damping = 30.0;
+    step.gravity = {0.5, -9.81, 0.1};
+  }
+  LaneVector<double> force[3];
+  StepData step;
+};
+
 class BodyGroupDamping : public testing::TestWithParam<DampingKind> {};
 
 TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
@@ -112,25 +130,14 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
   for (std::size_t b = 0; b < model.bodies.size(); b += 7)
     model.bodies[b].held = {false, false, true, true, true, false};
   std::mt19937_64 random(1);
-  LaneVector<double> force[3];
-  for (auto& column : force) {
-    for (int i = 0; i < model.point_count; ++i) column.push_back(100.0 * random_value(random));
-    column.resize(column.size() + kLanes, 0.0);  // the dummy
-  }
+  StepInput input(model, GetParam(), random);
   Field together(model), alone(model);
   Inertia inertia;
   for (const RigidBody& body : model.bodies) {
     inertia.body_mass.push_back(1.5 * body.mass);
     inertia.body_inertia.push_back({1.5 * body.inertia[0], 1.5 * body.inertia[1], 2.0 * body.inertia[2]});
   }
-  StepData step;
-  step.time_step = 1e-5;
-  step.damping = GetParam();
-  step.local_damping = 0.8;
-  step.mass_damping = 30.0;
-  step.gravity = {0.5, -9.81, 0.1};
-
-  for (std::size_t c = 0; c < 3; ++c) step.force[c] = force[c].data();
+  StepData& step = input.step;
   const auto use = [&](Field& field) {
     step.displacement = field.displacement.data();
     step.velocity = field.velocity.data();
@@ -187,26 +194,16 @@ TEST_P(BodyGroupDamping, MovesAndMeasuresItsBodiesLikeOneByOne) {
 TEST_P(BodyGroupDamping, ABodyHeldStillIsNotChangedByAStep) {
   const Model model = cube_wall(10);
   std::mt19937_64 random(2);
-  LaneVector<double> force[3];
-  for (auto& column : force) {
-    for (int i = 0; i < model.point_count; ++i) column.push_back(100.0 * random_value(random));
-    column.resize(column.size() + kLanes, 0.0);
-  }
+  StepInput input(model, GetParam(), random);
   Inertia inertia;
   for (const RigidBody& body : model.bodies) {
     inertia.body_mass.push_back(body.mass);
     inertia.body_inertia.push_back(body.inertia);
   }
   Field field(model);
-  StepData step;
-  step.time_step = 1e-5;
-  step.damping = GetParam();
-  step.local_damping = 0.8;
-  step.mass_damping = 30.0;
-  step.gravity = {0.5, -9.81, 0.1};
+  StepData& step = input.step;
   step.displacement = field.displacement.data();
   step.velocity = field.velocity.data();
-  for (std::size_t c = 0; c < 3; ++c) step.force[c] = force[c].data();
 
   for (const BodyGroup& group : model.body_groups) {
     BodyLanes held;
