@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
-#include <cstring>
 #include <fstream>
-#include <iterator>
+#include <string_view>
 #include <system_error>
 
 #include "results/file.h"
@@ -56,6 +56,8 @@ bool is_whole_png(const fs::path& file) {
   stream.read(end.data(), end.size());
   return stream && end == kEnd;
 }
+
+bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
 
 // gnuplot reads the script from its standard input and writes the picture to its standard output: neither a name of a
 // file nor any other text is on its command line.
@@ -118,13 +120,18 @@ std::string gnuplot_text(const std::string& text) {
   if (size < text.size()) {
     while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;  // not inside a character
   }
-  std::string result = "'";
+  // As a number: gnuplot's rules for quotes within quotes have holes (a leading '' is an empty string).
+  std::string result = "\"";
+  bool as_number = false;
   for (const char c : text.substr(0, size)) {
     const auto code = static_cast<unsigned char>(c);
-    if (c == '\'') result += '\'';
-    result += code < 0x20 || code == 0x7f ? ' ' : c;
+    const bool octal_digit = c >= '0' && c <= '7';  // would be read as part of the number before it
+    const bool plain = code >= 0x80 || (std::isalnum(code) != 0 && !(as_number && octal_digit)) ||
+                       std::string_view(" .,:;()/+-=_").find(c) != std::string_view::npos;
+    as_number = !plain && !is_control(code);
+    result += as_number ? fmt::format("\\{:03o}", code) : std::string(1, plain ? c : ' ');
   }
-  return result + (size < text.size() ? "...'" : "'");
+  return result + (size < text.size() ? "...\"" : "\"");
 }
 
 std::string draw_picture(const fs::path& folder, const std::string& name, const std::string& script) {

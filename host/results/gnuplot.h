@@ -8,8 +8,9 @@
 
 namespace quoin {
 
-// A string of gnuplot in single quotes, in which it substitutes neither backquotes nor escapes. Control characters
-// become spaces; text longer than a picture is wide ends in "...". Draw it with `noenhanced`: it has no markup then.
+// A string in gnuplot's grammar, quotes included, with every byte that could mean something to gnuplot written as its
+// number. Control characters become spaces; text longer than a picture is wide ends in "...". Draw it with
+// `noenhanced`: it has no markup then.
 std::string gnuplot_text(const std::string& text);
 
 // Draws FOLDER/NAME.png with a script that sets no output, run in FOLDER/plots. Script, data and messages stay there as

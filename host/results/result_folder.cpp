@@ -63,14 +63,14 @@ Manifest read_manifest(const fs::path& folder) {
       std::all_of(manifest.token.begin(), manifest.token.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
   if (!sane) return {};
   while (std::getline(stream, line)) {
-    if (is_name_of_a_result(line) || matches("plots/*", line)) manifest.names.insert(line);
+    if (is_name_of_a_result(line) || line == "plots" || matches("plots/*", line)) manifest.names.insert(line);
   }
   return manifest;
 }
 
-bool has_result_in(const char* subfolder, const Manifest& manifest) {
+bool made_plots(const Manifest& manifest) {
   return std::any_of(manifest.names.begin(), manifest.names.end(),
-                     [&](const std::string& name) { return name.starts_with(std::string(subfolder) + "/"); });
+                     [](const std::string& name) { return name == "plots" || name.starts_with("plots/"); });
 }
 
 void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) {
@@ -78,7 +78,7 @@ void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) 
   std::error_code error;
   const fs::path plots = folder / "plots";
   const fs::file_status kind = fs::symlink_status(plots, error);
-  if (fs::is_directory(kind) && has_result_in("plots", manifest)) {
+  if (fs::is_directory(kind) && made_plots(manifest)) {
     for (const auto& entry : fs::directory_iterator(plots, error)) {
       const std::string name = "plots/" + entry.path().filename().string();
       if (is_name_of_a_result(name) && !manifest.names.contains(name)) foreign.push_back(name);
@@ -100,8 +100,10 @@ void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) 
                           folder.string(), foreign[0], others, kManifest));
 }
 
-void remove_old_results(const fs::path& folder, const Manifest& manifest) {
+// Returns whether the folder for plots, which was ours, is kept for what others have put there.
+bool remove_old_results(const fs::path& folder, const Manifest& manifest) {
   for (const std::string& name : manifest.names) {
+    if (name == "plots") continue;
     for (const std::string& file : {name, fmt::format("{}.{}.part", name, manifest.token)}) {
       std::error_code error;
       fs::remove(folder / file, error);
@@ -111,8 +113,10 @@ void remove_old_results(const fs::path& folder, const Manifest& manifest) {
                                                  (folder / file).string(), error.message()));
     }
   }
+  if (!made_plots(manifest)) return false;
   std::error_code not_empty;
-  if (has_result_in("plots", manifest)) fs::remove(folder / "plots", not_empty);
+  fs::remove(folder / "plots", not_empty);
+  return static_cast<bool>(not_empty);
 }
 
 // Folders of results of this process, with the file that takes their manifest.
@@ -170,12 +174,12 @@ FolderLock::~FolderLock() { close(file_); }
 ResultFolder::ResultFolder(const fs::path& folder) : lock_(folder) {
   const Manifest old = read_manifest(folder);
   refuse_what_others_wrote(folder, old);
-  remove_old_results(folder, old);
+  const bool plots_kept = remove_old_results(folder, old);
   const fs::path path = folder / kManifest;
   std::error_code ignored;
   fs::remove(path, ignored);  // never written through a link
   OpenFolder open_folder{whole_path(folder), std::ofstream(path, std::ios::trunc), {}};
-  open_folder.manifest << kManifestHead << part_token() << std::endl;
+  open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << std::endl;
   if (!open_folder.manifest)
     throw Error(Exit::bad_input, path.string() + ": cannot be written; choose another folder with --out");
   const std::lock_guard guard(mutex);
