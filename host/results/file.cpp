@@ -50,9 +50,8 @@ void write_file(const std::filesystem::path& path, const std::string& bytes) {
     const std::string reason = std::strerror(errno);
     std::error_code ignored;
     std::filesystem::remove(part_name(path), ignored);
-    throw Error(Exit::bad_input,
-                fmt::format("{}: cannot be written: {}; free space or choose another folder with --out", path.string(),
-                            reason));
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; free space or choose another place with --out",
+                                             path.string(), reason));
   }
   finish_file(path);
 }
