@@ -10,6 +10,7 @@
 #include "blocks/run.h"
 #include "results/file.h"
 #include "results/gnuplot.h"
+#include "results/result_folder.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -173,15 +174,7 @@ void run_blocks(const std::string& file, const std::string& law, const std::vect
   const auto started = std::chrono::steady_clock::now();
   const std::unique_ptr<Run> made = make_run(file, law, overrides);
   Run& run = *made;
-  make_folder(folder);
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if (name == "summary.json" || name == "history.csv" || name == "mechanism.png" || name == "blocks.pvd" ||
-        (name.starts_with("blocks_") && name.ends_with(".vtp"))) {
-      fs::remove(entry.path(), ignored);
-    }
-  }
+  const ResultFolder own(folder);
   const Model& m = run.model();
   fmt::print(stderr, "{}", sizes(file, m));
   std::string history =

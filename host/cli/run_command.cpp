@@ -13,10 +13,10 @@
 #include "cli/prepare.h"
 #include "cli/progress.h"
 #include "cli/run_blocks.h"
-#include "results/file.h"
 #include "results/history.h"
 #include "results/plots.h"
 #include "results/quasi_static.h"
+#include "results/result_folder.h"
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
@@ -83,20 +83,6 @@ struct RunOptions {
   int threads = 0;
 };
 
-// Removes what an earlier run left, so that a failed run cannot be taken for that one.
-void remove_old_results(const fs::path& folder) {
-  std::error_code ignored;
-  for (const char* name :
-       {"summary.json", "history.csv", "history.csv.part", "curve.png", "cracks.png", "blocks.pvd", "joints.pvd"})
-    fs::remove(folder / name, ignored);
-  fs::remove_all(folder / "plots", ignored);
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const std::string name = entry.path().filename().string();
-    if ((name.starts_with("blocks_") || name.starts_with("joints_")) && name.ends_with(".vtu"))
-      fs::remove(entry.path(), ignored);
-  }
-}
-
 // Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal.
 class Recorder : public Observer {
  public:
@@ -159,8 +145,8 @@ void run(const RunOptions& options, int& exit_code) {
   Scene scene = prepare_scene(options.scene);
   Assembly assembly = assemble(scene);
   Simulation simulation(std::move(scene), std::move(assembly), options.threads);
-  make_folder(folder);
-  remove_old_results(folder);
+  // What an earlier run left goes, so that a failed run cannot be taken for that one.
+  const ResultFolder own(folder);
 
   const OutputSettings& output = simulation.scene().output;
   const std::string law = law_names(simulation.assembly());

@@ -6,6 +6,20 @@
 
 namespace quoin {
 
+namespace {
+
+// Between quotes in CSV, on one line.
+std::string csv_text(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return result + "\"";
+}
+
+}  // namespace
+
 Response response(const HistoryRow& row, const Stage& stage) {
   // A stage monitored along y still has a horizontal response: the one along the wall.
   const size_t axis = stage.direction == 1 ? 0 : static_cast<size_t>(stage.direction);
@@ -14,7 +28,7 @@ Response response(const HistoryRow& row, const Stage& stage) {
 }
 
 History::History(const std::filesystem::path& path, const Scene& scene)
-    : path_(path), scene_(scene), stream_(part_name(path), std::ios::trunc) {
+    : path_(path), scene_(scene), stream_(begin_file(path), std::ios::trunc) {
   stream_ << "stage,stage_name,step,time_s,displacement_m,vertical_displacement_m,horizontal_force_N,vertical_force_N,"
              "unbalanced_ratio,kinetic_energy_J";
   if (scene.output.energy)
@@ -26,8 +40,8 @@ History::History(const std::filesystem::path& path, const Scene& scene)
 void History::add(const HistoryRow& row) {
   const Stage& stage = scene_.stages[static_cast<size_t>(row.stage)];
   const Response r = response(row, stage);
-  std::string line = fmt::format("{},\"{}\",{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g}", row.stage + 1,
-                                 stage.name, row.step, row.time, r.displacement, row.monitor_displacement[1],
+  std::string line = fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g}", row.stage + 1,
+                                 csv_text(stage.name), row.step, row.time, r.displacement, row.monitor_displacement[1],
                                  r.horizontal_force, r.vertical_force, row.unbalanced_ratio, row.kinetic_energy);
   if (scene_.output.energy) {
     const Energies e = row.energies.value_or(Energies{});
