@@ -2,19 +2,18 @@
 // a law does not care where s points as long as force and slip are seen from the same axes: s follows the old force.
 #pragma once
 
-#include "jointmodel.h"
+#include "3dec/interface_types.h"
 
 namespace quoin::threedec {
 
 class ShearAxes {
  public:
-  ShearAxes(const DVect3& traction, const DVect3& increment) {
-    traction_ = traction.mag();
-    const double length = increment.mag();
-    if (traction_ > 0.0)
+  ShearAxes(const DVect3& traction, const DVect3& increment) : traction_(traction.mag()) {
+    if (traction_ > 0.0) {
       s_ = traction / traction_;
-    else if (length > 0.0)
+    } else if (const double length = increment.mag(); length > 0.0) {
       s_ = increment / length;
+    }
     slip_[0] = increment | s_;
     // What rounding leaves of a parallel increment points anywhere; its length alone is to be trusted.
     const DVect3 across = increment - s_ * slip_[0];
@@ -27,9 +26,10 @@ class ShearAxes {
   DVect3 vector(double s, double t) const { return s_ * s + t_ * t; }
 
  private:
-  DVect3 s_, t_;
-  double traction_ = 0.0;
-  double slip_[2] = {0.0, 0.0};
+  // DVect3's own default is no number: an axis that nothing shows is zero.
+  DVect3 s_{0.0, 0.0, 0.0}, t_{0.0, 0.0, 0.0};
+  double traction_;
+  double slip_[2];
 };
 
 }  // namespace quoin::threedec
