@@ -410,22 +410,45 @@ void check_refusals(const JointModel& prototype, const quoin_law& law) {
   }));
 }
 
+// One point under pressure: as it stands, and sliding a little further at every step, in the softening.
 void print_times(const JointModel& prototype, const quoin_law& law) {
-  for (const std::size_t count : {std::size_t{1}, std::size_t{1000}}) {
-    std::vector<Contact> contacts;
-    for (std::size_t i = 0; i < count; ++i) {
-      contacts.emplace_back(mortar_joint(prototype)).move({-1e-7, 1e-9, 0});
-      contacts.back().state.normal_disp_inc_ = 0.0;
-      contacts.back().state.shear_disp_inc_ = DVect3(0.0);
+  struct Step {
+    const char* name;
+    double first_slip, slip;
+  };
+  const Index softening = index_of(prototype, "softening");
+  for (const char* const shape : {"linear", "exponential"}) {
+    if (softening == 0 && std::strcmp(shape, "exponential") == 0) continue;
+    for (const Step& step : {Step{"standing", 1e-9, 0.0}, Step{"sliding", 2e-5, 1e-12}}) {
+      const auto contact_time = [&](std::size_t count, bool energies) {
+        std::vector<Contact> contacts;
+        for (std::size_t i = 0; i < count; ++i) {
+          Contact& contact = contacts.emplace_back(mortar_joint(prototype));
+          if (softening != 0) contact.model->setProperty(softening, std::strcmp(shape, "exponential") == 0 ? 1.0 : 0.0);
+          contact.state.track_energy = energies;
+          contact.move({-1e-6, step.first_slip, 0});
+          contact.state.normal_disp_inc_ = 0.0;
+          contact.state.shear_disp_inc_ = DVect3(step.slip, 0.0, 0.0);
+        }
+        return quoin::tests::nanoseconds(count, [&] {
+          for (Contact& contact : contacts) contact.model->run(3, &contact.state);
+        });
+      };
+      std::vector<quoin::adapters::PropertyValue> values = quoin::tests::mortar_of(law);
+      if (softening != 0) values.push_back({"softening", {}, shape});
+      const auto direct_time = [&](bool flags) {
+        DirectLaw direct(law, 1, values);
+        if (!flags) direct.batch.flags = {nullptr, 0};
+        direct.step(-1e-6, step.first_slip, 0.0);
+        direct.slip[0][0] = step.slip;
+        return quoin::tests::nanoseconds(1, [&] { direct.evaluate(); });
+      };
+      std::printf(
+          "%s, %s, %s, ns a point: direct %.1f, with flags %.1f; run: 1 point %.1f, 1000 points %.1f, "
+          "1 point with energies %.1f\n",
+          law.id, softening != 0 ? shape : "no softening", step.name, direct_time(false), direct_time(true),
+          contact_time(1, false), contact_time(1000, false), contact_time(1, true));
     }
-    DirectLaw direct(law, count);
-    direct.step(-1e-7, 1e-9, 0.0);
-    direct.step(-1e-7, 0.0, 0.0);
-    const double adapter = quoin::tests::nanoseconds(count, [&] {
-      for (Contact& contact : contacts) contact.model->run(3, &contact.state);
-    });
-    std::printf("%s, %zu points: %.1f ns a point through run, %.1f ns direct\n", law.id, count, adapter,
-                quoin::tests::nanoseconds(count, [&] { direct.evaluate(); }));
   }
 }
 

@@ -184,6 +184,51 @@ void QuoinJointModel::start(const jmodels::State& state) {
   memory_.started = true;
 }
 
+// With flags a step costs a law several times one without. Where nothing yields they stay what they were but for OPEN,
+// which sigma tells, unless nothing holds a damaged joint. As the step before, so probably this one.
+bool QuoinJointModel::expects_flags() const {
+  return !memory_.flags_known || (memory_.flags & QUOIN_FLAG_YIELDING) != 0 ||
+         ((memory_.flags & QUOIN_FLAG_TENSION_DAMAGED) != 0 && memory_.traction[0] == 0.0);
+}
+
+// The step from what is remembered, which stays.
+adapters::PointBatch& QuoinJointModel::evaluate(const ShearAxes& axes, double normal_increment, unsigned asked) const {
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, asked);
+  point.normal_jump = memory_.jump;
+  point.slip[0] = axes.slip()[0];
+  point.slip[1] = axes.slip()[1];
+  std::ranges::copy(memory_.traction, point.traction);
+  std::ranges::copy(states_, point.state);
+  if (point.evaluate(*material_) == QUOIN_POINT_FAILED)
+    throw std::runtime_error(std::string(law_.id) + ": normal increment " + std::to_string(normal_increment) +
+                             " m or the force before it is not finite; the time step may be unstable");
+  return point;
+}
+
+// Replaces what is remembered by the end of the step.
+void QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) {
+  using namespace adapters;
+  const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
+  const bool has_flags = (law_.capabilities & QUOIN_CAN_FLAGS) != 0;
+  bool with_flags = has_flags && (energies || expects_flags());
+  const PointBatch* point =
+      &evaluate(axes, state.normal_disp_inc_, (with_flags ? wanted::flags : 0u) | (energies ? wanted::energies : 0u));
+  if (has_flags && !with_flags &&
+      (point->any_yielding() || ((memory_.flags & QUOIN_FLAG_TENSION_DAMAGED) != 0 && point->traction[0] == 0.0))) {
+    point = &evaluate(axes, state.normal_disp_inc_, wanted::flags);
+    with_flags = true;
+  }
+  std::copy_n(point->traction, 3, memory_.traction.begin());
+  std::copy_n(point->state, states_.size(), states_.begin());
+  constexpr std::uint32_t of_the_step = QUOIN_FLAG_OPEN | QUOIN_FLAG_SLIPPING | QUOIN_FLAG_YIELDING;
+  if (with_flags)
+    memory_.flags = point->flags;
+  else
+    memory_.flags = (memory_.flags & ~of_the_step) | (point->traction[0] > 0.0 ? QUOIN_FLAG_OPEN : 0u);
+  memory_.flags_known = true;
+  if (energies) book_energies(state.area_, point->energy_stored, point->dissipated);
+}
+
 void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   JointModel::run(dim, state);
   jmodels::State& s = *state;
@@ -199,27 +244,13 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   std::uint32_t flags = 0;
   bool crushes = false;
   if (canFail()) {
-    const bool energies = (energy_activated_ || s.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
-    adapters::PointBatch& point = adapters::PointBatch::of_thread(
-        law_, adapters::wanted::flags | (energies ? adapters::wanted::energies : adapters::wanted::nothing));
-    point.normal_jump = memory_.jump;
-    point.slip[0] = axes.slip()[0];
-    point.slip[1] = axes.slip()[1];
-    std::ranges::copy(traction, point.traction);
-    std::ranges::copy(states_, point.state);
-    if (point.evaluate(*material_) == QUOIN_POINT_FAILED)
-      throw std::runtime_error(std::string(law_.id) + ": normal increment " + std::to_string(s.normal_disp_inc_) +
-                               " m or the force before it is not finite; the time step may be unstable");
     const double scale = std::max(std::abs(traction[0]), std::abs(stiffness.normal * memory_.jump));
-    std::copy_n(point.traction, 3, traction.begin());
-    std::copy_n(point.state, states_.size(), states_.begin());
-    flags = point.flags;
+    step(axes, s);
+    flags = memory_.flags;
     crushes = crushes_now(flags, elastic, traction[0], scale);
-    if (energies) book_energies(s.area_, point.energy_stored, point.dissipated);
   } else {  // 3DEC's elastic phases
-    traction[0] = elastic;
-    traction[1] += stiffness.shear * axes.slip()[0];
-    traction[2] += stiffness.shear * axes.slip()[1];
+    traction = {elastic, traction[1] + stiffness.shear * axes.slip()[0], stiffness.shear * axes.slip()[1]};
+    memory_.flags_known = false;
   }
 
   const double normal_force = -traction[0] * s.area_;
@@ -232,7 +263,6 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   s.normal_force_ = normal_force;
   s.shear_force_ = shear_force;
   s.state_ = state_bits(s.state_, flags, crushes);
-  memory_.flags = flags;
 }
 
 bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.state_ & slip_now) != 0; }

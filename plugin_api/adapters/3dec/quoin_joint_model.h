@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "3dec/interface_types.h"
+#include "3dec/shear_axes.h"
 #include "quoin/quoin.h"
 #include "shared/material.h"
+#include "shared/point.h"
 
 namespace quoin::threedec {
 
@@ -61,7 +63,8 @@ class QuoinJointModel final : public jmodels::JointModel {
   // What a contact point remembers between steps; forces and state bits are 3DEC's.
   struct Memory {
     bool started = false;
-    std::uint32_t flags = 0;
+    bool flags_known = false;
+    std::uint32_t flags = 0;           // of the end of the last step
     double jump = 0.0;                 // d_n, m
     std::array<double, 3> traction{};  // Pa, the shear in the axes of the last step
     std::array<double, energy_count> energies{};
@@ -70,6 +73,9 @@ class QuoinJointModel final : public jmodels::JointModel {
   const adapters::Material* known_material() const;
   double normal_stiffness_now(const adapters::Material& material) const;
   void start(const jmodels::State& state);
+  bool expects_flags() const;
+  adapters::PointBatch& evaluate(const ShearAxes& axes, double normal_increment, unsigned asked) const;
+  void step(const ShearAxes& axes, const jmodels::State& state);
   void book_energies(double area, double stored, const double* dissipated);
 
   const ServedLaw& served_;

@@ -40,6 +40,9 @@ class PointBatch {
   // With properties of the point's own in place of the material's.
   std::uint32_t evaluate(const Material& material, std::uint64_t column_count, const quoin_property_column* columns);
 
+  // After a step: whether any internal variable moved in it.
+  bool any_yielding() const { return batch_.any_yielding != 0; }
+
   PointBatch(const quoin_law& law, unsigned asked);  // use of_thread
   PointBatch(const PointBatch&) = delete;
   PointBatch& operator=(const PointBatch&) = delete;
