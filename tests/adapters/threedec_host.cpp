@@ -13,6 +13,7 @@
 
 #include "jointmodel.h"
 #include "state.h"
+#include "tests/adapters/allocations.h"
 #include "tests/adapters/check.h"
 #include "tests/adapters/direct_law.h"
 #include "tests/adapters/timing.h"
@@ -339,6 +340,58 @@ void check_energy_activation(const JointModel& prototype) {
   CHECK(active.model->getEnergy(JointModel::kwEStrainCompression) == 3.0);
 }
 
+// Opening, closing and sliding at random, in and beyond the softening: forces are the law's, and the state bits, which
+// the model tells from the forces, are what the law's flags and states say at every step.
+void check_random_path(const JointModel& prototype, const quoin_law& law) {
+  Contact contact(mortar_joint(prototype));
+  DirectLaw direct(law);
+  std::uint32_t random = 1;
+  const auto next = [&random] {  // -1 ... 1, the same on every machine
+    random = random * 1664525u + 1013904223u;
+    return static_cast<double>(random >> 8) / (1 << 23) - 1.0;
+  };
+  std::size_t closure = 0;  // the state that crushing moves
+  while (closure < law.state_count && std::strcmp(law.states[closure]->id, "w") != 0) ++closure;
+  const auto crushed = [&] { return closure < law.state_count ? direct.state[closure][0] : 0.0; };
+  double jump = 0.0, size = 1e-7;
+  int open = 0, slips = 0, crushes = 0;
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 500 == 0) size = size > 2e-3 ? 1e-7 : size * 2.0;
+    const bool stands = i % 7 < 3;
+    const std::array<double, 3> to = {stands ? contact.at[0] : size * next(),
+                                      stands ? contact.at[1] : 2.0 * size * next(), 0.0};
+    const std::array<double, 3> d = contact.move(to);
+    jump += d[0];
+    const double crushed_before = crushed();
+    direct.step(jump, d[1], d[2]);
+    CHECK(-contact.state.normal_force_ == direct.traction[0][0] * area);
+    CHECK(-contact.state.shear_force_.x() == direct.traction[1][0] * area);
+    const auto has = [&](std::uint32_t flag) { return (direct.flags[0] & flag) != 0; };
+    const auto bit = [&](Index mask) { return (contact.state.state_ & mask) != 0; };
+    CHECK(bit(1) == has(QUOIN_FLAG_SLIPPING));
+    CHECK(bit(2) == (has(QUOIN_FLAG_OPEN) && has(QUOIN_FLAG_TENSION_DAMAGED)));
+    CHECK(bit(16) == (crushed() > crushed_before));
+    CHECK(bit(16 | 32) == has(QUOIN_FLAG_CRUSHED));
+    CHECK(contact.model->isBonded(contact.state) ==
+          !(has(QUOIN_FLAG_TENSION_COMPLETE) || has(QUOIN_FLAG_SHEAR_COMPLETE)));
+    open += bit(2), slips += bit(1), crushes += bit(16);
+  }
+  if (std::string(law.id) == "fracture_energy") CHECK(open > 1000 && slips > 1000 && crushes > 10);
+}
+
+// 3DEC calls run for every contact and step.
+void check_no_allocation(const JointModel& prototype) {
+  for (const auto& [leg, name] : quoin::tests::legs) {
+    Contact contact(mortar_joint(prototype));
+    long before = 0;
+    for (int i = 1; i <= quoin::tests::leg_steps; ++i) {
+      if (i == quoin::tests::leg_steps / 2) before = quoin::tests::allocations;
+      contact.move(quoin::tests::displacement(leg, i));
+    }
+    CHECK(quoin::tests::allocations == before);
+  }
+}
+
 void check_elastic_phase(const JointModel& prototype) {
   Contact contact(mortar_joint(prototype));
   contact.model->setIfCanFail(false);
@@ -476,6 +529,8 @@ int main(int argc, char** argv) {
   }
   check_continuation(*prototype);
   check_interleaved(*prototype);
+  check_random_path(*prototype, law);
+  check_no_allocation(*prototype);
   check_first_forces(*prototype);
   check_elastic_phase(*prototype);
   check_energy_activation(*prototype);

@@ -17,23 +17,13 @@ namespace {
 // The first four bits as in 3DEC's own models, which its commands and plots know; the cap's as in published models.
 constexpr Index slip_now = 1, tension_now = 2, slip_past = 4, tension_past = 8, crush_now = 16, crush_past = 32;
 
-Index state_bits(Index before, std::uint32_t flags, bool crushes) {
-  Index bits = before & (slip_past | tension_past | crush_past);
-  if ((before & slip_now) != 0) bits |= slip_past;
-  if ((before & tension_now) != 0) bits |= tension_past;
-  if ((before & crush_now) != 0) bits |= crush_past;
-  if ((flags & QUOIN_FLAG_SLIPPING) != 0) bits |= slip_now;
-  if ((flags & QUOIN_FLAG_OPEN) != 0 && (flags & QUOIN_FLAG_TENSION_DAMAGED) != 0) bits |= tension_now;
-  if ((flags & QUOIN_FLAG_CRUSHED) != 0) bits |= crushes ? crush_now : crush_past;
-  return bits;
-}
-
-// A law's flags tell that a joint has been crushed, not whether it is in this step: then it yields and takes up less
-// pressure than an elastic joint would. elastic, sigma: pressure is negative, scale: of what they are rounded from.
-bool crushes_now(std::uint32_t flags, double elastic, double sigma, double scale) {
-  constexpr std::uint32_t both = QUOIN_FLAG_CRUSHED | QUOIN_FLAG_YIELDING;
-  constexpr double rounding = 64.0 * std::numeric_limits<double>::epsilon();
-  return (flags & both) == both && (flags & QUOIN_FLAG_OPEN) == 0 && sigma - elastic > rounding * scale;
+Index state_bits(Index before, Index now) {
+  constexpr Index all_now = slip_now | tension_now | crush_now;
+  Index past = before & (slip_past | tension_past | crush_past);
+  if ((before & slip_now) != 0) past |= slip_past;
+  if ((before & tension_now) != 0) past |= tension_past;
+  if ((before & crush_now) != 0) past |= crush_past;
+  return past | (now & all_now);
 }
 
 template <class T>
@@ -152,11 +142,8 @@ double QuoinJointModel::normal_stiffness_now(const adapters::Material& material)
   const double bound = material.stiffness().normal;
   if (!memory_.started || (law_.capabilities & QUOIN_CAN_TANGENT) == 0) return bound;
   adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::tangent);
-  point.normal_jump = memory_.jump;
-  point.slip[0] = point.slip[1] = 0.0;
-  std::ranges::copy(memory_.traction, point.traction);
-  std::ranges::copy(states_, point.state);
-  if (point.evaluate(material) == QUOIN_POINT_FAILED) return bound;
+  constexpr double no_slip[2] = {0.0, 0.0};
+  evaluate(point, material, no_slip);
   return std::clamp(point.tangent[0], 0.0, bound);
 }
 
@@ -184,49 +171,49 @@ void QuoinJointModel::start(const jmodels::State& state) {
   memory_.started = true;
 }
 
-// With flags a step costs a law several times one without. Where nothing yields they stay what they were but for OPEN,
-// which sigma tells, unless nothing holds a damaged joint. As the step before, so probably this one.
-bool QuoinJointModel::expects_flags() const {
-  return !memory_.flags_known || (memory_.flags & QUOIN_FLAG_YIELDING) != 0 ||
-         ((memory_.flags & QUOIN_FLAG_TENSION_DAMAGED) != 0 && memory_.traction[0] == 0.0);
-}
-
-// The step from what is remembered, which stays.
-adapters::PointBatch& QuoinJointModel::evaluate(const ShearAxes& axes, double normal_increment, unsigned asked) const {
-  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, asked);
+// A step to memory_.jump from what else is remembered, which stays.
+void QuoinJointModel::evaluate(adapters::PointBatch& point, const adapters::Material& material,
+                               const double* sliding) const {
   point.normal_jump = memory_.jump;
-  point.slip[0] = axes.slip()[0];
-  point.slip[1] = axes.slip()[1];
+  point.slip[0] = sliding[0];
+  point.slip[1] = sliding[1];
   std::ranges::copy(memory_.traction, point.traction);
   std::ranges::copy(states_, point.state);
-  if (point.evaluate(*material_) == QUOIN_POINT_FAILED)
-    throw std::runtime_error(std::string(law_.id) + ": normal increment " + std::to_string(normal_increment) +
-                             " m or the force before it is not finite; the time step may be unstable");
-  return point;
+  if (point.evaluate(material) == QUOIN_POINT_FAILED)
+    throw std::runtime_error(std::string(law_.id) + ": opening " + std::to_string(memory_.jump) +
+                             " m or the force before the step is not finite; the time step may be unstable");
 }
 
-// Replaces what is remembered by the end of the step.
-void QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) {
+// Replaces what is remembered by the end of the step; returns the bits of now. These are told by the forces, as 3DEC's
+// own models tell them: a law's flags would cost several times the step.
+Index QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) {
   using namespace adapters;
   const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
-  const bool has_flags = (law_.capabilities & QUOIN_CAN_FLAGS) != 0;
-  bool with_flags = has_flags && (energies || expects_flags());
-  const PointBatch* point =
-      &evaluate(axes, state.normal_disp_inc_, (with_flags ? wanted::flags : 0u) | (energies ? wanted::energies : 0u));
-  if (has_flags && !with_flags &&
-      (point->any_yielding() || ((memory_.flags & QUOIN_FLAG_TENSION_DAMAGED) != 0 && point->traction[0] == 0.0))) {
-    point = &evaluate(axes, state.normal_disp_inc_, wanted::flags);
-    with_flags = true;
+  PointBatch& point = PointBatch::of_thread(law_, energies ? wanted::energies : wanted::nothing);
+  evaluate(point, *material_, axes.slip());
+  std::copy_n(point.traction, 3, memory_.traction.begin());
+  std::copy_n(point.state, states_.size(), states_.begin());
+  if (energies) book_energies(state.area_, point.energy_stored, point.dissipated);
+
+  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double kn = material_->stiffness().normal, ks = material_->stiffness().shear;
+  memory_.reach = std::max(memory_.reach, std::abs(memory_.jump));
+  const double short_length = 4.0 * rounding * memory_.reach;
+  Index now = 0;
+  if (const double opening = memory_.jump + memory_.closure; opening > 0.0) {
+    if (kn * opening - memory_.traction[0] > kn * short_length) now |= tension_now;
+  } else if (point.any_yielding()) {
+    const double closure = memory_.traction[0] / kn - memory_.jump;
+    if (closure - memory_.closure > short_length) now |= crush_now;
+    if (std::abs(closure - memory_.closure) > short_length) memory_.closure = closure;
   }
-  std::copy_n(point->traction, 3, memory_.traction.begin());
-  std::copy_n(point->state, states_.size(), states_.begin());
-  constexpr std::uint32_t of_the_step = QUOIN_FLAG_OPEN | QUOIN_FLAG_SLIPPING | QUOIN_FLAG_YIELDING;
-  if (with_flags)
-    memory_.flags = point->flags;
-  else
-    memory_.flags = (memory_.flags & ~of_the_step) | (point->traction[0] > 0.0 ? QUOIN_FLAG_OPEN : 0u);
-  memory_.flags_known = true;
-  if (energies) book_energies(state.area_, point->energy_stored, point->dissipated);
+  if (point.any_yielding()) {
+    const auto length = [](double a, double b) { return std::sqrt(a * a + b * b); };
+    const double elastic = length(axes.traction() + ks * axes.slip()[0], ks * axes.slip()[1]);
+    const double held = length(memory_.traction[1], memory_.traction[2]);
+    if (elastic - held > rounding * elastic) now |= slip_now;
+  }
+  return now;
 }
 
 void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
@@ -237,20 +224,15 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   memory_.jump += s.normal_disp_inc_;
 
   const quoin_stiffness_bounds& stiffness = material_->stiffness();
-  const ShearAxes axes(s.shear_force_ / -s.area_, s.shear_disp_inc_);
+  const ShearAxes axes(s.shear_force_, s.area_, s.shear_disp_inc_);
   std::array<double, 3>& traction = memory_.traction;
   traction = {-s.normal_force_ / s.area_, axes.traction(), 0.0};
-  const double elastic = traction[0] + stiffness.normal * s.normal_disp_inc_;
-  std::uint32_t flags = 0;
-  bool crushes = false;
+  Index now = 0;
   if (canFail()) {
-    const double scale = std::max(std::abs(traction[0]), std::abs(stiffness.normal * memory_.jump));
-    step(axes, s);
-    flags = memory_.flags;
-    crushes = crushes_now(flags, elastic, traction[0], scale);
+    now = step(axes, s);
   } else {  // 3DEC's elastic phases
-    traction = {elastic, traction[1] + stiffness.shear * axes.slip()[0], stiffness.shear * axes.slip()[1]};
-    memory_.flags_known = false;
+    traction = {traction[0] + stiffness.normal * s.normal_disp_inc_, traction[1] + stiffness.shear * axes.slip()[0],
+                stiffness.shear * axes.slip()[1]};
   }
 
   const double normal_force = -traction[0] * s.area_;
@@ -262,13 +244,19 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
     s.dnop_ = -s.normal_disp_inc_ * s.normal_force_ / s.normal_force_inc_;
   s.normal_force_ = normal_force;
   s.shear_force_ = shear_force;
-  s.state_ = state_bits(s.state_, flags, crushes);
+  s.state_ = state_bits(s.state_, now);
 }
 
 bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.state_ & slip_now) != 0; }
 
+// By the law's flags, in a step that does not move.
 bool QuoinJointModel::isBonded(const jmodels::State&) {
-  return (memory_.flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
+  const adapters::Material* const material = known_material();
+  if (!memory_.started || material == nullptr) return true;
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::flags);
+  constexpr double no_slip[2] = {0.0, 0.0};
+  evaluate(point, *material, no_slip);
+  return (point.flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
 }
 
 Text QuoinJointModel::getEnergies() const {

@@ -63,9 +63,9 @@ class QuoinJointModel final : public jmodels::JointModel {
   // What a contact point remembers between steps; forces and state bits are 3DEC's.
   struct Memory {
     bool started = false;
-    bool flags_known = false;
-    std::uint32_t flags = 0;           // of the end of the last step
     double jump = 0.0;                 // d_n, m
+    double closure = 0.0;              // m, what the joint last closed by without pressure: crushed, less uplifted
+    double reach = 0.0;                // m, the largest |d_n| so far: what lengths are rounded from
     std::array<double, 3> traction{};  // Pa, the shear in the axes of the last step
     std::array<double, energy_count> energies{};
   };
@@ -73,9 +73,8 @@ class QuoinJointModel final : public jmodels::JointModel {
   const adapters::Material* known_material() const;
   double normal_stiffness_now(const adapters::Material& material) const;
   void start(const jmodels::State& state);
-  bool expects_flags() const;
-  adapters::PointBatch& evaluate(const ShearAxes& axes, double normal_increment, unsigned asked) const;
-  void step(const ShearAxes& axes, const jmodels::State& state);
+  void evaluate(adapters::PointBatch& point, const adapters::Material& material, const double* sliding) const;
+  Index step(const ShearAxes& axes, const jmodels::State& state);
   void book_energies(double area, double stored, const double* dissipated);
 
   const ServedLaw& served_;
