@@ -360,7 +360,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
   const std::vector<std::string> kinds = scene.building ? std::vector<std::string>{"weight", "push", "custom"}
                                                         : std::vector<std::string>{"pressure", "shear", "custom"};
   const bool kind_known = t.choice("kind", kind, kinds, true);
-  stage.name = kind;
+  stage.name = stage.kind = kind;
   t.text("name", stage.name, "text, as \"precompression\"");
   if (previous) stage.gravity = previous->gravity;
   t.numbers("gravity", stage.gravity, kAny, "m/s2");
