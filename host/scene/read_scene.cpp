@@ -133,12 +133,13 @@ JointFamily read_joint(const std::string& name, Table t) {
     if (p.id == "law" || p.id == "initial_state") continue;
     t.accept(p.id);
     p.source = {t.where(p.id)};
-    const char* allowed = "a number, a list of numbers, or a word";
+    const char* allowed = "a number (not nan), a list of numbers, or a word";
+    const toml::node& given = node;  // a lambda captures no structured binding
     // What is allowed is for the law to say; not a number is allowed nowhere.
     const auto add = [&](const toml::node& number) {
       const std::optional<double> value = number_of(number);
       if (!value)
-        t.wrong_type(p.id, node, allowed);
+        t.wrong_type(p.id, given, allowed);
       else if (std::isnan(*value))
         t.refuse(p.id, allowed);
       else
