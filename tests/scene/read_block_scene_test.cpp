@@ -169,6 +169,7 @@ TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
     const std::string text = setting;
     EXPECT_THAT(fault(text), AllOf(HasSubstr("--set: " + text.substr(0, text.find('='))), HasSubstr("allowed")));
   }
+  EXPECT_THAT(fault("block.1.rotation=[1e300, 0, 0]"), Not(HasSubstr("\n")));  // a fault is one line
   const BlockScene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
   EXPECT_EQ(s.stages[0].velocities.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
   EXPECT_EQ(s.stages[0].velocities[0].held, (std::array<bool, 3>{true, false, true}));
