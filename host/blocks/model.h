@@ -155,7 +155,8 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  // One explicit step of length time_step(): the phases of the method.
+  // One explicit step of length time_step(): the phases of the method. Throws Error(numerical): the law failed at a
+  // point, or the position of a block is no longer a finite number.
   void step();
   void run(double duration);  // s
   void run_steps(long steps) {
@@ -225,6 +226,7 @@ class Model {
   void contact_forces();
   void nodal_forces_and_damping();
   void integrate();
+  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   bool moved_enough();
   void detect_contacts(bool everything = false);
 
@@ -285,6 +287,7 @@ class Model {
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
+  double sum_of_positions_ = 0.0;  // of the last step; its only use is that it is not finite when one of them is not
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double total_force_ = 0.0, unbalanced_ = 0.0;
   Energies energies_;

@@ -31,10 +31,36 @@ Run::Run(BlockScene scene) : scene_(std::move(scene)) {
 double Run::largest_displacement() const {
   double largest = 0.0;
   for (int i = 0; i < model_->block_count(); ++i) {
-    if (!model_->assembly().blocks[i].fixed) largest = std::max(largest, norm(model_->position(i) - start_[i]));
+    if (model_->assembly().blocks[i].fixed) continue;
+    const double moved = norm(model_->position(i) - start_[i]);
+    if (!std::isfinite(moved)) return moved;  // std::max would lose it
+    largest = std::max(largest, moved);
   }
   return largest;
 }
+
+namespace {
+
+// What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
+void require_finite(const Row& r, const std::string& stage) {
+  const Energies& e = r.energies;
+  const std::pair<const char*, double> values[] = {
+      {"displacement of the monitor", norm(r.displacement)},
+      {"force on the monitor", norm(r.force)},
+      {"largest displacement", r.largest_displacement},
+      {"unbalanced ratio", r.unbalanced_ratio},
+      {"energy balance", e.balance_error(0.0)},
+  };
+  for (const auto& [name, value] : values) {
+    if (std::isfinite(value)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check "
+                            "the velocities and forces of the stage, or reduce time_step_fraction",
+                            stage, r.step, r.time, name, value));
+  }
+}
+
+}  // namespace
 
 Row Run::measure(int stage) const {
   Row r;
@@ -46,6 +72,7 @@ Row Run::measure(int stage) const {
   r.largest_displacement = largest_displacement();
   r.unbalanced_ratio = model_->unbalanced_ratio();
   r.energies = model_->energies();
+  require_finite(r, scene_.stages[size_t(stage)].name);
   return r;
 }
 

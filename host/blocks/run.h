@@ -40,7 +40,7 @@ class Run {
   const Model& model() const { return *model_; }
   Vector start_position(int block) const { return start_[block]; }
   double largest_displacement() const;
-  Row measure(int stage) const;
+  Row measure(int stage) const;  // throws Error(numerical): a value that is not finite
 
  private:
   void begin(const BlockStage& stage, const BlockStage* previous);

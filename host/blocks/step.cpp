@@ -15,6 +15,7 @@ void Model::step() {
   contact_forces();            // tractions -> forces on blocks and gridpoints
   nodal_forces_and_damping();  // weight, loads, pressures, ground motion, damping
   integrate();                 // velocities, then positions and orientations
+  watch();
   if (moved_enough()) detect_contacts();
 }
 
@@ -258,7 +259,7 @@ struct Damper {
 void Model::integrate() {
   const Damper damper{solver_.damping == DampingKind::local ? solver_.local_damping : 0.0,
                       solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, dt_};
-  double kinetic = 0.0, damped = 0.0, external = 0.0, unbalanced = 0.0;
+  double kinetic = 0.0, damped = 0.0, external = 0.0, unbalanced = 0.0, sum = 0.0;
   const Vector g = gravity_factor_.at(time_) * gravity_;
   for (size_t i = 0; i < node_x_.size(); ++i) {
     Vector& v = node_v_[i];
@@ -280,6 +281,7 @@ void Model::integrate() {
       kinetic += 0.5 * node_mass_[i] * dot(mean, mean);
     }
     node_x_[i] += dt_ * v;
+    sum += node_x_[i].x + node_x_[i].y + node_x_[i].z;
   }
   for (Body& b : bodies_) {
     const Vector v_before = b.v, omega_before = b.omega, momentum_before = b.momentum;
@@ -338,6 +340,7 @@ void Model::integrate() {
       b.q = normalized(rotation(dt_ * b.omega) * b.q);
       b.r = matrix(b.q);
     }
+    sum += b.x.x + b.x.y + b.x.z + b.q.w;
     if (energy_) {
       const Vector mean = 0.5 * (v_before + b.v);
       kinetic += 0.5 * b.mass * dot(mean, mean);
@@ -373,8 +376,27 @@ void Model::integrate() {
     energies_.external += external;
   }
   unbalanced_ = unbalanced;
+  sum_of_positions_ = sum;
   time_ += dt_;
   ++step_count_;
+}
+
+void Model::watch() const {
+  if (std::isfinite(sum_of_positions_)) return;
+  for (int i = 0; i < block_count(); ++i) {
+    const ModelBlock& b = blocks_[i];
+    double own = 0.0;
+    if (b.body >= 0) {
+      const Body& body = bodies_[b.body];
+      own = body.x.x + body.x.y + body.x.z + body.q.w;
+    }
+    for (int k = b.first_node; k < b.first_node + b.node_count; ++k) own += node_x_[k].x + node_x_[k].y + node_x_[k].z;
+    if (std::isfinite(own)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("block {}, {} at the start: its position is no finite number at step {}, time {:.6g} s; "
+                            "check the velocities and forces of the stage, or reduce time_step_fraction",
+                            label(assembly_, i), place(start_x_[i]), step_count_, time_));
+  }
 }
 
 }  // namespace quoin::blocks
