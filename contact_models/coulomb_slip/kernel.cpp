@@ -38,8 +38,10 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
 HWY_INLINE M admissible(const Lanes& p) {
   const M stiff = hn::And(hn::Gt(p.kn, zero()), hn::Gt(p.ks, zero()));
   const V smallest = hn::Min(p.ftr, hn::Min(p.cr, p.mur));
+  const V largest = hn::Max(hn::Max(p.kn, p.ks), hn::Max(p.ft, p.c0));
+  const M finite = hn::Lt(largest, splat(HUGE_VAL));
   const M ordered = hn::And(hn::Le(p.ftr, p.ft), hn::And(hn::Le(p.cr, p.c0), hn::Le(p.mur, p.mu0)));
-  return hn::And(hn::And(stiff, ordered), hn::Ge(smallest, zero()));
+  return hn::And(hn::And(stiff, finite), hn::And(ordered, hn::Ge(smallest, zero())));
 }
 
 template <bool kFull>

@@ -61,9 +61,13 @@ struct Lanes {
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c)));
-    // One by one: a minimum may lose a value that is not a number.
-    for (const V value : {ft, cr, mur, tan_psi, fcr}) {
+    // One by one: a minimum may lose a value that is not a number. Fracture energies too, whether or not their mode has
+    // a strength to lose: what a material refuses fails its point. fc alone may be infinite.
+    for (const V value : {mur, tan_psi, fcr, G1, G2, Gc, ft, cr}) {
       admissible = hn::And(admissible, hn::Ge(value, zero()));
+    }
+    for (const V value : {kn, ks, ft, c0, fcr, G1, G2, Gc}) {
+      admissible = hn::And(admissible, hn::Lt(value, splat(HUGE_VAL)));
     }
     admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
     admissible = hn::And(admissible, hn::And(hn::Le(cr, c0), hn::Le(fcr, fc)));

@@ -28,6 +28,13 @@ struct OnTarget {
   }
 };
 
+// Whether a material of these values, with this one for the property, is made.
+bool accepted(const quoin_law& law, Values values, const std::string& property, double value) {
+  std::erase_if(values.numbers, [&](const auto& number) { return number.first == property; });
+  values.numbers.emplace_back(property, value);
+  return TestMaterial(law, values).handle != nullptr;
+}
+
 // Drives every material 60 steps on both sets and returns the largest difference of tractions over their scale.
 double difference(std::int64_t one, std::int64_t other, bool extreme, bool& same_bits) {
   const quoin_law& law = load_law("fracture_energy");
@@ -182,6 +189,48 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   ASSERT_EQ(law.evaluate(uniform.handle, &view), QUOIN_OK);
   EXPECT_EQ(view.failed_count, 1u);
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
+}
+
+// What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
+TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    std::vector<Values> all = materials(id);
+    all.push_back(materials("elastic")[0]);  // stiffness alone: every other mode is switched off
+    for (const Values& values : all) {
+      for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const OnTarget on(targets & -targets);
+        const TestMaterial material(law, values);
+        ASSERT_NE(material.handle, nullptr) << material.text;
+        for (std::uint64_t p = 0; p < law.property_count; ++p) {
+          const quoin_property_info& property = *law.properties[p];
+          if ((property.flags & QUOIN_PROPERTY_PER_POINT) == 0) continue;
+          for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, -1.0}) {
+            if (accepted(law, values, property.id, bad)) continue;  // an infinite strength in compression
+            double good = 0.0;
+            ASSERT_EQ(law.material_number(material.handle, property.id, &good), QUOIN_OK);
+            Batch b(law, 24);
+            std::vector<double> column(b.count, good);
+            column[5] = bad;
+            b.in[0].assign(b.count, -1e-7);
+            b.in[3].assign(b.count, -123.0);
+            std::vector<quoin_in> old_states;
+            std::vector<quoin_out> new_states;
+            quoin_batch view = b.view(0, b.count, true, old_states, new_states);
+            const quoin_property_column columns[] = {{property.id, {column.data(), 1}}};
+            view.property_columns = columns;
+            view.property_column_count = 1;
+            ASSERT_EQ(law.evaluate(material.handle, &view), QUOIN_OK);
+            const std::string what = std::string(id) + ", " + property.id + " = " + std::to_string(bad);
+            EXPECT_EQ(view.failed_count, 1u) << what;
+            EXPECT_EQ(b.status[5], QUOIN_POINT_FAILED) << what;
+            EXPECT_EQ(b.out[0][5], -123.0) << what;
+            EXPECT_EQ(b.status[4], QUOIN_POINT_OK) << what;
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
