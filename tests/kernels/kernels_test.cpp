@@ -2,6 +2,8 @@
 // with fused multiply-add, to 1e-12 times the amplification near snap-back otherwise.)
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "population.h"
@@ -115,6 +117,121 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
             << "column " << k;
       }
       whole.advance();
+    }
+  }
+}
+
+// A call of one point has a path of its own, and so have vectors of points that all stay elastic.
+TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
+  constexpr std::size_t kCount = 256;
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+      const OnTarget on(targets & -targets);
+      for (const Values& values : materials(id)) {
+        const TestMaterial material(law, values);
+        std::mt19937_64 random(13);
+        Batch whole(law, kCount);
+        for (int step = 0; step < 8; ++step) {
+          randomise(whole, random);
+          make_some_extreme(whole, random);
+          Batch parts = whole;
+          const quoin_batch expected = whole.evaluate(material, true);
+          for (const std::size_t size : {1, 2, 3, 8, 256}) {
+            for (const bool extras : {false, true}) {
+              for (auto& column : parts.out) column.assign(kCount, -7.0);
+              std::uint64_t failed = 0, yielding = 0;
+              for (std::size_t first = 0; first < kCount; first += size) {
+                std::vector<quoin_in> old_states;
+                std::vector<quoin_out> new_states;
+                const std::size_t n = std::min(size, kCount - first);
+                quoin_batch b = parts.view(first, n, extras, old_states, new_states);
+                ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+                failed += b.failed_count;
+                yielding |= b.any_yielding;
+              }
+              ASSERT_EQ(failed, expected.failed_count);
+              ASSERT_EQ(yielding, expected.any_yielding);
+              const std::size_t wanted = extras ? whole.out.size() : 3 + whole.states;
+              for (std::size_t k = 0; k < wanted; ++k) {
+                ASSERT_EQ(std::memcmp(whole.out[k].data(), parts.out[k].data(), kCount * sizeof(double)), 0)
+                    << id << ", " << hwy::TargetName(targets & -targets) << ", parts of " << size << ", column " << k;
+              }
+              if (extras) {
+                ASSERT_EQ(parts.flags, whole.flags);
+                ASSERT_EQ(parts.status, whole.status);
+              }
+            }
+          }
+          whole.advance();
+        }
+      }
+    }
+  }
+}
+
+// One point of an array of structures: in place, without diagnostics, without a stride that could mean anything.
+TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    for (const Values& values : materials(id)) {
+      const TestMaterial material(law, values);
+      std::mt19937_64 random(17);
+      Batch apart(law, 60);
+      for (int step = 0; step < 20; ++step) {
+        randomise(apart, random);
+        Batch in_place = apart;
+        apart.evaluate(material, false);
+        for (std::size_t i = 0; i < apart.count; ++i) {
+          std::vector<quoin_in> old_states;
+          std::vector<quoin_out> new_states;
+          quoin_batch b = in_place.view(i, 1, false, old_states, new_states);
+          for (std::size_t k = 0; k < 3; ++k) b.traction_new[k] = {in_place.in[3 + k].data() + i, 0};
+          for (std::size_t k = 0; k < in_place.states; ++k) {
+            new_states[k] = {in_place.in[6 + k].data() + i, 0};
+            if (law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC) continue;
+            old_states[k] = {nullptr, 0};
+            new_states[k] = {nullptr, 0};
+          }
+          ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+        }
+        for (std::size_t k = 0; k < 3 + apart.states; ++k) {
+          if (k >= 3 && law.states[k - 3]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
+          ASSERT_EQ(apart.out[k], in_place.in[3 + k]) << id << ", column " << k;
+        }
+        apart.advance();
+      }
+    }
+  }
+}
+
+// C6.11 holds for one point too.
+TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    const TestMaterial material(law, materials(id)[0]);
+    Batch points(law, 1);
+    std::vector<quoin_in> old_states;
+    std::vector<quoin_out> new_states;
+    const auto expect_refused = [&](const std::string& what, const std::function<void(quoin_batch&)>& spoil) {
+      quoin_batch b = points.view(0, 1, false, old_states, new_states);
+      for (auto& column : points.out) column.assign(1, -7.0);
+      spoil(b);
+      EXPECT_EQ(law.evaluate(material.handle, &b), QUOIN_ERROR_ARGUMENT) << id << ", " << what;
+      for (const auto& column : points.out) EXPECT_EQ(column[0], -7.0) << id << ", " << what;
+    };
+    expect_refused("normal_jump", [](quoin_batch& b) { b.normal_jump.data = nullptr; });
+    for (int k = 0; k < 2; ++k) {
+      expect_refused("slip_increment", [k](quoin_batch& b) { b.slip_increment[k].data = nullptr; });
+    }
+    for (int k = 0; k < 3; ++k) {
+      expect_refused("traction_old", [k](quoin_batch& b) { b.traction_old[k].data = nullptr; });
+      expect_refused("traction_new", [k](quoin_batch& b) { b.traction_new[k].data = nullptr; });
+    }
+    for (std::size_t k = 0; k < points.states; ++k) {
+      if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
+      expect_refused("state_old", [&](quoin_batch&) { old_states[k].data = nullptr; });
+      expect_refused("state_new", [&](quoin_batch&) { new_states[k].data = nullptr; });
     }
   }
 }
