@@ -180,8 +180,8 @@ struct Equations {
 
   // Everything that depends on the slip of this step, at its end.
   struct AtSlip {
-    V xi_s, f, v, w, sigma, S;
-    V S_end, S_drop;  // c - sigma mu = S_end + S_drop f, at this sigma
+    V xi_s, factor, v, w, sigma, S;  // factor: f(xi_s)
+    V S_end, S_drop;                 // c - sigma mu = S_end + S_drop f, at this sigma
     M crushes;
     // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
     V sigma_slip, sigma_n, S_slip, S_n;
@@ -211,7 +211,8 @@ struct Equations {
   HWY_INLINE AtSlip at_xi(const Step& step, V xi_s) const {
     AtSlip a;
     a.xi_s = xi_s;
-    const V factor = a.f = f.factor(a.xi_s);
+    const V factor = f.factor(a.xi_s);
+    a.factor = factor;
     a.v = step.v_old;
     Closed c = step.normal;
     if constexpr (kDilation) {
@@ -265,8 +266,8 @@ struct Equations {
     if (kSlopes || sigma_follows_slip(step)) return at_xi<kSlopes>(step, xi_s);
     AtSlip a = start;
     a.xi_s = xi_s;
-    a.f = f.factor(xi_s);
-    a.S = positive_part(coulomb(a, a.f));
+    a.factor = f.factor(xi_s);
+    a.S = positive_part(coulomb(a, a.factor));
     return a;
   }
 
@@ -333,7 +334,7 @@ struct Equations {
   // the excess of |tau*|. Its series in q = c/b, b = ks su - D > 0, up to the fourth power: the slip to rounding for
   // the short steps of an explicit analysis, a first guess for others.
   HWY_INLINE V short_slip(V trial, const AtSlip& start) const {
-    const V D = hn::Mul(start.S_drop, start.f);
+    const V D = hn::Mul(start.S_drop, start.factor);
     const V inv_b = hn::Div(splat(1.0), hn::MulSub(p.ks, p.su, D));
     const V q = hn::Mul(hn::Sub(hn::Sub(trial, start.S_end), D), inv_b), r = hn::Mul(D, inv_b);
     const V third = hn::MulAdd(splat(1.0 / 2.0), r, splat(1.0 / 6.0));
