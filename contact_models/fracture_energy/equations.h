@@ -320,7 +320,7 @@ struct Equations {
   }
   HWY_INLINE V root_slip(M curved, V slip, V guess, V slip_at_end, const Step& step, V trial, V xi_start,
                          AtSlip& end) const {
-    const V highest = hn::Min(slip_at_end, hn::Mul(trial, p.inv_ks));
+    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
     const V first = hn::Min(positive_part(guess), highest);
     return find_root(
         curved, select(curved, first, slip), zero(), highest,
