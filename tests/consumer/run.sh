@@ -26,11 +26,28 @@ case $1 in
       echo "pkg-config: skipped, not installed"
     fi
     if python3 -c 'import numpy' 2>/dev/null; then
-      share=$work/elsewhere/share/quoin
-      PYTHONPATH=$share:$share/adapters/shared:$share/adapters/lammps:$share/adapters/yade PYTHONDONTWRITEBYTECODE=1 \
+      adapters=$work/elsewhere/share/quoin/adapters
+      module=$(dirname "$(find "$work/elsewhere" -name quoin.py)")
+      PYTHONPATH=$module:$adapters/shared:$adapters/lammps:$adapters/yade PYTHONDONTWRITEBYTECODE=1 \
         python3 -c 'import atom_joints, cube_scene, joints'
     else
       echo "adapters in Python: skipped, NumPy is not installed"
+    fi
+    # A Python finds the module by itself where it is installed beside it: a virtual environment, Debian's /usr/local.
+    if /usr/bin/python3 -m venv --without-pip --system-site-packages "$work/venv" &&
+        "$work/venv/bin/python3" -c 'import numpy'; then
+      cmake -DCMAKE_INSTALL_PREFIX="$work/venv" -P "$build/plugin_api/cmake_install.cmake" >/dev/null
+      (cd / && env -u PYTHONPATH "$work/venv/bin/python3" -B -c 'import quoin; print(quoin.__file__)') |
+        grep "^$work/venv/lib/"
+    else
+      echo "virtual environment: skipped, /usr/bin/python3 has no venv or no NumPy"
+    fi
+    if /usr/bin/python3 -c 'import sys; sys.exit("/usr/local/lib" not in "".join(sys.path))'; then
+      DESTDIR=$work/root cmake -DCMAKE_INSTALL_PREFIX=/usr/local -P "$build/plugin_api/cmake_install.cmake" >/dev/null
+      folder=$(dirname "$(find "$work/root" -name quoin.py)")
+      (cd / && /usr/bin/python3 -c 'import sys; print("\n".join(sys.path))') | grep -x "${folder#"$work/root"}"
+    else
+      echo "/usr/local: skipped, /usr/bin/python3 does not look there"
     fi
     ;;
   subdirectory)
