@@ -1,5 +1,5 @@
 #!/bin/sh
-# usage: run.sh installed|subdirectory SOURCE_DIR BUILD_DIR WORK_DIR: Quoin as a project outside uses it.
+# usage: run.sh installed|subdirectory|demo SOURCE_DIR BUILD_DIR WORK_DIR: Quoin as a project outside uses it.
 set -e
 source=$2
 build=$3
@@ -55,5 +55,22 @@ case $1 in
       >"$work/log" || { cat "$work/log"; exit 1; }
     cmake --build "$work/build" >>"$work/log" || { cat "$work/log"; exit 1; }
     "$work/build/consumer"
+    ;;
+  demo)
+    configure() {
+      cmake -S "$source" --preset "$1" -B "$work/build" -G Ninja -DCMAKE_DISABLE_FIND_PACKAGE_GTest=$2 \
+        -DCMAKE_DISABLE_FIND_PACKAGE_benchmark=$2 -DCMAKE_DISABLE_FIND_PACKAGE_Python3=$2 >"$work/log" 2>&1 ||
+        { cat "$work/log"; exit 1; }
+      ninja -C "$work/build" -t targets all >"$work/targets"
+    }
+    has() {
+      grep -q "^$1: " "$work/targets"
+    }
+    for order in first again; do
+      configure demo ON
+      has quoin && has fracture_energy && ! has cli_test || { echo "demo, $order: not the program alone"; exit 1; }
+      configure release OFF
+      has quoin && has cli_test && has law_benchmark || { echo "release after demo, $order: not everything"; exit 1; }
+    done
     ;;
 esac

@@ -131,8 +131,8 @@ def write(options, curves):
                       for k, c in enumerate(curves))
     run(["gnuplot", "-e", "set terminal pngcairo noenhanced size 1200,800 font ',13'; set output 'curves.png'; set "
          "grid; set datafile separator ','; set xlabel 'displacement of the top course (mm)'; set ylabel "
-         "'horizontal force (kN)'; set xrange [0:]; set title '10 x 10 rigid cubes: the same law in two codes'; plot " + lines],
-        options.out)
+         "'horizontal force (kN)'; set xrange [0:]; set title '10 x 10 rigid cubes: one law in two codes'; "
+         "plot " + lines], options.out)
     print(f"wrote {csv} and {png}")
 
 
