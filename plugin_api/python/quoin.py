@@ -237,8 +237,8 @@ class Material:
         state_new, shift = [np.zeros(count) for _ in self.law.state_ids], np.zeros(count)
         migration = _Migration(struct_size=c.sizeof(_Migration), count=count, from_law=old.law.id.encode(),
                                from_schema=old.law.state_schema, from_state_count=len(state))
-        migration.from_state_ids = (_str * max(1, len(state)))(*[i.encode() for i in old.law.state_ids])
         migration.from_states = _columns("state", state, len(old.law.state_ids), count)
+        migration.from_state_ids = (_str * max(1, len(state)))(*[i.encode() for i in old.law.state_ids])
         migration.normal_jump = _column("normal_jump", normal_jump, count)
         migration.traction = _columns("traction", traction, 3, count)
         migration.normal_shift = _column("normal_shift", shift, count, writable=True)
@@ -372,8 +372,8 @@ class _Point:
                     break
             else:
                 self._not_reached(i, controlled[0], target)
-            displacement[i] = before + self.move
-            displacement[i, 0] = self.move[0]
+            for k in controlled:
+                displacement[i, k] = self.move[k] + (before[k] if k else 0.0)
             before = displacement[i]
             self.old[:] = self.new
             records[i], energies[i] = self.new, self.energy

@@ -75,7 +75,7 @@ path = coulomb.drive(sigma=-pressure, s=slide, initial_state="dry")
 friction = np.tan(np.radians(35)) * pressure
 np.testing.assert_allclose(path.tau_s, np.minimum(36e9 * slide, friction), rtol=1e-10)
 np.testing.assert_allclose(path.normal, -pressure / 82e9, rtol=1e-10)
-assert len(path) == 1001 and (path.t == 0).all()
+assert len(path) == 1001 and (path.t == 0).all() and (path.s == slide).all()
 # Bonded mortar there: the shear stress does G2 beyond friction, less the friction that the elastic sliding lacks.
 path = mortar.drive(sigma=-pressure, s=np.linspace(0, 3e-3, 3001))
 work = np.trapz(path.tau_s - friction, path.s)
@@ -130,6 +130,7 @@ fails(ValueError, "slip[1] has 4 values", mortar.prepare, five, [five, np.zeros(
 fails(ValueError, "state: 0 arrays", mortar.prepare, five, three[:2], three, [])
 fails(ValueError, "slip: 3 arrays, where 2", mortar.prepare, five, three, three, mortar.initial_state(5))
 fails(TypeError, "traction[0]: a column", mortar.prepare, five, three[:2], [[0.0] * 5] * 3, mortar.initial_state(5))
+fails(ValueError, "state: 0 arrays, where 5", material.take_over, mortar, five, three, [])
 fails(KeyError, "'stiffness'", mortar.number, "stiffness")
 
 # What a session shows.
