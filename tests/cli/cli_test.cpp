@@ -86,6 +86,25 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
 }
 
+// Every scene that is shipped passes the check, and the README beside it tells what it is.
+TEST_F(Cli, ShippedScenesAreSoundAndListed) {
+  const std::string readme = read_all(QUOIN_SCENES "/README.md");
+  int scenes = 0;
+  for (const auto& entry : fs::directory_iterator(QUOIN_SCENES)) {
+    if (entry.path().extension() != ".toml") continue;
+    ++scenes;
+    EXPECT_EQ(quoin({"check", entry.path().string()}), 0) << error_;
+    EXPECT_THAT(readme, HasSubstr(entry.path().filename().string()));
+  }
+  EXPECT_GT(scenes, 0);
+  EXPECT_THAT(readme, HasSubstr("](BLOCKS.md)"));
+  const std::string map = read_all(QUOIN_SCENES "/../../README.md");
+  for (const auto& entry : fs::directory_iterator(QUOIN_SCENES "/..")) {
+    if (!entry.is_directory()) continue;
+    EXPECT_THAT(map, HasSubstr(std::string("`").append(entry.path().filename().string()).append("`")));
+  }
+}
+
 TEST_F(Cli, RunWritesEveryResult) {
   ASSERT_EQ(run_small(), 0) << error_;
   const auto s = summary();

@@ -28,9 +28,9 @@ struct GoldenRun {
 void PrintTo(const GoldenRun& run, std::ostream* out) { *out << run.name; }
 
 const GoldenRun kRuns[] = {
-    {"solid_wall", QUOIN_SCENES "/solid_wall_030.toml", {"stage.2.record_interval=500"}, 0x0b75e47db4701f89u},
+    {"solid_wall", QUOIN_SCENES "/solid_wall_030.toml", {"stage.2.record_interval=500"}, 0x963a53fad2631f16u},
     {"cube_wall", QUOIN_SCENES "/cube_wall_10.toml", {"stage.1.record_interval=500"}, 0xaa8c7c214032be81u},
-    {"building", QUOIN_HOST_TESTS "/small_building.toml", {}, 0x66ac69a5e359dba9u},
+    {"building", QUOIN_HOST_TESTS "/small_building.toml", {}, 0x284f1536c6d5b86eu},
 };
 
 // Stops at the first row of the last stage that lies so many steps in.
