@@ -260,6 +260,11 @@ StudyReport report_building(const Findings& findings) {
        "Floors are point loads, as in the paper: half units at eleven beams carry a share of the floor and of the "
        "horizontal force each, by their gridpoints. Both floors are pushed by equal forces, F = K (u - (u1 + u2)/2), "
        "K = 100 kN/mm, so that the falling branch is followed too.",
+       "What walls A + B + C carry hangs on the height of their windows, which Table 2 does not settle by itself: "
+       "layouts "
+       "with windows 8 and 10 courses high count as well, are weaker, and are in the table. The scene's is the one "
+       "that is "
+       "6.00 x 4.00 m over all with no blocks besides those of the walls, as in wall D, where the numbers fit exactly.",
        "Velocity: peaks used to grow with it. Local damping at 0.8 of 2/omega_max fed the drift of the walls into "
        "vibration, which braked them in proportion to their velocity, by up to 20 kN at 20 mm/s. The scenes have less "
        "of it (gamma 0.1), and what scatter is left is that of cracks.",
