@@ -305,20 +305,30 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
 
 // Eigenvalue of the stiffest whiffletree on the bodies that it pulls. Its energy K/(2 n) (sum of the n floors'
 // displacements)^2 gives every floor the same force; with the mean over the m_f bodies of a floor,
-// lambda = K/n sum 1/(m_f^2 mass).
+// lambda = K/n sum 1/(m_f^2 mass). Gridpoints of a deformable block share its force by their mass.
 double whiffletree_eigenvalue(const Model& model, const Inertia& inertia, const std::vector<Stage>& stages) {
   double largest = 0.0;
   for (const Stage& stage : stages) {
     if (!stage.whiffletree) continue;
     double compliance = 0.0;
     for (const std::vector<std::string>& floor : stage.whiffletree->floors) {
-      std::vector<int> bodies;
+      double of_floor = 0.0, count = 0.0;
       for (const std::string& name : floor) {
-        const std::vector<int> named = model.bodies_named(name);
-        bodies.insert(bodies.end(), named.begin(), named.end());
+        for (const int body : model.bodies_named(name)) {
+          of_floor += 1.0 / inertia.body_mass[at(body)];
+          ++count;
+        }
+        for (const int block : model.deformable_blocks_named(name)) {
+          double mass = 0.0, sum = 0.0;
+          model.for_each_gridpoint(block, [&](std::size_t offset, double m) {
+            mass += m;
+            sum += m * m / inertia.node[offset];
+          });
+          of_floor += sum / (mass * mass);
+          ++count;
+        }
       }
-      const auto count = static_cast<double>(bodies.size());
-      for (const int body : bodies) compliance += 1.0 / (count * count * inertia.body_mass[at(body)]);
+      if (count > 0.0) compliance += of_floor / (count * count);
     }
     const auto floors = static_cast<double>(stage.whiffletree->floors.size());
     largest = std::max(largest, stage.whiffletree->stiffness / floors * compliance);

@@ -12,11 +12,14 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "reproduce/building_layouts.h"
 #include "reproduce/chart.h"
 #include "reproduce/curve.h"
 #include "reproduce/page.h"
 #include "reproduce/study.h"
 #include "results/result_folder.h"
+#include "scene/generate.h"
+#include "scene/read_scene.h"
 
 namespace {
 
@@ -190,6 +193,46 @@ TEST(Curve, ReadsWhatPeopleRead) {
   for (std::size_t i = 0; i < curve.size(); ++i)
     curve.force[i] += 0.2 * std::sin(2 * M_PI * curve.displacement[i] / 0.05);
   EXPECT_NEAR(curve.roughness(0.05, 0.1, 1.9), 0.2 / std::sqrt(2.0) / curve.peak(), 0.1 * 0.2 / curve.peak());
+}
+
+// Every layout that is run is a scene, which has the blocks and half units that the layout was chosen for. Corners
+// count one half unit in the layout and have half of its zones in the scene.
+TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
+  using namespace quoin::reproduce;
+  const auto blocks_and_zones = [](const std::string& scene, const std::vector<std::string>& overrides) {
+    const quoin::Assembly assembly =
+        quoin::assemble(quoin::read_scene(std::string(QUOIN_SCENES "/") + scene, overrides));
+    std::pair<int, int> count{-1, 0};  // the beam below everything
+    for (const quoin::Brick& b : assembly.bricks) {
+      ++count.first;
+      if (!b.rigid) count.second += 5 * b.zones[0] * b.zones[1] * b.zones[2];
+    }
+    return count;
+  };
+  EXPECT_EQ(blocks_and_zones("pavia_door.toml", {}), std::pair(996, 81600));
+  int fitting = 0;
+  for (const DoorLayout& layout : door_layouts()) {
+    EXPECT_EQ(layout.count().blocks, kTableD.blocks);
+    EXPECT_EQ(layout.count().half_units, kTableD.half_units);
+    if (!why_not(layout).empty()) continue;
+    ++fitting;
+    EXPECT_EQ(blocks_and_zones("pavia_door.toml", layout.overrides()), std::pair(996, 81600)) << layout.name();
+  }
+  EXPECT_EQ(fitting, 3);
+  fitting = 0;
+  for (const WindowLayout& layout : window_layouts()) {
+    const Count count = layout.count();
+    EXPECT_LE(std::abs(count.blocks - kTableABC.blocks), 2);
+    EXPECT_LE(std::abs(count.half_units - kTableABC.half_units), 2);
+    if (!why_not(layout).empty()) continue;
+    ++fitting;
+    const auto [blocks, zones] = blocks_and_zones("pavia_window.toml", layout.overrides());
+    // Where beams count besides, 22 half units became beams: they are in the wall and not beside it.
+    const int besides = layout.beams_besides ? 22 : 0;
+    EXPECT_EQ(blocks, count.blocks - besides) << layout.name();
+    EXPECT_EQ(zones, kZonesPerHalfUnit * (count.half_units - 2 * besides - 40)) << layout.name();
+  }
+  EXPECT_EQ(fitting, 3);
 }
 
 TEST(Studies, HaveRunsWithNamesOfTheirOwn) {
