@@ -387,6 +387,12 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
 
 std::string TimeStepReport::warning() const {
   if (time_step <= quiet_fraction * critical.value * (1.0 + 1e-12)) return {};
+  if (time_step > critical.value) {
+    return fmt::format(
+        "the time step is {:.2f} of the critical one, 2/omega_max: the run is unstable, and its results are those of "
+        "the instability. Take solver.critical_time_step = \"assembled\"",
+        time_step / critical.value);
+  }
   return fmt::format(
       "the time step is {:.2f} of the critical one; with this damping stiff modes chatter above {:.2f}, and "
       "their noise breaks joints. Lower solver.time_step_fraction or solver.local_damping",
@@ -399,6 +405,7 @@ void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u,
 
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
                                 const std::vector<Stage>& stages) {
+  if (settings.critical_time_step == CriticalTimeStep::nodal) wanted = Limits::all;
   const UndamagedSystem system(model);
   inertia->node = model.node_mass;
   for (double& m : inertia->node) m *= settings.mass_scaling;
@@ -463,10 +470,10 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
   if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
   const double reduction = std::sqrt(1.0 + xi * xi) - xi;
-  report.time_step =
-      settings.selective_time_step > 0.0
-          ? std::min(settings.selective_time_step, settings.time_step_fraction * reduction * report.critical.value)
-          : settings.time_step_fraction * reduction * report.critical.value;
+  const double limit =
+      settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
+  report.time_step = settings.time_step_fraction * reduction * limit;
+  if (settings.selective_time_step > 0.0) report.time_step = std::min(settings.selective_time_step, report.time_step);
   return report;
 }
 

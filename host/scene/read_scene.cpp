@@ -79,7 +79,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
     only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
-  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1), "of 2/omega_max (0.6 is sound)");
+  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
+           "of the critical time step (0.6 of 2/omega_max is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
   if (quality) {
@@ -98,6 +99,15 @@ SolverSettings read_solver(Table t, const Quality* quality) {
         t.refuse(key,
                  "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
                  "15 % too strong); use damping = \"block\"");
+    }
+    std::string critical = "assembled";
+    t.choice("critical_time_step", critical, {"assembled", "nodal"});
+    if (critical == "nodal") {
+      s.critical_time_step = CriticalTimeStep::nodal;
+      if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
+        t.refuse("critical_time_step",
+                 "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+                 "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
     }
     const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
                                                         {"assembled", InternalForces::assembled},

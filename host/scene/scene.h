@@ -49,8 +49,13 @@ enum class DampingKind { none, local, viscous, block };
 // zone by zone and block by block, as for blocks without companions. automatic: zones where a group has few blocks.
 enum class InternalForces { automatic, assembled, zones };
 
+// What a fraction of the time step refers to. assembled: 2/omega_max, the true limit. nodal: eq. 3 read literally,
+// 2 sqrt(m/k) with the diagonal stiffness of a gridpoint, which blocks of several zones do not survive.
+enum class CriticalTimeStep { assembled, nodal };
+
 struct SolverSettings {
-  double time_step_fraction = 0.6;   // of 2/omega_max of the undamaged assembled system
+  double time_step_fraction = 0.6;  // of the critical time step of the undamaged assembled system
+  CriticalTimeStep critical_time_step = CriticalTimeStep::assembled;
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)

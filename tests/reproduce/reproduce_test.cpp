@@ -171,6 +171,23 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
 }
 
+// The same tiny wall: the run at the step of eq. 3 fails, which is its result, and is not made again.
+TEST_F(Reproduce, RunsThatMayFailAreResults) {
+  const std::string tiny =
+      "rate --quality fast --set wall.courses=2 --set wall.units_per_course=1 "
+      "--set stage.shear.displacement=2e-5 --set stage.shear.ramp_time=1e-4 " +
+      results();
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  int failed = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "results/runs"))
+    failed += nlohmann::json::parse(read_all(entry.path() / "summary.json"))["status"] == "failed";
+  EXPECT_GE(failed, 1);
+  EXPECT_THAT(read_all(folder_ / "results/rate/section.html"), HasSubstr("numerical failure at step"));
+  EXPECT_EQ(nlohmann::json::parse(read_all(folder_ / "results/verdict.json")).size(), 2u);
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  EXPECT_THAT(error_, Not(HasSubstr("done before")));  // nothing was left to do
+}
+
 TEST(Curve, ReadsWhatPeopleRead) {
   quoin::reproduce::Curve curve;
   for (int i = 0; i <= 400; ++i) {
@@ -233,6 +250,29 @@ TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
     EXPECT_EQ(zones, kZonesPerHalfUnit * (count.half_units - 2 * besides - 40)) << layout.name();
   }
   EXPECT_EQ(fitting, 3);
+}
+
+TEST(Curve, DistanceIsTheLargestGapOverThePeakOfTheSecond) {
+  quoin::reproduce::Curve low, high;
+  for (int i = 0; i <= 100; ++i) {
+    for (auto* c : {&low, &high}) c->displacement.push_back(0.01 * i);
+    low.force.push_back(0.1 * i);
+    high.force.push_back(i < 50 ? 0.1 * i : 0.1 * i + 2.0);  // peak 12
+  }
+  EXPECT_NEAR(quoin::reproduce::curve_distance(low, high, 0.1, 0.45), 0.0, 1e-9);
+  EXPECT_NEAR(quoin::reproduce::curve_distance(low, high, 0.1, 0.9), 100.0 * 2.0 / 12.0, 1e-9);
+}
+
+// Eq. 1 as printed, whatever a quality says; only steps above 1/sqrt(1.8) of 2/omega_max may fail.
+TEST(Studies, PrintedRunsAreEquation1) {
+  using quoin::reproduce::printed_run;
+  const auto sound = printed_run("a", "solid_wall_121", 0.01, 0.0025, 0.74);
+  for (const char* o : {"solver.damping=local", "solver.local_damping=0.8", "solver.time_step_fraction=0.74",
+                        "stage.shear.velocity=0.01", "stage.shear.displacement=0.0025", "stage.shear.ramp_time=0"})
+    EXPECT_THAT(sound.overrides, ::testing::Contains(std::string(o)));
+  EXPECT_EQ(sound.overrides.size(), 6u);
+  EXPECT_FALSE(sound.may_fail);
+  EXPECT_TRUE(printed_run("b", "solid_wall_121", 0.01, 0.0025, 0.75).may_fail);
 }
 
 TEST(Studies, HaveRunsWithNamesOfTheirOwn) {

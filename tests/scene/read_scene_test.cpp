@@ -156,6 +156,16 @@ TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
   EXPECT_THROW(quality_named("best"), Error);
 }
 
+TEST_F(ReadScene, NodalTimeStepOnlyWhereInertiaIsTrue) {
+  EXPECT_EQ(read(kScene).solver.critical_time_step, CriticalTimeStep::assembled);
+  const std::string nodal = "solver.critical_time_step=nodal";
+  EXPECT_EQ(read(kScene, {nodal, "solver.damping=local"}).solver.critical_time_step, CriticalTimeStep::nodal);
+  EXPECT_EQ(read(kScene, {nodal, "solver.quality=reference"}).solver.critical_time_step, CriticalTimeStep::nodal);
+  for (const char* other : {"solver.quality=standard", "solver.selective_time_step=1e-5"})
+    EXPECT_THAT(message(kScene, {nodal, other}), HasSubstr("solver.critical_time_step = 'nodal'")) << other;
+  EXPECT_THAT(message(kScene, {"solver.critical_time_step=eq3"}), HasSubstr("assembled"));
+}
+
 TEST_F(ReadScene, UnknownKey) {
   EXPECT_THAT(fault("courses = 2", "courses = 2\ncurses = 3"),
               AllOf(HasSubstr("s.toml:12: wall.curses = 3"), HasSubstr("unknown key"),
