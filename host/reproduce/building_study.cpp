@@ -25,7 +25,7 @@ struct Model {
 const std::array<Model, 2>& models() {
   static const std::array<Model, 2> all{
       {{"wall D", "pavia_door", 150.0, 0.0, kTableD, {0.02, 0.01, 0.005, 0.0025}, 10.0, 4},
-       {"walls A + B + C", "pavia_window", 140.0, 15.0, kTableABC, {0.02, 0.01, 0.005}, 30.0, 6}}};
+       {"walls A + B + C", "pavia_window", 140.0, 15.0, kTableABC, {0.02, 0.01, 0.005, 0.0025}, 30.0, 6}}};
   return all;
 }
 constexpr double kRoof = 5760.0;     // mm above the ground [R]
