@@ -72,6 +72,7 @@ void Model::set_damping(const SolverSettings& solver) {
     }
     zone_strain_.assign(zones_.size(), Matrix::zero());
   }
+  bind_columns();
   if (critical_dt_ > 0) find_time_step();
 }
 
@@ -267,6 +268,7 @@ void Model::add(Load load) {
       if (least >= -1e-9) break;
     }
   }
+  loaded_[size_t(load.block)] = 1;
   loads_.push_back(std::move(load));
 }
 
@@ -289,6 +291,7 @@ void Model::add(Pressure pressure) {
       if (t.face == pressure.face) pressure.triangles.push_back({t.node[0], t.node[1], t.node[2]});
     }
   }
+  loaded_[size_t(pressure.block)] = 1;
   pressures_.push_back(std::move(pressure));
 }
 
@@ -304,6 +307,7 @@ void Model::track_energy(bool on) {
     f.stored.assign(on ? f.size() : 0, 0.0);
     for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
   }
+  bind_columns();
 }
 
 }  // namespace quoin::blocks

@@ -22,6 +22,7 @@
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
+#include "step/thread_pool.h"
 
 namespace quoin::blocks {
 
@@ -51,7 +52,7 @@ struct Zone {
 // A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
 struct Point {
   int32_t a, b;                        // blocks
-  int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
+  int32_t facet_a = -1, facet_b = -1;  // index into Model::facets_ for a deformable side
   Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
   double offset = 0.0;          // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
   Vector arm;                   // of the point in b's body frame (rigid b), m
@@ -59,6 +60,8 @@ struct Point {
   double area = 0.0;            // m2
   Vector at;                    // in space, of the last step, m
   double reference = 0.0;       // gap at which d_n = 0, m
+  Vector force;                 // of the last step on a, in space, viscous part included, N
+  double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };
 
 // Where a point sits on a triangle of a deformable block.
@@ -80,6 +83,34 @@ struct Family {
   std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   std::vector<double> old_jump;
   size_t size() const { return point.size(); }
+};
+
+// A run of points of one family: one call of its law, one piece of work. At most kChunk points.
+struct Chunk {
+  int family = 0;
+  uint32_t first = 0, count = 0;
+  quoin_batch batch{};
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
+  // of the last step
+  quoin_status status = QUOIN_OK;
+  bool failed = false;
+  size_t loaded = 0;  // points that carry something
+  double force = 0.0, stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // N; J
+};
+inline constexpr uint32_t kChunk = 256;
+
+// One side of a contact point, as its block sees it.
+struct Touch {
+  int32_t family;
+  uint32_t point;
+  bool side_a;
+};
+
+// What the step of one block adds up to.
+struct BlockSums {
+  double unbalanced = 0.0;                                               // largest component, N; NaN stays
+  double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
 };
 
 // Two blocks close to each other.
@@ -155,8 +186,11 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  // One explicit step of length time_step(): the phases of the method.
+  // One explicit step of length time_step(): the phases of the method. Their pieces are independent of each other, and
+  // sums are taken in a fixed order: the bits do not depend on the number of threads.
   void step();
+  // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
+  void use(ThreadPool* pool);
   void run(double duration);  // s
   void run_steps(long steps) {
     for (long i = 0; i < steps; ++i) step();
@@ -170,7 +204,10 @@ class Model {
   void add(Load load);
   void add(Pressure pressure);
   void add(GroundMotion motion);
-  void clear_loads() { loads_.clear(), pressures_.clear(), motions_.clear(); }
+  void clear_loads() {
+    loads_.clear(), pressures_.clear(), motions_.clear();
+    loaded_.assign(blocks_.size(), 0);
+  }
   void set_damping(const SolverSettings& solver);
   void track_energy(bool on);
 
@@ -218,21 +255,32 @@ class Model {
   void detect_now() { detect_contacts(true); }
 
  private:
-  // phases of the step
-  void internal_forces();
-  void contact_kinematics();
-  void contact_law();
-  void contact_forces();
-  void nodal_forces_and_damping();
-  void integrate();
+  // phases of the step: contacts chunk by chunk, then blocks one by one
+  void apply_ground_motion();
+  void contact_kinematics(Family& f, const Chunk& chunk);
+  void contact_law(Family& f, Chunk& chunk);
+  void contact_forces(Family& f, Chunk& chunk);
+  void advance_block(int block);
+  void internal_forces(const ModelBlock& b, BlockSums& sums);
+  void forces_on_gridpoints(int block);
+  void forces_on_body(int block);
+  void integrate_gridpoints(const ModelBlock& b, BlockSums& sums);
+  void integrate_body(Body& b, BlockSums& sums);
+  double work_of_loads(int block) const;  // of the step, J
+  void sum_up();
   bool moved_enough();
   void detect_contacts(bool everything = false);
+  [[noreturn]] void report_failure(const Chunk& chunk) const;
+  // after contacts or columns have changed
+  void divide_work();
+  void bind_columns();
+  void bind(Family& f, Chunk& chunk) const;
+  bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
   void find_time_step();
   double highest_frequency() const;  // rad/s
   double local_stiffness_bound() const;
-  void evaluate_family(Family& f);
   void place_blocks();
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
@@ -248,7 +296,6 @@ class Model {
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
   Location locate(const Point& p, const std::vector<Facet>& facets) const;
-  double stored_in_contacts() const;
   double energy_of_contacts_now();
   void keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
                    uint32_t first, uint32_t count);
@@ -276,8 +323,16 @@ class Model {
   std::vector<Contact> contacts_;
   std::vector<Vector> block_contact_force_;
 
+  ThreadPool* pool_ = nullptr;
+  std::vector<Chunk> chunks_;
+  std::vector<Touch> touches_;         // block after block, of a block in the order of families and points
+  std::vector<uint32_t> touch_end_;    // by block
+  std::vector<int> chunk_end_, block_end_;  // shares of the threads
+  std::vector<BlockSums> block_sums_;
+
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
+  std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it
   std::vector<GroundMotion> motions_;
   Vector gravity_;
   TimeSeries gravity_factor_;

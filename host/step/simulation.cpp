@@ -726,23 +726,9 @@ void Simulation::Impl::bind_columns() {
 }
 
 void Simulation::Impl::partition_work() {
-  // Neighbouring pieces to one thread, cut where the estimated work reaches its share.
-  const auto cut = [&](const std::vector<double>& weight) {
-    double total = 0.0, so_far = 0.0;
-    for (double w : weight) total += w;
-    std::vector<int> end;
-    std::size_t i = 0;
-    for (int t = 0; t < pool.thread_count(); ++t) {
-      const double share = total * (t + 1) / pool.thread_count();
-      while (i < weight.size() && (t + 1 == pool.thread_count() || so_far + 0.5 * weight[i] <= share))
-        so_far += weight[i++];
-      end.push_back(static_cast<int>(i));
-    }
-    return end;
-  };
   std::vector<double> weight;
   for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
-  chunk_end = cut(weight);
+  chunk_end = shares(weight, pool.thread_count());
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
@@ -761,7 +747,7 @@ void Simulation::Impl::partition_work() {
     weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
   for (const int b : model.lone_bodies)
     weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
-  item_end = cut(weight);
+  item_end = shares(weight, pool.thread_count());
   data.scratch_doubles = kScratchColumns * largest;
   for (int t = 0; t < pool.thread_count(); ++t) {
     scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
