@@ -300,6 +300,12 @@ void Model::add(GroundMotion motion) {
   motions_.push_back(std::move(motion));
 }
 
+void Model::apply_force(int block, const Vector& force) {
+  if (applied_.empty()) applied_.resize(blocks_.size());
+  applied_[size_t(block)] = force;
+  loaded_[size_t(block)] = 1;
+}
+
 void Model::track_energy(bool on) {
   energy_ = on;
   energies_ = {};

@@ -95,7 +95,6 @@ struct Chunk {
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;
-  size_t loaded = 0;  // points that carry something
   double force = 0.0, stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // N; J
 };
 inline constexpr uint32_t kChunk = 256;
@@ -109,7 +108,8 @@ struct Touch {
 
 // What the step of one block adds up to.
 struct BlockSums {
-  double unbalanced = 0.0;                                               // largest component, N; NaN stays
+  double unbalanced = 0.0;  // largest net force on a body or gridpoint, of its free components, N; NaN stays
+  Vector net;               // their sum, N
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
 };
 
@@ -143,6 +143,7 @@ struct Load {
   Vector point;  // in the block's frame of the start (space coordinates at the start), m; moves with the block
   Vector force;  // N, direction fixed in space
   TimeSeries factor;
+  double scale = 1.0;                             // for stages, whose loads grow and fade
   std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
   Vector arm;                                     // rigid: in the body frame
 };
@@ -150,6 +151,7 @@ struct Pressure {
   int block, face;
   double value;  // Pa, > 0 pushes on the block; follows the face
   TimeSeries factor;
+  double scale = 1.0;
   std::vector<std::array<int32_t, 3>> triangles;  // deformable
   Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
 };
@@ -191,6 +193,14 @@ class Model {
   void step();
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool);
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
+  void begin_step() { apply_ground_motion(); }
+  int chunk_count() const { return int(chunks_.size()); }
+  void advance_contacts(int chunk);
+  void advance_block(int block);
+  void end_step();  // throws Error(numerical) when a law failed
+  double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
+  double block_work(int block) const;
   void run(double duration);  // s
   void run_steps(long steps) {
     for (long i = 0; i < steps; ++i) step();
@@ -204,8 +214,12 @@ class Model {
   void add(Load load);
   void add(Pressure pressure);
   void add(GroundMotion motion);
+  std::vector<Load>& loads() { return loads_; }
+  std::vector<Pressure>& pressures() { return pressures_; }
+  // Force on the centre of mass of a block, on a deformable one shared by mass, N. Stays until changed.
+  void apply_force(int block, const Vector& force);
   void clear_loads() {
-    loads_.clear(), pressures_.clear(), motions_.clear();
+    loads_.clear(), pressures_.clear(), motions_.clear(), applied_.clear();
     loaded_.assign(blocks_.size(), 0);
   }
   void set_damping(const SolverSettings& solver);
@@ -243,12 +257,18 @@ class Model {
   // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
   void hold_node(int node, uint8_t held) { node_held_[node] = held; }
   void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
-  Energies energies() const { return energies_; }
+  const Energies& energies() const { return energies_; }
+  double kinetic_energy() const;            // of the velocities half a step ago, J
+  Vector net_force() const { return net_; }  // on all that is free to move, of the last step, N
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
   double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
+  double unbalanced_force() const { return unbalanced_; }  // the largest, N
+  double contact_force_sum() const { return total_force_; }  // sum of |force| over contact points, N
+  size_t point_count() const;
   double mass() const;
+  double mass_of(int block) const;  // that has weight, kg
   size_t memory_bytes() const;
   uint64_t hash() const;
   // contact geometry checks, for tests
@@ -260,7 +280,6 @@ class Model {
   void contact_kinematics(Family& f, const Chunk& chunk);
   void contact_law(Family& f, Chunk& chunk);
   void contact_forces(Family& f, Chunk& chunk);
-  void advance_block(int block);
   void internal_forces(const ModelBlock& b, BlockSums& sums);
   void forces_on_gridpoints(int block);
   void forces_on_body(int block);
@@ -333,6 +352,7 @@ class Model {
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it
+  std::vector<Vector> applied_;  // by block, N
   std::vector<GroundMotion> motions_;
   Vector gravity_;
   TimeSeries gravity_factor_;
@@ -342,6 +362,7 @@ class Model {
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double total_force_ = 0.0, unbalanced_ = 0.0;
+  Vector net_;
   Energies energies_;
 };
 

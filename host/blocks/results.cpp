@@ -75,6 +75,16 @@ double Model::strain_energy() const {
   return sum;
 }
 
+double Model::kinetic_energy() const {
+  double sum = 0.0;
+  for (const Body& b : bodies_) {
+    sum += 0.5 * b.mass * dot(b.v, b.v);
+    if ((b.held >> 3) != 7) sum += 0.5 * dot(b.momentum, b.omega);
+  }
+  for (size_t i = 0; i < node_v_.size(); ++i) sum += 0.5 * node_mass_[i] * dot(node_v_[i], node_v_[i]);
+  return sum;
+}
+
 Vector Model::linear_momentum() const {
   Vector p;
   for (const Body& b : bodies_) p += b.mass * b.v;
@@ -90,7 +100,23 @@ Vector Model::angular_momentum(const Vector& about) const {
   return l;
 }
 
-double Model::unbalanced_ratio() const { return total_force_ > 0 ? unbalanced_ / total_force_ : 0.0; }
+double Model::unbalanced_ratio() const {
+  return total_force_ > 0 ? unbalanced_ * double(point_count()) / total_force_ : 0.0;
+}
+
+size_t Model::point_count() const {
+  size_t count = 0;
+  for (const Family& f : families_) count += f.size();
+  return count;
+}
+
+double Model::mass_of(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  if (b.body >= 0) return bodies_[size_t(b.body)].weight_mass;
+  double sum = 0.0;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) sum += node_weight_mass_[size_t(i)];
+  return sum;
+}
 
 double Model::mass() const {
   double m = 0.0;

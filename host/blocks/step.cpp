@@ -9,27 +9,30 @@ namespace quoin::blocks {
 using namespace geometry;
 
 void Model::step() {
-  apply_ground_motion();
-  auto contacts = [&](int, int c) {
-    Chunk& chunk = chunks_[size_t(c)];
-    Family& f = families_[size_t(chunk.family)];
-    contact_kinematics(f, chunk);  // jumps, in frames that ride on the blocks
-    contact_law(f, chunk);         // tractions from jumps: the plug-in
-    contact_forces(f, chunk);      // one force a point, which its two blocks fetch
-  };
+  begin_step();
+  auto contacts = [&](int, int chunk) { advance_contacts(chunk); };
   auto blocks = [&](int, int block) { advance_block(block); };
   if (pool_) {
     pool_->for_each(chunk_end_, contacts);
-  } else {
-    for (size_t c = 0; c < chunks_.size(); ++c) contacts(0, int(c));
-  }
-  for (const Chunk& chunk : chunks_) {
-    if (chunk.failed) report_failure(chunk);
-  }
-  if (pool_) {
     pool_->for_each(block_end_, blocks);
   } else {
-    for (size_t b = 0; b < blocks_.size(); ++b) blocks(0, int(b));
+    for (int c = 0; c < chunk_count(); ++c) contacts(0, c);
+    for (int b = 0; b < block_count(); ++b) blocks(0, b);
+  }
+  end_step();
+}
+
+void Model::advance_contacts(int index) {
+  Chunk& chunk = chunks_[size_t(index)];
+  Family& f = families_[size_t(chunk.family)];
+  contact_kinematics(f, chunk);  // jumps, in frames that ride on the blocks
+  contact_law(f, chunk);         // tractions from jumps: the plug-in
+  contact_forces(f, chunk);      // one force a point, which its two blocks fetch
+}
+
+void Model::end_step() {
+  for (const Chunk& chunk : chunks_) {
+    if (chunk.failed) report_failure(chunk);
   }
   sum_up();
   time_ += dt_;
@@ -108,7 +111,6 @@ void Model::report_failure(const Chunk& chunk) const {
 void Model::contact_forces(Family& f, Chunk& chunk) {
   const double beta = viscous_contacts() ? solver_.stiffness_damping : 0.0;
   chunk.force = chunk.damping = 0.0;
-  chunk.loaded = 0;
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     double sigma = f.traction[0][i], tau_s = f.traction[1][i], tau_t = f.traction[2][i];
     Point& p = f.point[i];
@@ -136,7 +138,6 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
     p.force = p.area * (sigma * p.n + tau_s * p.s + tau_t * p.t);
     if (p.facet_a < 0) p.force = bodies_[blocks_[p.a].body].r * p.force;
     chunk.force += norm(p.force);
-    ++chunk.loaded;
   }
 }
 
@@ -221,14 +222,18 @@ void Model::forces_on_gridpoints(int block) {
   const Vector g = gravity_factor_.at(time_) * gravity_;
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_f_[i] += node_weight_mass_[i] * g;
   if (!loaded_[size_t(block)]) return;
+  if (!applied_.empty()) {
+    const Vector per_mass = applied_[size_t(block)] / mass_of(block);
+    for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_f_[i] += node_weight_mass_[i] * per_mass;
+  }
   for (const Load& l : loads_) {
     if (l.block != block) continue;
-    const Vector f = l.factor.at(time_) * l.force;
+    const Vector f = l.scale * l.factor.at(time_) * l.force;
     for (const auto& [node, weight] : l.share) node_f_[node] += weight * f;
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
-    const double value = p.value * p.factor.at(time_);
+    const double value = p.scale * p.value * p.factor.at(time_);
     for (const auto& t : p.triangles) {
       const Vector m = cross(node_x_[t[1]] - node_x_[t[0]], node_x_[t[2]] - node_x_[t[0]]);
       for (int32_t node : t) node_f_[node] -= value / 6 * m;
@@ -253,15 +258,16 @@ void Model::forces_on_body(int block) {
   block_contact_force_[size_t(block)] = body.force;
   body.force += body.weight_mass * (gravity_factor_.at(time_) * gravity_);
   if (!loaded_[size_t(block)]) return;
+  if (!applied_.empty()) body.force += applied_[size_t(block)];
   for (const Load& l : loads_) {
     if (l.block != block) continue;
-    const Vector f = l.factor.at(time_) * l.force;
+    const Vector f = l.scale * l.factor.at(time_) * l.force;
     body.force += f;
     body.torque += cross(body.r * l.arm, f);
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
-    const Vector f = p.value * p.factor.at(time_) * (body.r * p.push);
+    const Vector f = p.scale * p.value * p.factor.at(time_) * (body.r * p.push);
     body.force += f;
     body.torque += cross(body.r * p.arm, f);
   }
@@ -269,10 +275,10 @@ void Model::forces_on_body(int block) {
 
 double Model::work_of_loads(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
-  double work = 0.0;
+  double work = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block)) * dt_;
   for (const Load& l : loads_) {
     if (l.block != block) continue;
-    const Vector f = l.factor.at(time_) * l.force;
+    const Vector f = l.scale * l.factor.at(time_) * l.force;
     if (b.body >= 0) {
       const Body& body = bodies_[size_t(b.body)];
       work += dot(f, body.v + cross(body.omega, body.r * l.arm)) * dt_;
@@ -282,7 +288,7 @@ double Model::work_of_loads(int block) const {
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
-    const double value = p.value * p.factor.at(time_);
+    const double value = p.scale * p.value * p.factor.at(time_);
     if (b.body >= 0) {
       const Body& body = bodies_[size_t(b.body)];
       work += value * dot(body.r * p.push, body.v + cross(body.omega, body.r * p.arm)) * dt_;
@@ -337,6 +343,7 @@ void Model::integrate_gridpoints(const ModelBlock& b, BlockSums& sums) {
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
     Vector& v = node_v_[i];
     const Vector before = v, force = node_f_[i];
+    double free = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (node_held_[i] >> k & 1) {
         v[k] = node_held_v_[i][k];
@@ -345,10 +352,12 @@ void Model::integrate_gridpoints(const ModelBlock& b, BlockSums& sums) {
                            (v[k] + before[k]) * dt_;
       } else {
         v[k] = damper.velocity(v[k], force[k], node_mass_[i], sums.damping);
-        sums.unbalanced = larger(sums.unbalanced, std::abs(force[k]));
+        free += force[k] * force[k];
+        sums.net[k] += force[k];
         if (energy_) sums.external += node_weight_mass_[i] * g[k] * 0.5 * (v[k] + before[k]) * dt_;
       }
     }
+    sums.unbalanced = larger(sums.unbalanced, std::sqrt(free));
     if (energy_) {
       const Vector mean = 0.5 * (before + v);
       sums.kinetic += 0.5 * node_mass_[i] * dot(mean, mean);
@@ -361,6 +370,7 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
   const Damper damper = damper_of(solver_, dt_);
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const Vector v_before = b.v, omega_before = b.omega, momentum_before = b.momentum;
+  double free = 0.0;
   for (int k = 0; k < 3; ++k) {
     if (b.held >> k & 1) {
       b.v[k] = b.held_v[k];
@@ -369,10 +379,12 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
                          (b.v[k] + v_before[k]) * dt_;
     } else {
       b.v[k] = damper.velocity(b.v[k], b.force[k], b.mass, sums.damping);
-      sums.unbalanced = larger(sums.unbalanced, std::abs(b.force[k]));
+      free += b.force[k] * b.force[k];
+      sums.net[k] += b.force[k];
       if (energy_) sums.external += b.weight_mass * g[k] * 0.5 * (b.v[k] + v_before[k]) * dt_;
     }
   }
+  sums.unbalanced = larger(sums.unbalanced, std::sqrt(free));
   b.x += dt_ * b.v;
 
   if ((b.held >> 3) == 7) {
@@ -424,12 +436,14 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
 }
 
 void Model::sum_up() {
-  double force = 0.0;
-  size_t loaded = 0;
-  for (const Chunk& chunk : chunks_) force += chunk.force, loaded += chunk.loaded;
-  total_force_ = loaded > 0 ? force / double(loaded) : 0.0;
+  total_force_ = 0.0;
+  for (const Chunk& chunk : chunks_) total_force_ += chunk.force;
   unbalanced_ = 0.0;
-  for (const BlockSums& sums : block_sums_) unbalanced_ = larger(unbalanced_, sums.unbalanced);
+  net_ = {};
+  for (const BlockSums& sums : block_sums_) {
+    unbalanced_ = larger(unbalanced_, sums.unbalanced);
+    net_ += sums.net;
+  }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;
   for (const Chunk& chunk : chunks_) {
@@ -480,15 +494,19 @@ void Model::divide_work() {
   loaded_.resize(blocks_.size(), 0);
   if (!pool_) return;
 
-  // A zone costs about as much as two sides of contact points, a body as three.
-  constexpr double kZone = 2.0, kBody = 3.0;
   std::vector<double> weight;
-  for (const Chunk& chunk : chunks_) weight.push_back(chunk.count);
+  for (int c = 0; c < chunk_count(); ++c) weight.push_back(chunk_work(c));
   chunk_end_ = shares(weight, pool_->thread_count());
   weight.clear();
-  for (size_t i = 0; i < blocks_.size(); ++i)
-    weight.push_back(kBody + kZone * blocks_[i].zone_count + touch_end_[i] - (i > 0 ? touch_end_[i - 1] : 0));
+  for (int b = 0; b < block_count(); ++b) weight.push_back(block_work(b));
   block_end_ = shares(weight, pool_->thread_count());
+}
+
+double Model::block_work(int block) const {
+  // A zone costs about as much as two sides of contact points, a body as three.
+  constexpr double kZone = 2.0, kBody = 3.0;
+  const size_t b = size_t(block);
+  return kBody + kZone * blocks_[b].zone_count + double(touch_end_[b] - (b > 0 ? touch_end_[b - 1] : 0));
 }
 
 void Model::bind_columns() {

@@ -251,6 +251,14 @@ SolverSettings read_solver(Table t, const Quality* quality);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
 
+// Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
+void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
+// velocity: three components, each a number or "free".
+void read_components(Table& t, BodyControl& control, bool required);
+// displacement (m), and the monitor and direction that it is measured on.
+void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
+void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
+
 // Throws Error(bad_input): the file cannot be read or is not TOML.
 toml::table parse(const std::string& path);
 // Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
