@@ -61,6 +61,9 @@ struct Assembly {
   int add(geometry::ConvexPolyhedron shape, Block block);
 };
 
+// "#3 'lintel'", as messages call a block.
+std::string label(const Assembly& assembly, int block);
+
 // Piecewise linear in time; constant beyond its ends. Empty: 1 always.
 struct TimeSeries {
   std::vector<double> time, value;  // s

@@ -36,12 +36,15 @@ double TimeSeries::integral(double t) const {
   return t > time.back() ? sum + (t - time.back()) * value.back() : sum;
 }
 
-namespace {
-
 std::string label(const Assembly& a, int block) {
   const Block& b = a.blocks[block];
   return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
 }
+
+namespace {
+
+bool is_finite(const Vector& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_positive(double v) { return v > 0 && std::isfinite(v); }
 
 double least_extent_of(const ConvexPolyhedron& s) {
   double least = 1e300;
@@ -112,6 +115,9 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
     if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
     const Matrix turned = matrix(input.orientation);
+    const Vector centroid = input.position + turned * mp.centroid;
+    if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
+      throw fault("its place is no finite number; check its position and rotation");
 
     ModelBlock& b = blocks_.emplace_back();
     b.shape = &shape;
@@ -126,12 +132,19 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     if (input.rigid) {
       const Eigen3 axes = symmetric_eigen(mp.inertia);
       Body body;
-      body.x = input.position + turned * mp.centroid;
+      body.x = centroid;
       body.q = normalized(input.orientation * quaternion(axes.vectors));
       body.r = matrix(body.q);
       body.weight_mass = m.density * mp.volume;
       body.mass = body.weight_mass * solver.mass_scaling;
       body.inertia = m.density * solver.mass_scaling * axes.values;
+      if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
+          !is_positive(body.inertia.z)) {
+        throw fault(
+            fmt::format("mass {:.3g} kg and principal inertia {:.3g}, {:.3g}, {:.3g} kg m2 must be finite and > 0; "
+                        "check density, mass_scaling and the size of the block",
+                        body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
+      }
       body.held = input.fixed ? 0x3f : 0;
       b.body = int32_t(bodies_.size());
       bodies_.push_back(body);
@@ -181,7 +194,15 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   node_f_.resize(node_x_.size());
   node_held_v_.resize(node_x_.size());
   node_weight_mass_ = node_mass_;
-  for (double& m : node_mass_) m *= solver.mass_scaling;
+  for (double& m : node_mass_) {
+    m *= solver.mass_scaling;
+    if (!is_positive(m)) {
+      throw Error(Exit::bad_input,
+                  fmt::format("a gridpoint has the mass {:.3g} kg, which must be finite and > 0; check densities, "
+                              "mass_scaling and the sizes of the blocks",
+                              m));
+    }
+  }
   placed_corner_.resize(corner_.size());
   placed_normal_.resize(body_normal_.size());
   block_contact_force_.resize(blocks_.size());

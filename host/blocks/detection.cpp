@@ -26,10 +26,6 @@ double angle_between(const Matrix& r, const Matrix& r0) {
   return std::sqrt(0.5 * (dot(d.row[0], d.row[0]) + dot(d.row[1], d.row[1]) + dot(d.row[2], d.row[2])));
 }
 
-std::string label(const Assembly& a, int block) {
-  const Block& b = a.blocks[block];
-  return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
-}
 }  // namespace
 
 struct Model::NewPoint {

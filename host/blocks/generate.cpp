@@ -184,10 +184,18 @@ Assembly assemble(const Scene& scene) {
 
 int find_block(const Assembly& assembly, const std::string& name, const std::string& where) {
   std::vector<std::string> names;
+  int found = -1;
   for (size_t i = 0; i < assembly.blocks.size(); ++i) {
-    if (assembly.blocks[i].name == name) return int(i);
     names.push_back(assembly.blocks[i].name);
+    if (assembly.blocks[i].name != name) continue;
+    if (found >= 0) {
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: blocks #{} and #{} are both called '{}'; give them names of their own", where, found,
+                              i, name));
+    }
+    found = int(i);
   }
+  if (found >= 0) return found;
   throw Error(Exit::bad_input, fmt::format("{}: no block is called '{}'{}", where, name, did_you_mean(name, names)));
 }
 

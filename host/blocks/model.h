@@ -110,6 +110,7 @@ struct Touch {
 struct BlockSums {
   double unbalanced = 0.0;  // largest net force on a body or gridpoint, of its free components, N; NaN stays
   Vector net;               // their sum, N
+  double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
 };
 
@@ -189,7 +190,8 @@ class Model {
   Model& operator=(const Model&) = delete;
 
   // One explicit step of length time_step(): the phases of the method. Their pieces are independent of each other, and
-  // sums are taken in a fixed order: the bits do not depend on the number of threads.
+  // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
+  // failed at a point, or the position of a block is no longer a finite number.
   void step();
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool);
@@ -198,7 +200,7 @@ class Model {
   int chunk_count() const { return int(chunks_.size()); }
   void advance_contacts(int chunk);
   void advance_block(int block);
-  void end_step();  // throws Error(numerical) when a law failed
+  void end_step();
   double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
   double block_work(int block) const;
   void run(double duration);  // s
@@ -287,6 +289,7 @@ class Model {
   void integrate_body(Body& b, BlockSums& sums);
   double work_of_loads(int block) const;  // of the step, J
   void sum_up();
+  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   bool moved_enough();
   void detect_contacts(bool everything = false);
   [[noreturn]] void report_failure(const Chunk& chunk) const;

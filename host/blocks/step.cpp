@@ -37,7 +37,18 @@ void Model::end_step() {
   sum_up();
   time_ += dt_;
   ++step_count_;
+  watch();
   if (moved_enough()) detect_contacts();
+}
+
+void Model::watch() const {
+  for (int i = 0; i < block_count(); ++i) {
+    if (std::isfinite(block_sums_[size_t(i)].positions)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("block {}, {} at the start: its position is no finite number at step {}, time {:.6g} s; "
+                            "check the velocities and forces of the stage, or reduce time_step_fraction",
+                            label(assembly_, i), place(start_x_[size_t(i)]), step_count_, time_));
+  }
 }
 
 void Model::run(double duration) {
@@ -363,6 +374,7 @@ void Model::integrate_gridpoints(const ModelBlock& b, BlockSums& sums) {
       sums.kinetic += 0.5 * node_mass_[i] * dot(mean, mean);
     }
     node_x_[i] += dt_ * v;
+    sums.positions += node_x_[i].x + node_x_[i].y + node_x_[i].z;
   }
 }
 
@@ -428,6 +440,7 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
     b.q = normalized(rotation(dt_ * b.omega) * b.q);
     b.r = matrix(b.q);
   }
+  sums.positions = b.x.x + b.x.y + b.x.z + b.q.w;
   if (energy_) {
     const Vector mean = 0.5 * (v_before + b.v);
     sums.kinetic += 0.5 * b.mass * dot(mean, mean);

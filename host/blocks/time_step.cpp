@@ -169,6 +169,7 @@ double Model::highest_frequency() const {
       b += y[i] * y[i];
     }
     b = std::sqrt(b);
+    if (!std::isfinite(a + b)) return std::nan("");
     const double last = value;
     value = largest_eigenvalue(alpha, beta);
     if (b <= 1e-10 * value || (k > 10 && value - last < 1e-6 * value)) break;
@@ -206,6 +207,11 @@ void Model::find_time_step() {
     fraction *= std::sqrt(1 + xi * xi) - xi;
   }
   const double dt = fraction * critical_dt_;
+  if (!std::isfinite(dt) || dt <= 0) {
+    throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
+                                             "densities and stiffness_damping",
+                                             dt));
+  }
   dt_ = dt_ > 0 && step_count_ > 0 ? std::min(dt_, dt) : dt;
 }
 

@@ -27,9 +27,10 @@ std::vector<Pair> overlapping_pairs(const std::vector<Box>& boxes) {
   const double cell = 1.01 * sorted[n * 9 / 10] + 1e-300;
   const Vector span = all.upper - all.lower;
   int64_t count[3];
-  for (int k = 0; k < 3; ++k) count[k] = std::min<int64_t>(int64_t(span[k] / cell) + 1, int64_t{1} << 20);
+  // Bounded before they become integers: a block far from all others may be more cells away than any integer counts.
+  for (int k = 0; k < 3; ++k) count[k] = int64_t(std::min(span[k] / cell, double((1 << 20) - 1))) + 1;
   auto cell_of = [&](double x, int k) {
-    return std::clamp<int64_t>(int64_t((x - all.lower[k]) / cell), 0, count[k] - 1);
+    return int64_t(std::clamp((x - all.lower[k]) / cell, 0.0, double(count[k] - 1)));
   };
 
   struct Entry {

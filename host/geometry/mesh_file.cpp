@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
 
 #include "scene/error.h"
+#include "scene/number_text.h"
 
 namespace quoin::geometry {
 namespace {
@@ -19,85 +22,126 @@ struct RawShape {
   std::vector<std::vector<int>> faces;
 };
 
-[[noreturn]] void refuse(const std::string& path, size_t line, const std::string& what) {
-  throw Error(Exit::bad_input, fmt::format("{}:{}: {}", path, line, what));
-}
+// A block has few corners; a count beyond this is a slip, or another kind of file.
+constexpr int64_t most_corners = 10'000'000;
 
-std::vector<RawShape> read_off(const std::string& path, std::istream& in) {
+// The file as words of lines, and its faults by line.
+class Lines {
+ public:
+  // comment: begins one; 0: the format has none.
+  Lines(const std::string& path, const std::string& bytes, char comment) : path_(path), in_(bytes), comment_(comment) {}
+
+  // The next line that has words. False: the end of the file.
+  bool next() {
+    std::string text;
+    while (std::getline(in_, text)) {
+      ++line_;
+      std::istringstream stream(comment_ ? text.substr(0, text.find(comment_)) : text);
+      words_.clear();
+      for (std::string word; stream >> word;) words_.push_back(word);
+      if (!words_.empty()) return true;
+    }
+    return false;
+  }
+  const std::vector<std::string>& words() const { return words_; }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw Error(Exit::bad_input, fmt::format("{}:{}: {}", path_, line_, what));
+  }
+  double number(size_t word) const {
+    double value = 0.0;
+    if (!parse_number(words_[word], value)) refuse(fmt::format("'{}' is not a number", words_[word]));
+    if (!std::isfinite(value)) refuse(fmt::format("'{}' is not finite", words_[word]));
+    return value;
+  }
+  // A whole number, lower to upper; `what` it counts stands in the message.
+  int64_t integer(const std::string& word, int64_t lower, int64_t upper, const char* what) const {
+    int64_t value = 0;
+    if (!parse_number(word, value) || value < lower || value > upper) {
+      refuse(fmt::format(
+          "{} '{}'; allowed: {}", what, word,
+          lower > upper ? "none, as there are no vertices yet" : fmt::format("an integer, {} to {}", lower, upper)));
+    }
+    return value;
+  }
+  Vector point(size_t first) const {
+    if (words_.size() < first + 3) refuse("a vertex needs three coordinates");
+    return {number(first), number(first + 1), number(first + 2)};
+  }
+
+ private:
+  std::string path_;
+  std::istringstream in_;
+  char comment_;
+  std::vector<std::string> words_;
+  size_t line_ = 0;
+};
+
+std::vector<RawShape> read_off(const std::string& path, const std::string& bytes) {
   RawShape shape;
   shape.name = path;
-  std::string text;
-  size_t line = 0;
-  std::vector<double> numbers;
-  auto next = [&] {  // the numbers of the next line that has any; comments are skipped
-    numbers.clear();
-    while (numbers.empty() && std::getline(in, text)) {
-      ++line;
-      std::istringstream words(text.substr(0, text.find('#')));
-      std::string word;
-      while (words >> word) {
-        if (line <= 1 && (word == "OFF" || word == "off")) continue;
-        char* end = nullptr;
-        numbers.push_back(std::strtod(word.c_str(), &end));
-        if (*end != 0) refuse(path, line, fmt::format("'{}' is not a number", word));
-      }
-    }
-    if (numbers.empty()) refuse(path, line, "the file ends too early");
+  Lines lines(path, bytes, '#');
+  const auto next = [&](const std::string& expected) {
+    if (!lines.next()) lines.refuse(fmt::format("the file ends too early: expected {}", expected));
   };
-  next();
-  if (numbers.size() < 2) refuse(path, line, "expected the numbers of vertices and faces");
-  const auto vertex_count = size_t(numbers[0]), face_count = size_t(numbers[1]);
-  for (size_t i = 0; i < vertex_count; ++i) {
-    next();
-    if (numbers.size() < 3) refuse(path, line, "a vertex needs three coordinates");
-    shape.vertices.push_back({numbers[0], numbers[1], numbers[2]});
+  const std::string counts = "the numbers of vertices and faces";
+  next(counts);
+  size_t word = 0;  // "OFF" may stand before the counts, on their line or on one of its own
+  if (lines.words()[0] == "OFF" || lines.words()[0] == "off") word = 1;
+  if (word == lines.words().size()) next(counts), word = 0;
+  if (lines.words().size() < word + 2) lines.refuse("expected " + counts);
+  const int64_t vertex_count = lines.integer(lines.words()[word], 0, most_corners, "number of vertices");
+  const int64_t face_count = lines.integer(lines.words()[word + 1], 0, most_corners, "number of faces");
+  // Nothing is reserved by a count: a file may promise more than it has.
+  for (int64_t i = 0; i < vertex_count; ++i) {
+    next(fmt::format("vertex {} of {}", i, vertex_count));
+    shape.vertices.push_back(lines.point(0));
   }
-  for (size_t i = 0; i < face_count; ++i) {
-    next();
-    const auto corners = size_t(numbers[0]);
-    if (numbers.size() < corners + 1)
-      refuse(path, line, fmt::format("a face of {} corners has {} indices", corners, numbers.size() - 1));
+  for (int64_t i = 0; i < face_count; ++i) {
+    next(fmt::format("face {} of {}", i, face_count));
+    const auto& words = lines.words();
+    const auto corners = size_t(lines.integer(words[0], 3, most_corners, "number of corners"));
+    if (words.size() < corners + 1)
+      lines.refuse(fmt::format("a face of {} corners has {} indices", corners, words.size() - 1));
     auto& face = shape.faces.emplace_back();
-    for (size_t k = 0; k < corners; ++k) face.push_back(int(numbers[k + 1]));
+    for (size_t k = 1; k <= corners; ++k)
+      face.push_back(int(lines.integer(words[k], 0, vertex_count - 1, "vertex number")));
   }
+  if (lines.next()) lines.refuse(fmt::format("'{}' after the last of {} faces", lines.words()[0], face_count));
   return {shape};
 }
 
-std::vector<RawShape> read_obj(const std::string& path, std::istream& in) {
+std::vector<RawShape> read_obj(const std::string& path, const std::string& bytes) {
   std::vector<Vector> all;
   std::vector<RawShape> shapes;
-  std::map<int, int> local;  // file-wide vertex number -> number in the current object
-  std::string text, key;
+  std::map<int64_t, int> local;  // file-wide vertex number -> number in the current object
   auto current = [&]() -> RawShape& {
     if (shapes.empty()) shapes.push_back({path, {}, {}});
     return shapes.back();
   };
-  for (size_t line = 1; std::getline(in, text); ++line) {
-    std::istringstream words(text.substr(0, text.find('#')));
-    if (!(words >> key)) continue;
-    if (key == "v") {
-      Vector p;
-      if (!(words >> p.x >> p.y >> p.z)) refuse(path, line, "a vertex needs three coordinates");
-      all.push_back(p);
-    } else if (key == "o" || key == "g") {
-      std::string name;
-      words >> name;
-      if (!shapes.empty() && shapes.back().faces.empty()) {
-        shapes.back().name = name;
-      } else {
-        shapes.push_back({name.empty() ? fmt::format("{}#{}", path, shapes.size()) : name, {}, {}});
-      }
+  Lines lines(path, bytes, '#');
+  while (lines.next()) {
+    const auto& words = lines.words();
+    if (words[0] == "v") {
+      all.push_back(lines.point(1));
+    } else if (words[0] == "o" || words[0] == "g") {
+      if (shapes.empty() || !shapes.back().faces.empty()) shapes.emplace_back();
+      shapes.back().name = words.size() > 1 ? words[1] : fmt::format("{}#{}", path, shapes.size() - 1);
       local.clear();
-    } else if (key == "f") {
+    } else if (words[0] == "f") {
       RawShape& shape = current();
+      if (words.size() < 4) lines.refuse(fmt::format("a face of {} corners; it needs at least 3", words.size() - 1));
+      const auto count = int64_t(all.size());
       std::vector<int> face;
-      std::string corner;
-      while (words >> corner) {
-        int i = std::atoi(corner.c_str());  // "7", "7/1", "7//3"; negative counts from the end
-        i = i < 0 ? int(all.size()) + i : i - 1;
-        if (i < 0 || i >= int(all.size())) refuse(path, line, fmt::format("vertex '{}' does not exist", corner));
+      for (size_t k = 1; k < words.size(); ++k) {
+        // "7", "7/1", "7//3"; negative counts back from the last vertex
+        const std::string number = words[k].substr(0, words[k].find('/'));
+        const bool backwards = number.starts_with('-');
+        const int64_t given = backwards ? lines.integer(number, -count, -1, "vertex number")
+                                        : lines.integer(number, 1, count, "vertex number");
+        const int64_t i = backwards ? count + given : given - 1;
         const auto [it, added] = local.try_emplace(i, int(shape.vertices.size()));
-        if (added) shape.vertices.push_back(all[i]);
+        if (added) shape.vertices.push_back(all[size_t(i)]);
         face.push_back(it->second);
       }
       shape.faces.push_back(face);
@@ -109,74 +153,92 @@ std::vector<RawShape> read_obj(const std::string& path, std::istream& in) {
 
 // STL repeats every corner: equal coordinates are one vertex.
 struct Welder {
-  RawShape& shape;
   std::map<std::array<double, 3>, int> known;
-  int operator()(const Vector& p) {
+  int operator()(const Vector& p, RawShape& shape) {
     const auto [it, added] = known.try_emplace({p.x, p.y, p.z}, int(shape.vertices.size()));
     if (added) shape.vertices.push_back(p);
     return it->second;
   }
 };
 
-std::vector<RawShape> read_stl(const std::string& path, const std::string& bytes) {
+std::vector<RawShape> read_binary_stl(const std::string& path, const std::string& bytes, size_t count) {
+  RawShape shape{path, {}, {}};
+  Welder weld;
+  for (size_t t = 0; t < count; ++t) {
+    float xyz[9];
+    std::memcpy(xyz, bytes.data() + 84 + t * 50 + 12, sizeof xyz);
+    auto& face = shape.faces.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const Vector p{xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]};
+      // One that is not a number has no place in the welder's order.
+      if (!std::isfinite(p.x + p.y + p.z))
+        throw Error(Exit::bad_input, fmt::format("{}: triangle {}, corner {}: a coordinate is not finite", path, t, k));
+      face.push_back(weld(p, shape));
+    }
+  }
+  return {shape};
+}
+
+std::vector<RawShape> read_ascii_stl(const std::string& path, const std::string& bytes) {
   std::vector<RawShape> shapes;
+  Welder weld;
+  Lines lines(path, bytes, 0);
+  bool in_loop = false;
+  while (lines.next()) {
+    const auto& words = lines.words();
+    if (words[0] == "solid") {
+      if (in_loop) lines.refuse("misplaced 'solid'");
+      shapes.push_back({words.size() > 1 ? words[1] : fmt::format("{}#{}", path, shapes.size()), {}, {}});
+      weld.known.clear();
+    } else if (words[0] == "outer") {
+      if (shapes.empty() || in_loop) lines.refuse("misplaced 'outer loop'");
+      shapes.back().faces.emplace_back();
+      in_loop = true;
+    } else if (words[0] == "vertex") {
+      if (!in_loop) lines.refuse("misplaced vertex");
+      shapes.back().faces.back().push_back(weld(lines.point(1), shapes.back()));
+    } else if (words[0] == "endloop") {
+      if (!in_loop || shapes.back().faces.back().size() != 3) lines.refuse("a facet needs three vertices");
+      in_loop = false;
+    }
+  }
+  if (in_loop) lines.refuse("the file ends within a facet");
+  return shapes;
+}
+
+std::vector<RawShape> read_stl(const std::string& path, const std::string& bytes) {
   uint32_t count = 0;
   if (bytes.size() >= 84) std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() >= 84 && bytes.size() == 84 + size_t(count) * 50) {
-    shapes.push_back({path, {}, {}});
-    Welder weld{shapes.back(), {}};
-    for (size_t t = 0; t < count; ++t) {
-      float xyz[9];
-      std::memcpy(xyz, bytes.data() + 84 + t * 50 + 12, sizeof xyz);
-      auto& face = shapes.back().faces.emplace_back();
-      for (int k = 0; k < 3; ++k) face.push_back(weld({xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]}));
-    }
-    return shapes;
+  if (bytes.size() >= 84 && bytes.size() == 84 + size_t(count) * 50) return read_binary_stl(path, bytes, count);
+  if (bytes.find('\0') != std::string::npos) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: {} bytes, but a binary STL file of the {} triangles that it announces has {}", path,
+                            bytes.size(), count, 84 + uint64_t{count} * 50));
   }
-  std::istringstream in(bytes);
-  std::string text, key;
-  std::map<std::array<double, 3>, int> known;
-  for (size_t line = 1; std::getline(in, text); ++line) {
-    std::istringstream words(text);
-    if (!(words >> key)) continue;
-    if (key == "solid") {
-      std::string name;
-      words >> name;
-      shapes.push_back({name.empty() ? fmt::format("{}#{}", path, shapes.size()) : name, {}, {}});
-      known.clear();
-    } else if (key == "outer" && !shapes.empty()) {
-      shapes.back().faces.emplace_back();
-    } else if (key == "vertex") {
-      Vector p;
-      if (shapes.empty() || shapes.back().faces.empty() || !(words >> p.x >> p.y >> p.z))
-        refuse(path, line, "misplaced vertex");
-      const auto [it, added] = known.try_emplace({p.x, p.y, p.z}, int(shapes.back().vertices.size()));
-      if (added) shapes.back().vertices.push_back(p);
-      shapes.back().faces.back().push_back(it->second);
-    }
-  }
-  return shapes;
+  return read_ascii_stl(path, bytes);
 }
 
 }  // namespace
 
 std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
+  std::error_code fault;
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Exit::bad_input, fmt::format("{}: cannot be opened", path));
+  if (!file || !std::filesystem::is_regular_file(path, fault))
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be opened", path));
   std::string ending = path.substr(std::min(path.size(), path.rfind('.')));
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  std::vector<RawShape> raw;
+  std::vector<RawShape> (*read)(const std::string&, const std::string&) = nullptr;
   if (ending == ".off") {
-    raw = read_off(path, file);
+    read = read_off;
   } else if (ending == ".obj") {
-    raw = read_obj(path, file);
+    read = read_obj;
   } else if (ending == ".stl") {
-    std::ostringstream all;
-    all << file.rdbuf();
-    raw = read_stl(path, all.str());
+    read = read_stl;
   } else {
     throw Error(Exit::bad_input, fmt::format("{}: unknown kind of mesh file; .off, .obj and .stl are read", path));
   }
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<RawShape> raw = read(path, bytes);
   if (raw.empty()) throw Error(Exit::bad_input, fmt::format("{}: no block in this file", path));
   std::vector<NamedShape> shapes;
   for (RawShape& r : raw) {

@@ -1,5 +1,9 @@
 #include "geometry/overlap.h"
 
+#include <fmt/format.h>
+
+#include "scene/error.h"
+
 namespace quoin::geometry {
 namespace {
 
@@ -105,7 +109,17 @@ void cubic_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
 
 void grid_rule(const Polygon& p, double spacing, std::vector<QuadraturePoint>& points) {
   const size_t n = p.size(), first = points.size();
-  auto divisions = [&](double length2) { return std::max(1, int(std::ceil(std::sqrt(length2) / spacing - 1e-6))); };
+  auto divisions = [&](double length2) {
+    constexpr double most = 200;
+    const double count = std::max(1.0, std::ceil(std::sqrt(length2) / spacing - 1e-6));
+    if (count > most) {
+      throw Error(Exit::bad_input,
+                  fmt::format("contact.point_spacing = {} m cuts a joint of {:.3g} m into {:.3g} parts; "
+                              "allowed: {} parts at most",
+                              spacing, std::sqrt(length2), count, most));
+    }
+    return int(count);
+  };
   const double tolerance = 1e-7 * std::sqrt(area(p));
   if (n == 4) {
     const int nu = divisions(std::max(distance2(p[0], p[1]), distance2(p[3], p[2])));

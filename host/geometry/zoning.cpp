@@ -10,6 +10,8 @@
 namespace quoin::geometry {
 namespace {
 
+constexpr double most_zones = 1e7;  // of one block
+
 // Corner i of the result is at bits (x, y, z) of i, as in geometry::box; nothing when the shape is not a six-sided
 // brick.
 std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
@@ -128,6 +130,13 @@ Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int
     throw Error(Exit::bad_input,
                 fmt::format("block {}: divisions need a six-sided block of brick topology and positive counts", name));
   }
+  const double count = 5.0 * n[0] * n[1] * n[2];
+  if (count > most_zones) {
+    throw Error(Exit::bad_input,
+                fmt::format("block {}: {} x {} x {} hexahedra are {:.1e} zones, more than {:g}; take "
+                            "fewer divisions or a larger zone edge",
+                            name, n[0], n[1], n[2], count, most_zones));
+  }
   Zoning m;
   m.nodes = shape.vertices;
   const int nx = n[0] + 1, ny = n[1] + 1, nz = n[2] + 1;
@@ -181,11 +190,11 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
   if (!(target_edge > 0))
     throw Error(Exit::bad_input, fmt::format("block {}: zone edge {} m must be > 0", name, target_edge));
   const double estimate = 10 * mass_properties(shape).volume / (target_edge * target_edge * target_edge);
-  if (estimate > 1e7) {
+  if (!(estimate <= most_zones)) {
     throw Error(Exit::bad_input,
-                fmt::format("block {}: zone edge {:.3g} m gives about {:.1e} zones, more than 1e7; take a larger "
+                fmt::format("block {}: zone edge {:.3g} m gives about {:.1e} zones, more than {:g}; take a larger "
                             "edge",
-                            name, target_edge, estimate));
+                            name, target_edge, estimate, most_zones));
   }
   if (const auto c = brick_corners(shape)) {
     std::array<int, 3> n{1, 1, 1};
@@ -195,7 +204,7 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
         if (b >> axis & 1) continue;
         longest = std::max(longest, norm(shape.vertices[(*c)[b]] - shape.vertices[(*c)[b | 1 << axis]]));
       }
-      n[axis] = std::max(1, int(std::ceil(longest / target_edge - 1e-6)));
+      n[axis] = int(std::clamp(std::ceil(longest / target_edge - 1e-6), 1.0, most_zones));
     }
     return make_brick_zones(shape, n, 0, name);
   }

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "law/property_text.h"
 #include "scene/error.h"
+#include "scene/number_text.h"
 
 namespace quoin {
 

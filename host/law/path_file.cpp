@@ -13,12 +13,10 @@
 #include <stdexcept>
 #include <utility>
 
-#define TOML_EXCEPTIONS 1
-#include <toml++/toml.h>
-
 #include "law/csv_table.h"
 #include "law/property_text.h"
 #include "scene/error.h"
+#include "scene/toml.h"
 
 namespace quoin {
 
@@ -111,8 +109,9 @@ class Reader {
   double number(const toml::table& table, const char* key, double otherwise) const {
     const toml::node* node = table.get(key);
     if (node == nullptr) return otherwise;
-    if (!node->is_number()) fail(*node, fmt::format("{} must be a number", key));
-    return *node->value<double>();
+    const std::optional<double> value = number_of(*node);
+    if (!value || !std::isfinite(*value)) fail(*node, fmt::format("{} must be a finite number", key));
+    return *value;
   }
   const toml::array& list(const toml::table& table, const char* key) const {
     static const toml::array nothing;
@@ -129,7 +128,10 @@ class Reader {
     }
   }
   Formula number_or_formula(const toml::node& node, const std::string& key) const {
-    if (node.is_number()) return Formula(signed_text(*node.value<double>()));
+    if (const std::optional<double> value = number_of(node)) {
+      if (!std::isfinite(*value)) fail(node, fmt::format("{} = {}: a finite number or a formula", key, *value));
+      return Formula(signed_text(*value));
+    }
     return formula(node, string(node, key));
   }
   static std::string signed_text(double value) {
@@ -139,8 +141,8 @@ class Reader {
     PropertySetting setting;
     setting.id = id;
     setting.source.text = fmt::format("{}:{}: properties.{}", file_, node.source().begin.line, id);
-    if (node.is_number()) {
-      setting.numbers = {*node.value<double>()};
+    if (const std::optional<double> number = number_of(node)) {
+      setting.numbers = {*number};
     } else if (node.is_string()) {
       setting.text = *node.value<std::string>();
     } else if (node.is_array()) {
@@ -149,7 +151,7 @@ class Reader {
         if (xy == nullptr || xy->size() != 2 || !(*xy)[0].is_number() || !(*xy)[1].is_number()) {
           fail(pair, fmt::format("properties.{}: write a table as [[0, 1], [0.3, 0.5], [1, 0]]", id));
         }
-        for (const toml::node& value : *xy) setting.numbers.push_back(*value.value<double>());
+        for (const toml::node& value : *xy) setting.numbers.push_back(*number_of(value));
       }
     } else {
       fail(node, fmt::format("properties.{} must be a number, a word or a list of pairs", id));
@@ -165,8 +167,8 @@ class Reader {
       only(*table, {"check", "value", "tolerance", "scale", "reason", "source"});
       result.text = text(*table, "check", "");
       if (const toml::node* value = table->get("value")) {
-        if (!value->is_number()) fail(*value, "value must be a number");
-        result.value = *value->value<double>();
+        result.value = number_of(*value);
+        if (!result.value || std::isnan(*result.value)) fail(*value, "value must be a number");
       }
       result.tolerance = number(*table, "tolerance", tolerance_);
       if (const toml::node* scale = table->get("scale")) result.scale = number_or_formula(*scale, "scale");

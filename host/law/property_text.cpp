@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <string_view>
 
 #include "scene/error.h"
@@ -18,14 +17,6 @@ std::string_view trimmed(std::string_view text) {
 }
 
 }  // namespace
-
-bool parse_number(const std::string& text, double& value) {
-  std::string_view body = trimmed(text);
-  if (!body.empty() && body.front() == '+') body.remove_prefix(1);
-  if (body.empty()) return false;
-  const auto [end, fault] = std::from_chars(body.data(), body.data() + body.size(), value);
-  return fault == std::errc() && end == body.data() + body.size();
-}
 
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id) {
   for (uint64_t i = 0; i < law.property_count; ++i) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "quoin/quoin.h"
+#include "scene/number_text.h"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -12,9 +13,6 @@ namespace quoin {
 // passed on, so that the law lists it with its other faults. Throws Error(usage): no '=', empty id; Error(bad_input): a
 // number or a table that is none.
 PropertySetting parse_setting(const quoin_law& law, const std::string& assignment, const Source& source);
-
-// The number that the whole of text spells ("inf" and "nan" included), or false.
-bool parse_number(const std::string& text, double& value);
 
 // The property of that id, or null.
 const quoin_property_info* find_property(const quoin_law& law, const std::string& id);

@@ -1,6 +1,9 @@
-#include <fstream>
+#include <algorithm>
+#include <cmath>
+#include <functional>
 
 #include "scene/read_blocks.h"
+#include "scene/series_file.h"
 
 namespace quoin {
 
@@ -8,60 +11,62 @@ using namespace reader;
 
 namespace {
 
+// Beyond, positions in double precision are coarser than a joint is thick.
+constexpr double kFarthest = 1e6;
+const Range kPlace = between(-kFarthest, kFarthest), kLength = above_to(0, kFarthest), kTurn = between(-360, 360);
+
 // A list of points, [[x, y, z], ...].
 std::vector<Vec3> read_points(Table& t, const std::string& key) {
   std::vector<Vec3> points;
-  const std::string allowed = "a list of [x, y, z], m";
+  const std::string allowed = fmt::format("a list of [x, y, z], each {}, m", kPlace.text());
   const toml::node* node = t.find(key, allowed, false);
   if (!node) return points;
   const toml::array* list = node->as_array();
-  for (size_t i = 0; list && i < list->size(); ++i) {
-    const toml::array* p = list->get(i)->as_array();
-    if (!p || p->size() != 3 || !p->get(0)->is_number() || !p->get(1)->is_number() || !p->get(2)->is_number()) {
-      list = nullptr;
-      break;
+  if (!list) return t.wrong_type(key, *node, allowed), points;
+  for (const toml::node& element : *list) {
+    const toml::array* p = element.as_array();
+    if (!p || p->size() != 3) return t.wrong_type(key, *node, allowed), std::vector<Vec3>{};
+    Vec3& point = points.emplace_back();
+    for (size_t k = 0; k < 3; ++k) {
+      const std::optional<double> v = number_of(*p->get(k));
+      if (!v) return t.wrong_type(key, *node, allowed), std::vector<Vec3>{};
+      if (!kPlace.holds(*v)) return t.refuse(key, allowed), std::vector<Vec3>{};
+      point[k] = *v;
     }
-    points.push_back({*p->get(0)->value<double>(), *p->get(1)->value<double>(), *p->get(2)->value<double>()});
   }
-  if (!list) t.wrong_type(key, *node, allowed);
   return points;
 }
 
-std::vector<std::vector<int>> read_faces(Table& t, const std::string& key) {
+std::vector<std::vector<int>> read_faces(Table& t, const std::string& key, size_t vertex_count) {
   std::vector<std::vector<int>> faces;
-  const std::string allowed = "a list of lists of vertex numbers from 0, counter-clockwise seen from outside";
+  const std::string allowed = fmt::format(
+      "a list of lists of vertex numbers, integers from 0 and less than {} (the count of vertices), counter-clockwise "
+      "seen from outside",
+      vertex_count);
   const toml::node* node = t.find(key, allowed, false);
   if (!node) return faces;
   const toml::array* list = node->as_array();
-  for (size_t i = 0; list && i < list->size(); ++i) {
-    const toml::array* f = list->get(i)->as_array();
+  if (!list) return t.wrong_type(key, *node, allowed), faces;
+  for (const toml::node& element : *list) {
+    const toml::array* f = element.as_array();
+    if (!f) return t.wrong_type(key, *node, allowed), std::vector<std::vector<int>>{};
     auto& face = faces.emplace_back();
-    for (size_t k = 0; f && k < f->size(); ++k) {
-      if (const auto v = f->get(k)->value<int64_t>()) face.push_back(int(*v));
-    }
-    if (!f || face.size() != f->size()) {
-      t.wrong_type(key, *node, allowed);
-      return {};
+    for (const toml::node& corner : *f) {
+      const auto* v = corner.as_integer();
+      if (!v) return t.wrong_type(key, *node, allowed), std::vector<std::vector<int>>{};
+      if (v->get() < 0 || v->get() >= static_cast<int64_t>(vertex_count))
+        return t.refuse(key, allowed), std::vector<std::vector<int>>{};
+      face.push_back(static_cast<int>(v->get()));
     }
   }
-  if (!list) t.wrong_type(key, *node, allowed);
   return faces;
 }
 
-std::vector<double> read_list(Table& t, const std::string& key, const std::string& allowed, bool required) {
-  std::vector<double> values;
-  const toml::node* node = t.find(key, allowed, required);
-  if (!node) return values;
-  const toml::array* list = node->as_array();
-  for (size_t i = 0; list && i < list->size(); ++i) {
-    if (!list->get(i)->is_number()) {
-      list = nullptr;
-      break;
-    }
-    values.push_back(*list->get(i)->value<double>());
-  }
-  if (!list) t.wrong_type(key, *node, allowed);
-  return values;
+void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
+  constexpr double least = 1e-6;
+  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
+  if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
+    t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }
 
 void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid, double& zone_edge) {
@@ -69,7 +74,7 @@ void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid,
   for (const auto& [name, m] : scene.materials) names.push_back(name);
   t.choice("material", material, names, true);
   t.boolean("rigid", rigid);
-  if (t.number("zone_edge", zone_edge, kPositive, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
+  if (t.number("zone_edge", zone_edge, kLength, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
 }
 
 BlockSpec read_block(Table t, const Scene& scene) {
@@ -84,23 +89,24 @@ BlockSpec read_block(Table t, const Scene& scene) {
   if (!b.rigid && b.zone_edge == 0.0 && b.divisions[0] == 0) {
     t.context().fault(t.where() + ": a deformable block needs zone_edge (m) or divisions");
   }
-  t.numbers("position", b.position, kAny, "m");
-  t.numbers("rotation", b.rotation, kAny, "deg, about its own direction");
+  t.numbers("position", b.position, kPlace, "m");
+  t.numbers("rotation", b.rotation, kTurn, "deg, about its own direction");
   int shapes = 0;
   if (const toml::table* box = t.table("box", "{ lower = [x, y, z], size = [x, y, z] }, m")) {
     ++shapes;
     Table bt(t.context(), *box, t.path("box"));
     b.box_lower = Vec3{0, 0, 0};
     b.box_size = Vec3{1, 1, 1};
-    bt.numbers("lower", *b.box_lower, kAny, "m");
-    bt.numbers("size", *b.box_size, kPositive, "m", true);
+    bt.numbers("lower", *b.box_lower, kPlace, "m");
+    bt.numbers("size", *b.box_size, kLength, "m", true);
     bt.finish();
   }
   b.vertices = read_points(t, "vertices");
-  b.faces = read_faces(t, "faces");
+  b.faces = read_faces(t, "faces", b.vertices.size());
   shapes += !b.vertices.empty();
   if (t.text("mesh", b.mesh, "a file .off, .obj or .stl")) ++shapes;
-  t.number("scale", b.scale, kPositive, "(mesh file's unit in m)");
+  if (t.number("scale", b.scale, above_to(0, kFarthest), "(mesh file's unit in m)") && !t.has("mesh"))
+    t.refuse("scale", "only with mesh; remove it");
   if (shapes != 1)
     t.context().fault(t.where() + ": give the shape by one of box, vertices (with or without faces), mesh");
   t.finish();
@@ -120,10 +126,10 @@ DryWallSpec read_dry_wall(Table t, const Scene& scene) {
     t.refuse("units_per_course", "a multiple of 0.5");
   }
   t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
-  t.numbers("origin", w.origin, kAny, "m");
-  t.number("direction", w.direction, kAny, "deg in plan, from x towards z");
-  t.numbers("trim_start", w.trim_start, kAny, "m, of even and of odd courses");
-  t.numbers("trim_end", w.trim_end, kAny, "m, of even and of odd courses");
+  t.numbers("origin", w.origin, kPlace, "m");
+  t.number("direction", w.direction, kTurn, "deg in plan, from x towards z");
+  t.numbers("trim_start", w.trim_start, kPlace, "m, of even and of odd courses");
+  t.numbers("trim_end", w.trim_end, kPlace, "m, of even and of odd courses");
   int index = 0;
   for (const toml::table* table : t.tables("opening", "tables [[dry_wall.opening]]")) {
     Table o(t.context(), *table, fmt::format("{}.opening.{}", t.path(""), ++index));
@@ -145,14 +151,14 @@ ArchSpec read_arch(Table t, const Scene& scene) {
   a.source = {t.where()};
   t.text("name", a.name, "text");
   read_kind(t, scene, a.material, a.rigid, a.zone_edge);
-  t.numbers("centre", a.centre, kAny, "m");
-  t.number("radius", a.radius, kPositive, "m, mean", true);
-  if (t.number("thickness", a.thickness, kPositive, "m", true) && a.thickness >= 2 * a.radius) {
+  t.numbers("centre", a.centre, kPlace, "m");
+  t.number("radius", a.radius, kLength, "m, mean", true);
+  if (t.number("thickness", a.thickness, kLength, "m", true) && a.thickness >= 2 * a.radius) {
     t.refuse("thickness", "less than twice the radius");
   }
-  t.number("depth", a.depth, kPositive, "m", true);
+  t.number("depth", a.depth, kLength, "m", true);
   t.integer("voussoirs", a.voussoirs, 2, 10000, true);
-  t.numbers("angles", a.angles, between(-360, 360), "deg from x");
+  t.numbers("angles", a.angles, kTurn, "deg from x");
   t.boolean("abutments", a.abutments);
   t.finish();
   return a;
@@ -176,31 +182,34 @@ JointRule read_rule(Table t, const Scene& scene) {
   return r;
 }
 
-GroundMotion read_ground_motion(Table& t, const std::string& folder) {
-  GroundMotion s;
-  t.numbers("direction", s.direction, kAny, "of the motion", true);
+SeriesSpec read_series(Table& t, const std::string& folder) {
+  SeriesSpec s;
   std::string file;
   double scale = 1.0;
   t.number("scale", scale, kAny, "(m/s2 in one unit of the series)");
   if (t.text("file", file, "a file of lines: time, acceleration")) {
-    std::ifstream in(file.starts_with('/') ? file : folder + file);
-    if (!in) t.refuse("file", "a file that can be read");
-    std::string line;
-    while (std::getline(in, line)) {
-      std::replace(line.begin(), line.end(), ',', ' ');
-      std::istringstream words(line);
-      double time, value;
-      if (words >> time >> value) s.time.push_back(time), s.acceleration.push_back(value);
+    for (const char* key : {"time", "acceleration"}) {
+      t.accept(key);
+      if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
     }
-    t.accept("time"), t.accept("acceleration");
+    try {
+      s = read_series_file(file.starts_with('/') ? file : folder + file);
+    } catch (const Error& error) {
+      t.context().fault(fmt::format("{} = '{}':\n{}", t.where("file"), file, error.what()));
+    }
   } else {
-    s.time = read_list(t, "time", "a list of times, s", true);
-    s.acceleration = read_list(t, "acceleration", "a list of accelerations", true);
+    const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
+    if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
+      t.refuse("time", "times that increase, s");
+    const bool given = t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
+    if (timed && given && s.time.size() != s.value.size()) {
+      t.context().fault(fmt::format("{}: {} times and {} accelerations; give as many of both", t.where(), s.time.size(),
+                                    s.value.size()));
+    }
   }
-  if (s.time.size() != s.acceleration.size() || s.time.empty() || !std::is_sorted(s.time.begin(), s.time.end())) {
-    t.context().fault(t.where() + ": needs as many times as accelerations, times ascending");
-  }
-  for (double& v : s.acceleration) v *= scale;
+  for (double& v : s.value) v *= scale;
+  if (!std::all_of(s.value.begin(), s.value.end(), [](double v) { return std::isfinite(v); }))
+    t.refuse("scale", "a number that keeps every acceleration finite");
   return s;
 }
 
@@ -211,7 +220,7 @@ void read_drive(Table v, Stage& stage) {
   bool held = true;
   v.boolean("rotation_held", held);
   c.may_turn = !held;
-  read_components(v, c, true);
+  v.velocity(c, true);
   v.finish();
   stage.controls.push_back(c);
 }
@@ -233,7 +242,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     Table f(t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index));
     PointForce c{};
     f.text("block", c.block, "the name of a block", true);
-    f.numbers("point", c.point, kAny, "m, where it acts at the start; it moves with the block", true);
+    f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block", true);
     f.numbers("force", c.force, kAny, "N", true);
     f.finish();
     s.forces.push_back(c);
@@ -243,7 +252,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     Table p(t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index));
     FacePressure c{};
     p.text("block", c.block, "the name of a block", true);
-    p.numbers("normal", c.normal, kAny, "outward, of the face that is meant", true);
+    read_direction(p, "normal", c.normal, "outward, of the face that is meant", true);
     p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
     p.finish();
     s.pressures.push_back(c);
@@ -251,17 +260,24 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   if (const auto* table =
           t.table("ground_motion", "a table { direction, time, acceleration } or { direction, file }")) {
     Table g(t.context(), *table, t.path("ground_motion"));
-    s.ground = read_ground_motion(g, folder);
+    GroundMotion ground{};
+    read_direction(g, "direction", ground.direction, "of the motion", true);
+    ground.acceleration = read_series(g, folder);
     g.finish();
+    s.ground = ground;
   }
   if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }")) {
     Table c(t.context(), *table, t.path("collapse"));
     Collapse collapse;
-    c.numbers("direction", collapse.direction, kAny, "of the body force");
+    read_direction(c, "direction", collapse.direction, "of the body force", false);
     c.number("start", collapse.start, kNotNegative, "times the weight");
     c.number("rate", collapse.rate, kPositive, "times the weight, 1/s");
     c.number("displacement", collapse.displacement, kPositive, "m");
     c.number("limit", collapse.limit, kPositive, "times the weight");
+    if (collapse.limit <= collapse.start) {
+      c.refuse(c.has("limit") ? "limit" : "start",
+               fmt::format("a limit ({}) of more than start ({})", collapse.limit, collapse.start));
+    }
     c.finish();
     s.collapse = collapse;
   }

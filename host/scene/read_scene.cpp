@@ -135,20 +135,30 @@ JointFamily read_joint(const std::string& name, Table t) {
     t.accept(p.id);
     p.source = {t.where(p.id)};
     const char* allowed = "a number, a list of numbers, or a word";
+    // What is allowed is for the law to say; not a number is allowed nowhere.
+    const auto add = [&](const toml::node& number) {
+      const std::optional<double> value = number_of(number);
+      if (!value)
+        t.wrong_type(p.id, node, allowed);
+      else if (std::isnan(*value))
+        t.refuse(p.id, allowed);
+      else
+        p.numbers.push_back(*value);
+    };
     if (node.is_number()) {
-      p.numbers = {*node.template value<double>()};
+      add(node);
     } else if (const auto word = node.template value<std::string>()) {
       p.text = *word;
     } else if (const toml::array* list = node.as_array()) {
       for (const toml::node& element : *list) {
         // Pairs may be written flat, [0, 1, 1, 0], or nested, [[0, 1], [1, 0]].
         const toml::array* pair = element.as_array();
-        for (size_t i = 0; i < (pair ? pair->size() : 1); ++i) {
-          const toml::node& number = pair ? *pair->get(i) : element;
-          if (number.is_number())
-            p.numbers.push_back(*number.value<double>());
-          else
-            t.wrong_type(p.id, node, allowed);
+        if (!pair) {
+          add(element);
+        } else if (pair->size() == 2) {
+          for (const toml::node& number : *pair) add(number);
+        } else {
+          t.wrong_type(p.id, node, "a list of pairs, as [[0, 1], [0.3, 0.5], [1, 0]]");
         }
       }
     } else {
@@ -169,23 +179,6 @@ void read_stage_basics(Table& t, Stage& stage, const Stage* previous) {
   t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
   t.integer("record_interval", stage.record_interval, 0, 1000000000L);
   t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
-}
-
-void read_components(Table& t, BodyControl& control, bool required) {
-  const std::string allowed = "a list of 3: a number in m/s, or \"free\", for x, y, z";
-  const toml::node* node = t.find("velocity", allowed, required);
-  if (!node) return;
-  const toml::array* list = node->as_array();
-  if (!list || list->size() != 3) return t.wrong_type("velocity", *node, allowed);
-  for (size_t i = 0; i < 3; ++i) {
-    const toml::node& v = *list->get(i);
-    if (v.is_number() && std::isfinite(*v.value<double>()))
-      control.velocity[i] = *v.value<double>();
-    else if (v.is_string() && *v.value<std::string>() == "free")
-      control.kind[i] = DofKind::free;
-    else
-      return t.wrong_type("velocity", *node, allowed);
-  }
 }
 
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies) {
@@ -236,8 +229,12 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
       size_t index = list->size();
       for (size_t j = 0; j < list->size(); ++j) {
         const toml::table* element = list->get(j)->as_table();
-        if (std::to_string(j + 1) == keys[i] || (element && (*element)["name"].value<std::string>() == keys[i]))
-          index = j;
+        const bool named = element && (*element)["name"].value<std::string>() == keys[i];
+        if (std::to_string(j + 1) != keys[i] && !named) continue;
+        if (index < list->size())
+          fail(fmt::format("'{}' fits elements {} and {} of the list {}; use the number", keys[i], index + 1, j + 1,
+                           resolved));
+        index = j;
       }
       if (index == list->size() || last)
         fail(fmt::format("'{}' is no element of the list {}, which has {}; count from 1 or use its name, and add a key",
@@ -364,7 +361,7 @@ std::vector<std::string> body_names(const Scene& scene) {
 BodyControl read_control(Table t, const std::vector<std::string>& bodies) {
   BodyControl c;
   t.choice("body", c.body, bodies, true);
-  read_components(t, c, false);
+  t.velocity(c, false);
   if (t.numbers("force", c.force, kAny, "N")) {
     for (size_t i = 0; i < 3; ++i) {
       if (c.force[i] != 0.0 && c.kind[i] == DofKind::velocity)

@@ -131,10 +131,10 @@ class Table {
     const std::string allowed = fmt::format("a number, {}{}{}", range.text(), *unit ? ", " : "", unit);
     const toml::node* node = find(key, allowed, required);
     if (!node) return false;
-    if (!node->is_number()) return wrong_type(key, *node, allowed), false;
-    const double number = *node->value<double>();
-    if (!range.holds(number)) return refuse(key, allowed), false;
-    value = number;
+    const std::optional<double> number = number_of(*node);
+    if (!number) return wrong_type(key, *node, allowed), false;
+    if (!range.holds(*number)) return refuse(key, allowed), false;
+    value = *number;
     return true;
   }
   bool number(const std::string& key, std::optional<double>& value, const Range& range, const char* unit) {
@@ -150,8 +150,8 @@ class Table {
     const toml::node* node = find(key, allowed, required);
     if (!node) return false;
     // 1e6 is a floating point number for TOML; whole ones are welcome as integers.
-    const std::optional<double> number = node->value<double>();
-    if (!node->is_number() || *number != std::floor(*number)) return wrong_type(key, *node, allowed), false;
+    const std::optional<double> number = number_of(*node);
+    if (!number || *number != std::floor(*number)) return wrong_type(key, *node, allowed), false;
     if (*number < static_cast<double>(lower) || *number > static_cast<double>(upper))
       return refuse(key, allowed), false;
     value = static_cast<Integer>(*number);
@@ -196,12 +196,49 @@ class Table {
     if (!list || list->size() != N) return wrong_type(key, *node, allowed), false;
     std::array<Element, N> read{};
     for (size_t i = 0; i < N; ++i) {
-      const std::optional<double> v = list->get(i)->value<double>();
-      if (!list->get(i)->is_number() || (whole && *v != std::floor(*v))) return wrong_type(key, *node, allowed), false;
+      const std::optional<double> v = number_of(*list->get(i));
+      if (!v || (whole && *v != std::floor(*v))) return wrong_type(key, *node, allowed), false;
       if (!range.holds(*v)) return refuse(key, allowed), false;
       read[i] = static_cast<Element>(*v);
     }
     value = read;
+    return true;
+  }
+
+  // A list of any length.
+  bool numbers(const std::string& key, std::vector<double>& value, const Range& range, const char* unit,
+               bool required = false) {
+    const std::string allowed = fmt::format("a list of numbers, each {}, {}", range.text(), unit);
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    const toml::array* list = node->as_array();
+    if (!list || list->empty()) return wrong_type(key, *node, allowed), false;
+    std::vector<double> read;
+    for (const toml::node& element : *list) {
+      const std::optional<double> v = number_of(element);
+      if (!v) return wrong_type(key, *node, allowed), false;
+      if (!range.holds(*v)) return refuse(key, allowed), false;
+      read.push_back(*v);
+    }
+    value = std::move(read);
+    return true;
+  }
+
+  // velocity: three components of a control, each a number in m/s or "free".
+  bool velocity(BodyControl& control, bool required) {
+    const std::string key = "velocity", allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";
+    const toml::node* node = find(key, allowed, required);
+    if (!node) return false;
+    const toml::array* list = node->as_array();
+    if (!list || list->size() != 3) return wrong_type(key, *node, allowed), false;
+    for (size_t i = 0; i < 3; ++i) {
+      const toml::node& component = *list->get(i);
+      const std::optional<double> v = number_of(component);
+      if (!v && component.value<std::string>() != "free") return wrong_type(key, *node, allowed), false;
+      if (v && !std::isfinite(*v)) return refuse(key, allowed), false;
+      control.kind[i] = v ? DofKind::velocity : DofKind::free;
+      control.velocity[i] = v.value_or(0.0);
+    }
     return true;
   }
 
@@ -253,8 +290,6 @@ JointFamily read_joint(const std::string& name, Table t);
 
 // Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
-// velocity: three components, each a number or "free".
-void read_components(Table& t, BodyControl& control, bool required);
 // displacement (m), and the monitor and direction that it is measured on.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);

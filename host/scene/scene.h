@@ -92,10 +92,15 @@ struct FacePressure {
   double pressure;  // Pa, > 0 pushes on the block
 };
 
-// Moves all fixed blocks. Piecewise linear acceleration, integrated exactly.
+// A time history, piecewise linear.
+struct SeriesSpec {
+  std::vector<double> time, value;  // s
+};
+
+// Moves all fixed blocks. The acceleration is integrated exactly.
 struct GroundMotion {
   Vec3 direction;
-  std::vector<double> time, acceleration;  // s since the start of the stage, m/s2
+  SeriesSpec acceleration;  // s since the start of the stage, m/s2
 };
 
 // Body force alpha |gravity| along `direction`, alpha growing until some block has moved by `displacement`: that alpha

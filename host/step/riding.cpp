@@ -84,7 +84,7 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
     blocks::GroundMotion motion;
     of_fixed_blocks([&](int i) { motion.blocks.push_back(i); });
     motion.direction = geometry::vector(settings.ground->direction);
-    motion.acceleration = {settings.ground->time, settings.ground->acceleration};
+    motion.acceleration = {settings.ground->acceleration.time, settings.ground->acceleration.value};
     for (double& t : motion.acceleration.time) t += m.time();
     m.add(motion);
   } else if (previous && previous->ground) {

@@ -182,6 +182,56 @@ TEST_F(ReadScene, OutOfRange) {
               AllOf(HasSubstr("--set: solver.time_step_fraction = 1.5"), HasSubstr("more than 0 and at most 1")));
 }
 
+// 2^53 + 1 lies halfway between two doubles and rounds to the even one, 2^53, as strtod rounds the same digits.
+TEST_F(ReadScene, IntegersThatNoDoubleEqualsAreRounded) {
+  const double rounded = 9007199254740992.0;
+  const Scene s =
+      read(kScene, {"stage.press.pressure=9007199254740993", "stage.1.gravity=[0, -9007199254740993, 0]",
+                    "joints.mortar.normal_stiffness=9007199254740993",
+                    "joints.mortar.softening_table=[[0, 9007199254740993], [1, 0]]", "solver.mass_scaling=1000000000"});
+  EXPECT_DOUBLE_EQ(s.stages[0].controls.at(1).force[1], -rounded * 0.03);
+  EXPECT_EQ(s.stages[0].gravity, (Vec3{0, -rounded, 0}));
+  EXPECT_EQ(s.solver.mass_scaling, 1e9);
+  std::map<std::string, PropertySetting> p;
+  for (const auto& setting : s.joints.at("mortar").properties) p[setting.id] = setting;
+  EXPECT_EQ(p["normal_stiffness"].numbers, std::vector<double>{rounded});
+  EXPECT_EQ(p["softening_table"].numbers, (std::vector<double>{0, rounded, 1, 0}));
+  const Scene custom = read(std::string(kScene) +
+                            "[[stage]]\nkind = \"custom\"\nduration = 0.1\n[[stage.control]]\nbody = \"top_beam\"\n"
+                            "velocity = [9007199254740993, \"free\", 0]\nforce = [0, -9007199254740993, 0]\n");
+  EXPECT_EQ(custom.stages[2].controls.at(0).velocity[0], rounded);
+  EXPECT_EQ(custom.stages[2].controls.at(0).force[1], -rounded);
+}
+
+TEST_F(ReadScene, IntegersThatNoDoubleEqualsKeepToTheRange) {
+  EXPECT_THAT(fault("density = 1900", "density = -9007199254740993"),
+              AllOf(HasSubstr("s.toml:5: materials.brick.density = -9007199254740993"), HasSubstr("more than 0")));
+  EXPECT_THAT(fault("pressure = 1e5", "pressure = -9007199254740993"), HasSubstr("0 or more"));
+  EXPECT_THAT(fault("courses = 2", "courses = 9007199254740993"), HasSubstr("1 to 10000"));
+  EXPECT_THAT(fault("courses = 2", "courses = 9223372036854775807"), HasSubstr("1 to 10000"));
+  EXPECT_THAT(fault("[0.2, 0.1, 0.1]", "[0.2, 9007199254740993, 0.1]"), HasSubstr("more than 0 and at most 100"));
+  EXPECT_THAT(message(kScene, {"wall.zones=[4, -9007199254740993, 2]"}),
+              AllOf(HasSubstr("--set: wall.zones"), HasSubstr("1 to 64")));
+  EXPECT_THAT(fault("courses = 2", "courses = 92233720368547758070"), HasSubstr("not valid TOML"));
+}
+
+TEST_F(ReadScene, PropertiesThatAreNoNumbers) {
+  EXPECT_THAT(fault("82e9", "nan"), HasSubstr("s.toml:8: joints.mortar.normal_stiffness = nan"));
+  for (const char* table : {"[[0, 1], [nan, 0]]", "[0, 1, 1, nan]"}) {
+    EXPECT_THAT(message(kScene, {std::string("joints.mortar.softening_table=") + table}),
+                AllOf(HasSubstr("--set: joints.mortar.softening_table"), HasSubstr("nan")));
+  }
+  // Flattened, these would be [0, 1, 1, 0].
+  EXPECT_THAT(message(kScene, {"joints.mortar.softening_table=[[0], [1, 1, 0]]"}), HasSubstr("a list of pairs"));
+}
+
+TEST_F(ReadScene, AnOverrideByAnAmbiguousNameIsRefused) {
+  const std::string twice = std::string(kScene) + "[[stage]]\nname = \"press\"\nkind = \"pressure\"\npressure = 1\n";
+  EXPECT_THAT(message(twice, {"stage.press.pressure=3e5"}),
+              AllOf(HasSubstr("'press' fits elements 1 and 3"), HasSubstr("use the number")));
+  EXPECT_NO_THROW(read(twice, {"stage.3.pressure=3e5"}));
+}
+
 TEST_F(ReadScene, MissingKeysAndNames) {
   EXPECT_THAT(fault("courses = 2\n", ""),
               AllOf(HasSubstr("s.toml:10: wall.courses: missing"), HasSubstr("1 to 10000")));

@@ -1,4 +1,7 @@
 // Block scenes: reader, generators and stages.
+#include <unistd.h>
+
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -12,7 +15,8 @@ namespace {
 
 std::string scene_file(const std::string& body) {
   static int number = 0;
-  const std::string path = ::testing::TempDir() + "scene_" + std::to_string(++number) + ".toml";
+  const std::string path =
+      ::testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(++number) + ".toml";
   std::ofstream(path) << R"(
 [materials.stone]
 young_modulus = 1e10
@@ -35,7 +39,7 @@ duration = 0.1
 )";
 
 TEST(BlockScenes, EveryShapeAndGenerator) {
-  const std::string mesh = ::testing::TempDir() + "wedge.off";
+  const std::string mesh = ::testing::TempDir() + std::to_string(getpid()) + "_wedge.off";
   std::ofstream(mesh)
       << "OFF\n6 5 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 1\n0 1 1\n3 0 2 1\n3 3 4 5\n4 0 1 4 3\n4 1 2 5 4\n4 2 0 3 5\n";
   const std::string path = scene_file(R"(
@@ -52,7 +56,8 @@ position = [0, 0.0, -4]
 [[block]]
 name = "mesh"
 material = "stone"
-mesh = "wedge.off"
+mesh = ")" + std::to_string(getpid()) +
+                                      R"(_wedge.off"
 rotation = [-90, 0, 0]
 position = [4, 0, -4]
 [[block]]
@@ -149,6 +154,111 @@ vertices = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("block flat: its vertices lie in one plane"), std::string::npos) << e.what();
+  }
+}
+
+// Two blocks that touch nothing, so that no contact law sees that one of them is nowhere.
+const char* const two_free_blocks = R"(
+[[block]]
+name = "here"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[block]]
+name = "there"
+material = "stone"
+box = { lower = [5, 0, 0], size = [1, 1, 1] }
+[output]
+picture = false
+)";
+
+std::string failure(const std::function<void()>& action, Exit code) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit_code, code) << e.what();
+    return e.what();
+  }
+  return "no failure";
+}
+
+void expect_words(const std::string& text, std::initializer_list<const char*> words) {
+  for (const char* word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
+}
+
+TEST(BlockScenes, ABlockThatIsNowhereEndsTheRun) {
+  const double nowhere[] = {NAN, INFINITY, -INFINITY};
+  for (double wrong : nowhere) {
+    const BlockScene scene = read_block_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+    Model m(assemble(scene), scene.solver);
+    m.run_steps(3);
+    m.body(1).v.y = wrong;
+    expect_words(failure([&] { m.step(); }, Exit::numerical),
+                 {"block #1 'there', (5.5, 0.5, 0.5) m at the start", "no finite number at step 4"});
+  }
+  blocks::Run spinning(read_block_scene(scene_file(two_free_blocks + std::string(R"(
+[[stage]]
+duration = 0.1
+[[stage.velocity]]
+block = "there"
+velocity = [0, 0, 0]
+omega = [0, 1e300, 0]
+)"))));
+  expect_words(failure([&] { spinning.run([](const Row&) {}, nullptr); }, Exit::numerical),
+               {"block #1 'there'", "no finite number at step 1"});
+  // of deformable blocks, gridpoints
+  std::string soft = two_free_blocks;
+  soft.replace(soft.rfind("material"), 0, "rigid = false\nzone_edge = 1.0\n");
+  const BlockScene scene = read_block_scene(scene_file(soft + rest_stage));
+  Model m(assemble(scene), scene.solver);
+  m.run_steps(3);
+  m.node_velocities()[2].z = NAN;
+  expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
+}
+
+TEST(BlockScenes, HistoriesHoldFiniteNumbers) {
+  // Positions stay finite, but the square of the velocity does not.
+  std::string stage = rest_stage;
+  stage.replace(stage.find("-9.81"), 5, "-1e200");
+  blocks::Run run(read_block_scene(scene_file(two_free_blocks + stage)));
+  expect_words(failure([&] { run.run([](const Row&) {}, nullptr); }, Exit::numerical),
+               {"stage 'stage'", "step", "no finite number"});
+}
+
+TEST(BlockScenes, ModelsStartSomewhere) {
+  const BlockScene scene = read_block_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+  const auto refused = [&](const std::function<void(Assembly&)>& spoil) {
+    Assembly a = assemble(scene);
+    spoil(a);
+    return failure([&] { Model(a, scene.solver); }, Exit::bad_input);
+  };
+  expect_words(refused([](Assembly& a) {
+                 a.blocks[1].orientation = geometry::rotation({1e300, 0, 0});
+               }),
+               {"block #1 'there'", "its place is no finite number", "rotation"});
+  expect_words(refused([](Assembly& a) { a.blocks[1].position.y = NAN; }), {"block #1 'there'", "position"});
+  expect_words(refused([](Assembly& a) {
+                 a.materials[0].density = 1.7e308, a.shapes[0] = geometry::box({}, {9, 9, 9});
+               }),
+               {"block #0 'here'", "mass inf kg"});
+  EXPECT_EQ(refused([](Assembly&) {}), "no failure");
+}
+
+TEST(BlockScenes, ALoadOnOneOfTwoBlocksOfTheSameNameIsRefused) {
+  std::string twins = two_free_blocks;
+  twins.replace(twins.find("there"), 5, "here");
+  const std::string load = "[[stage.force]]\nblock = \"here\"\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n";
+  expect_words(
+      failure([&] { blocks::Run run(read_block_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
+      {"blocks #0 and #1 are both called 'here'"});
+  EXPECT_NO_THROW(blocks::Run(read_block_scene(scene_file(twins + rest_stage))));
+}
+
+TEST(BlockScenes, BlocksHaveNoMoreZonesThanMemory) {
+  for (const char* zones : {"zone_edge = 1e-9", "divisions = [200, 200, 200]"}) {
+    std::string soft = two_free_blocks;
+    soft.replace(soft.rfind("material"), 0, "rigid = false\n" + std::string(zones) + "\n");
+    expect_words(failure([&] { blocks::Run run(read_block_scene(scene_file(soft + rest_stage))); }, Exit::bad_input),
+                 {"block #1 'there'", "zones, more than 1e+07"});
   }
 }
 

@@ -1,0 +1,23 @@
+// Numbers as people and programs write them in text: on command lines, in CSV, mesh and record files.
+#pragma once
+
+#include <charconv>
+#include <string_view>
+#include <system_error>
+
+namespace quoin {
+
+// The number that the whole of `text` spells, surrounding blanks and a plus sign allowed, whatever the locale; false
+// for anything else and for numbers out of the type's range. Floating point: "inf" and "nan" are numbers. Integers:
+// digits only, so that 1.7 and 1e3 are none.
+template <typename Number>
+bool parse_number(std::string_view text, Number& value) {
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos) return false;
+  text = text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return fault == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace quoin

@@ -1,0 +1,208 @@
+// Mesh files that are wrong: every one is refused with file and line, and none crashes the reader.
+#include "geometry/mesh_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "scene/error.h"
+
+namespace quoin::geometry {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const char* const kOff = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+const char* const kObj = "o wedge\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2/1 3/2 4//3\nf -4 -1 -2\n";
+
+std::string ascii_stl() {
+  std::string text = "solid wedge#1\n";
+  for (const char* facet : {"0 0 0/0 1 0/1 0 0", "0 0 0/1 0 0/0 0 1", "1 0 0/0 1 0/0 0 1", "0 0 0/0 0 1/0 1 0"}) {
+    text += "facet normal 0 0 0\nouter loop\nvertex ";
+    for (const char* c = facet; *c; ++c) text += *c == '/' ? "\nvertex " : std::string(1, *c);
+    text += "\nendloop\nendfacet\n";
+  }
+  return text + "endsolid\n";
+}
+
+std::string binary_stl() {
+  const int corners[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  std::string bytes(80, ' ');
+  const uint32_t count = 4;
+  bytes.append(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& triangle : corners) {
+    float record[12] = {};
+    for (int k = 0; k < 3; ++k) {
+      if (triangle[k] > 0) record[3 + 3 * k + triangle[k] - 1] = 1.0f;
+    }
+    bytes.append(reinterpret_cast<const char*>(record), 48).append(2, '\0');
+  }
+  return bytes;
+}
+
+class BadMeshFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("quoin_mesh_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+               std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::vector<NamedShape> read(const std::string& ending, const std::string& bytes) {
+    const std::string file = (folder_ / ("m." + ending)).string();
+    std::ofstream(file, std::ios::binary) << bytes;
+    return read_mesh_file(file);
+  }
+  std::string refusal(const std::string& ending, const std::string& bytes) {
+    try {
+      read(ending, bytes);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      return error.what();
+    }
+    return "accepted";
+  }
+  // `from` of a good file replaced by `to`
+  std::string refusal(const std::string& ending, std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return refusal(ending, text.replace(at, from.size(), to));
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(BadMeshFile, TheGoodOnesAreGood) {
+  for (const auto& [ending, bytes] :
+       std::vector<std::pair<std::string, std::string>>{{"off", kOff},
+                                                        {"off", "OFF 4 4 0\n" + std::string(kOff).substr(10)},
+                                                        {"off", std::string(kOff).substr(4)},
+                                                        {"obj", kObj},
+                                                        {"stl", ascii_stl()},
+                                                        {"stl", binary_stl()}}) {
+    const auto shapes = read(ending, bytes);
+    ASSERT_EQ(shapes.size(), 1u);
+    EXPECT_DOUBLE_EQ(mass_properties(shapes[0].shape).volume, 1.0 / 6);
+  }
+  EXPECT_EQ(read("stl", ascii_stl())[0].name, "wedge#1");
+}
+
+TEST_F(BadMeshFile, NumbersOfCornersAreWholeAndInRange) {
+  for (const char* wrong : {"-1", "0", "2", "1.7", "4294967299", "9223372036854775807", "1e1", "nan", "three"}) {
+    EXPECT_THAT(
+        refusal("off", kOff, "3 1 2 3", std::string(wrong) + " 1 2 3"),
+        AllOf(HasSubstr("m.off:9: number of corners '" + std::string(wrong) + "'"), HasSubstr("an integer, 3 to")));
+  }
+  EXPECT_THAT(refusal("off", kOff, "3 1 2 3", "4 1 2 3"), HasSubstr("m.off:9: a face of 4 corners has 3 indices"));
+}
+
+TEST_F(BadMeshFile, VertexNumbersAreWholeAndInRange) {
+  for (const char* wrong : {"-1", "4", "1.7", "1.0", "4294967297", "18446744073709551617", "nan", "x"}) {
+    EXPECT_THAT(
+        refusal("off", kOff, "3 1 2 3", "3 1 " + std::string(wrong) + " 3"),
+        AllOf(HasSubstr("m.off:9: vertex number '" + std::string(wrong) + "'"), HasSubstr("an integer, 0 to 3")));
+  }
+  for (const char* wrong : {"0", "5", "1.7", "4294967297", "x", "/1"}) {
+    EXPECT_THAT(refusal("obj", kObj, "f 1 3 2", "f 1 " + std::string(wrong) + " 2"),
+                AllOf(HasSubstr("m.obj:6: vertex number"), HasSubstr("an integer, 1 to 4")))
+        << wrong;
+  }
+  for (const char* wrong : {"-5", "-4294967297", "-1.7", "-x"}) {
+    EXPECT_THAT(refusal("obj", kObj, "f 1 3 2", "f 1 " + std::string(wrong) + " 2"),
+                AllOf(HasSubstr("m.obj:6: vertex number '" + std::string(wrong) + "'"), HasSubstr("-4 to -1")));
+  }
+  EXPECT_THAT(refusal("obj", "f 1 2 3\n"), HasSubstr("no vertices yet"));
+  EXPECT_THAT(refusal("obj", kObj, "f 1 3 2", "f 1 3"), HasSubstr("m.obj:6: a face of 2 corners"));
+}
+
+TEST_F(BadMeshFile, CountsAreNotBelieved) {
+  for (const char* wrong : {"-4", "1.5", "4294967300", "1e3", "nan"}) {
+    EXPECT_THAT(refusal("off", kOff, "4 4 0", std::string(wrong) + " 4 0"),
+                HasSubstr("m.off:2: number of vertices '" + std::string(wrong) + "'"));
+    EXPECT_THAT(refusal("off", kOff, "4 4 0", "4 " + std::string(wrong) + " 0"),
+                HasSubstr("m.off:2: number of faces '" + std::string(wrong) + "'"));
+  }
+  EXPECT_THAT(refusal("off", kOff, "4 4 0", "4 9999999 0"), HasSubstr("m.off:10: the file ends too early"));
+  EXPECT_THAT(refusal("off", kOff, "4 4 0", "4 3 0"), HasSubstr("m.off:10: '3' after the last of 3 faces"));
+  EXPECT_THAT(refusal("off", ""), HasSubstr("the file ends too early"));
+  std::string many = binary_stl();
+  std::memset(many.data() + 80, 0xff, 4);
+  EXPECT_THAT(refusal("stl", many), HasSubstr("284 bytes, but a binary STL file of the 4294967295 triangles"));
+  EXPECT_THAT(refusal("stl", binary_stl().substr(0, 200)), HasSubstr("200 bytes"));
+}
+
+TEST_F(BadMeshFile, CoordinatesAreFinite) {
+  for (const char* wrong : {"nan", "inf", "1e999", "0x1", "1,5", "one"}) {
+    EXPECT_THAT(refusal("off", kOff, "1 0 0", std::string(wrong) + " 0 0"),
+                HasSubstr("m.off:4: '" + std::string(wrong)));
+    EXPECT_THAT(refusal("obj", kObj, "1 0 0", std::string(wrong) + " 0 0"),
+                HasSubstr("m.obj:3: '" + std::string(wrong)));
+    EXPECT_THAT(refusal("stl", ascii_stl(), "1 0 0", std::string(wrong) + " 0 0"),
+                HasSubstr("m.stl:6: '" + std::string(wrong)));
+  }
+  EXPECT_THAT(refusal("off", kOff, "1 0 0", "1 0"), HasSubstr("m.off:4: a vertex needs three coordinates"));
+  std::string bytes = binary_stl();
+  const float not_a_number = NAN;
+  std::memcpy(bytes.data() + 84 + 50 + 12 + 24, &not_a_number, 4);
+  EXPECT_THAT(refusal("stl", bytes), HasSubstr("triangle 1, corner 2: a coordinate is not finite"));
+}
+
+TEST_F(BadMeshFile, FacetsOfStlHaveThreeVertices) {
+  EXPECT_THAT(refusal("stl", ascii_stl(), "vertex 1 0 0\n", ""), HasSubstr("m.stl:6: a facet needs three vertices"));
+  EXPECT_THAT(refusal("stl", ascii_stl(), "outer loop\n", ""), HasSubstr("m.stl:3: misplaced vertex"));
+  EXPECT_THAT(refusal("stl", ascii_stl(), "endloop", "solid other"), HasSubstr("m.stl:7: misplaced 'solid'"));
+  const std::string text = ascii_stl();
+  EXPECT_THAT(refusal("stl", text.substr(0, text.rfind("endloop"))), HasSubstr("ends within a facet"));
+}
+
+// Whatever happens to a file, it is read or refused as bad input. Run under the sanitizers, this finds reads beyond
+// arrays and conversions that no integer holds.
+TEST_F(BadMeshFile, MutatedFilesAreReadOrRefused) {
+  const std::vector<std::pair<std::string, std::string>> seeds = {
+      {"off", kOff}, {"obj", kObj}, {"stl", ascii_stl()}, {"stl", binary_stl()}};
+  const std::vector<std::string> words = {"-1",     "4294967297", "1.7",     "nan", "inf", "9223372036854775808",
+                                          "99999",  "0",          "solid",   "o",   "f",   "v",
+                                          "vertex", "outer",      "endloop", "#",   "\n",  "1e308"};
+  std::mt19937 random(20261122);
+  const auto below = [&](size_t n) { return random() % n; };
+  for (int round = 0; round < 3000; ++round) {
+    auto [ending, bytes] = seeds[below(seeds.size())];
+    for (size_t changes = 1 + below(3); changes > 0 && !bytes.empty(); --changes) {
+      const size_t at = below(bytes.size());
+      switch (below(5)) {
+        case 0:
+          bytes[at] = static_cast<char>(random());
+          break;
+        case 1:
+          bytes.erase(at, below(20));
+          break;
+        case 2:
+          bytes.insert(at, words[below(words.size())]);
+          break;
+        case 3:
+          bytes.resize(at);
+          break;
+        default:
+          bytes.insert(at, bytes.substr(below(bytes.size()), below(60)));
+      }
+    }
+    try {
+      read(ending, bytes);
+    } catch (const Error& error) {
+      ASSERT_EQ(error.exit_code, Exit::bad_input) << error.what();
+    } catch (const std::exception& error) {
+      FAIL() << "round " << round << ": " << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quoin::geometry

@@ -1,0 +1,201 @@
+// Scenes of blocks as they are read, and the records of ground motion that they name.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "scene/block_scene.h"
+#include "scene/error.h"
+#include "scene/series_file.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const char* const kScene = R"([materials.stone]
+density = 2000
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[[block]]
+name = "block"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[[stage]]
+duration = 0.1
+)";
+
+class ReadBlockScene : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              (std::string("quoin_block_scene_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+               "_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const char* name, const std::string& text) {
+    const std::string file = (folder_ / name).string();
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+  }
+  BlockScene read(const std::vector<std::string>& overrides) {
+    return read_block_scene(write("s.toml", kScene), overrides);
+  }
+  template <typename Action>
+  std::string refusal(Action&& action) {
+    try {
+      action();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      return error.what();
+    }
+    ADD_FAILURE() << "accepted";
+    return {};
+  }
+  std::string fault(const std::string& override) {
+    return refusal([&] { read({override}); });
+  }
+  std::string record_fault(const std::string& text) {
+    const std::string file = write("quake.csv", text);
+    return refusal([&] { read_series_file(file); });
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReadBlockScene, RecordsMayHaveCommentsAndAHeader) {
+  for (const char* text : {
+           "# station 7\ntime, acceleration\n0, 0.5\n0.01, -1.5e0 # peak\n\n+0.02, 0\n",
+           "\xEF\xBB\xBFTime (s); Acc (g)\r\n0; 0.5\r\n0.01; -1.5\r\n0.02; 0\r\n",
+           "% blanks\n  0 0.5\n0.01\t-1.5\n0.02   0",
+       }) {
+    const SeriesSpec s = read_series_file(write("quake.csv", text));
+    EXPECT_THAT(s.time, ElementsAre(0.0, 0.01, 0.02)) << text;
+    EXPECT_THAT(s.value, ElementsAre(0.5, -1.5, 0.0)) << text;
+  }
+}
+
+TEST_F(ReadBlockScene, EveryBadLineOfARecordIsNamed) {
+  const std::string text = record_fault("time, acceleration\n0, 0\n0.01, nan\n0.02, 1.O\n0.03, 2\n0.04, 0\n");
+  EXPECT_THAT(text, AllOf(HasSubstr("quake.csv:3: '0.01, nan': the value 'nan'; allowed: a finite number"),
+                          HasSubstr("quake.csv:4: '0.02, 1.O': the value '1.O'"), Not(HasSubstr("quake.csv:5"))));
+}
+
+TEST_F(ReadBlockScene, NoLineOfARecordIsLeftOut) {
+  for (const char* line : {"0.02", "0.02,", "0.02, 1, 2", "0,02 0,5", "x, 1", "0.02, 1e999", "0.02, inf", "nan, 1",
+                           "inf, 1", "0.02 1.5g", "acceleration", "0.02: 1", "0x1p-5, 1"}) {
+    EXPECT_THAT(record_fault("0, 0\n" + std::string(line) + "\n3, 0\n"),
+                AllOf(HasSubstr("quake.csv:2: '" + std::string(line) + "'"), HasSubstr("allowed")))
+        << line;
+  }
+  EXPECT_THAT(record_fault("0, 0\ntime, acceleration\n"), HasSubstr("quake.csv:2"));
+  EXPECT_THAT(record_fault("-0.01, 0\n0, 1\n"), AllOf(HasSubstr("quake.csv:1"), HasSubstr("0 or more")));
+  for (const char* second : {"0.02, 1", "0.01, 1"}) {
+    EXPECT_THAT(record_fault("0, 0\n0.02, 0\n" + std::string(second) + "\n0.03, 0\n"),
+                AllOf(HasSubstr("quake.csv:3"), HasSubstr("times that increase"), Not(HasSubstr("quake.csv:4"))));
+  }
+  EXPECT_THAT(record_fault(""), HasSubstr("has no row"));
+  EXPECT_THAT(record_fault("# nothing\ntime, acceleration\n"), HasSubstr("has no row"));
+  EXPECT_THAT(refusal([&] { read_series_file((folder_ / "none.csv").string()); }), HasSubstr("no such file"));
+  EXPECT_THAT(refusal([&] { read_series_file(folder_.string()); }), HasSubstr("is no regular file"));
+}
+
+TEST_F(ReadBlockScene, OnlyTheFirstBadLinesAreListed) {
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += "?, " + std::to_string(i) + "\n";
+  const std::string message = record_fault(text);
+  EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 5) << message;
+  EXPECT_THAT(message, AllOf(HasSubstr("quake.csv:5:"), Not(HasSubstr("quake.csv:6:")), HasSubstr("95 more lines")));
+}
+
+TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
+  write("quake.csv", "0, 0\n1, 2\n");
+  const BlockScene s = read({"stage.1.ground_motion={direction=[1,0,0],file='quake.csv',scale=9.81}"});
+  EXPECT_THAT(s.stages[0].ground->acceleration.value, ElementsAre(0.0, 19.62));
+  write("quake.csv", "0, 0\n1, nan\n");
+  EXPECT_THAT(fault("stage.1.ground_motion={direction=[1,0,0],file='quake.csv'}"),
+              AllOf(HasSubstr("stage.1.ground_motion.file = 'quake.csv'"), HasSubstr("quake.csv:2: '1, nan'")));
+  write("quake.csv", "0, 0\n1, 1e300\n");
+  EXPECT_THAT(fault("stage.1.ground_motion={direction=[1,0,0],file='quake.csv',scale=1e10}"), HasSubstr("scale"));
+  EXPECT_THAT(fault("stage.1.ground_motion={direction=[1,0,0],file='quake.csv',time=[0]}"),
+              AllOf(HasSubstr("ground_motion.time"), HasSubstr("only without file")));
+}
+
+TEST_F(ReadBlockScene, SeriesInTheSceneKeepTheSameRules) {
+  const auto ground = [](const char* series) {
+    return std::string("stage.1.ground_motion={direction=[1,0,0],") + series + "}";
+  };
+  for (const char* series :
+       {"time=[0,nan],acceleration=[0,1]", "time=[0,1],acceleration=[0,inf]", "time=[0,0],acceleration=[0,1]",
+        "time=[1,0],acceleration=[0,1]", "time=[-1,0],acceleration=[0,1]", "time=[],acceleration=[]",
+        "time=[0,1],acceleration=[0,'1']", "time=[0,1],acceleration=[0]", "time=0,acceleration=0"}) {
+    EXPECT_THAT(fault(ground(series)), HasSubstr("stage.1.ground_motion")) << series;
+  }
+  const BlockScene s = read({ground("time=[0, 9007199254740993],acceleration=[9007199254740993,0]")});
+  EXPECT_EQ(s.stages[0].ground->acceleration.time[1], 9007199254740992.0);
+  EXPECT_EQ(s.stages[0].ground->acceleration.value[0], 9007199254740992.0);
+}
+
+TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
+  for (const char* setting : {
+           "block.1.rotation=[1e300, 0, 0]",
+           "block.1.rotation=[nan, 0, 0]",
+           "block.1.position=[0, 1e300, 0]",
+           "block.1.position=[0, -9007199254740993, 0]",
+           "block.1.box.size=[1e200, 1, 1]",
+           "block.1.scale=2.0",
+           "materials.stone.density=-9007199254740993",
+           "stage.1.velocity=[{block='block', velocity=[nan, 0, 0]}]",
+           "stage.1.velocity=[{block='block', velocity=[0, -inf, 0]}]",
+           "stage.1.velocity=[{block='block', velocity=[0, true, 0]}]",
+           "stage.1.velocity=[{block='block', velocity=[0, 0]}]",
+           "stage.1.ground_motion={direction=[0,0,0], time=[0,1], acceleration=[0,1]}",
+           "stage.1.collapse={direction=[0,0,0]}",
+           "stage.1.collapse={start=3.0}",
+           "stage.1.pressure=[{block='block', normal=[0,0,0], pressure=1}]",
+       }) {
+    const std::string text = setting;
+    EXPECT_THAT(fault(text), AllOf(HasSubstr("--set: " + text.substr(0, text.find('='))), HasSubstr("allowed")));
+  }
+  const BlockScene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
+  EXPECT_EQ(s.stages[0].velocities.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
+  EXPECT_EQ(s.stages[0].velocities[0].held, (std::array<bool, 3>{true, false, true}));
+}
+
+TEST_F(ReadBlockScene, VerticesAndFaces) {
+  std::string text = kScene;
+  const std::string box = "box = { lower = [0, 0, 0], size = [1, 1, 1] }";
+  const auto with = [&](const std::string& vertices, const std::string& faces) {
+    std::string other = text;
+    other.replace(other.find(box), box.size(), "vertices = " + vertices + "\nfaces = " + faces);
+    return write("s.toml", other);
+  };
+  const std::string corners = "[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]";
+  const BlockScene s = read_block_scene(with(corners, "[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]"));
+  EXPECT_THAT(s.blocks[0].faces[0], ElementsAre(0, 2, 1));
+  for (const char* wrong : {"4294967297", "1.7", "1.0", "-1", "4", "true", "9223372036854775807", "nan"}) {
+    const std::string file = with(corners, "[[0,2," + std::string(wrong) + "],[0,1,3],[1,2,3],[0,3,2]]");
+    EXPECT_THAT(refusal([&] { read_block_scene(file); }),
+                AllOf(HasSubstr("s.toml:13: block.1.faces"), HasSubstr("less than 4")))
+        << wrong;
+  }
+  for (const char* wrong : {"nan", "inf", "1e300", "'x'", "9007199254740993"}) {
+    const std::string file = with("[[0,0," + std::string(wrong) + "],[1,0,0],[0,1,0],[0,0,1]]", "[]");
+    EXPECT_THAT(refusal([&] { read_block_scene(file); }), HasSubstr("s.toml:12: block.1.vertices")) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace quoin
