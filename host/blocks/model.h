@@ -54,13 +54,13 @@ struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into Model::facets_ for a deformable side
   Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
-  double offset = 0.0;          // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
-  Vector arm;                   // of the point in b's body frame (rigid b), m
-  double slid[2] = {0.0, 0.0};  // position along s, t at the last step, m
-  double area = 0.0;            // m2
-  Vector at;                    // in space, of the last step, m
-  double reference = 0.0;       // gap at which d_n = 0, m
-  Vector force;                 // of the last step on a, in space, viscous part included, N
+  double offset = 0.0;           // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
+  Vector arm;                    // of the point in b's body frame (rigid b), m
+  double slid[2] = {0.0, 0.0};   // position along s, t at the last step, m
+  double area = 0.0;             // m2
+  Vector at;                     // in space, of the last step, m
+  double reference = 0.0;        // gap at which d_n = 0, m
+  Vector force;                  // of the last step on a, in space, viscous part included, N
   double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };
 
@@ -245,7 +245,11 @@ class Model {
   Vector velocity(int block) const;          // of the centre of mass, m/s
   Vector angular_velocity(int block) const;  // rigid, rad/s
   Vector contact_force(int block) const;     // of all contacts of the last step, N
+  Matrix frame_of(const Point& p) const;     // rows n, s, t in space, n from a to b
   Vector corner(int block, int vertex) const;
+  // Corners of each face as it stands, counter-clockwise seen from outside: faces of rigid blocks, triangles of the
+  // surface of deformable ones, m.
+  std::vector<std::vector<Vector>> faces(int block) const;
   std::vector<Vector>& node_positions() { return node_x_; }
   const std::vector<Vector>& node_positions() const { return node_x_; }
   std::vector<Vector>& node_velocities() { return node_v_; }
@@ -260,13 +264,13 @@ class Model {
   void hold_node(int node, uint8_t held) { node_held_[node] = held; }
   void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
   const Energies& energies() const { return energies_; }
-  double kinetic_energy() const;            // of the velocities half a step ago, J
+  double kinetic_energy() const;             // of the velocities half a step ago, J
   Vector net_force() const { return net_; }  // on all that is free to move, of the last step, N
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
   double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
-  double unbalanced_force() const { return unbalanced_; }  // the largest, N
+  double unbalanced_force() const { return unbalanced_; }    // the largest, N
   double contact_force_sum() const { return total_force_; }  // sum of |force| over contact points, N
   size_t point_count() const;
   double mass() const;
@@ -347,8 +351,8 @@ class Model {
 
   ThreadPool* pool_ = nullptr;
   std::vector<Chunk> chunks_;
-  std::vector<Touch> touches_;         // block after block, of a block in the order of families and points
-  std::vector<uint32_t> touch_end_;    // by block
+  std::vector<Touch> touches_;              // block after block, of a block in the order of families and points
+  std::vector<uint32_t> touch_end_;         // by block
   std::vector<int> chunk_end_, block_end_;  // shares of the threads
   std::vector<BlockSums> block_sums_;
 

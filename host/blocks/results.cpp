@@ -46,11 +46,31 @@ Vector Model::angular_velocity(int block) const {
 
 Vector Model::contact_force(int block) const { return block_contact_force_[block]; }
 
+Matrix Model::frame_of(const Point& p) const {
+  if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
+  const Matrix& r = bodies_[size_t(blocks_[size_t(p.a)].body)].r;
+  return {{r * p.n, r * p.s, r * p.t}};
+}
+
 Vector Model::corner(int block, int vertex) const {
   const ModelBlock& b = blocks_[block];
   if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
   const Body& body = bodies_[b.body];
   return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
+}
+
+std::vector<std::vector<Vector>> Model::faces(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  std::vector<std::vector<Vector>> result;
+  if (b.body >= 0) {
+    for (const auto& face : b.shape->faces) {
+      auto& corners = result.emplace_back();
+      for (int v : face) corners.push_back(corner(block, v));
+    }
+    return result;
+  }
+  for (const auto& t : b.surface) result.push_back({node_x_[t.node[0]], node_x_[t.node[1]], node_x_[t.node[2]]});
+  return result;
 }
 
 Matrix Model::zone_stress(int z) const {

@@ -218,8 +218,7 @@ void Model::forces_on_gridpoints(int block) {
       // The pair acts at p.at: shear times the gap is a couple that the triangle takes as normal forces.
       const double gap = f.normal_jump[touch.point] + p.reference;
       for (int i = 0; i < 3; ++i) {
-        const double couple =
-            -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
+        const double couple = -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
         node_f_[facet.node[i]] += facet.weight[i] * p.force + couple * p.n;
       }
       contacts += p.force;

@@ -10,6 +10,7 @@
 #include "law/csv_table.h"
 #include "law/fit.h"
 #include "law/property_text.h"
+#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

@@ -12,6 +12,7 @@
 #include "law/csv_table.h"
 #include "law/path_file.h"
 #include "law/property_text.h"
+#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

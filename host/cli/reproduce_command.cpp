@@ -15,6 +15,7 @@
 #include "reproduce/study.h"
 #include "reproduce/verdict_file.h"
 #include "results/file.h"
+#include "results/result_folder.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -61,7 +62,7 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   for (const Study* study : chosen) {
     for (RunSpec& spec : study->runs(quality)) specs.push_back(std::move(spec));
   }
-  make_folder(settings.root);
+  const FolderLock lock(settings.root);
   cache.compute(specs);
 
   int missed = 0, failed = 0;

@@ -1,7 +1,6 @@
 #include "law/csv_table.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -81,25 +80,6 @@ CsvTable read_csv(const std::string& file) {
   if (table.columns.empty()) fail(0, "is empty; the first line must name the columns");
   if (table.rows.empty()) fail(0, "has no row below its header");
   return table;
-}
-
-void write_file(const std::string& file, const std::string& content) {
-  const std::string part = fmt::format("{}.part{}", file, getpid());
-  const auto fail = [&](const std::string& reason) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}", file, reason));
-  };
-  {
-    std::ofstream stream(part, std::ios::binary);
-    if (!stream) fail("check that its folder exists and may be written");
-    stream << content;
-    stream.flush();
-    if (!stream) fail("the disk may be full");
-  }
-  std::error_code fault;
-  std::filesystem::rename(part, file, fault);
-  if (fault) fail(fault.message());
 }
 
 std::string full_precision(double value) { return fmt::format("{:.17g}", value); }

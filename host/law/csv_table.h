@@ -1,4 +1,4 @@
-// Small tables of numbers in CSV: read with the place of every fault, written whole or not at all.
+// Small tables of numbers in CSV: read with the place of every fault.
 #pragma once
 
 #include <string>
@@ -19,9 +19,6 @@ struct CsvTable {
 // file, line and value: no such file, a number that is none or not finite, a row of another length, a column twice, no
 // row.
 CsvTable read_csv(const std::string& file);
-
-// Writes beside the file and renames: a reader never sees half a file. Throws Error(bad_input) when it cannot.
-void write_file(const std::string& file, const std::string& content);
 
 // Shortest decimal that reads back as the same double would be unreadable in columns: 17 significant digits.
 std::string full_precision(double value);

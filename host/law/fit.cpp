@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <numbers>
 #include <optional>
 
 #include "law/contact_point.h"
+#include "results/gnuplot.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -389,12 +389,8 @@ FitResult fit_properties(const Law& law, const std::vector<MeasuredCurve>& curve
 }
 
 std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& result, const std::string& folder) {
-  std::filesystem::create_directories(folder);
-  std::string picture = (std::filesystem::path(folder) / "fit.png").string();
-  std::string script = fmt::format(
-      "set terminal pngcairo size 1500,500 font 'sans,11' noenhanced\nset output '{}'\nset grid\nset multiplot layout "
-      "1,3\n",
-      picture);
+  std::string script =
+      "set terminal pngcairo size 1500,500 font 'sans,11' noenhanced\nset grid\nset multiplot layout 1,3\n";
   for (const TestKind kind : {TestKind::couplet, TestKind::triplet, TestKind::prism}) {
     const bool triplet = kind == TestKind::triplet;
     std::string plots;
@@ -409,8 +405,8 @@ std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& 
       script += "EOD\n";
       const std::string name = std::filesystem::path(curves[k].file).stem().string();
       plots += fmt::format(
-          "{}$c{} using 1:2 with points pt 6 ps 0.6 lc {} title '{}', $c{} using 1:3 with lines lw 2 lc {} notitle",
-          plots.empty() ? "" : ", ", k, k + 1, name, k, k + 1);
+          "{}$c{} using 1:2 with points pt 6 ps 0.6 lc {} title {}, $c{} using 1:3 with lines lw 2 lc {} notitle",
+          plots.empty() ? "" : ", ", k, k + 1, gnuplot_text(name), k, k + 1);
     }
     if (plots.empty()) {
       script += "set multiplot next\n";
@@ -424,11 +420,9 @@ std::string plot_fit(const std::vector<MeasuredCurve>& curves, const FitResult& 
                           triplet ? "tau" : "stress", plots);
   }
   script += "unset multiplot\n";
-  FILE* pipe = popen("gnuplot 2>&1 >/dev/null", "w");
-  if (pipe == nullptr) throw Error(Exit::bad_input, "gnuplot could not be started; install gnuplot-nox");
-  std::fwrite(script.data(), 1, script.size(), pipe);
-  if (pclose(pipe) != 0) throw Error(Exit::bad_input, "fit: gnuplot failed; is gnuplot installed?");
-  return picture;
+  const std::filesystem::path picture = std::filesystem::path(folder) / "fit.png";
+  draw_picture_alone(picture, script);
+  return picture.string();
 }
 
 }  // namespace quoin

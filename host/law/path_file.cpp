@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -15,6 +14,7 @@
 
 #include "law/csv_table.h"
 #include "law/property_text.h"
+#include "results/gnuplot.h"
 #include "scene/error.h"
 #include "scene/toml.h"
 
@@ -395,9 +395,8 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
     if (normal || !sliding) plots.emplace_back("dn", "sigma");
     if (sliding) plots.emplace_back("ds", "tau_s");
   }
-  std::filesystem::create_directories(folder);
   const std::string stem = std::filesystem::path(path.file).stem().string();
-  std::string picture = (std::filesystem::path(folder) / (stem + ".png")).string();
+  const std::filesystem::path picture = std::filesystem::path(folder) / (stem + ".png");
 
   const auto axis = [](const std::string& name) -> std::pair<double, std::string> {
     if (name == "dn" || name == "ds" || name == "dt" || name == "w" || name == "v" || name == "slip")
@@ -407,9 +406,8 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
     return {1.0, name};
   };
   std::string script =
-      fmt::format("set terminal pngcairo size {},600 font 'sans,11' noenhanced\nset output '{}'\nset grid\n",
-                  800 * plots.size(), picture);
-  script += fmt::format("set multiplot layout 1,{} title \"{}\"\n", plots.size(), path.title);
+      fmt::format("set terminal pngcairo size {},600 font 'sans,11' noenhanced\nset grid\n", 800 * plots.size());
+  script += fmt::format("set multiplot layout 1,{} title {}\n", plots.size(), gnuplot_text(path.title));
   int block = 0;
   for (const auto& [x, y] : plots) {
     const auto [x_factor, x_label] = axis(x);
@@ -431,8 +429,8 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
         any = true;
       }
     }
-    script +=
-        fmt::format("set xlabel '{}'\nset ylabel '{}'\n$law{} << EOD\n{}EOD\n", x_label, y_label, block, law_rows);
+    script += fmt::format("set xlabel {}\nset ylabel {}\n$law{} << EOD\n{}EOD\n", gnuplot_text(x_label),
+                          gnuplot_text(y_label), block, law_rows);
     if (any) script += fmt::format("$form{} << EOD\n{}EOD\n", block, form_rows);
     script += fmt::format("plot $law{} with linespoints lw 1 pt 7 ps 0.5 lc rgb '#1f77b4' title 'law'", block);
     if (any) script += fmt::format(", $form{} with points pt 6 ps 1.2 lc rgb '#d62728' title 'closed form'", block);
@@ -440,13 +438,8 @@ std::string plot_path(const PathFile& path, const PathOutcome& outcome, const st
     ++block;
   }
   script += "unset multiplot\n";
-  // gnuplot reads the script from a pipe: no temporary file to clean up
-  FILE* pipe = popen("gnuplot 2>&1 >/dev/null", "w");
-  if (pipe == nullptr) throw Error(Exit::bad_input, "gnuplot could not be started; install gnuplot-nox");
-  std::fwrite(script.data(), 1, script.size(), pipe);
-  if (pclose(pipe) != 0)
-    throw Error(Exit::bad_input, fmt::format("{}: gnuplot failed; is gnuplot installed?", path.file));
-  return picture;
+  draw_picture_alone(picture, script);
+  return picture.string();
 }
 
 }  // namespace quoin

@@ -53,7 +53,7 @@ void draw(const Chart& chart, const Findings& findings, StudyReport& report, con
         // c8 of ff is about as transparent as the rectangle.
         break;
       default: {
-        std::string data = "# " + s.label + "\n";
+        std::string data;
         for (std::size_t k = 0; k < s.x.size(); ++k) data += fmt::format("{:.8g} {:.8g}\n", s.x[k], s.y[k]);
         if (s.x.empty()) data += "NaN NaN\n";
         write_file(findings.folder() / "plots" / file, data);

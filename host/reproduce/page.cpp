@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -30,9 +31,23 @@ std::string html(const std::string& text) {
       case '"':
         result += "&quot;";
         break;
+      case '\'':
+        result += "&#39;";
+        break;
       default:
         result += c;
     }
+  }
+  return result;
+}
+
+// A relative address: bytes that could mean anything else in it are written as their number.
+std::string link(const fs::path& file) {
+  std::string result;
+  for (const char c : file.generic_string()) {
+    const bool plain =
+        std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string("/._-").find(c) != std::string::npos;
+    result += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return result;
 }
@@ -93,8 +108,7 @@ void write_section(const fs::path& root, const Study& study, const Quality& qual
     out += fmt::format(
         "<figure{}><a href=\"{}\"><img src=\"{}\" alt=\"{}\" "
         "loading=\"lazy\"></a><figcaption>{}</figcaption></figure>\n",
-        cracks ? " class=\"half\"" : "", p.file.generic_string(), p.file.generic_string(), html(p.caption),
-        html(p.caption));
+        cracks ? " class=\"half\"" : "", link(p.file), link(p.file), html(p.caption), html(p.caption));
   }
   for (const Table& t : report.tables) {
     out += "<table><caption>" + html(t.caption) + "</caption>\n<tr>";
@@ -132,7 +146,8 @@ void write_page(const fs::path& root) {
   if (verdicts.is_array()) {
     out += "<table><tr><th>Study</th><th>Claim</th><th>Number</th><th>Reference</th><th></th></tr>\n";
     for (const auto& v : verdicts) {
-      const std::string id = v.value("study", ""), unit = html(v.value("unit", ""));
+      if (!v.is_object() || !v.contains("reference")) continue;
+      const std::string id = html(v.value("study", "")), unit = html(v.value("unit", ""));
       const bool yes = v.value("reproduced", false);
       out += fmt::format(
           "<tr><td><a href=\"#{0}\">{0}</a></td><td>{1}</td><td>{2:.4g} {3}</td><td>{4}</td><td class=\"{5}\">{6}</td>"

@@ -1,4 +1,4 @@
-// Files that never look whole before they are: written to NAME.part, renamed when complete.
+// Files that never look whole before they are: written under a name of their own, renamed when complete.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,14 @@ namespace quoin {
 // Throws Error(bad_input) when the folder cannot be made or written.
 void make_folder(const std::filesystem::path& folder);
 void write_file(const std::filesystem::path& path, const std::string& bytes);
+
+// For files that are written bit by bit: begin_file() notes PATH in the manifest of the folder of results that it lies
+// in (result_folder.h) and returns where to write, finish_file() renames that.
+std::filesystem::path begin_file(const std::filesystem::path& path);
+void finish_file(const std::filesystem::path& path);
+
+// PATH.TOKEN.part. The token is this process's own, so that two processes never write into one file.
 std::filesystem::path part_name(const std::filesystem::path& path);
-void finish_file(const std::filesystem::path& path);  // renames the part
+const std::string& part_token();
 
 }  // namespace quoin

@@ -2,63 +2,157 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
 #include "results/file.h"
+#include "scene/error.h"
+
+extern char** environ;
 
 namespace quoin {
 
-std::string gnuplot_text(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c == '\n' ? ' ' : c;
+namespace {
+
+namespace fs = std::filesystem;
+
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) close(number_);
   }
-  return "\"" + result + "\"";
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number() const { return number_; }
+
+ private:
+  int number_;
+};
+
+struct Drawing {
+  std::string fault;     // empty: the picture is there
+  std::string messages;  // of gnuplot
+};
+
+std::string system_message() { return std::error_code(errno, std::generic_category()).message(); }
+
+// A full disk makes a picture without its end, and gnuplot does not always say so.
+bool is_whole_png(const fs::path& file) {
+  constexpr std::array<char, 8> kEnd{'I', 'E', 'N', 'D', '\xae', '\x42', '\x60', '\x82'};
+  std::array<char, 8> end{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(-8, std::ios::end);
+  stream.read(end.data(), end.size());
+  return stream && end == kEnd;
 }
 
-std::string enhanced(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (std::string("_^{}@&~\\").find(c) != std::string::npos) result += '\\';
-    result += c;
-  }
-  return result;
-}
+bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
 
-std::string draw_picture(const std::filesystem::path& folder, const std::string& name, const std::string& script) {
-  make_folder(folder / "plots");
-  const std::filesystem::path plots = folder / "plots", picture = folder / (name + ".png");
-  const std::string head = fmt::format(
-      "# Run again, after changes, with: cd {} && gnuplot {}.gp\n"
-      "if (!exists(\"target\")) target = \"../{}.png\"\n"
-      "set output target\n",
-      plots.string(), name, name);
-  write_file(plots / (name + ".gp"), head + script);
-
-  const std::string target = fmt::format("target='../{}.png.part'", name), file = name + ".gp";
-  const std::string log_file = plots / (name + ".log");
-  const pid_t child = fork();
-  if (child == 0) {  // no allocation from here on: other threads may hold its lock
-    const int null = open("/dev/null", O_WRONLY);
-    const int log = open(log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    dup2(null, STDOUT_FILENO);
-    dup2(log >= 0 ? log : null, STDERR_FILENO);
-    if (chdir(plots.c_str()) == 0) execlp("gnuplot", "gnuplot", "-e", target.c_str(), file.c_str(), nullptr);
-    _exit(127);
+// gnuplot reads the script from its standard input and writes the picture to its standard output: neither a name of a
+// file nor any other text is on its command line.
+Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, const fs::path& picture) {
+  const Descriptor input(memfd_create("script", MFD_CLOEXEC)), messages(memfd_create("messages", MFD_CLOEXEC));
+  const fs::path part = begin_file(picture);
+  const Descriptor output(open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (input.number() < 0 || messages.number() < 0 || output.number() < 0)
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}", picture.string(), system_message()));
+  for (size_t done = 0; done < script.size();) {
+    const ssize_t n = write(input.number(), script.data() + done, script.size() - done);
+    if (n < 0) throw Error(Exit::numerical, "no memory for the script of " + picture.string());
+    done += static_cast<size_t>(n);
   }
+  lseek(input.number(), 0, SEEK_SET);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input.number(), STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output.number(), STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, messages.number(), STDERR_FILENO);
+  posix_spawn_file_actions_addchdir_np(&actions, working_folder.c_str());
+  // -d: not the user's own settings. -: with a named input, the first fault ends gnuplot.
+  std::array<std::string, 3> words{"gnuplot", "-d", "-"};
+  std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  pid_t child = 0;
+  const int no_start = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+
+  Drawing drawing;
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) < 0 || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
-    std::error_code ignored;
-    std::filesystem::remove(part_name(picture), ignored);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 127)
-      return fmt::format("no {}.png: gnuplot is not installed (apt-get install gnuplot-nox); its script is kept in {}",
-                         name, plots.string());
-    return fmt::format("no {}.png: gnuplot failed, see {}", name, (plots / (name + ".log")).string());
+  if (no_start == ENOENT) {
+    drawing.fault = "gnuplot is not installed (apt-get install gnuplot-nox)";
+  } else if (no_start != 0) {
+    drawing.fault =
+        fmt::format("gnuplot cannot be started: {}", std::error_code(no_start, std::generic_category()).message());
+  } else {
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !is_whole_png(part)) drawing.fault = "gnuplot failed";
   }
-  finish_file(picture);
-  return {};
+  lseek(messages.number(), 0, SEEK_SET);
+  std::array<char, 4096> buffer{};
+  for (ssize_t n = 0; (n = read(messages.number(), buffer.data(), buffer.size())) > 0;)
+    drawing.messages.append(buffer.data(), static_cast<size_t>(n));
+  if (drawing.fault.empty()) {
+    finish_file(picture);
+  } else {
+    std::error_code ignored;
+    fs::remove(part, ignored);
+  }
+  return drawing;
+}
+
+}  // namespace
+
+std::string gnuplot_text(const std::string& text) {
+  constexpr size_t kLongest = 300;  // bytes; far more than fits into a picture, far less than gnuplot's buffers
+  size_t size = std::min(text.size(), kLongest);
+  if (size < text.size()) {
+    while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xc0) == 0x80) --size;  // not inside a character
+  }
+  // As a number: gnuplot's rules for quotes within quotes have holes (a leading '' is an empty string).
+  std::string result = "\"";
+  bool as_number = false;
+  for (const char c : text.substr(0, size)) {
+    const auto code = static_cast<unsigned char>(c);
+    const bool octal_digit = c >= '0' && c <= '7';  // would be read as part of the number before it
+    const bool plain = code >= 0x80 || (std::isalnum(code) != 0 && !(as_number && octal_digit)) ||
+                       std::string_view(" .,:;()/+-=_").find(c) != std::string_view::npos;
+    as_number = !plain && !is_control(code);
+    result += as_number ? fmt::format("\\{:03o}", code) : std::string(1, plain ? c : ' ');
+  }
+  return result + (size < text.size() ? "...\"" : "\"");
+}
+
+std::string draw_picture(const fs::path& folder, const std::string& name, const std::string& script) {
+  const fs::path plots = folder / "plots";
+  make_folder(plots);
+  write_file(
+      plots / (name + ".gp"),
+      fmt::format("# Run again, after changes, in this folder: gnuplot {0}.gp\nset output '../{0}.png'\n", name) +
+          script);
+  const Drawing drawing = run_gnuplot(plots, script, folder / (name + ".png"));
+  write_file(plots / (name + ".log"), drawing.messages);
+  if (drawing.fault.empty()) return {};
+  return fmt::format("no {}.png: {}; its script and messages are kept in {}", name, drawing.fault, plots.string());
+}
+
+void draw_picture_alone(const fs::path& picture, const std::string& script) {
+  const fs::path folder = picture.parent_path();
+  if (!folder.empty()) make_folder(folder);
+  const Drawing drawing = run_gnuplot("/", script, picture);
+  if (!drawing.fault.empty())
+    throw Error(Exit::bad_input, fmt::format("{}: {} {}", picture.string(), drawing.fault, drawing.messages));
 }
 
 }  // namespace quoin

@@ -1,4 +1,6 @@
-// Pictures drawn by gnuplot as a child process. Scripts and data stay in DIR/plots, to be changed and run again.
+// Pictures drawn by gnuplot as a child process. gnuplot executes its scripts, so no text of a user may become part of
+// what it executes: every title, label and name goes through gnuplot_text(), numbers are formatted, files are opened
+// here and not by the script, and no shell is started.
 #pragma once
 
 #include <filesystem>
@@ -6,13 +8,18 @@
 
 namespace quoin {
 
-// Text of a title or label inside double quotes of gnuplot, with its enhanced mode switched off by noenhanced.
+// A string in gnuplot's grammar, quotes included, with every byte that could mean something to gnuplot written as its
+// number. Control characters become spaces; text longer than a picture is wide ends in "...". Draw it with
+// `noenhanced`: it has no markup then.
 std::string gnuplot_text(const std::string& text);
-// Text inside gnuplot's enhanced mode, its special characters escaped.
-std::string enhanced(const std::string& text);
 
-// Runs DIR/plots/NAME.gp; DIR/NAME.png appears only when gnuplot is content. Returns a one-line notice when there is no
-// picture (no gnuplot), otherwise nothing.
+// Draws FOLDER/NAME.png with a script that sets no output, run in FOLDER/plots. Script, data and messages stay there as
+// NAME.gp, the caller's files and NAME.log, to be changed and run again. The picture appears only when gnuplot is
+// content. Returns a one-line notice when there is no picture, otherwise nothing. Throws Error(bad_input) when the
+// folder cannot be written.
 std::string draw_picture(const std::filesystem::path& folder, const std::string& name, const std::string& script);
+
+// Draws PICTURE and leaves nothing beside it; its folder is made. Throws Error(bad_input) with gnuplot's message.
+void draw_picture_alone(const std::filesystem::path& picture, const std::string& script);
 
 }  // namespace quoin

@@ -19,7 +19,7 @@ Response response(const HistoryRow& row, const Stage& stage);
 
 class History {
  public:
-  // Rows go to PATH.part as they come; finish() renames it.
+  // Rows go to the partial file of PATH (file.h) as they come; finish() renames it.
   History(const std::filesystem::path& path, const Scene& scene);
   void add(const HistoryRow& row);
   void finish();

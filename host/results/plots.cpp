@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "results/crack_styles.h"
 #include "results/file.h"
 #include "results/gnuplot.h"
 #include "results/history.h"
@@ -25,20 +26,6 @@ double round_down(double x) {
   }
   return power;
 }
-
-struct CrackStyle {
-  Crack crack;
-  const char* label;
-  const char* colour;
-  double width;
-};
-// From the least to the worst, the order of the legend and of drawing. Colours that stay apart for the colour-blind.
-constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{{{Crack::intact, "intact joint", "#8a7a68", 1.2},
-                                                            {Crack::sliding_begun, "sliding begun", "#6baed6", 4.0},
-                                                            {Crack::opening_begun, "opening begun", "#fdae2b", 4.0},
-                                                            {Crack::slipped, "slipped", "#08519c", 5.0},
-                                                            {Crack::open, "open crack", "#d7191c", 5.0},
-                                                            {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
 
 std::string title_of(const Scene& scene) {
   return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;
@@ -93,7 +80,7 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   std::string script =
       fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
 set title {} noenhanced font "Sans,23"
-set xlabel "horizontal displacement of the {} (mm)"
+set xlabel {} noenhanced
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
 set border 11 linecolor rgb "#404040"
 set xrange [0:{:.6g}]
@@ -103,7 +90,9 @@ set ytics nomirror textcolor rgb "#b3321e"
 set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
-                  gnuplot_text(title_of(scene)), moved_part(scene), largest > 0 ? 1.02 * largest * 1e3 : 1.0);
+                  gnuplot_text(title_of(scene)),
+                  gnuplot_text(fmt::format("horizontal displacement of the {} (mm)", moved_part(scene))),
+                  largest > 0 ? 1.02 * largest * 1e3 : 1.0);
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
                   gnuplot_text("horizontal force, law " + law));
@@ -250,7 +239,9 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   const double pixels_x = std::max(1000.0, range_x * scale + 40), pixels_y = range_y * scale + above + below;
   const std::string script = fmt::format(
       R"gp(set terminal pngcairo size {:.0f},{:.0f} font "Sans,17"
-set title "{{/*1.25 " . {} . "}}\n{{/*0.95 " . {} . "}}\n{{/*0.95 displacements drawn {:g} times larger}}"
+set label 1 {} at screen 0.5,{:.4f} center noenhanced font "Sans,21"
+set label 2 {} at screen 0.5,{:.4f} center noenhanced font "Sans,16"
+set label 3 "displacements drawn {:g} times larger" at screen 0.5,{:.4f} center font "Sans,16"
 set size ratio -1
 set tmargin at screen {:.4f}
 set bmargin at screen {:.4f}
@@ -266,9 +257,10 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
      "beams.dat" with lines linewidth 1.0 linecolor rgb "#808890" notitle, \
      "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle{}
 )gp",
-      pixels_x, pixels_y, gnuplot_text(enhanced(title_of(scene))), gnuplot_text(enhanced(state)), factor,
-      1.0 - above / pixels_y, below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway,
-      low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, plot);
+      pixels_x, pixels_y, gnuplot_text(title_of(scene)), 1.0 - 0.27 * above / pixels_y, gnuplot_text(state),
+      1.0 - 0.53 * above / pixels_y, factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y, below / pixels_y,
+      low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
+      high[1] * 1e3 + margin + sway * 0.3, plot);
   return draw_picture(folder, "cracks", script);
 }
 

@@ -1,8 +1,9 @@
+#include "scene/read_blocks.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "scene/read_blocks.h"
 #include "scene/series_file.h"
 
 namespace quoin {

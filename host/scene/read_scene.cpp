@@ -521,7 +521,8 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
   for (const char* kind : {"wall", "building"}) {
-    if (of_blocks && t.has(kind)) t.refuse(kind, "not beside [[block]], [[dry_wall]] and [[arch]]; remove one or the other");
+    if (of_blocks && t.has(kind))
+      t.refuse(kind, "not beside [[block]], [[dry_wall]] and [[arch]]; remove one or the other");
   }
 
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep

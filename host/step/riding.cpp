@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "blocks/generate.h"
 #include "step/state.h"
@@ -12,8 +13,6 @@ namespace quoin {
 using geometry::Vector;
 
 namespace {
-
-Vec3 to_array(const Vector& v) { return {v.x, v.y, v.z}; }
 
 constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
 constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
@@ -243,7 +242,7 @@ void Simulation::Impl::measure_riding_step() {
 // ---- Results -------------------------------------------------------------------------------------------------------
 
 Vec3 Simulation::Impl::riding_displacement(int block) const {
-  return to_array(riding->position(block) - riding_start[static_cast<std::size_t>(block)]);
+  return geometry::array(riding->position(block) - riding_start[static_cast<std::size_t>(block)]);
 }
 
 double Simulation::Impl::largest_displacement() const {
@@ -263,10 +262,82 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   row.dynamic_force = riding->net_force()[static_cast<int>(direction)];
   if (monitor_block < 0) return;
   row.monitor_displacement = riding_displacement(monitor_block);
-  row.joint_force = to_array(riding->contact_force(monitor_block));
+  row.joint_force = geometry::array(riding->contact_force(monitor_block));
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
   row.vertical_force = row.joint_force[1];
+}
+
+// Flags of a step that moves nothing, family after family.
+std::vector<std::uint32_t> Simulation::Impl::riding_flags() const {
+  std::vector<std::uint32_t> flags_of_points;
+  for (const blocks::Family& f : riding->families()) {
+    const std::size_t first = flags_of_points.size(), n = f.size();
+    flags_of_points.resize(first + n, 0);
+    if (n == 0 || !(f.material->api().capabilities & QUOIN_CAN_FLAGS)) continue;
+    std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
+    std::vector<quoin_in> old;
+    std::vector<quoin_out> fresh;
+    for (std::size_t k = 0; k < f.state.size(); ++k) {
+      old.push_back({f.state[k].data(), 1});
+      fresh.push_back({unused.data() + (3 + k) * n, 1});
+    }
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = n;
+    batch.normal_jump = {f.normal_jump.data(), 1};
+    for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {f.traction[k].data(), 1};
+      batch.traction_new[k] = {unused.data() + k * n, 1};
+    }
+    batch.state_old = old.data(), batch.state_new = fresh.data();
+    batch.flags = {flags_of_points.data() + first, 1};
+    f.material->api().evaluate(f.material->handle(), &batch);
+  }
+  return flags_of_points;
+}
+
+std::vector<ContactPoint> Simulation::Impl::riding_points() const {
+  const std::vector<std::uint32_t> all_flags = riding_flags();
+  std::vector<ContactPoint> points;
+  for (std::size_t k = 0; k < riding->families().size(); ++k) {
+    const blocks::Family& f = riding->families()[k];
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const blocks::Point& p = f.point[i];
+      const geometry::Matrix r = riding->frame_of(p);
+      ContactPoint point{};
+      point.index = static_cast<std::int32_t>(points.size());
+      point.position = geometry::array(p.at);
+      point.normal = geometry::array(r.row[0]);
+      point.s = geometry::array(r.row[1]);
+      point.t = geometry::array(r.row[2]);
+      point.area = p.area;
+      point.joint = -1;
+      point.family = static_cast<int>(k);
+      point.block_a = p.a;
+      point.block_b = p.b;
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
+      point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
+      point.flags = all_flags[points.size()];
+      point.condition = condition_of(point.flags);
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::vector<double> Simulation::Impl::riding_state(const std::string& id) const {
+  std::vector<double> values;
+  for (const blocks::Family& f : riding->families()) {
+    const int k = f.material->law().state_index(id);
+    if (k < 0)
+      values.resize(values.size() + f.size(), std::numeric_limits<double>::quiet_NaN());
+    else
+      values.insert(values.end(), f.state[static_cast<std::size_t>(k)].begin(),
+                    f.state[static_cast<std::size_t>(k)].end());
+  }
+  return values;
 }
 
 }  // namespace quoin

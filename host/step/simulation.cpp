@@ -193,8 +193,8 @@ void Simulation::Impl::pull_whiffletree() {
 
 void Simulation::Impl::follow_ramps() {
   const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
-  const double elapsed = riding ? stage_time() + 0.5 * riding->time_step()
-                                : (static_cast<double>(stage_step) + 0.5) * data.time_step;
+  const double elapsed =
+      riding ? stage_time() + 0.5 * riding->time_step() : (static_cast<double>(stage_step) + 0.5) * data.time_step;
   const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
   const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
   for (const int body : ramped_bodies) {
@@ -512,9 +512,9 @@ long Simulation::Impl::chosen_record_interval() const {
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
   if (settings.collapse)
-    steps = std::min(steps, (settings.ramp_time +
-                             (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
-                                data.time_step);
+    steps = std::min(
+        steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
+                   data.time_step);
   if (!std::isfinite(steps)) return kUnknownLength;
   return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
 }
@@ -525,8 +525,8 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.duration) fraction = stage_time() / *settings.duration;
   if (settings.displacement && riding) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    fraction = std::max(
-        fraction, std::abs(riding_displacement(monitor_block)[c] - monitor_start[c]) / *settings.displacement);
+    fraction =
+        std::max(fraction, std::abs(riding_displacement(monitor_block)[c] - monitor_start[c]) / *settings.displacement);
   } else if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
     const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]

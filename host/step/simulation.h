@@ -44,20 +44,20 @@ struct Energies {
 // One line of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryRow {
   int stage = 0;
-  long step = 0;                     // since the start of the simulation
-  double time = 0.0;                 // s, since the start of the simulation
-  double displacement = 0.0;         // of the monitor along Stage::direction since the start of the stage, m
-  double resistance = 0.0;           // minus the force of the joints on the monitor along Stage::direction, N: positive
-                                     // when the wall resists a movement in the positive direction
-  double vertical_force = 0.0;       // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};       // since the start of the simulation, m
-  Vec3 joint_force{};                // of the joints on the bodies of the monitor, N
-  double dynamic_force = 0.0;        // along Stage::direction: what supports and loads give in all, N; 0 at rest
-  double unbalanced_ratio = 0.0;     // largest unbalanced nodal force / mean contact force
-  double kinetic_energy = 0.0;       // J, of the model as computed
-  double multiplier = 0.0;            // of the body force of a collapse stage
+  long step = 0;                  // since the start of the simulation
+  double time = 0.0;              // s, since the start of the simulation
+  double displacement = 0.0;      // of the monitor along Stage::direction since the start of the stage, m
+  double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
+                                  // when the wall resists a movement in the positive direction
+  double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
+  Vec3 monitor_displacement{};    // since the start of the simulation, m
+  Vec3 joint_force{};             // of the joints on the bodies of the monitor, N
+  double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
+  double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
+  double kinetic_energy = 0.0;    // J, of the model as computed
+  double multiplier = 0.0;        // of the body force of a collapse stage
   double largest_displacement = 0.0;  // of any block since the start, m; blocks of any shape only
-  std::optional<Energies> energies;  // when Scene::output.energy
+  std::optional<Energies> energies;   // when Scene::output.energy
 };
 
 struct Progress {
@@ -160,7 +160,7 @@ class Simulation {
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
-  const blocks::Model* riding() const;  // blocks of any shape; null: none
+  const blocks::Model* riding() const;             // blocks of any shape; null: none
   geometry::Vector riding_start(int block) const;  // centre of mass at the start, m
   const Outcome& outcome() const;
   long block_count() const;

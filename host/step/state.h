@@ -88,8 +88,8 @@ struct Simulation::Impl {
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
   void control_bodies(const Stage& settings);  // and find the monitor
-  void bind_whiffletree();  // bodies of the stage's floors
-  void bind_controls();     // lists that follow from ramps and prescribed components
+  void bind_whiffletree();                     // bodies of the stage's floors
+  void bind_controls();                        // lists that follow from ramps and prescribed components
   void find_bodies_at_rest();
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
@@ -121,6 +121,9 @@ struct Simulation::Impl {
   Vec3 riding_displacement(int block) const;  // of the centre of mass since the start, m
   double largest_displacement() const;        // of any block that is not fixed, m
   void measure_riding(HistoryRow& row) const;
+  std::vector<ContactPoint> riding_points() const;
+  std::vector<std::uint32_t> riding_flags() const;
+  std::vector<double> riding_state(const std::string& id) const;
   void end_riding_step();
   void measure_riding_step();
   double stage_time() const;  // s, since the stage began
@@ -199,6 +202,8 @@ struct Simulation::Impl {
   bool timing = false;
   PhaseTimes times;
 };
+
+Condition condition_of(std::uint32_t flags);
 
 // 10 t^3 - 15 t^4 + 6 t^5: from 0 to 1 with zero rate and acceleration at both ends.
 inline double smooth_step(double t) {

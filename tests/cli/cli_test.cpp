@@ -1,77 +1,17 @@
 // The program as a process: exit codes, messages, files, interruption.
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <thread>
+
+#include "program.h"
 
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-std::string read_all(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-class Cli : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() /
-              (std::string("quoin_cli_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
-               std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  pid_t start(const std::vector<std::string>& words) {
-    std::vector<char*> arguments;
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      const int out = open((folder_ / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int error = open((folder_ / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      dup2(out, STDOUT_FILENO);
-      dup2(error, STDERR_FILENO);
-      execv(arguments[0], arguments.data());
-      _exit(126);
-    }
-    return child;
-  }
-  int finish(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    out_ = read_all(folder_ / "stdout");
-    error_ = read_all(folder_ / "stderr");
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-  int quoin(std::vector<std::string> words) {
-    words.insert(words.begin(), QUOIN_PROGRAM);
-    return finish(start(words));
-  }
-  int run_small(std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"run", small_, "--out", out(), "--threads", "1"});
-    return quoin(more);
-  }
-  std::string out() const { return (folder_ / "out").string(); }
-  nlohmann::json summary() const { return nlohmann::json::parse(read_all(folder_ / "out" / "summary.json")); }
-
-  fs::path folder_;
-  const std::string small_ = QUOIN_CLI_TESTS "/small_wall.toml";
-  std::string out_, error_;
-};
 
 TEST_F(Cli, HelpHasExamples) {
   for (const std::vector<std::string>& words : {std::vector<std::string>{"--help"},

@@ -11,7 +11,7 @@ except ImportError:
 
 folder = sys.argv[1]
 wanted = {"blocks": ("displacement_m", "stress_Pa"),
-          "joints": ("opening_m", "slip_m", "damage_tension", "damage_shear")}
+          "joints": ("opening_m", "slip_m", "damage_tension", "damage_shear", "area_m2", "normal", "block_a", "block_b")}
 for what, arrays in wanted.items():
     frames = [d.get("file") for d in ElementTree.parse(os.path.join(folder, what + ".pvd")).iter("DataSet")]
     assert frames, what

@@ -12,6 +12,7 @@
 
 #include "cli/fit_command.h"
 #include "law_case.h"
+#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin::test {
@@ -143,7 +144,8 @@ TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
       text += triplet ? fmt::format("{},{},{}\n", curves[k].jump[i], curves[k].stress[i], curves[k].normal[i])
                       : fmt::format("{},{}\n", curves[k].jump[i], curves[k].stress[i]);
     }
-    const std::string file = (folder / fmt::format("{}.csv", k)).string();
+    // A name that would run a command in the legend of the picture.
+    const std::string file = (folder / fmt::format("{}'; system('touch canary') #`touch canary`\"\n.csv", k)).string();
     write_file(file, text);
     words.push_back(triplet ? "--triplet" : curves[k].kind == TestKind::prism ? "--prism" : "--couplet");
     words.push_back(file);
@@ -166,11 +168,12 @@ TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
   EXPECT_EQ(run(whole), 0);
   EXPECT_TRUE(std::filesystem::exists(out));
   EXPECT_GT(std::filesystem::file_size(folder / "fit.png"), 1000u);
+  EXPECT_FALSE(std::filesystem::exists("canary")) << "a command was run";
   EXPECT_EQ(run({"fit"}), 2);
   write_file((folder / "bad.csv").string(), "dn,tau\n0,0\n");
   EXPECT_EQ(run({"fit", "--couplet", (folder / "bad.csv").string()}), 3);
-  EXPECT_EQ(run({"fit", "--triplet", (folder / "0.csv").string()}), 3);
-  EXPECT_EQ(run({"fit", "--couplet", (folder / "0.csv").string()}), 3) << "no stiffness";
+  EXPECT_EQ(run({"fit", "--triplet", words[8]}), 3);
+  EXPECT_EQ(run({"fit", "--couplet", words[8]}), 3) << "no stiffness";
   std::filesystem::remove_all(folder);
 }
 

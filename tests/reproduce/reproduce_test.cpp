@@ -12,8 +12,11 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "reproduce/chart.h"
 #include "reproduce/curve.h"
+#include "reproduce/page.h"
 #include "reproduce/study.h"
+#include "results/result_folder.h"
 
 namespace {
 
@@ -74,6 +77,49 @@ TEST_F(Reproduce, LawKeepsTheNumbersOfTable1) {
   }
   EXPECT_THAT(read_all(folder_ / "results/index.html"), HasSubstr("The law of a joint"));
   EXPECT_TRUE(fs::exists(folder_ / "results/law/curves.csv"));
+}
+
+TEST_F(Reproduce, OneProgramAtATimeWritesAFolder) {
+  {
+    const quoin::FolderLock lock(folder_ / "results");
+    EXPECT_EQ(quoin("law " + results()), 3);
+    EXPECT_THAT(error_, HasSubstr("in use by another run (process " + std::to_string(getpid())));
+    EXPECT_FALSE(fs::exists(folder_ / "results/index.html"));
+  }
+  EXPECT_EQ(quoin("law " + results()), 0) << error_;
+}
+
+// Notices quote names of folders and messages of programs; a legend may quote what a scene says.
+TEST_F(Reproduce, TextIsNeitherMarkupNorCommand) {
+  using namespace quoin::reproduce;
+  const std::string hostile =
+      "<script>alert('x')</script> \"onload=\"x\" & `touch " + (folder_ / "canary").string() + "`";
+  StudyReport report;
+  for (auto* list : {&report.agrees, &report.differs, &report.notes, &report.notices}) list->push_back(hostile);
+  report.verdicts.push_back({hostile, 1.0, 2.0, hostile, Kind::printed, false, hostile});
+  report.tables.push_back({hostile, {hostile}, {{hostile}}});
+  const Study study{"law", hostile, hostile, hostile, nullptr, nullptr};
+  const Findings findings(folder_, "law", qualities()[0], {});
+  Chart chart{.name = "chart", .title = hostile, .x_label = hostile, .y_label = hostile};
+  chart.add_points(hostile, {1.0, 2.0}, {1.0, 2.0}, 0);
+  chart.add_level(hostile, Kind::printed, 1.5, 1);
+  draw(chart, findings, report, hostile);
+  EXPECT_TRUE(fs::exists(folder_ / "law/chart.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "canary")) << "a command was run";
+
+  report.pictures.push_back({"runs/a \"b\" <c>&?#%/cracks.png", hostile});
+  write_section(folder_, study, qualities()[0], report);
+  std::ofstream(folder_ / "verdict.json") << nlohmann::json{
+      {{"study", hostile}, {"claim", hostile}, {"unit", hostile}, {"kind", hostile}, {"reference", 1.0}}, "no verdict"};
+  write_page(folder_);
+  for (const char* file : {"law/section.html", "index.html"}) {
+    const std::string page = read_all(folder_ / file);
+    EXPECT_THAT(page,
+                HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; &quot;onload=&quot;x&quot; &amp; `touch"));
+    EXPECT_THAT(page, Not(HasSubstr("<script")));
+    EXPECT_THAT(page, Not(HasSubstr("\"onload")));
+    EXPECT_THAT(page, HasSubstr("href=\"runs/a%20%22b%22%20%3Cc%3E%26%3F%23%25/cracks.png\""));
+  }
 }
 
 // Two courses of one unit, moved by 20 micrometres: seconds. What the verdicts say does not matter here.

@@ -39,8 +39,8 @@ except ImportError:
     skip("NumPy is not installed")
 
 
-def run(command):
-    done = subprocess.run(command, capture_output=True, text=True)
+def run(command, folder=None):
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     if done.returncode:
         sys.exit(f"{' '.join(command)}\nended with {done.returncode}\n{done.stdout}{done.stderr}")
     return done.stdout
@@ -95,11 +95,12 @@ def write(options, curves):
     np.savetxt(csv, table, delimiter=",", comments="", header=",".join(header))
     if not shutil.which("gnuplot"):
         return print(f"wrote {csv}; not plotted: gnuplot is not installed")
-    lines = ", ".join(f"'{csv}' using ($1*1e3):(${k + 2}/1e3) with lines lw 2 title '{c.name}'"
+    lines = ", ".join(f"'curves.csv' using ($1*1e3):(${k + 2}/1e3) with lines lw 2 title '{c.name}'"
                       for k, c in enumerate(curves))
-    run(["gnuplot", "-e", f"set terminal pngcairo noenhanced size 1200,800 font ',13'; set output '{png}'; set grid; "
-         "set datafile separator ','; set xlabel 'displacement of the top course (mm)'; set ylabel 'horizontal force "
-         "(kN)'; set xrange [0:]; set title '10 x 10 rigid cubes: the same law in two codes'; plot " + lines])
+    run(["gnuplot", "-e", "set terminal pngcairo noenhanced size 1200,800 font ',13'; set output 'curves.png'; "
+         "set grid; set datafile separator ','; set xlabel 'displacement of the top course (mm)'; "
+         "set ylabel 'horizontal force (kN)'; set xrange [0:]; "
+         "set title '10 x 10 rigid cubes: the same law in two codes'; plot " + lines], folder=options.out)
     print(f"wrote {csv} and {png}")
 
 

@@ -1,0 +1,205 @@
+#include "results/result_folder.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fnmatch.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <mutex>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "results/file.h"
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLock = ".quoin-lock";
+constexpr const char* kManifest = ".quoin-manifest";
+constexpr const char* kManifestHead = "results of quoin, partial files .";  // and the token of the process
+
+// Names that runs give their results: what else has them is in the way.
+constexpr std::array kNames{"summary.json",     "history.csv",     "curve.png",         "cracks.png",
+                            "mechanism.png",    "blocks.pvd",      "joints.pvd",        "blocks_*.vt[pu]",
+                            "joints_*.vt[pu]",  "plots/curve.*",   "plots/cracks.*",    "plots/mechanism.*",
+                            "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat"};
+
+bool matches(const char* pattern, const std::string& name) {
+  return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;
+}
+bool is_name_of_a_result(const std::string& name) {
+  return std::any_of(kNames.begin(), kNames.end(), [&](const char* pattern) { return matches(pattern, name); });
+}
+
+struct Manifest {
+  std::set<std::string> names;  // relative to the folder
+  std::string token;            // of the partial files
+};
+
+// A manifest may come from anywhere: only names inside the folder that a run could have written count.
+Manifest read_manifest(const fs::path& folder) {
+  Manifest manifest;
+  std::ifstream stream(folder / kManifest);
+  std::string line;
+  const std::string head = kManifestHead;
+  if (!std::getline(stream, line) || !line.starts_with(head)) return manifest;
+  manifest.token = line.substr(head.size());
+  const bool sane =
+      std::all_of(manifest.token.begin(), manifest.token.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+  if (!sane) return {};
+  while (std::getline(stream, line)) {
+    if (is_name_of_a_result(line) || line == "plots" || matches("plots/*", line)) manifest.names.insert(line);
+  }
+  return manifest;
+}
+
+bool made_plots(const Manifest& manifest) {
+  return std::any_of(manifest.names.begin(), manifest.names.end(),
+                     [](const std::string& name) { return name == "plots" || name.starts_with("plots/"); });
+}
+
+void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) {
+  std::vector<std::string> foreign;
+  std::error_code error;
+  const fs::path plots = folder / "plots";
+  const fs::file_status kind = fs::symlink_status(plots, error);
+  if (fs::is_directory(kind) && made_plots(manifest)) {
+    for (const auto& entry : fs::directory_iterator(plots, error)) {
+      const std::string name = "plots/" + entry.path().filename().string();
+      if (is_name_of_a_result(name) && !manifest.names.contains(name)) foreign.push_back(name);
+    }
+  } else if (fs::exists(kind) && !(fs::is_directory(kind) && fs::is_empty(plots, error))) {
+    foreign.emplace_back("plots");
+  }
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (is_name_of_a_result(name) && !manifest.names.contains(name)) foreign.push_back(name);
+  }
+  if (foreign.empty()) return;
+  std::sort(foreign.begin(), foreign.end());
+  const std::string others = foreign.size() > 1 ? fmt::format(" and {} more", foreign.size() - 1) : "";
+  throw Error(Exit::bad_input,
+              fmt::format("{}: has {}{}, which the last run of quoin in this folder did not write ({} lists what it "
+                          "wrote), and a run gives its results that name; move it away or choose another folder with "
+                          "--out",
+                          folder.string(), foreign[0], others, kManifest));
+}
+
+// Returns whether the folder for plots, which was ours, is kept for what others have put there.
+bool remove_old_results(const fs::path& folder, const Manifest& manifest) {
+  for (const std::string& name : manifest.names) {
+    if (name == "plots") continue;
+    for (const std::string& file : {name, fmt::format("{}.{}.part", name, manifest.token)}) {
+      std::error_code error;
+      fs::remove(folder / file, error);
+      if (error)
+        throw Error(Exit::bad_input, fmt::format("{}: an earlier result cannot be removed: {}; choose another folder "
+                                                 "with --out",
+                                                 (folder / file).string(), error.message()));
+    }
+  }
+  if (!made_plots(manifest)) return false;
+  std::error_code not_empty;
+  fs::remove(folder / "plots", not_empty);
+  return static_cast<bool>(not_empty);
+}
+
+// Folders of results of this process, with the file that takes their manifest.
+struct OpenFolder {
+  fs::path path;
+  std::ofstream manifest;
+  std::set<std::string> noted;
+};
+std::mutex mutex;
+std::vector<OpenFolder> open_folders;
+
+fs::path whole_path(const fs::path& path) { return fs::absolute(path).lexically_normal(); }
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const fs::path& folder) {
+  make_folder(folder);
+  const fs::path path = folder / kLock;
+  const auto message = [](int code) { return std::error_code(code, std::generic_category()).message(); };
+  // Not handed on to gnuplot and other children, which would keep the lock when this process dies.
+  file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+  if (file_ < 0)
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; choose another folder with --out",
+                                             path.string(), message(errno)));
+  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    const int fault = errno;
+    if (fault != EWOULDBLOCK) {
+      fmt::print(stderr, "quoin: warning: {} cannot be locked ({}): start no second run in this folder\n",
+                 folder.string(), message(fault));
+      return;
+    }
+    std::array<char, 300> text{};
+    const ssize_t size = pread(file_, text.data(), text.size(), 0);
+    close(file_);
+    std::string holder(text.data(), size > 0 ? static_cast<size_t>(size) : 0);
+    std::erase_if(holder, [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    throw Error(Exit::bad_input,
+                fmt::format("{}: in use by another run{}; wait for its end or choose another folder with --out",
+                            folder.string(), holder.empty() ? "" : " (" + holder + ")"));
+  }
+  const std::string holder = fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), host_name(),
+                                         fmt::gmtime(std::time(nullptr)));
+  if (ftruncate(file_, 0) != 0 || pwrite(file_, holder.data(), holder.size(), 0) < 0) {
+    // The lock holds all the same; only the message to others is poorer.
+  }
+}
+
+FolderLock::~FolderLock() { close(file_); }
+
+ResultFolder::ResultFolder(const fs::path& folder) : lock_(folder) {
+  const Manifest old = read_manifest(folder);
+  refuse_what_others_wrote(folder, old);
+  const bool plots_kept = remove_old_results(folder, old);
+  const fs::path path = folder / kManifest;
+  std::error_code ignored;
+  fs::remove(path, ignored);  // never written through a link
+  OpenFolder open_folder{whole_path(folder), std::ofstream(path, std::ios::trunc), {}};
+  open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << std::endl;
+  if (!open_folder.manifest)
+    throw Error(Exit::bad_input, path.string() + ": cannot be written; choose another folder with --out");
+  const std::lock_guard guard(mutex);
+  open_folders.push_back(std::move(open_folder));
+  path_ = open_folders.back().path;
+}
+
+ResultFolder::~ResultFolder() {
+  const std::lock_guard guard(mutex);
+  std::erase_if(open_folders, [&](const OpenFolder& f) { return f.path == path_; });
+}
+
+void note_result(const fs::path& file) {
+  const fs::path whole = whole_path(file);
+  const std::lock_guard guard(mutex);
+  for (OpenFolder& folder : open_folders) {
+    const std::string name = whole.lexically_relative(folder.path).generic_string();
+    if (name.starts_with("..")) continue;
+    if (folder.noted.insert(name).second) folder.manifest << name << std::endl;
+  }
+}
+
+}  // namespace quoin

@@ -1,0 +1,42 @@
+// A folder of results: one process at a time writes there, and a later run removes what an earlier one wrote and
+// nothing else.
+#pragma once
+
+#include <filesystem>
+
+namespace quoin {
+
+// Makes the folder, and holds it until the end of this object or of the process, however it ends: the lock is the
+// kernel's, on FOLDER/.quoin-lock, which says who holds it. Throws Error(bad_input) with the holder when there is one.
+// Where the file system knows no locks, a warning is printed and the folder is used.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int file_ = -1;
+};
+
+// The folder of a run. Locks it, removes the results that the manifest of the last run names, and begins a manifest of
+// its own, FOLDER/.quoin-manifest, in which every file is noted before it is begun: so that the results of a run that
+// was killed are known too. Throws Error(bad_input), with nothing removed, when the folder has something else under a
+// name that a run gives its results.
+class ResultFolder {
+ public:
+  explicit ResultFolder(const std::filesystem::path& folder);
+  ~ResultFolder();
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+ private:
+  FolderLock lock_;
+  std::filesystem::path path_;  // absolute
+};
+
+// Adds FILE to the manifest of the ResultFolder of this process that it lies in, if any. From any thread.
+void note_result(const std::filesystem::path& file);
+
+}  // namespace quoin

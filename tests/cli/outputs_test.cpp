@@ -1,0 +1,331 @@
+// Where results go: hostile names and titles, folders that others use or that hold other things, and files that tools
+// read.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <map>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Outputs : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    fs::current_path(folder_);  // where commands in titles would leave their traces
+  }
+  void TearDown() override {
+    fs::current_path("/");
+    Cli::TearDown();
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  // Two free blocks on a fixed one, for a few steps.
+  std::string block_scene() const {
+    return write("blocks.toml", R"(title = "two blocks"
+[solver]
+damping = "local"
+[materials.stone]
+young_modulus = 10e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e10
+shear_stiffness = 0.5e10
+friction_angle = 33.0
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [0, -0.2, 0], size = [1, 0.2, 0.2] }
+[[dry_wall]]
+name = "wall"
+material = "stone"
+courses = 1
+units_per_course = 2
+unit = [0.4, 0.2, 0.2]
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+duration = 0.001
+[output]
+frames = 2
+)");
+  }
+  std::vector<std::string> results(const fs::path& folder) const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      const std::string name = entry.path().lexically_relative(folder).generic_string();
+      if (entry.is_regular_file() && !name.starts_with(".quoin-")) names.push_back(name);
+    }
+    return names;
+  }
+};
+
+TEST_F(Outputs, TitlesAndFoldersRunNoCommands) {
+  const fs::path canary = folder_ / "canary";
+  const std::string touch = "touch " + canary.string();
+  const std::vector<std::string> titles{"a `" + touch + "` b", "\\\"; system(\\\"" + touch + "\\\") #",
+                                        "'.system('" + touch + "').'", "$(" + touch + ") _x^{2}@m",
+                                        "a\\n!" + touch + "\\n"};
+  const std::vector<std::string> folders{"`touch canary` b", "two\nlines", "\"q\" 'r'", "$(touch canary)",
+                                         "\n!touch canary\n#"};
+  const std::string blocks = block_scene();
+  for (size_t i = 0; i < titles.size(); ++i) {
+    SCOPED_TRACE(titles[i]);
+    const fs::path out = folder_ / folders[i];
+    const std::string title = "title=\"" + titles[i] + "\"";
+    ASSERT_EQ(quoin({"run", small_, "--out", out.string(), "--threads", "1", "--set", title, "--set",
+                     "stage.shear.displacement=1e-5", "--set", "output.frames=0"}),
+              0)
+        << error_;
+    EXPECT_TRUE(fs::exists(out / "curve.png")) << error_;
+    EXPECT_TRUE(fs::exists(out / "cracks.png")) << error_;
+    ASSERT_EQ(quoin({"run", blocks, "--out", out.string(), "--set", title}), 0) << error_;
+    EXPECT_TRUE(fs::exists(out / "mechanism.png")) << error_;
+    EXPECT_FALSE(fs::exists(canary)) << "a command was run";
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
+}
+
+TEST_F(Outputs, PathTestsRunNoCommands) {
+  const fs::path canary = folder_ / "canary";
+  const std::string touch = "touch " + canary.string();
+  for (const std::string& name :
+       {std::string("it's `touch canary`\n$(touch canary)"), std::string("\";!touch canary;\"")}) {
+    const std::string file =
+        write(name + ".toml", "title = \"a `" + touch + "` \\\"; system(\\\"" + touch + "\\\") 'b' \\n!" + touch +
+                                  "\\n\"\nlaw = \"elastic\"\n[properties]\nnormal_stiffness = 1e9\n"
+                                  "shear_stiffness = 1e9\n[[point]]\ndn = -1e-6\nsteps = 5\n"
+                                  "along = [\"sigma = kn*dn\"]\n");
+    const fs::path plots = folder_ / (name + " plots");
+    ASSERT_EQ(quoin({"path", file, "--plot", plots.string()}), 0) << error_;
+    EXPECT_TRUE(fs::exists(plots / (name + ".png")));
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
+}
+
+TEST_F(Outputs, ARunRemovesOnlyWhatTheLastOneWrote) {
+  ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5"}), 0) << error_;
+  std::ofstream(out() + "/notes.txt") << "mine";
+  std::ofstream(out() + "/plots/mine.gp") << "mine";
+  // A run of the other kind: nothing of the first is left, and all that is mine.
+  ASSERT_EQ(quoin({"run", block_scene(), "--out", out()}), 0) << error_;
+  std::vector<std::string> left = results(out());
+  for (const std::string& name : left) EXPECT_THAT(name, Not(AllOf(HasSubstr("joints"), HasSubstr(".vtu")))) << name;
+  EXPECT_FALSE(fs::exists(out() + "/cracks.png"));
+  EXPECT_EQ(read_all(out() + "/notes.txt"), "mine");
+  EXPECT_EQ(read_all(out() + "/plots/mine.gp"), "mine");
+}
+
+// Each kind of result in turn is another's, in a folder without a run.
+TEST_F(Outputs, RefusesAFolderWithOtherThingsOfThoseNames) {
+  ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5"}), 0) << error_;
+  std::vector<std::string> names = results(out());
+  ASSERT_EQ(quoin({"run", block_scene(), "--out", out()}), 0) << error_;
+  for (const std::string& name : results(out())) names.push_back(name);
+  names.insert(names.end(), {"plots/thesis.tex", "blocks_of_mine.vtu", "joints_of_mine.vtu"});
+  EXPECT_GT(names.size(), 25u);
+  for (const std::string& name : names) {
+    const fs::path folder = folder_ / "others", file = folder / name;
+    fs::create_directories(file.parent_path());
+    std::ofstream(file) << "mine";
+    EXPECT_EQ(quoin({"run", small_, "--out", folder.string(), "--set", "stage.shear.displacement=1e-5", "--set",
+                     "output.frames=0", "--set", "output.plots=false"}),
+              3)
+        << name;
+    EXPECT_THAT(error_, AllOf(HasSubstr(folder.string()), HasSubstr(name.starts_with("plots/") ? "has plots" : name),
+                              HasSubstr("choose another folder with --out")));
+    EXPECT_EQ(read_all(file), "mine") << name;
+    fs::remove_all(folder);
+  }
+}
+
+TEST_F(Outputs, TwoRunsDoNotShareAFolder) {
+  const pid_t first = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                             "stage.shear.velocity=1e-4", "--set", "output.plots=false", "--set", "output.frames=0"});
+  const auto begun = [&] { return fs::exists(out() + "/.quoin-manifest"); };
+  for (int i = 0; i < 1200 && !begun(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  for (const std::string& scene : {small_, block_scene()}) {
+    const pid_t second = fork();  // not through start(), which would take the files of the first's messages
+    if (second == 0) {
+      const int error = open((folder_ / "second").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      dup2(error, STDERR_FILENO);
+      execl(QUOIN_PROGRAM, QUOIN_PROGRAM, "run", scene.c_str(), "--out", out().c_str(), nullptr);
+      _exit(126);
+    }
+    int status = 0;
+    waitpid(second, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 3) << scene;
+    EXPECT_THAT(read_all(folder_ / "second"),
+                AllOf(HasSubstr("in use by another run (process " + std::to_string(first)), HasSubstr("--out")));
+  }
+  kill(first, SIGKILL);  // its lock dies with it; its history was not whole and is not there
+  finish(first);
+  EXPECT_FALSE(fs::exists(out() + "/history.csv"));
+  ASSERT_EQ(run_small({"--set", "stage.shear.displacement=1e-5", "--set", "output.plots=false"}), 0) << error_;
+  for (const std::string& name : results(out())) EXPECT_THAT(name, Not(HasSubstr(".part"))) << "left by the first";
+}
+
+TEST_F(Outputs, NamesOfStagesDoNotTearTheHistory) {
+  std::string text = read_all(small_);
+  const std::string name = "name = \"shear\"";
+  text.replace(text.find(name), name.size(), "name = \"a \\\"b\\\", c\\nd\"");
+  ASSERT_EQ(quoin({"run", write("named.toml", text), "--out", out(), "--threads", "1", "--set",
+                   "stage.2.displacement=1e-5", "--set", "output.plots=false", "--set", "output.frames=0"}),
+            0)
+      << error_;
+  const std::string history = read_all(out() + "/history.csv");
+  EXPECT_THAT(history, HasSubstr("\n2,\"a \"\"b\"\", c d\","));
+}
+
+// Arrays of a VTU file with one appended block of raw data, as this program writes it: VTK's format, read without VTK.
+class Vtu {
+ public:
+  explicit Vtu(const fs::path& file) : text_(read_all(file)) {
+    const std::string mark = "<AppendedData encoding=\"raw\">\n_";
+    data_ = text_.find(mark) + mark.size();
+  }
+  template <class T>
+  std::vector<T> array(const std::string& name) const {
+    const size_t at = text_.find("Name=\"" + name + "\"");
+    if (at > data_) {
+      ADD_FAILURE() << "no array " << name;
+      return {};
+    }
+    const std::string mark = "offset=\"";
+    const size_t place = data_ + std::stoul(text_.substr(text_.find(mark, at) + mark.size(), 20));
+    std::uint64_t bytes = 0;
+    std::memcpy(&bytes, text_.data() + place, sizeof bytes);
+    std::vector<T> values(bytes / sizeof(T));
+    std::memcpy(values.data(), text_.data() + place + sizeof bytes, bytes);
+    return values;
+  }
+
+ private:
+  std::string text_;
+  size_t data_;
+};
+
+using Vector = std::array<double, 3>;
+Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+// A wall under its weight and a push of the top beam, then at rest: what the joints of a block carry is its weight, and
+// turns it about no axis.
+TEST_F(Outputs, ForcesOnABlockFormedFromTheJointsFileBalanceItsWeight) {
+  std::string text = read_all(small_);
+  text = text.substr(0, text.find("[[stage]]")) + R"([[stage]]
+name = "push"
+kind = "custom"
+gravity = [0, -9.81, 0]
+duration = 0.01
+ramp_time = 0.005
+[[stage.control]]
+body = "bottom_beam"
+[[stage.control]]
+body = "top_beam"
+velocity = [1e-4, -1e-4, 0]
+[[stage]]
+name = "rest"
+kind = "custom"
+equilibrium_ratio = 1e-7
+[[stage.control]]
+body = "bottom_beam"
+[[stage.control]]
+body = "top_beam"
+[output]
+frames = 1
+plots = false
+)";
+  ASSERT_EQ(quoin({"run", write("weight.toml", text), "--out", out(), "--threads", "1"}), 0) << error_;
+  const Vtu blocks(out() + "/blocks_0001.vtu"), joints(out() + "/joints_0001.vtu");
+
+  const auto place = blocks.array<float>("position");
+  const auto connectivity = blocks.array<std::int64_t>("connectivity"), offsets = blocks.array<std::int64_t>("offsets");
+  const auto block = blocks.array<std::int32_t>("block");
+  struct Load {
+    double volume = 0.0;
+    Vector first_moment{}, force{}, moment{};  // moment about the origin
+  };
+  std::map<int, Load> loads;
+  for (size_t cell = 0; cell < block.size(); ++cell) {
+    const std::int64_t first = cell > 0 ? offsets[cell - 1] : 0;
+    if (offsets[cell] - first != 4) continue;  // a rigid beam
+    std::array<Vector, 4> corner{};
+    Vector centre{};
+    for (size_t k = 0; k < 4; ++k) {
+      for (size_t axis = 0; axis < 3; ++axis) {
+        corner[k][axis] = place[3 * static_cast<size_t>(connectivity[static_cast<size_t>(first) + k]) + axis];
+        centre[axis] += corner[k][axis] / 4;
+      }
+    }
+    std::array<Vector, 3> edge{};
+    for (size_t k = 0; k < 3; ++k) {
+      for (size_t axis = 0; axis < 3; ++axis) edge[k][axis] = corner[k + 1][axis] - corner[0][axis];
+    }
+    const Vector normal = cross(edge[0], edge[1]);
+    const double volume = std::abs(normal[0] * edge[2][0] + normal[1] * edge[2][1] + normal[2] * edge[2][2]) / 6;
+    Load& load = loads[block[cell]];
+    load.volume += volume;
+    for (size_t axis = 0; axis < 3; ++axis) load.first_moment[axis] += volume * centre[axis];
+  }
+  ASSERT_EQ(loads.size(), 5u);
+
+  const auto area = joints.array<float>("area_m2"), normal = joints.array<float>("normal"),
+             traction = joints.array<float>("traction_Pa"), position = joints.array<float>("position");
+  const auto a = joints.array<std::int32_t>("block_a"), b = joints.array<std::int32_t>("block_b");
+  ASSERT_EQ(traction.size(), 3 * area.size());
+  ASSERT_EQ(a.size(), area.size());
+  double largest = 0.0;
+  for (size_t i = 0; i < area.size(); ++i) {
+    // The shear axes are those that follow the normal: for n = (1,0,0) s = (0,1,0), t = (0,0,1).
+    const float* n = &normal[3 * i];
+    const Vector s{n[2], n[0], n[1]}, t{n[1], n[2], n[0]}, x{position[3 * i], position[3 * i + 1], position[3 * i + 2]};
+    Vector force{};  // on block a: tension draws it along the normal, towards block b
+    for (size_t axis = 0; axis < 3; ++axis)
+      force[axis] =
+          double{area[i]} * (traction[3 * i] * n[axis] + traction[3 * i + 1] * s[axis] + traction[3 * i + 2] * t[axis]);
+    const Vector moment = cross(x, force);
+    for (const auto& [which, sign] : {std::pair(a[i], 1.0), std::pair(b[i], -1.0)}) {
+      const auto found = loads.find(which);
+      if (found == loads.end()) continue;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        found->second.force[axis] += sign * force[axis];
+        found->second.moment[axis] += sign * moment[axis];
+      }
+    }
+    largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
+  }
+  // Tolerance: rounding to 24 bits of some tens of forces up to the largest (6e-8 each), and the residual at rest, 1e-7
+  // of the mean contact force at each of tens of gridpoints.
+  const double tolerance = 1e-5 * largest;
+  for (const auto& [which, load] : loads) {
+    const double weight = 1900.0 * 9.81 * load.volume;
+    const Vector centre_of_weight = cross(load.first_moment, {0.0, -1900.0 * 9.81, 0.0});
+    EXPECT_GT(weight, 100 * tolerance) << "the test must see the weight";
+    EXPECT_NEAR(load.force[0], 0.0, tolerance) << which;
+    EXPECT_NEAR(load.force[1], weight, tolerance) << which;
+    EXPECT_NEAR(load.force[2], 0.0, tolerance) << which;
+    for (size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(load.moment[axis] + centre_of_weight[axis], 0.0, tolerance * 0.5) << which;  // arms below 0.5 m
+  }
+}
+
+}  // namespace

@@ -1,0 +1,139 @@
+// Whose a folder is, and what in it may be removed.
+#include "results/result_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "folder.h"
+#include "results/file.h"
+#include "scene/error.h"
+
+namespace quoin {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class Folder : public InFolder {
+ protected:
+  void write(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder_ / name).parent_path());
+    std::ofstream(folder_ / name) << text;
+  }
+  // The message of the refusal, or nothing.
+  std::string refusal() const {
+    try {
+      const ResultFolder results(folder_);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      return error.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(Folder, HasOneHolder) {
+  {
+    const FolderLock first(folder_);
+    EXPECT_THAT(refusal(),
+                AllOf(HasSubstr(folder_.string()), HasSubstr("in use by another run"),
+                      HasSubstr("process " + std::to_string(getpid())), HasSubstr("since"), HasSubstr("--out")));
+  }
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Folder, LockDiesWithItsProcessThoughItsChildrenLive) {
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t holder = fork();
+  if (holder == 0) {
+    const FolderLock lock(folder_);
+    const pid_t child = fork();
+    if (child == 0) {
+      execlp("sleep", "sleep", "1000", nullptr);
+      _exit(127);
+    }
+    if (::write(ready[1], &child, sizeof child) < 0) _exit(1);
+    for (;;) pause();
+  }
+  pid_t child = 0;
+  ASSERT_EQ(read(ready[0], &child, sizeof child), ssize_t{sizeof child});
+  EXPECT_THAT(refusal(), HasSubstr("process " + std::to_string(holder)));
+  kill(holder, SIGKILL);
+  waitpid(holder, nullptr, 0);
+  // The child has the lock until its exec, and may be slower than we are.
+  for (int i = 0; i < 500 && !refusal().empty(); ++i) usleep(10000);
+  EXPECT_EQ(refusal(), "");
+  EXPECT_EQ(kill(child, SIGKILL), 0) << "the child was to outlive the holder";
+  close(ready[0]);
+  close(ready[1]);
+}
+
+TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
+  const std::vector<std::string> ours{"summary.json", "blocks_0000.vtu", "plots/curve.gp", "plots/bricks.dat"};
+  const std::vector<std::string> theirs{"notes.txt", "blocks.txt", "my_blocks_1.vtu", "plots/mine.gp",
+                                        "more/curve.png"};
+  fs::path part;
+  {
+    const ResultFolder results(folder_);
+    fs::create_directories(folder_ / "plots");
+    for (const std::string& name : ours) write_file(folder_ / name, "ours");
+    part = begin_file(folder_ / "history.csv");  // as of a run that was killed
+    std::ofstream(part) << "half a row";
+  }
+  for (const std::string& name : theirs) write(name, "theirs");
+  EXPECT_TRUE(fs::exists(part));
+  EXPECT_EQ(refusal(), "");
+  for (const std::string& name : ours) EXPECT_FALSE(fs::exists(folder_ / name)) << name;
+  EXPECT_FALSE(fs::exists(part));
+  for (const std::string& name : theirs) EXPECT_EQ(read_all(folder_ / name), "theirs") << name;
+  // That was an empty run: what comes now under our names is another's.
+  write("summary.json", "theirs");
+  EXPECT_THAT(refusal(), HasSubstr("summary.json"));
+  EXPECT_EQ(read_all(folder_ / "summary.json"), "theirs");
+}
+
+TEST_F(Folder, RefusesWhatOthersWroteAndRemovesNothingThen) {
+  {
+    const ResultFolder results(folder_);
+    write_file(folder_ / "curve.png", "ours");
+  }
+  write("plots/thesis.tex", "theirs");
+  write("joints_final.vtu", "theirs");
+  EXPECT_THAT(refusal(), AllOf(HasSubstr("has joints_final.vtu and 1 more"), HasSubstr("move it away"),
+                               HasSubstr("choose another folder with --out")));
+  fs::remove(folder_ / "joints_final.vtu");
+  EXPECT_THAT(refusal(), HasSubstr("has plots,"));
+  EXPECT_EQ(read_all(folder_ / "plots/thesis.tex"), "theirs");
+  EXPECT_EQ(read_all(folder_ / "curve.png"), "ours");
+  fs::remove_all(folder_ / "plots");
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Folder, BelievesNoManifestBeyondTheNamesOfResults) {
+  const fs::path outside = folder_ / "outside";
+  write("outside/curve.png", "theirs");
+  write("outside/plots/curve.gp", "theirs");
+  fs::create_directories(folder_ / "run");
+  fs::create_directory_symlink(outside / "plots", folder_ / "run/plots");
+  write("run/thesis.tex", "theirs");
+  write("run/.quoin-manifest", "results of quoin, partial files .0123abcd\n../outside/curve.png\n" +
+                                   (outside / "curve.png").string() +
+                                   "\nthesis.tex\nplots/../../outside/curve.png\nplots/curve.gp\n");
+  folder_ /= "run";
+  EXPECT_THAT(refusal(), HasSubstr("has plots,")) << "a link leads elsewhere";
+  fs::remove(folder_ / "plots");
+  EXPECT_EQ(refusal(), "");
+  EXPECT_EQ(read_all(folder_ / "thesis.tex"), "theirs");
+  folder_ = folder_.parent_path();
+  EXPECT_EQ(read_all(outside / "curve.png"), "theirs");
+  EXPECT_EQ(read_all(outside / "plots/curve.gp"), "theirs");
+}
+
+}  // namespace
+}  // namespace quoin
