@@ -1,19 +1,19 @@
-# Sourced by demo and test: installs what is missing on Debian 12, then configures and builds the release preset.
+# Sourced by demo and test, which name what they need. Debian 12.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-packages="g++ cmake ninja-build pkg-config libhwy-dev libtomlplusplus-dev libcli11-dev libfmt-dev libeigen3-dev
-  nlohmann-json3-dev libgtest-dev libgmock-dev libbenchmark-dev gnuplot-nox python3 python3-numpy python3-matplotlib
-  python3-lammps liblammps-dev
-  clang clang-format clang-tidy"
+# What the program and the laws are built with, and what draws their pictures.
+program="g++ cmake ninja-build pkg-config libhwy-dev libtomlplusplus-dev libcli11-dev libfmt-dev libeigen3-dev
+  nlohmann-json3-dev gnuplot-nox"
 
-missing=""
-for package in $packages; do
-  dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
-done
-if [ -n "$missing" ]; then
+# Those of the packages that are missing; as root or with sudo.
+install_packages() {
+  local package missing="" as_root=""
+  for package in "$@"; do
+    dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
   echo "Installing:$missing"
-  as_root=""
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || { echo "Run as root, or install sudo, so that these can be installed:$missing" >&2; exit 1; }
     as_root="sudo"
@@ -21,6 +21,4 @@ if [ -n "$missing" ]; then
   $as_root apt-get update -q
   # shellcheck disable=SC2086  # a list of packages
   $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
-fi
-
-cmake --preset release >/dev/null
+}

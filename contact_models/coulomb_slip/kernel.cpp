@@ -38,21 +38,25 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
 HWY_INLINE M admissible(const Lanes& p) {
   const M stiff = hn::And(hn::Gt(p.kn, zero()), hn::Gt(p.ks, zero()));
   const V smallest = hn::Min(p.ftr, hn::Min(p.cr, p.mur));
+  const V largest = hn::Max(hn::Max(p.kn, p.ks), hn::Max(p.ft, p.c0));
+  const M finite = hn::Lt(largest, splat(HUGE_VAL));
   const M ordered = hn::And(hn::Le(p.ftr, p.ft), hn::And(hn::Le(p.cr, p.c0), hn::Le(p.mur, p.mu0)));
-  return hn::And(hn::And(stiff, ordered), hn::Ge(smallest, zero()));
+  return hn::And(hn::And(stiff, finite), hn::And(ordered, hn::Ge(smallest, zero())));
 }
 
-template <bool kFull>
-void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+template <bool kFull, class Access>
+HWY_INLINE void run(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
   const D d;
   const Lanes uniform = material_lanes(material);
   const V one = splat(1.0);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto at = [&](int k) { return Access::load(c.in[k], i); };
+    const auto put = [&](int k, V value) { Access::store(value, c.out[k], i); };
     const Lanes p = kFull && c.property_columns ? column_lanes(material, c, i) : uniform;
     const Equations law{p};
-    const Increment in{load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
-    const V failed_old = load(c.in[kStateOld + kFailed], i);
-    const State old{hn::Gt(failed_old, zero()), load(c.in[kTractionOld + 1], i), load(c.in[kTractionOld + 2], i)};
+    const Increment in{at(kNormalJump), at(kSlipIncrement), at(kSlipIncrement + 1)};
+    const V failed_old = at(kStateOld + kFailed);
+    const State old{hn::Gt(failed_old, zero()), at(kTractionOld + 1), at(kTractionOld + 2)};
 
     Energies energies;
     Tangent tangent;
@@ -65,7 +69,7 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
     if (kFull && c.property_columns) sound = hn::And(sound, admissible(p));
     V failed = hn::IfThenElseZero(r.state.failed, one);
     if (!all(sound)) {
-      r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
+      r.sigma = select(sound, r.sigma, at(kTractionOld));
       r.state.tau_s = select(sound, r.state.tau_s, old.tau_s);
       r.state.tau_t = select(sound, r.state.tau_t, old.tau_t);
       failed = select(sound, failed, failed_old);
@@ -75,12 +79,12 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
       summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
     }
 
-    store(r.sigma, c.out[kTractionNew], i);
-    store(r.state.tau_s, c.out[kTractionNew + 1], i);
-    store(r.state.tau_t, c.out[kTractionNew + 2], i);
-    store(failed, c.out[kStateNew + kFailed], i);
+    put(kTractionNew, r.sigma);
+    put(kTractionNew + 1, r.state.tau_s);
+    put(kTractionNew + 2, r.state.tau_t);
+    put(kStateNew + kFailed, failed);
     if (c.out[kStateNew + kSlip]) {
-      store(hn::Add(load(c.in[kStateOld + kSlip], i), r.slip), c.out[kStateNew + kSlip], i);
+      put(kStateNew + kSlip, hn::Add(at(kStateOld + kSlip), r.slip));
     }
     const M moved = hn::Or(r.fails, r.slips);
     summary.yielding |= !none(hn::And(moved, hn::FirstN(d, count - i)));
@@ -99,7 +103,10 @@ void run(const Parameters& material, const Columns& c, std::size_t count, Summar
 }
 
 void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
-  c.extras ? run<true>(material, c, count, summary) : run<false>(material, c, count, summary);
+  c.extras ? run<true, Vectors>(material, c, count, summary) : run<false, Vectors>(material, c, count, summary);
+}
+void evaluate_one(const Parameters& material, const Columns& c, Summary& summary) {
+  run<false, OnePoint>(material, c, 1, summary);
 }
 
 }  // namespace quoin::coulomb_slip::HWY_NAMESPACE
@@ -109,9 +116,13 @@ HWY_AFTER_NAMESPACE();
 namespace quoin::coulomb_slip {
 
 HWY_EXPORT(evaluate);
+HWY_EXPORT(evaluate_one);
 
 void evaluate(const Parameters& material, const shim::Columns& columns, std::size_t count, shim::Summary& summary) {
   HWY_DYNAMIC_DISPATCH(evaluate)(material, columns, count, summary);
+}
+void evaluate_one(const Parameters& material, const shim::Columns& columns, shim::Summary& summary) {
+  HWY_DYNAMIC_DISPATCH(evaluate_one)(material, columns, summary);
 }
 
 }  // namespace quoin::coulomb_slip

@@ -82,6 +82,9 @@ struct CoulombSlipLaw {
   static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
     coulomb_slip::evaluate(material, columns, count, summary);
   }
+  static void evaluate_one(const Material& material, const Columns& columns, Summary& summary) {
+    coulomb_slip::evaluate_one(material, columns, summary);
+  }
 
   // A joint at the end of its softening comes in failed, where the residual strengths carry its traction. One that is
   // only softened has no counterpart in a brittle law: it comes in intact and is marked as clamped.

@@ -15,23 +15,25 @@ using namespace quoin::shim::HWY_NAMESPACE;
 using shim::Columns;
 using shim::Summary;
 
-inline void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+template <class Access>
+HWY_INLINE void evaluate_columns(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
   using namespace quoin::shim;
   const D d;
   const V half = splat(0.5);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto in = [&](int k) { return Access::load(c.in[k], i); };
     const auto property = [&](int k, double value) {
-      return c.property_columns && c.in[kProperty + k] ? load(c.in[kProperty + k], i) : splat(value);
+      return c.property_columns && c.in[kProperty + k] ? in(kProperty + k) : splat(value);
     };
     const V kn = property(0, material.kn), ks = property(1, material.ks);
-    const V d_n = load(c.in[kNormalJump], i);
-    const V sigma_old = load(c.in[kTractionOld], i);
-    const V tau_s_old = load(c.in[kTractionOld + 1], i);
-    const V tau_t_old = load(c.in[kTractionOld + 2], i);
+    const V d_n = in(kNormalJump);
+    const V sigma_old = in(kTractionOld);
+    const V tau_s_old = in(kTractionOld + 1);
+    const V tau_t_old = in(kTractionOld + 2);
 
     V sigma = hn::Mul(kn, d_n);
-    V tau_s = hn::MulAdd(ks, load(c.in[kSlipIncrement], i), tau_s_old);
-    V tau_t = hn::MulAdd(ks, load(c.in[kSlipIncrement + 1], i), tau_t_old);
+    V tau_s = hn::MulAdd(ks, in(kSlipIncrement), tau_s_old);
+    V tau_t = hn::MulAdd(ks, in(kSlipIncrement + 1), tau_t_old);
 
     // Stiffness columns are held to the same bounds as the property: positive and finite.
     V collected = gather_non_finite(sigma, gather_non_finite(tau_s, gather_non_finite(tau_t, zero())));
@@ -42,9 +44,9 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
       tau_t = select(sound, tau_t, tau_t_old);
       summary.failed += hn::CountTrue(d, hn::AndNot(sound, hn::FirstN(d, count - i)));
     }
-    store(sigma, c.out[kTractionNew], i);
-    store(tau_s, c.out[kTractionNew + 1], i);
-    store(tau_t, c.out[kTractionNew + 2], i);
+    Access::store(sigma, c.out[kTractionNew], i);
+    Access::store(tau_s, c.out[kTractionNew + 1], i);
+    Access::store(tau_t, c.out[kTractionNew + 2], i);
 
     if (!c.extras) continue;
     const V shear = hn::MulAdd(tau_s, tau_s, hn::Mul(tau_t, tau_t));
@@ -53,6 +55,13 @@ inline void evaluate(const Parameters& material, const Columns& c, std::size_t c
     const Tangent tangent{{kn, zero(), zero(), zero(), ks, zero(), zero(), zero(), ks}};
     put_extras(c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); });
   }
+}
+
+inline void evaluate(const Parameters& material, const Columns& c, std::size_t count, Summary& summary) {
+  evaluate_columns<Vectors>(material, c, count, summary);
+}
+inline void evaluate_one(const Parameters& material, const Columns& c, Summary& summary) {
+  evaluate_columns<OnePoint>(material, c, 1, summary);
 }
 
 }  // namespace quoin::elastic::HWY_NAMESPACE

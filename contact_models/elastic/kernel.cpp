@@ -11,9 +11,13 @@
 namespace quoin::elastic {
 
 HWY_EXPORT(evaluate);
+HWY_EXPORT(evaluate_one);
 
 void evaluate(const Parameters& material, const shim::Columns& columns, std::size_t count, shim::Summary& summary) {
   HWY_DYNAMIC_DISPATCH(evaluate)(material, columns, count, summary);
+}
+void evaluate_one(const Parameters& material, const shim::Columns& columns, shim::Summary& summary) {
+  HWY_DYNAMIC_DISPATCH(evaluate_one)(material, columns, summary);
 }
 
 }  // namespace quoin::elastic

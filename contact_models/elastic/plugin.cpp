@@ -42,6 +42,9 @@ struct ElasticLaw {
   static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
     elastic::evaluate(material, columns, count, summary);
   }
+  static void evaluate_one(const Material& material, const Columns& columns, Summary& summary) {
+    elastic::evaluate_one(material, columns, summary);
+  }
 
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
     to.normal_shift = from.sigma / material.kn - from.normal_jump;

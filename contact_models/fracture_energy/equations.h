@@ -61,9 +61,13 @@ struct Lanes {
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c)));
-    // One by one: a minimum may lose a value that is not a number.
-    for (const V value : {ft, cr, mur, tan_psi, fcr}) {
+    // One by one: a minimum may lose a value that is not a number. Fracture energies too, whether or not their mode has
+    // a strength to lose: what a material refuses fails its point. fc alone may be infinite.
+    for (const V value : {mur, tan_psi, fcr, G1, G2, Gc, ft, cr}) {
       admissible = hn::And(admissible, hn::Ge(value, zero()));
+    }
+    for (const V value : {kn, ks, ft, c0, fcr, G1, G2, Gc}) {
+      admissible = hn::And(admissible, hn::Lt(value, splat(HUGE_VAL)));
     }
     admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
     admissible = hn::And(admissible, hn::And(hn::Le(cr, c0), hn::Le(fcr, fc)));
@@ -104,8 +108,9 @@ struct Equations {
   HWY_INLINE V kappa(V xi) const { return hn::MulAdd(xi, p.lt, p.u0); }
 
   // Secant stiffness ft f/kappa, written so that it is exactly kn at xi = 0; 0 where ft = 0.
-  HWY_INLINE V secant(V xi) const {
-    const V ratio = hn::Div(hn::Mul(f.factor(xi), p.u0), kappa(xi));
+  HWY_INLINE V secant(V xi) const { return secant(xi, f.factor(xi)); }
+  HWY_INLINE V secant(V xi, V factor) const {
+    const V ratio = hn::Div(hn::Mul(factor, p.u0), kappa(xi));
     return hn::IfThenElseZero(hn::Gt(p.ft, zero()), hn::Mul(p.kn, ratio));
   }
   HWY_INLINE V secant_slope(V xi) const {  // d secant / d xi
@@ -175,8 +180,8 @@ struct Equations {
 
   // Everything that depends on the slip of this step, at its end.
   struct AtSlip {
-    V xi_s, v, w, sigma, S;
-    V S_end, S_drop;  // c - sigma mu = S_end + S_drop f, at this sigma
+    V xi_s, factor, v, w, sigma, S;  // factor: f(xi_s)
+    V S_end, S_drop;                 // c - sigma mu = S_end + S_drop f, at this sigma
     M crushes;
     // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
     V sigma_slip, sigma_n, S_slip, S_n;
@@ -207,6 +212,7 @@ struct Equations {
     AtSlip a;
     a.xi_s = xi_s;
     const V factor = f.factor(a.xi_s);
+    a.factor = factor;
     a.v = step.v_old;
     Closed c = step.normal;
     if constexpr (kDilation) {
@@ -222,7 +228,7 @@ struct Equations {
     if (step.any_open) {
       // Open joints that carry nothing any more are the most common ones of a cracked wall.
       if (!none(hn::And(step.open, hn::Lt(xi, p.end)))) {
-        K = secant(xi);
+        K = secant(xi, kShared ? factor : f.factor(xi));
         if constexpr (kSlopes) K_xi = hn::Mul(secant_slope(xi), step.e);
       }
       a.sigma = select(step.open, hn::Mul(K, step.e), c.sigma);
@@ -236,10 +242,10 @@ struct Equations {
       const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
       const V stiffness = closed_slope(c);
       const V xi_t_by_n = hn::IfThenElseZero(step.opens, p.inv_lt);
-      V uplift_slope = zero();
-      if constexpr (kDilation) uplift_slope = hn::Mul(p.tan_psi, factor);
+      a.sigma_slip = zero();
+      if constexpr (kDilation) a.sigma_slip = hn::Neg(hn::Mul(stiffness, hn::Mul(p.tan_psi, factor)));
       const V sigma_slip_open = kShared ? hn::Mul(K_xi, p.inv_su) : zero();
-      a.sigma_slip = select(step.open, sigma_slip_open, hn::Neg(hn::Mul(stiffness, uplift_slope)));
+      a.sigma_slip = select(step.open, sigma_slip_open, a.sigma_slip);
       a.sigma_n = select(step.open, hn::MulAdd(K_xi, xi_t_by_n, K), stiffness);
       const V S_xi = hn::Mul(a.S_drop, f.slope(a.xi_s));
       a.S_slip = hn::NegMulAdd(mu, a.sigma_slip, hn::Mul(S_xi, p.inv_su));
@@ -260,22 +266,27 @@ struct Equations {
     if (kSlopes || sigma_follows_slip(step)) return at_xi<kSlopes>(step, xi_s);
     AtSlip a = start;
     a.xi_s = xi_s;
-    a.S = positive_part(coulomb(a, f.factor(xi_s)));
+    a.factor = f.factor(xi_s);
+    a.S = positive_part(coulomb(a, a.factor));
     return a;
   }
 
   // Slip that brings |tau*| - ks slip down to S(slip). Beyond the end of softening S is constant. Before it, linear
   // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too; all else
   // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
-  // cohesion without drop.
-  HWY_INLINE V slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start) const {
+  // cohesion without drop. True where end is filled in with everything at the slip.
+  HWY_INLINE bool slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start, V& slip,
+                                   AtSlip& end) const {
     const V beyond = hn::Mul(positive_part(hn::Sub(trial, strength_beyond(step, start))), p.inv_ks);
-    V slip = beyond;
+    slip = beyond;
     M curved = slips;
     if constexpr (Softening::kShape == Shape::linear) {
       // The line and the constant after it are together convex: the slip ends at whichever it meets first.
       slip = hn::Min(straight_slip(trial, start), beyond);
-      if (!sigma_follows_slip(step)) return hn::IfThenElseZero(slips, slip);
+      if (!sigma_follows_slip(step)) {
+        slip = hn::IfThenElseZero(slips, slip);
+        return false;
+      }
       curved = hn::MaskFromVec(zero());
       if constexpr (kShared) curved = hn::And(step.open, slips);
       if constexpr (kDilation) curved = hn::Or(curved, hn::And(slips, hn::Gt(p.tan_psi, zero())));
@@ -283,9 +294,14 @@ struct Equations {
     slip = hn::IfThenElseZero(slips, select(curved, beyond, slip));
     const V slip_at_end = hn::Mul(p.su, positive_part(hn::Sub(p.end, step.xi_s)));
     const M within = hn::AndNot(hn::Ge(beyond, slip_at_end), curved);
-    if (none(within)) return slip;
+    if (none(within)) return false;
+    if constexpr (Softening::kShape == Shape::exponential) {
+      slip = root_slip(within, slip, short_slip(trial, start), slip_at_end, step, trial, xi_start, end);
+      return true;
+    }
     const Step copy = step;  // whose address curved_slip takes: the step itself stays in registers
-    return curved_slip(within, slip, slip_at_end, copy, trial, xi_start);
+    slip = curved_slip(within, slip, slip_at_end, copy, trial, xi_start);
+    return false;
   }
   // S' = S_drop f', f' = -1/su. S rises only where it is below 0; where it falls faster than ks, and for a cohesion
   // that is gone at once, the answer is infinite.
@@ -295,18 +311,36 @@ struct Equations {
   }
   // Out of line: it keeps the common path small.
   HWY_NOINLINE V curved_slip(M curved, V slip, V slip_at_end, const Step& step, V trial, V xi_start) const {
-    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
     V guess = zero();
     if constexpr (Softening::kShape == Shape::linear && kShared) {
       guess = hn::IfThenElseZero(step.open, opening_slip(step, trial, xi_start));
     }
-    guess = hn::Min(positive_part(guess), highest);
-    return find_root(curved, select(curved, guess, slip), zero(), highest, hn::Mul(splat(0.25), step.tolerance),
-                     [&](V x, V& value, V& slope) {
-                       const AtSlip at = at_xi<true>(step, hn::MulAdd(x, p.inv_su, xi_start));
-                       value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), at.S);
-                       slope = hn::Neg(hn::Add(p.ks, at.S_slip));
-                     });
+    AtSlip end;
+    return root_slip(curved, slip, guess, slip_at_end, step, trial, xi_start, end);
+  }
+  HWY_INLINE V root_slip(M curved, V slip, V guess, V slip_at_end, const Step& step, V trial, V xi_start,
+                         AtSlip& end) const {
+    const V highest = hn::Min(slip_at_end, hn::Div(trial, p.ks));
+    const V first = hn::Min(positive_part(guess), highest);
+    return find_root(
+        curved, select(curved, first, slip), zero(), highest,
+        hn::Mul(splat(0.25), step.tolerance), [&](V x, V & value, V & slope) __attribute__((always_inline)) {
+          end = at_xi<true>(step, hn::MulAdd(x, p.inv_su, xi_start));
+          value = hn::Sub(hn::NegMulAdd(p.ks, x, trial), end.S);
+          slope = hn::Neg(hn::Add(p.ks, end.S_slip));
+        });
+  }
+  // Exponential softening under a sigma that stays: with x = slip/su and D = S_drop f, ks su x - D (1 - exp(-x)) = c,
+  // the excess of |tau*|. Its series in q = c/b, b = ks su - D > 0, up to the fourth power: the slip to rounding for
+  // the short steps of an explicit analysis, a first guess for others.
+  HWY_INLINE V short_slip(V trial, const AtSlip& start) const {
+    const V D = hn::Mul(start.S_drop, start.factor);
+    const V inv_b = hn::Div(splat(1.0), hn::MulSub(p.ks, p.su, D));
+    const V q = hn::Mul(hn::Sub(hn::Sub(trial, start.S_end), D), inv_b), r = hn::Mul(D, inv_b);
+    const V third = hn::MulAdd(splat(1.0 / 2.0), r, splat(1.0 / 6.0));
+    const V fourth = hn::MulAdd(hn::MulAdd(splat(5.0 / 8.0), r, splat(5.0 / 12.0)), r, splat(1.0 / 24.0));
+    const V bend = hn::MulAdd(hn::NegMulAdd(fourth, q, third), q, splat(-1.0 / 2.0));
+    return hn::Mul(hn::MulAdd(hn::Mul(r, bend), hn::Mul(q, q), q), p.su);
   }
   // An open joint with linear softening and friction as it stands: with xi = xi_start + x, kappa (|tau*| - ks su x) =
   // kappa S = (f - x) (c0 kappa - mu ft e), kappa = kappa_0 + lt x, which is a quadratic equation, a x^2 + b x + c = 0,
@@ -335,10 +369,16 @@ struct Equations {
   // ---- Nothing yields: the short path ---------------------------------------------------------------------------
 
   // True, and the result filled in, when every lane is elastic at its full stiffness: closed above -F or not yet opened
-  // beyond u0, and |tau*| within S. The same bits as evaluate gives.
+  // beyond u0, and |tau*| within S. The same bits as evaluate gives. kOpeningFirst: an opening joint is told at once.
+  template <bool kOpeningFirst>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
     const V e = hn::Add(hn::Sub(in.d_n, old.v), old.w);
     const V sigma = hn::Mul(p.kn, e);
+    // f(xi) may lose what is not a number, or infinite; the limit does not.
+    V limit_e = hn::MulAdd(old.xi_s, zero(), hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
+    if constexpr (!kShared) limit_e = hn::MulAdd(old.xi_t, zero(), limit_e);
+    const M full_stiffness = hn::Le(e, limit_e);
+    if (kOpeningFirst && !all(full_stiffness)) return false;
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi_s);
@@ -348,10 +388,6 @@ struct Equations {
     const V trial_squared = hn::MulAdd(trial_s, trial_s, hn::Mul(trial_t, trial_t));
     // Less, not equal: two squares that overflow take the long path. So does what is not a number, or infinite.
     const M held = hn::Lt(trial_squared, hn::Mul(S, hn::Abs(S)));
-    // f(xi) may lose what is not a number, or infinite; the limit does not.
-    V limit_e = hn::MulAdd(old.xi_s, zero(), hn::IfThenElseZero(hn::Eq(old.xi_t, zero()), p.u0));
-    if constexpr (!kShared) limit_e = hn::MulAdd(old.xi_t, zero(), limit_e);
-    const M full_stiffness = hn::Le(e, limit_e);
     M uncrushed = hn::Ge(sigma, splat(std::numeric_limits<double>::lowest()));
     if constexpr (kCrushing) uncrushed = hn::Ge(hn::Add(sigma, crushing_strength(old.w)), zero());
     if (!all(hn::And(held, hn::And(full_stiffness, uncrushed)))) return false;
@@ -409,8 +445,12 @@ struct Equations {
     V xi_start = step.xi_s;  // where the slip of this step starts: at the end where cohesion has no drop
     if (!none(r.slips)) {
       xi_start = hn::Max(step.xi_s, hn::IfThenElseZero(r.slips, p.xi_at_first_slip));
-      r.slip = slip_to_strength(r.slips, step, trial, a, xi_start);
-      a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));
+      AtSlip end;
+      if (slip_to_strength(r.slips, step, trial, a, xi_start, r.slip, end)) {
+        a = end;
+      } else {
+        a = after_slip<kTangent>(step, a, hn::MulAdd(r.slip, p.inv_su, xi_start));
+      }
       tau = select(r.slips, a.S, trial);
       // The direction first: it does not wait for the strength.
       const V inv_trial = hn::Div(splat(1.0), trial);

@@ -56,42 +56,45 @@ HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
 }
 
-HWY_INLINE Increment increment_at(const Columns& c, std::size_t i) {
-  return {load(c.in[kNormalJump], i), load(c.in[kSlipIncrement], i), load(c.in[kSlipIncrement + 1], i)};
-}
-HWY_INLINE V old_state(const Columns& c, int k, std::size_t i) { return load(c.in[kStateOld + k], i); }
-template <bool kShared>
-HWY_INLINE State state_at(const Columns& c, std::size_t i) {
-  const V xi_t = old_state(c, kXiT, i), xi_s = kShared ? xi_t : old_state(c, kXiS, i);
-  return {xi_t,
-          xi_s,
-          old_state(c, kW, i),
-          old_state(c, kV, i),
-          load(c.in[kTractionOld + 1], i),
-          load(c.in[kTractionOld + 2], i)};
-}
-HWY_INLINE void put_traction(const Result& r, const Columns& c, std::size_t i) {
-  store(r.sigma, c.out[kTractionNew], i);
-  store(r.state.tau_s, c.out[kTractionNew + 1], i);
-  store(r.state.tau_t, c.out[kTractionNew + 2], i);
-}
-HWY_INLINE void put_history(const State& s, const Columns& c, std::size_t i) {
-  store(s.xi_t, c.out[kStateNew + kXiT], i);
-  store(s.xi_s, c.out[kStateNew + kXiS], i);
-  store(s.w, c.out[kStateNew + kW], i);
-  store(s.v, c.out[kStateNew + kV], i);
-}
-HWY_INLINE void put_slip(V slip, const Columns& c, std::size_t i) {
-  if (c.out[kStateNew + kSlip]) store(hn::Add(old_state(c, kSlip, i), slip), c.out[kStateNew + kSlip], i);
-}
+// The points from i on in the columns, as Access reaches them.
+template <class Access>
+struct At {
+  const Columns& c;
+  std::size_t i;
+
+  HWY_INLINE V in(int k) const { return Access::load(c.in[k], i); }
+  HWY_INLINE void out(int k, V value) const { Access::store(value, c.out[k], i); }
+
+  HWY_INLINE Increment increment() const { return {in(kNormalJump), in(kSlipIncrement), in(kSlipIncrement + 1)}; }
+  template <bool kShared>
+  HWY_INLINE State state() const {
+    const V xi_t = in(kStateOld + kXiT), xi_s = kShared ? xi_t : in(kStateOld + kXiS);
+    return {xi_t, xi_s, in(kStateOld + kW), in(kStateOld + kV), in(kTractionOld + 1), in(kTractionOld + 2)};
+  }
+  HWY_INLINE void put_traction(const Result& r) const {
+    out(kTractionNew, r.sigma);
+    out(kTractionNew + 1, r.state.tau_s);
+    out(kTractionNew + 2, r.state.tau_t);
+  }
+  HWY_INLINE void put_history(const State& s) const {
+    out(kStateNew + kXiT, s.xi_t);
+    out(kStateNew + kXiS, s.xi_s);
+    out(kStateNew + kW, s.w);
+    out(kStateNew + kV, s.v);
+  }
+  HWY_INLINE void put_slip(V slip) const {
+    if (c.out[kStateNew + kSlip]) out(kStateNew + kSlip, hn::Add(in(kStateOld + kSlip), slip));
+  }
+};
 
 // The points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
 // full: it then ends with copies of the last point.
-template <bool kFull, bool kColumns, class Law>
+template <bool kFull, bool kColumns, class Access = Vectors, class Law>
 HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const Lanes& p = law.p;
-  const Increment in = increment_at(c, i);
-  const State old = state_at<Law::kSharedDamage>(c, i);
+  const At<Access> at{c, i};
+  const Increment in = at.increment();
+  const State old = at.template state<Law::kSharedDamage>();
   Energies energies;
   Tangent tangent;
   Result r = law.template evaluate<kFull, kFull>(in, old, &energies, &tangent);
@@ -107,11 +110,11 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   M sound = is_finite(collected);
   if constexpr (kColumns) sound = hn::And(sound, p.admissible);
   if (!all(sound)) {
-    r.sigma = select(sound, r.sigma, load(c.in[kTractionOld], i));
-    r.state.tau_s = select(sound, r.state.tau_s, load(c.in[kTractionOld + 1], i));
-    r.state.tau_t = select(sound, r.state.tau_t, load(c.in[kTractionOld + 2], i));
+    r.sigma = select(sound, r.sigma, at.in(kTractionOld));
+    r.state.tau_s = select(sound, r.state.tau_s, at.in(kTractionOld + 1));
+    r.state.tau_t = select(sound, r.state.tau_t, at.in(kTractionOld + 2));
     r.state.xi_t = select(sound, r.state.xi_t, old.xi_t);
-    r.state.xi_s = select(sound, r.state.xi_s, old_state(c, kXiS, i));
+    r.state.xi_s = select(sound, r.state.xi_s, at.in(kStateOld + kXiS));
     r.state.w = select(sound, r.state.w, old.w);
     r.state.v = select(sound, r.state.v, old.v);
     r.slip = hn::IfThenElseZero(sound, r.slip);
@@ -120,26 +123,27 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   }
 
   if (!summary.yielding) summary.yielding = !none(hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes)));
-  put_slip(r.slip, c, i);
+  at.put_slip(r.slip);
   if constexpr (kFull) {
     put_extras(c, i, sound, energies, tangent, [&] { return flags_of(p, r, old); });
   }
-  put_traction(r, c, i);
-  put_history(r.state, c, i);
+  at.put_traction(r);
+  at.put_history(r.state);
 }
 
 // All points that nothing moves but elastically, and nothing else is asked of: false, and nothing written, when there
 // is one in the vector for which this is not sure.
-template <class Law>
+template <class Access = Vectors, class Law>
 HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
-  const State old = state_at<Law::kSharedDamage>(c, i);
+  const At<Access> at{c, i};
+  const State old = at.template state<Law::kSharedDamage>();
   Result r;
-  if (!law.elastic(increment_at(c, i), old, r)) return false;
+  if (!law.template elastic<Access::kOnePoint>(at.increment(), old, r)) return false;
   if (!c.in_place) {
-    put_history(r.state, c, i);
-    put_slip(zero(), c, i);
+    at.put_history(r.state);
+    at.put_slip(zero());
   }
-  put_traction(r, c, i);
+  at.put_traction(r);
   return true;
 }
 
@@ -179,15 +183,27 @@ void run(const Material& material, const Columns& c, std::size_t count, Summary&
   }
 }
 
+// A call of one point: the same vectors with this point in every lane, and so the same bits.
+template <class Softening, bool kShared, bool kCrushing, bool kDilation>
+void run_one(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  const Lanes& p = *reinterpret_cast<const Lanes*>(material.lanes);
+  const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
+  if (!step_elastic<OnePoint>(law, c, 0)) step_vector<false, false, OnePoint>(law, c, 0, count, summary);
+}
+
 // Extra outputs and columns always take the general branches: with the parameters of a switched-off branch they give
 // the same bits, and a quarter of the code.
 template <class Softening, bool kShared>
 void choose_branches(Material& m) {
-  m.lean = &run<Softening, kShared, true, true, false, false>;
-  if (!m.parameters.dilation) {
-    const bool crushing = m.parameters.crushing;
-    m.lean = crushing ? &run<Softening, kShared, true, false, false, false>
-                      : &run<Softening, kShared, false, false, false, false>;
+  if (m.parameters.dilation) {
+    m.lean = &run<Softening, kShared, true, true, false, false>;
+    m.one = &run_one<Softening, kShared, true, true>;
+  } else if (m.parameters.crushing) {
+    m.lean = &run<Softening, kShared, true, false, false, false>;
+    m.one = &run_one<Softening, kShared, true, false>;
+  } else {
+    m.lean = &run<Softening, kShared, false, false, false, false>;
+    m.one = &run_one<Softening, kShared, false, false>;
   }
   m.full = &run<Softening, kShared, true, true, true, false>;
   m.columns = &run<Softening, kShared, true, true, true, true>;

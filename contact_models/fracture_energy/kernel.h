@@ -35,6 +35,7 @@ struct Material {
   Parameters parameters;
   // The kernels that it needs, with the branches that its parameters switch off left out.
   Kernel lean = nullptr;     // tractions and states only
+  Kernel one = nullptr;      // the same for a call of one point
   Kernel full = nullptr;     // whatever outputs are asked for
   Kernel columns = nullptr;  // per-point properties: every branch, whatever outputs are asked for
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.

@@ -248,6 +248,10 @@ struct FractureEnergyLaw {
     kernel(material, columns, count, summary);
   }
 
+  static void evaluate_one(const Material& material, const Columns& columns, Summary& summary) {
+    material.one(material, columns, 1, summary);
+  }
+
   static double factor(const Parameters& m, double xi) {
     if (m.shape == Shape::exponential) return xi < m.end ? std::exp(-xi) : 0.0;
     if (m.shape == Shape::linear) return std::max(0.0, 1.0 - xi);

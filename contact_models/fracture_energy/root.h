@@ -13,18 +13,18 @@ namespace quoin::fracture_energy::HWY_NAMESPACE {
 using namespace quoin::shim::HWY_NAMESPACE;
 
 // Newton's method kept inside a shrinking bracket, for the active lanes; x is the first guess, for other lanes the
-// answer. function(x, value, slope) gives value > 0 at low and <= 0 at high. A lane stops when |value| <= tolerance or
-// its bracket has no number left inside; a lane's result does not depend on its neighbours. Every fourth step bisects,
-// so that kinks (ends of branches, tables) cannot stall it: 216 steps are beyond the 4 x 53 halvings of any bracket and
-// only bound the loop.
+// answer. function(x, value, slope) gives value > 0 at low and <= 0 at high; its last call is at the answer. A lane
+// stops when |value| <= tolerance or its bracket has no number left inside; a lane's result does not depend on its
+// neighbours. Every fourth step bisects, so that kinks (ends of branches, tables) cannot stall it: 216 steps are beyond
+// the 4 x 53 halvings of any bracket and only bound the loop.
 template <class Function>
 HWY_INLINE V find_root(M active, V x, V low, V high, V tolerance, const Function& function) {
   M running = active;
-  for (int step = 0; step < 216; ++step) {
+  for (int step = 0;; ++step) {
     V value, slope;
     function(x, value, slope);
     running = hn::AndNot(hn::Le(hn::Abs(value), tolerance), running);
-    if (none(running)) break;
+    if (none(running) || step == 216) break;
     const M before = hn::Gt(value, zero());
     low = select(before, x, low);
     high = select(before, high, x);

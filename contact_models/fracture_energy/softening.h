@@ -36,6 +36,7 @@ struct ExponentialSoftening {
   explicit ExponentialSoftening(const Parameters&) {}
 
   HWY_INLINE V factor(V xi) const {
+    if (all(hn::Eq(xi, zero()))) return splat(1.0);  // most joints of a wall, and crushing of nearly all
     const V f = hn::Exp(D(), hn::Neg(hn::Min(xi, splat(kExponentialEnd))));
     return hn::IfThenElseZero(hn::Lt(xi, splat(kExponentialEnd)), f);
   }

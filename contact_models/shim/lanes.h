@@ -26,6 +26,20 @@ HWY_INLINE bool none(M mask) { return hn::AllFalse(D(), mask); }
 HWY_INLINE bool all(M mask) { return hn::AllTrue(D(), mask); }
 HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }
 HWY_INLINE void store(V value, double* column, std::size_t i) { hn::StoreU(value, D(), column + i); }
+
+// How a kernel reaches its columns: a vector of points, or the one point of a call in every lane, read and written
+// where the caller keeps it.
+struct Vectors {
+  static constexpr bool kOnePoint = false;
+  static HWY_INLINE V load(const double* column, std::size_t i) { return hn::LoadU(D(), column + i); }
+  static HWY_INLINE void store(V value, double* column, std::size_t i) { hn::StoreU(value, D(), column + i); }
+};
+struct OnePoint {
+  static constexpr bool kOnePoint = true;
+  static HWY_INLINE V load(const double* column, std::size_t) { return hn::Set(D(), *column); }
+  static HWY_INLINE void store(V value, double* column, std::size_t) { *column = hn::GetLane(value); }
+};
+
 HWY_INLINE V flag_if(M mask, std::uint32_t bit) { return hn::IfThenElseZero(mask, splat(static_cast<double>(bit))); }
 
 // 0 for a finite sum of x * 0 terms, not a number otherwise: collects "is everything finite" in one register.

@@ -6,6 +6,7 @@
 //   static bool initial_state(const Material&, std::string_view id, double* values);
 //   static void stiffness_bounds(const Material&, double& normal, double& shear);
 //   static void evaluate(const Material&, const Columns&, size_t count, Summary&);   contiguous columns
+//   static void evaluate_one(const Material&, const Columns&, Summary&);   one point, nothing but traction and states
 //   static void migrate(const Material&, const MigrationPoint& from, MigrationResult& to);   one point
 #pragma once
 
@@ -175,6 +176,7 @@ class Plugin {
     if (material == nullptr || batch == nullptr || batch->struct_size < sizeof(quoin_batch))
       return QUOIN_ERROR_ARGUMENT;
     if (kStates > 0 && (batch->state_old == nullptr || batch->state_new == nullptr)) return QUOIN_ERROR_ARGUMENT;
+    if (batch->count == 1 && !asks_for_more(*batch)) return run_one(get(material).material, *batch);
     return guarded(nullptr, [&]() { return run(get(material).material, *batch); });
   }
 
@@ -285,10 +287,7 @@ class Plugin {
 
     views.words[0] = batch.flags;
     views.words[1] = batch.status;
-    views.extras = views.property_columns | (batch.flags.data != nullptr) | (batch.status.data != nullptr) |
-                   (batch.energy_stored.data != nullptr);
-    for (const quoin_out& view : batch.dissipated) views.extras |= view.data != nullptr;
-    for (const quoin_out& view : batch.tangent) views.extras |= view.data != nullptr;
+    views.extras = asks_for_more(batch);
     if (views.extras) {
       views.out[kEnergyStored] = batch.energy_stored;
       for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
@@ -308,6 +307,51 @@ class Plugin {
     return distinct ? QUOIN_OK : QUOIN_ERROR_ARGUMENT;
   }
 
+  // Anything beyond tractions and history, or properties point by point. Without branches: short calls feel it.
+  static bool asks_for_more(const quoin_batch& batch) {
+    bool more = (batch.property_column_count > 0) | (batch.flags.data != nullptr) | (batch.status.data != nullptr) |
+                (batch.energy_stored.data != nullptr);
+    for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
+    for (const quoin_out& view : batch.tangent) more |= view.data != nullptr;
+    return more;
+  }
+
+  // A call of one point, as programs that know no batches make it for every contact and step: no look at strides, no
+  // copies.
+  static quoin_status run_one(const typename L::Material& material, quoin_batch& batch) noexcept {
+    Columns columns;
+    columns.property_columns = columns.extras = columns.in_place = false;
+    columns.in[kNormalJump] = batch.normal_jump.data;
+    for (int k = 0; k < 2; ++k) columns.in[kSlipIncrement + k] = batch.slip_increment[k].data;
+    for (int k = 0; k < 3; ++k) columns.in[kTractionOld + k] = batch.traction_old[k].data;
+    for (int k = 0; k < 3; ++k) columns.out[kTractionNew + k] = batch.traction_new[k].data;
+    bool complete = true;
+    for (int k = 0; k < kStateOld; ++k) complete &= columns.in[k] != nullptr;
+    for (int k = 0; k < kStateNew; ++k) complete &= columns.out[k] != nullptr;
+    for (std::size_t k = 0; k < kStates; ++k) {
+      const double* const old = batch.state_old[k].data;
+      double* const now = batch.state_new[k].data;
+      const bool given = (old != nullptr) & (now != nullptr);
+      columns.in[kStateOld + k] = given ? old : nullptr;
+      columns.out[kStateNew + k] = given ? now : nullptr;
+      complete &= given | (L::states[k]->role != QUOIN_ROLE_HISTORY);
+    }
+    if (!complete) return QUOIN_ERROR_ARGUMENT;
+    Summary summary;
+    L::evaluate_one(material, columns, summary);
+    put_summary(summary, batch);
+    return QUOIN_OK;
+  }
+
+  static void put_summary(const Summary& summary, quoin_batch& batch) {
+    batch.clamped_count = summary.clamped;
+    batch.failed_count = summary.failed;
+    batch.worst_status = summary.failed > 0    ? QUOIN_POINT_FAILED
+                         : summary.clamped > 0 ? QUOIN_POINT_CLAMPED
+                                               : QUOIN_POINT_OK;
+    batch.any_yielding = summary.yielding ? 1u : 0u;
+  }
+
   static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
     Views views;
     const quoin_status status = collect(batch, views);
@@ -321,12 +365,7 @@ class Plugin {
       run_direct(material, views, first, summary);
     }
     for (; first < count; first += kTile) run_tile(material, views, first, std::min(kTile, count - first), summary);
-    batch.clamped_count = summary.clamped;
-    batch.failed_count = summary.failed;
-    batch.worst_status = summary.failed > 0    ? QUOIN_POINT_FAILED
-                         : summary.clamped > 0 ? QUOIN_POINT_CLAMPED
-                                               : QUOIN_POINT_OK;
-    batch.any_yielding = summary.yielding ? 1u : 0u;
+    put_summary(summary, batch);
     return QUOIN_OK;
   }
 

@@ -200,10 +200,10 @@ void run(const RunOptions& options, int& exit_code) {
     fmt::print("collapse multiplier {:.4f}\n", *multiplier);
   const Peak peak = find_peak(rows, simulation.scene());
   const Scene& done = simulation.scene();
-  const std::string error = done.quality_as_is
-                                ? fmt::format("expected error at quality {}: {:.1f} %", done.quality,
-                                              100 * quality_named(done.quality).peak_error)
-                                : fmt::format("settings of quality {} changed: error not known", done.quality);
+  const std::string unknown = why_error_unknown(done, info);
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", done.quality,
+                                                          100 * quality_named(done.quality).peak_error)
+                                            : "error not known: " + unknown;
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
   const std::string warning = info.quasi_static.warning();

@@ -70,7 +70,7 @@ struct Cyclic {
   int half_cycles;
   double cost;
 };
-constexpr Cyclic kCyclic[] = {{"solid wall", "cyclic_wall_121", "solid wall, one way", 6, 4.0},
+constexpr Cyclic kCyclic[] = {{"solid wall", "cyclic_wall_121", "solid wall, one way", 6, 8.0},
                               {"pier ISP1", "cyclic_isp1", "pier ISP1, one way", 6, 2.0}};
 
 // Work lost in each half cycle over the rectangle of its largest force and its path: 0 for elastic, 1 for
@@ -93,9 +93,9 @@ std::vector<RunSpec> cyclic_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const Cyclic& c : kCyclic) {
     RunSpec spec{c.name, c.scene, {q.setting()}, "", c.cost};
-    // The scenes go at 40 mm/s; half cycles alternate.
-    const double velocity = q.name == "reference" ? 0.01 : q.name == "fast" ? 0.08 : 0.04;
-    for (int i = 0; velocity != 0.04 && i < c.half_cycles; ++i)
+    // The scenes go at 10 mm/s; half cycles alternate.
+    const double velocity = q.name == "reference" ? 0.005 : q.name == "fast" ? 0.02 : 0.01;
+    for (int i = 0; velocity != 0.01 && i < c.half_cycles; ++i)
       spec.overrides.push_back(fmt::format("stage.{}.velocity={}", i + 2, i % 2 == 0 ? velocity : -velocity));
     runs.push_back(spec);
   }

@@ -56,14 +56,17 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   make_folder(folder / "plots");
   const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
   std::string data = "# displacement_mm horizontal_force_kN vertical_stress_MPa\n";
-  double largest = 0.0, sign = 1.0;
+  double lowest = 0.0, highest = 0.0;
   for (const HistoryRow& row : rows) {
-    const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
-    if (std::abs(r.displacement) > largest) {
-      largest = std::abs(r.displacement);
-      sign = r.displacement < 0 ? -1.0 : 1.0;
-    }
+    const double x = response(row, scene.stages[static_cast<size_t>(row.stage)]).displacement;
+    lowest = std::min(lowest, x);
+    highest = std::max(highest, x);
   }
+  // One way the curve goes to the right, whichever way that was. Noise about 0 is no reason for another quadrant.
+  const double largest = std::max(highest, -lowest);
+  const bool turns = std::min(highest, -lowest) > 0.01 * largest;
+  const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
+  double low_force = 0.0, high_force = 0.0;
   bool moving = false;  // pressing comes first, and would be a vertical line at 0
   for (size_t i = 0; i < rows.size(); ++i) {
     const HistoryRow& row = rows[i];
@@ -71,11 +74,14 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
     const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == row.stage;
     moving = moving || std::abs(r.displacement) > 1e-9 * largest;
     if (!moving && next_is_still) continue;
+    low_force = std::min(low_force, sign * r.horizontal_force);
+    high_force = std::max(high_force, sign * r.horizontal_force);
     data += fmt::format("{:.7g} {:.7g} {:.7g}\n", sign * r.displacement * 1e3, sign * r.horizontal_force / 1e3,
                         area > 0 ? r.vertical_force / area / 1e6 : 0.0);
   }
   write_file(folder / "plots" / "curve.dat", data);
 
+  const bool pushed_back = low_force < -0.02 * high_force;
   const Peak peak = find_peak(rows, scene);
   std::string script =
       fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
@@ -83,8 +89,8 @@ set title {} noenhanced font "Sans,23"
 set xlabel {} noenhanced
 set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
 set border 11 linecolor rgb "#404040"
-set xrange [0:{:.6g}]
-set yrange [0:*]
+set xrange [{:.6g}:{:.6g}]
+set yrange [{}:*]
 set xtics nomirror
 set ytics nomirror textcolor rgb "#b3321e"
 set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
@@ -92,7 +98,10 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
                   gnuplot_text(title_of(scene)),
                   gnuplot_text(fmt::format("horizontal displacement of the {} (mm)", moved_part(scene))),
-                  largest > 0 ? 1.02 * largest * 1e3 : 1.0);
+                  turns ? 1.02 * lowest * 1e3 : 0.0, largest > 0 ? 1.02 * (turns ? highest : largest) * 1e3 : 1.0,
+                  pushed_back ? "*" : "0");
+  if (turns) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
+  if (pushed_back) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
                   gnuplot_text("horizontal force, law " + law));
@@ -106,11 +115,14 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
         "title \"mean vertical stress (right axis)\"";
   }
   if (peak.row >= 0 && peak.force > 0) {
+    const HistoryRow& row = rows[static_cast<size_t>(peak.row)];
+    const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
+    const double at = sign * r.displacement * 1e3, force = sign * r.horizontal_force / 1e3;
     script += fmt::format(
-        "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{2:.6g} center offset 0,1.1 font \"Sans,19\" front\n"
-        "set offsets 0, 0, graph 0.1, 0\n",
-        peak.force / 1e3, peak.displacement * 1e3, peak.force / 1e3);
-    script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", peak.displacement * 1e3, peak.force / 1e3);
+        "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{0:.6g} center offset 0,{2} font \"Sans,19\" front\n"
+        "set offsets 0, 0, graph 0.1, {3}\n",
+        force, at, force < 0 ? -1.1 : 1.1, pushed_back ? "graph 0.1" : "0");
+    script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at, force);
     plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
   }
   return draw_picture(folder, "curve", script + plot + "\n");

@@ -5,41 +5,98 @@
 #include <algorithm>
 #include <cmath>
 
-#include "results/history.h"
-
 namespace quoin {
+namespace {
 
-QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene& scene) {
-  double peak = 0.0, squares = 0.0, work = 0.0, kinetic = 0.0, stage_start = 0.0;
+constexpr long kLeastRows = 10;  // of a stage: fewer are no sample of forces that swing
+
+bool drives(const Stage& stage) {
+  return stage.displacement || stage.whiffletree ||
+         std::any_of(stage.controls.begin(), stage.controls.end(), [](const BodyControl& c) {
+           for (std::size_t i = 0; i < 3; ++i) {
+             if (c.kind[i] == DofKind::velocity && c.velocity[i] != 0.0) return true;
+           }
+           return false;
+         });
+}
+
+struct MeanSquare {
+  double sum = 0.0;
   long count = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Stage& stage = scene.stages[static_cast<std::size_t>(rows[i].stage)];
-    if (i == 0 || rows[i].stage != rows[i - 1].stage) stage_start = rows[i].time;
-    if (!stage.displacement) continue;
-    const Response now = response(rows[i], stage);
-    peak = std::max(peak, std::abs(now.horizontal_force));
-    if (i > 0 && rows[i - 1].stage == rows[i].stage) {
-      const Response before = response(rows[i - 1], stage);
-      work += 0.5 * (now.horizontal_force + before.horizontal_force) * (now.displacement - before.displacement);
-    }
-    if (rows[i].time - stage_start < stage.ramp_time) continue;
-    squares += rows[i].dynamic_force * rows[i].dynamic_force;
-    kinetic = std::max(kinetic, rows[i].kinetic_energy);
+  void add(double x) {
+    sum += x * x;
     ++count;
   }
+  double root() const { return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0.0; }
+};
+
+}  // namespace
+
+QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene& scene) {
   QuasiStatic result;
-  if (count > 0 && peak > 0.0) result.dynamic_force_ratio = std::sqrt(squares / static_cast<double>(count)) / peak;
+  result.driven = std::any_of(scene.stages.begin(), scene.stages.end(), drives);
+  double peak = 0.0, work = 0.0, kinetic = 0.0;
+  // A force may be largest in the ramp; but quiet ramps shall not make up for what follows them.
+  MeanSquare inertia, after_ramps;
+  for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
+    for (end = first; end < rows.size() && rows[end].stage == rows[first].stage;) ++end;
+    const Stage& stage = scene.stages[static_cast<std::size_t>(rows[first].stage)];
+    if (!drives(stage)) continue;
+    for (std::size_t i = first; i < end; ++i) {
+      peak = std::max(peak, std::abs(rows[i].resistance));
+      kinetic = std::max(kinetic, rows[i].kinetic_energy);
+      inertia.add(rows[i].dynamic_force);
+      if (rows[i].time - rows[first].time >= stage.ramp_time) after_ramps.add(rows[i].dynamic_force);
+      if (i > first)
+        work += 0.5 * (rows[i].resistance + rows[i - 1].resistance) * (rows[i].displacement - rows[i - 1].displacement);
+    }
+    const HistoryRow& last = rows[end - 1];
+    if (stage.displacement)
+      result.overshoot_ratio =
+          std::max(result.overshoot_ratio, std::abs(last.displacement) / *stage.displacement - 1.0);
+    // The first row of a stage stands at its first step.
+    if (last.time - rows[first].time < stage.ramp_time)
+      result.not_judged = fmt::format("stage '{}' ended inside its ramp of {:g} s: it never moved at its velocity",
+                                      stage.name, stage.ramp_time);
+    else if (end - first < kLeastRows)
+      result.not_judged = fmt::format("stage '{}' has {} rows, too few to judge by", stage.name, end - first);
+  }
+  if (peak > 0.0) result.dynamic_force_ratio = std::max(inertia.root(), after_ramps.root()) / peak;
   if (work > 0.0) result.kinetic_energy_ratio = kinetic * (scene.wall && scene.wall->half_thickness ? 2.0 : 1.0) / work;
+  if (!result.not_judged.empty()) return result;
+  if (!result.driven)
+    result.not_judged = "no stage drives a body";
+  else if (inertia.count == 0)
+    result.not_judged = "no stage that drives a body was reached";
+  else if (!result.dynamic_force_ratio || !result.kinetic_energy_ratio)
+    result.not_judged = "what is driven did no work";
   return result;
 }
 
+bool QuasiStatic::quasi_static() const { return reason().empty(); }
+
+std::string QuasiStatic::reason() const {
+  std::string text;
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+  if (!not_judged.empty()) add(not_judged);
+  // Written so that NaN fails too.
+  if (dynamic_force_ratio && !(*dynamic_force_ratio <= kAllowed))
+    add(fmt::format("inertia carries {:.1f} % of the peak force (root of the mean square), allowed {:.0f} %",
+                    100 * *dynamic_force_ratio, 100 * kAllowed));
+  if (kinetic_energy_ratio && !(*kinetic_energy_ratio <= kAllowed))
+    add(fmt::format("the kinetic energy reaches {:.1f} % of the work, allowed {:.0f} %", 100 * *kinetic_energy_ratio,
+                    100 * kAllowed));
+  if (!(overshoot_ratio <= kAllowedOvershoot))
+    add(fmt::format("a stage went {:.1f} % beyond the displacement it asks for, allowed {:.0f} %: its steps are large",
+                    100 * overshoot_ratio, 100 * kAllowedOvershoot));
+  return text;
+}
+
 std::string QuasiStatic::warning() const {
-  if (quasi_static()) return {};
-  return fmt::format(
-      "not quasi-static: inertia carries {:.1f} % of the peak force (root of the mean square), the kinetic energy "
-      "reaches "
-      "{:.1f} % of the work; allowed {:.0f} %. Load more slowly (stage velocity, or solver.quality) and compare",
-      100 * dynamic_force_ratio, 100 * kinetic_energy_ratio, 100 * kAllowed);
+  if (!driven || quasi_static()) return {};
+  return "not known to be quasi-static: " + reason() +
+         ". Load more slowly (stage velocity, or solver.quality) or with less inertia (solver.mass_scaling), and "
+         "compare";
 }
 
 }  // namespace quoin

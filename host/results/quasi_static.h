@@ -1,6 +1,7 @@
-// Was the run slow enough to be quasi-static? Judged from its own forces and energies.
+// Was the run slow enough to be quasi-static? Judged from its own forces, energies and displacements.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,15 +9,24 @@
 
 namespace quoin {
 
+// Of the stages that drive a body: by a velocity, or until a displacement is reached.
 struct QuasiStatic {
-  // Stages that end by displacement, after their ramps. What supports and loads give in all along the loading direction
-  // is force that moves the wall in place of straining it: root of the mean square, over the peak force.
-  double dynamic_force_ratio = 0.0;
-  double kinetic_energy_ratio = 0.0;  // largest kinetic energy over the work done until the end
-  bool quasi_static() const { return dynamic_force_ratio <= kAllowed && kinetic_energy_ratio <= kAllowed; }
-  std::string warning() const;  // empty when quasi-static
+  // What supports and loads give in all along the loading direction is force that moves the wall in place of straining
+  // it: root of the mean square, with or without the ramps, whichever is larger, over the peak force. Empty when
+  // nothing was driven.
+  std::optional<double> dynamic_force_ratio;
+  // Largest kinetic energy over the work done until the end. Empty when no work was done.
+  std::optional<double> kinetic_energy_ratio;
+  // Displacement beyond the one that a stage asks for, over it: the largest of the stages that ended by displacement.
+  double overshoot_ratio = 0.0;
+  std::string not_judged;  // why the run tells too little to be judged; empty when it tells enough
 
-  static constexpr double kAllowed = 0.05;
+  bool driven = false;  // the scene has a stage to be judged
+  bool quasi_static() const;
+  std::string reason() const;   // why quasi_static() is false; empty when it is true
+  std::string warning() const;  // the reason and what to do; empty when quasi-static, or when nothing is driven
+
+  static constexpr double kAllowed = 0.05, kAllowedOvershoot = 0.01;
 };
 
 QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene& scene);

@@ -8,6 +8,7 @@
 #include "results/file.h"
 #include "results/plots.h"
 #include "scene/generate.h"
+#include "scene/measured.h"
 #include "scene/quality.h"
 
 #ifndef QUOIN_VERSION
@@ -19,6 +20,9 @@ namespace quoin {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+Json number_or_null(const std::optional<double>& x) { return x ? Json(*x) : Json(nullptr); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json laws_of(const Simulation& simulation) {
   Json laws = Json::object();
@@ -102,6 +106,12 @@ std::string law_names(const Assembly& assembly) {
   return names.size() == 1 ? *names.begin() : each;
 }
 
+std::string why_error_unknown(const Scene& scene, const RunInfo& info) {
+  if (info.status != "done") return "the run did not reach its end";
+  const std::string outside = outside_measured(scene);
+  return outside.empty() ? info.quasi_static.reason() : outside;
+}
+
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info) {
   const Scene& scene = simulation.scene();
@@ -142,15 +152,22 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                             Condition::crushing, Condition::crushed_out})
     states[condition_name(c)] = counts[static_cast<size_t>(c)];
   json["laws"] = laws_of(simulation);
-  Json errors = nullptr;  // of changed settings nothing is known
-  if (scene.quality_as_is) {
+  const std::string unknown = why_error_unknown(scene, info);
+  Json errors = nullptr;
+  if (unknown.empty()) {
     const Quality& quality = quality_named(scene.quality);
     errors = {{"peak", quality.peak_error}, {"curve", quality.curve_error}, {"work", quality.work_error}};
   }
-  json["quality"] = {{"name", scene.quality}, {"as_is", scene.quality_as_is}, {"expected_error", errors}};
-  json["quasi_static"] = {{"dynamic_force_over_peak", info.quasi_static.dynamic_force_ratio},
-                          {"kinetic_energy_over_work", info.quasi_static.kinetic_energy_ratio},
-                          {"holds", info.quasi_static.quasi_static()}};
+  json["quality"] = {{"name", scene.quality},
+                     {"as_is", scene.quality_as_is},
+                     {"expected_error", errors},
+                     {"why_unknown", text_or_null(unknown)}};
+  const QuasiStatic& check = info.quasi_static;
+  json["quasi_static"] = {{"dynamic_force_over_peak", number_or_null(check.dynamic_force_ratio)},
+                          {"kinetic_energy_over_work", number_or_null(check.kinetic_energy_ratio)},
+                          {"displacement_beyond_asked", check.overshoot_ratio},
+                          {"holds", check.quasi_static()},
+                          {"why_not", text_or_null(check.reason())}};
   if (simulation.riding()) json.update(of_blocks(simulation, rows));
   json["set"] = info.overrides;
   json["settings"] = settings_of(scene, info);

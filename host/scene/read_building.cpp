@@ -83,7 +83,10 @@ BuildingSpec read_building(Table t, const Scene& scene) {
   int index = 0;
   for (const toml::table* table : t.tables("wall", "tables [[building.wall]]", true)) {
     b.walls.push_back(read_wall(Table(t.context(), *table, fmt::format("building.wall.{}", ++index)), b));
-    names.push_back(b.walls.back().name);
+    const Wall& wall = b.walls.back();
+    if (std::find(names.begin(), names.end(), wall.name) != names.end())
+      t.context().fault(fmt::format("{}: a second wall '{}'; allowed: a name of its own", wall.source.text, wall.name));
+    names.push_back(wall.name);
   }
   auto wall_of = [&](Table& table, const char* key, int& wall) {
     std::string name;
@@ -113,6 +116,9 @@ BuildingSpec read_building(Table t, const Scene& scene) {
     read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
     f.number("load", floor.load, kNotNegative, "N (downwards, all beams together)", true);
     f.finish();
+    for (const BuildingSpec::Floor& other : b.floors) {
+      if (other.name == floor.name) f.refuse("name", "a name that no other floor has");
+    }
     b.floors.push_back(floor);
   }
   t.finish();

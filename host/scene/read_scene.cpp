@@ -134,12 +134,13 @@ JointFamily read_joint(const std::string& name, Table t) {
     if (p.id == "law" || p.id == "initial_state") continue;
     t.accept(p.id);
     p.source = {t.where(p.id)};
-    const char* allowed = "a number, a list of numbers, or a word";
+    const char* allowed = "a number (not nan), a list of numbers, or a word";
+    const toml::node& given = node;  // a lambda captures no structured binding
     // What is allowed is for the law to say; not a number is allowed nowhere.
     const auto add = [&](const toml::node& number) {
       const std::optional<double> value = number_of(number);
       if (!value)
-        t.wrong_type(p.id, node, allowed);
+        t.wrong_type(p.id, given, allowed);
       else if (std::isnan(*value))
         t.refuse(p.id, allowed);
       else
@@ -399,7 +400,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
   const std::vector<std::string> kinds = scene.building ? std::vector<std::string>{"weight", "push", "custom"}
                                                         : std::vector<std::string>{"pressure", "shear", "custom"};
   const bool kind_known = t.choice("kind", kind, kinds, true);
-  stage.name = kind;
+  stage.name = stage.kind = kind;
   read_stage_basics(t, stage, previous);
 
   const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();

@@ -50,7 +50,12 @@ inline std::string text_of(const toml::node& node) {
     else
       out << n;
   });
-  return out.str();
+  // Lists come on several lines, but a fault has one.
+  std::string text;
+  for (const char c : out.str()) {
+    if (c != '\n' && !(c == ' ' && text.ends_with(' '))) text += c;
+  }
+  return text;
 }
 
 inline const char* type_name(const toml::node& node) {

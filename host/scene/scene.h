@@ -126,6 +126,7 @@ struct Whiffletree {
 // A stage ends when its first given criterion is met; one that never can is refused by read_scene.
 struct Stage {
   std::string name;
+  std::string kind;  // as read: pressure, shear, weight, push, custom
   std::vector<BodyControl> controls;
   Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
   double ramp_time = 0.0;       // s; velocities and forces grow smoothly from those of the stage before

@@ -514,6 +514,20 @@ void check_refusals(Report& report, const Subject& subject) {
   report.expect(law.evaluate(material.handle, &batch) == QUOIN_OK, "a longer batch of a newer host is refused");
 }
 
+namespace {
+
+// Values that create_material must refuse (C4.2, C4.4), and a column therefore too.
+std::vector<double> refused_values(const quoin_property_info& property) {
+  std::vector<double> values = {kNan};
+  if (property.lower > -kInfinity) values.push_back(property.lower - 7);
+  if (property.flags & QUOIN_PROPERTY_LOWER_OPEN) values.push_back(property.lower);
+  if (property.upper < kInfinity) values.push_back(property.upper + 7);
+  if (property.flags & QUOIN_PROPERTY_UPPER_OPEN) values.push_back(property.upper);
+  return values;
+}
+
+}  // namespace
+
 void check_property_columns(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
   report.clause("C6.9");
@@ -529,8 +543,9 @@ void check_property_columns(Report& report, const Subject& subject) {
     const quoin_property_info& property = *law.properties[p];
     if (!(property.flags & QUOIN_PROPERTY_PER_POINT) || property.kind != QUOIN_PROPERTY_NUMBER) continue;
     const double base = material.number(property.id);
-    if (!std::isfinite(base)) continue;
+    const std::vector<double> bad = refused_values(property);
     for (const double factor : {1.0, 1.03, 0.98}) {
+      if (factor != 1.0 && !std::isfinite(base)) break;
       Settings settings = subject.base;
       settings[property.id] = shortest(base * factor);
       // The others keep the material's values, those that take this one as their default too, where that is allowed.
@@ -546,7 +561,7 @@ void check_property_columns(Report& report, const Subject& subject) {
       const Result expected = evaluate(law, other, points);
       // Every other point gets a value that is refused.
       std::vector<double> values(n, std::strtod(settings[property.id].c_str(), nullptr));
-      for (size_t i = 1; i < n; i += 2) values[i] = kNan;
+      for (size_t i = 1; i < n; i += 2) values[i] = bad[i / 2 % bad.size()];
       const quoin_property_column column = {property.id, {values.data(), 1}};
       Columns columns(law);
       Result result;

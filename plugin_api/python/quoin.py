@@ -4,10 +4,12 @@
     law = quoin.load("laws/fracture_energy.so")[0]
     print(law)                                    # properties, states, capabilities
     material = law.material(normal_stiffness=82e9, shear_stiffness=36e9, ...)
-    path = material.drive(normal=np.linspace(0, 2e-4, 1000))
-    path.plot("tension.png")
+    path = material.drive(normal=np.linspace(0, 2e-4, 1000))                  # an opening that grows
+    path = material.drive(sigma=-0.3e6, s=np.linspace(0, 1e-3, 1000))         # sliding at constant pressure
+    path.plot("sliding.png")
 
-Arrays go to the law in place: any float64 array, any stride, is a column without a copy.
+Arrays go to the law in place: any float64 array, any stride, is a column without a copy. Lengths in m, stresses in Pa,
+energies in J/m2; opening and tension are positive.
 """
 import ctypes as c
 import os
@@ -70,8 +72,16 @@ _Library = _struct("quoin_library", ("struct_size", _u64), ("abi_major", _u32), 
                    ("extension", c.c_void_p))
 
 
+_Batch.__repr__ = lambda b: (f"<batch of {b.count} points: {b.failed_count} failed, {b.clamped_count} clamped, "
+                            f"{'yielding' if b.any_yielding else 'elastic'}>")
+
+
 class Refused(Exception):
     """The law's own message: every fault, one a line."""
+
+
+class NotReached(Exception):
+    """No displacement near the old one gives the prescribed stress."""
 
 
 class _Message:
@@ -83,18 +93,30 @@ class _Message:
         return self.buffer.value.decode("utf-8", "replace")
 
 
-def _column(array, dtype=np.float64, writable=False):
-    """An array (or None) as a column, in place."""
+def _column(name, array, count, dtype=np.float64, writable=False):
+    """An array (or None) as a column of count elements, in place. The name is for messages."""
     if array is None:
         return _Column(None, 0)
     if not isinstance(array, np.ndarray) or array.dtype != dtype or array.ndim != 1:
-        raise TypeError(f"a column is a one-dimensional array of {np.dtype(dtype).name}")
+        raise TypeError(f"{name}: a column is a one-dimensional array of {np.dtype(dtype).name}")
+    if len(array) != count:
+        raise ValueError(f"{name} has {len(array)} values, where the points are {count}")
     if writable and not array.flags.writeable:
-        raise TypeError("an output array is read-only")
+        raise TypeError(f"{name}: an output array is read-only")
     stride, rest = divmod(array.strides[0], array.itemsize)
     if rest:
-        raise TypeError("the stride of a column is a multiple of its element")
+        raise TypeError(f"{name}: the stride of a column is a multiple of its element")
     return _Column(array.ctypes.data, stride)
+
+
+def _columns(name, arrays, number, count, writable=False):
+    """So many arrays as columns; arrays may be None for none of them."""
+    if arrays is None:
+        return (_Column * number)()
+    if len(arrays) != number:
+        raise ValueError(f"{name}: {len(arrays)} arrays, where {number} are needed")
+    columns = [_column(f"{name}[{k}]", a, count, writable=writable) for k, a in enumerate(arrays)]
+    return (_Column * max(1, number))(*columns)
 
 
 class Law:
@@ -107,6 +129,9 @@ class Law:
         self.properties = [raw.properties[k].contents for k in range(raw.property_count)]
         self.state_ids = [raw.states[k].contents.id.decode() for k in range(raw.state_count)]
         self.initial_states = [raw.initial_states[k].decode() for k in range(raw.initial_state_count)]
+
+    def __repr__(self):
+        return f"<law {self.id} {self.version}: {len(self.properties)} properties, {len(self.state_ids)} states>"
 
     def __str__(self):
         lines = [f"{self.id} {self.version}: {self.description}"]
@@ -125,7 +150,7 @@ class Material:
     """Immutable; freely shared by threads."""
 
     def __init__(self, law, properties):
-        self.law, self._raw = law, law._raw
+        self.law, self._raw, self._given = law, law._raw, properties
         self._handle = c.c_void_p()
         values = []
         for name, value in properties.items():
@@ -143,6 +168,9 @@ class Material:
             raise Refused(f"{law.id}: {message}")
         self.warnings = str(message)
 
+    def __repr__(self):
+        return f"{self.law.id}({', '.join(f'{name}={value!r}' for name, value in self._given.items())})"
+
     def __del__(self):
         if getattr(self, "_handle", None):
             self._raw.destroy_material(self._handle)
@@ -150,7 +178,7 @@ class Material:
     def number(self, name):
         value = _f64()
         if self._raw.material_number(self._handle, name.encode(), c.byref(value)) != OK:
-            raise KeyError(name)
+            raise KeyError(f"law {self.law.id} has no number {name!r}")
         return value.value
 
     def stiffness_bounds(self):
@@ -164,7 +192,7 @@ class Material:
         values = (_f64 * max(1, len(self.law.state_ids)))()
         name = self.law.initial_states[0] if name is None else name
         if self._raw.initial_state(self._handle, name.encode(), values) != OK:
-            raise KeyError(name)
+            raise KeyError(f"law {self.law.id} has no initial state {name!r}, but {', '.join(self.law.initial_states)}")
         return [np.full(count, values[k]) for k in range(len(self.law.state_ids))]
 
     def evaluate(self, *arrays, **outputs):
@@ -175,30 +203,30 @@ class Material:
                 dissipated=None, tangent=None, flags=None, status=None, columns=None):
         """A step of N points that can be taken again and again on the same arrays by calling it: describing them costs
         more than a small batch. Outputs that are not given are not computed; without traction_new and state_new the old
-        arrays are overwritten."""
+        arrays are overwritten. A point whose inputs are not finite keeps its stress and state: the batch that each call
+        returns counts them in failed_count, and status tells which."""
         traction_new = traction if traction_new is None else traction_new
         state_new = state if state_new is None else state_new
-        batch = _Batch(struct_size=c.sizeof(_Batch), count=len(normal_jump))
-        batch.normal_jump = _column(normal_jump)
-        batch.slip_increment = (_Column * 2)(*[_column(a) for a in slip])
-        batch.traction_old = (_Column * 3)(*[_column(a) for a in traction])
-        batch.traction_new = (_Column * 3)(*[_column(a, writable=True) for a in traction_new])
-        old = (_Column * max(1, len(state)))(*[_column(a) for a in state])
-        new = (_Column * max(1, len(state)))(*[_column(a, writable=True) for a in state_new])
+        count, states = len(normal_jump), len(self.law.state_ids)
+        batch = _Batch(struct_size=c.sizeof(_Batch), count=count)
+        batch.normal_jump = _column("normal_jump", normal_jump, count)
+        batch.slip_increment = _columns("slip", slip, 2, count)
+        batch.traction_old = _columns("traction", traction, 3, count)
+        batch.traction_new = _columns("traction_new", traction_new, 3, count, writable=True)
+        old = _columns("state", state, states, count)
+        new = _columns("state_new", state_new, states, count, writable=True)
         batch.state_old, batch.state_new = old, new
-        batch.energy_stored = _column(energy_stored, writable=True)
-        batch.dissipated = (_Column * 4)(*[_column(a, writable=True) for a in dissipated or [None] * 4])
-        batch.tangent = (_Column * 9)(*[_column(a, writable=True) for a in tangent or [None] * 9])
-        batch.flags = _column(flags, np.uint32, True)
-        batch.status = _column(status, np.uint32, True)
-        lists = [normal_jump, *slip, *traction, *traction_new, *state, *state_new, energy_stored, *(dissipated or []),
-                 *(tangent or []), flags, status, *(columns or {}).values()]
-        if any(a is not None and len(a) != len(normal_jump) for a in lists):
-            raise ValueError("columns of different lengths")
-        given = [_PropertyColumn(name.encode(), _column(a)) for name, a in (columns or {}).items()]
+        batch.energy_stored = _column("energy_stored", energy_stored, count, writable=True)
+        batch.dissipated = _columns("dissipated", dissipated, 4, count, writable=True)
+        batch.tangent = _columns("tangent", tangent, 9, count, writable=True)
+        batch.flags = _column("flags", flags, count, np.uint32, True)
+        batch.status = _column("status", status, count, np.uint32, True)
+        given = [_PropertyColumn(name.encode(), _column(name, a, count)) for name, a in (columns or {}).items()]
         property_columns = (_PropertyColumn * max(1, len(given)))(*given)
         batch.property_column_count, batch.property_columns = len(given), property_columns
-        return _Step(self, batch, lists)
+        arrays = [normal_jump, *slip, *traction, *traction_new, *state, *state_new, energy_stored, dissipated, tangent,
+                  flags, status, columns]
+        return _Step(self, batch, arrays)
 
     def take_over(self, old, normal_jump, traction, state):
         """The state of another material, with every traction kept. Returns this law's state and what is to be added to
@@ -209,12 +237,12 @@ class Material:
         state_new, shift = [np.zeros(count) for _ in self.law.state_ids], np.zeros(count)
         migration = _Migration(struct_size=c.sizeof(_Migration), count=count, from_law=old.law.id.encode(),
                                from_schema=old.law.state_schema, from_state_count=len(state))
+        migration.from_states = _columns("state", state, len(old.law.state_ids), count)
         migration.from_state_ids = (_str * max(1, len(state)))(*[i.encode() for i in old.law.state_ids])
-        migration.from_states = (_Column * max(1, len(state)))(*[_column(a) for a in state])
-        migration.normal_jump = _column(normal_jump)
-        migration.traction = (_Column * 3)(*[_column(a) for a in traction])
-        migration.normal_shift = _column(shift, writable=True)
-        migration.state_new = (_Column * max(1, len(state_new)))(*[_column(a, writable=True) for a in state_new])
+        migration.normal_jump = _column("normal_jump", normal_jump, count)
+        migration.traction = _columns("traction", traction, 3, count)
+        migration.normal_shift = _column("normal_shift", shift, count, writable=True)
+        migration.state_new = _columns("state_new", state_new, len(state_new), count, writable=True)
         message = _Message()
         code = self._raw.migrate_state(self._handle, c.byref(migration), c.byref(message.text))
         if code != OK or migration.failed_count:
@@ -222,25 +250,178 @@ class Material:
                           f"{message}")
         return state_new, shift
 
-    def drive(self, normal=None, s=None, t=None, initial_state=None):
-        """One point along total displacements normal, s, t (arrays of equal length, 0 when not given)."""
-        n = max(len(a) for a in (normal, s, t) if a is not None)
-        d = [np.zeros(n) if a is None else np.asarray(a, dtype=float) for a in (normal, s, t)]
-        traction, state = [np.zeros(1) for _ in range(3)], self.initial_state(1, initial_state)
-        energy = bool(self.law.capabilities & ENERGY)
-        stored = np.zeros(1) if energy else None
-        dissipated = [np.zeros(1) for _ in range(4)] if energy else None
-        history = np.zeros((n, 3 + len(state) + 1 + 4))
-        total = np.zeros(4)
-        previous = [0.0, 0.0]
-        for i in range(n):
-            slip = [np.array([d[k + 1][i] - previous[k]]) for k in range(2)]
-            previous = [d[1][i], d[2][i]]
-            self.evaluate(d[0][i:i + 1], slip, traction, state, energy_stored=stored, dissipated=dissipated)
-            if energy:
-                total += [x[0] for x in dissipated]
-            history[i] = [x[0] for x in traction] + [x[0] for x in state] + [stored[0] if energy else 0] + list(total)
-        return Path(self.law, d, history)
+    def drive(self, normal=None, s=None, t=None, initial_state=None, *, sigma=None, tau_s=None, tau_t=None):
+        """One point along a path. Along each of n, s, t either the total displacement is prescribed (normal, s, t; m; 0
+        when not given) or the stress (sigma, tau_s, tau_t; Pa), as arrays of equal length or as numbers that stay.
+
+        A displacement under a prescribed stress is found to 1e-10 of the stress, or as closely as the last digit of the
+        displacement allows, by Newton on the law's tangent and then bisection, on the rising branch from the old point.
+        NotReached tells the step where the joint cannot carry the stress, because it has softened, slips or is crushed:
+        prescribe the displacement there. ValueError names the parameter of a wrong length or with a value that is not
+        finite, ArithmeticError the step at which the law itself reports the point as failed."""
+        targets, controlled = _targets([("normal", normal, "sigma", sigma), ("s", s, "tau_s", tau_s),
+                                        ("t", t, "tau_t", tau_t)])
+        point = _Point(self, initial_state)
+        follow = point.follow_stresses if controlled else point.follow
+        return Path(self.law, *follow(targets, controlled))
+
+
+def _targets(axes):
+    """What each axis (displacement by name, stress by name) is to follow, as columns of one table, and the numbers of
+    those axes that follow a stress."""
+    chosen, controlled = [], []
+    for k, (name, displacement, stress_name, stress) in enumerate(axes):
+        if displacement is not None and stress is not None:
+            raise ValueError(f"{name} and {stress_name}: along one axis prescribe one of the two")
+        if stress is not None:
+            controlled.append(k)
+            name, displacement = stress_name, stress
+        if displacement is not None:
+            values = np.asarray(displacement, dtype=float)
+            if values.ndim > 1 or values.size == 0:
+                raise ValueError(f"{name}: a number or a one-dimensional array, not of shape {values.shape}")
+            for i in np.flatnonzero(~np.isfinite(values))[:1]:
+                raise ValueError(f"{name}[{i}] is {values.flat[i]}: every value must be finite")
+            chosen.append((k, name, values))
+    if not chosen:
+        raise ValueError("nothing is prescribed: give " + ", ".join(f"{a[0]} or {a[2]}" for a in axes))
+    _, longest, values = max(chosen, key=lambda c: c[2].size)
+    table = np.zeros((values.size, 3))
+    for k, name, column in chosen:
+        if column.ndim and column.size != len(table):
+            raise ValueError(f"{name} has {column.size} values, where {longest} has {len(table)}")
+        table[:, k] = column
+    return table, controlled
+
+
+class _Point:
+    """One point of a material in arrays that stay where they are, so that its steps are described once."""
+
+    # A stress is found when this fraction of it is missing.
+    TOLERANCE = 1e-10
+
+    def __init__(self, material, initial_state):
+        self.material, states = material, len(material.law.state_ids)
+        self.move = np.zeros(3)  # d_n at the end of a step, sliding along s and t over it
+        self.old, self.new = np.zeros((2, 3 + states))  # stresses and states
+        self.energy = np.zeros(5)  # stored, and dissipated by mode during the step
+        self.old[3:] = np.ravel(material.initial_state(1, initial_state))
+        self.with_energy = bool(material.law.capabilities & ENERGY)
+
+    def _step(self, old, new, **outputs):
+        """From the columns of one record to those of another."""
+        cells = [[record[k:k + 1] for k in range(len(record))] for record in (self.move, old, new, self.energy)]
+        move, before, after, energy = cells
+        if self.with_energy:
+            outputs.update(energy_stored=energy[0], dissipated=energy[1:])
+        return self.material.prepare(move[0], move[1:], before[:3], before[3:], traction_new=after[:3],
+                                     state_new=after[3:], **outputs)
+
+    def _fail(self, i):
+        opening, *sliding = self.move.tolist()
+        raise ArithmeticError(f"{self.material.law.id}: the point fails in step {i}, at normal = {opening} m and a "
+                              f"sliding of {sliding[0]} and {sliding[1]} m")
+
+    def follow(self, displacement, _):
+        """Displacements, and the record and energies of every step."""
+        step, moves = self._step(self.old, self.old), displacement.copy()
+        moves[:, 1:] = np.diff(displacement[:, 1:], axis=0, prepend=0.0)
+        records, energies = np.zeros((len(moves), len(self.old))), np.zeros((len(moves), 5))
+        for i in range(len(moves)):
+            self.move[:] = moves[i]
+            if step().failed_count:
+                self._fail(i)
+            records[i], energies[i] = self.old, self.energy
+        return displacement, records, energies
+
+    def follow_stresses(self, targets, controlled):
+        """The same where the axes in `controlled` follow a stress."""
+        tangent = np.full(9, np.nan)
+        can = self.material.law.capabilities & TANGENT
+        trial = self._step(self.old, self.new, tangent=[tangent[k:k + 1] for k in range(9)] if can else None)
+        normal, shear = self.material.stiffness_bounds()
+        stiffness = (normal, shear, shear)
+        displacement = targets.copy()
+        displacement[:, controlled] = 0.0
+        records, energies = np.zeros((len(targets), len(self.old))), np.zeros((len(targets), 5))
+        before = np.zeros(3)
+        for i, target in enumerate(targets):
+            # Total opening, and sliding since the step before: those that are sought start from no change.
+            self.move[:] = displacement[i] - before
+            self.move[0] = before[0] if 0 in controlled else displacement[i, 0]
+            self.move[[k for k in controlled if k]] = 0.0
+            allowed = [self.TOLERANCE * (max(abs(target[k]), abs(self.old[k])) or 1.0) for k in range(3)]
+
+            def excess(k, move):
+                """Of the stress along k over its target, and its slope or nan."""
+                self.move[k] = move
+                if trial().failed_count:
+                    self._fail(i)
+                return self.new[k] - target[k], tangent[4 * k]
+
+            def none_left(k):
+                last_digits = 4 * stiffness[k] * np.spacing(abs(self.move[k]))
+                return abs(self.new[k] - target[k]) <= max(allowed[k], min(last_digits, 1e4 * allowed[k]))
+
+            # Axis by axis: laws couple them little, and what one disturbs of another the next round mends.
+            for _ in range(100):
+                for k in controlled:
+                    if not _solve(lambda move: excess(k, move), lambda: none_left(k), self.move[k], stiffness[k]):
+                        self._not_reached(i, k, target)
+                if all(none_left(k) for k in controlled):
+                    break
+            else:
+                self._not_reached(i, controlled[0], target)
+            for k in controlled:
+                displacement[i, k] = self.move[k] + (before[k] if k else 0.0)
+            before = displacement[i]
+            self.old[:] = self.new
+            records[i], energies[i] = self.new, self.energy
+        return displacement, records, energies
+
+    def _not_reached(self, i, k, target):
+        name, old = ("sigma", "tau_s", "tau_t")[k], ", ".join(f"{x:.6g}" for x in self.old[:3])
+        raise NotReached(f"{self.material.law.id}: no displacement near the old one gives {name}[{i}] = "
+                         f"{target[k]:.6g} Pa (from sigma, tau_s, tau_t = {old} Pa): the joint cannot carry it; "
+                         "prescribe the displacement there")
+
+
+def _solve(excess, done, start, stiffness):
+    """Goes to a displacement where excess(displacement), which gives a stress and its slope, leaves nothing to be done;
+    False where there is none. Slopes never exceed the stiffness, so that a step by it does not overshoot."""
+    x = start
+    over, slope = excess(start)
+    first = over
+    for _ in range(20):
+        if done():
+            return True
+        # Falling branches are left for the rising one: a prescribed stress cannot follow them.
+        after = x - over / (slope if slope > 1e-12 * stiffness else stiffness)
+        if after == x or not np.isfinite(after):
+            break
+        x = after
+        over, slope = excess(x)
+
+    # Outwards from the start until nothing is left or the sign changes, then halving.
+    near, reach = start, abs(first) / stiffness
+    for _ in range(40):
+        far = near - np.copysign(reach, first)
+        over, _ = excess(far)
+        if done():
+            return True
+        if (over > 0) != (first > 0):
+            break
+        near, reach = far, 1.6 * reach
+    else:
+        return False
+    while True:
+        middle = 0.5 * (near + far)
+        over, _ = excess(middle)
+        if done():
+            return True
+        if middle in (near, far):  # the stress jumps there
+            return False
+        near, far = (middle, far) if (over > 0) == (first > 0) else (near, middle)
 
 
 class _Step:
@@ -256,14 +437,23 @@ class _Step:
 
 
 class Path:
-    def __init__(self, law, displacement, history):
-        k = 3 + len(law.state_ids)
+    """Displacements, stresses, states and energies after every step: arrays of one length."""
+
+    def __init__(self, law, displacement, records, energies):
         self.law = law
-        self.normal, self.s, self.t = displacement
-        self.sigma, self.tau_s, self.tau_t = history[:, 0], history[:, 1], history[:, 2]
-        self.state = dict(zip(law.state_ids, history[:, 3:k].T))
-        self.stored = history[:, k]
-        self.dissipated = dict(zip(DISSIPATED, history[:, k + 1:].T))
+        self.normal, self.s, self.t = displacement.T
+        self.sigma, self.tau_s, self.tau_t = records[:, :3].T
+        self.state = dict(zip(law.state_ids, records[:, 3:].T))
+        self.stored = energies[:, 0]
+        self.dissipated = dict(zip(DISSIPATED, np.cumsum(energies[:, 1:], axis=0).T))  # since the start, by mode
+
+    def __len__(self):
+        return len(self.normal)
+
+    def __repr__(self):
+        ranges = ", ".join(f"{name} {values.min():.6g} to {values.max():.6g} {unit}" for name, values, unit in (
+            ("normal", self.normal, "m"), ("sigma", self.sigma, "Pa"), ("s", self.s, "m"), ("tau_s", self.tau_s, "Pa")))
+        return f"<path of {len(self)} steps under law {self.law.id}: {ranges}>"
 
     def plot(self, filename):
         import matplotlib

@@ -23,8 +23,9 @@ inline std::vector<adapters::PropertyValue> mortar_of(const quoin_law& law) {
 
 class DirectLaw {
  public:
-  explicit DirectLaw(const quoin_law& law, std::size_t points = 1)
-      : material(law, mortar_of(law)), jump(points), state(law.state_count, std::vector<double>(points)) {
+  explicit DirectLaw(const quoin_law& law, std::size_t points = 1) : DirectLaw(law, points, mortar_of(law)) {}
+  DirectLaw(const quoin_law& law, std::size_t points, const std::vector<adapters::PropertyValue>& values)
+      : material(law, values), jump(points), state(law.state_count, std::vector<double>(points)) {
     for (auto* columns : {&traction[0], &traction[1], &traction[2], &slip[0], &slip[1], &stored})
       columns->assign(points, 0.0);
     for (auto& column : dissipated) column.assign(points, 0.0);

@@ -1,14 +1,20 @@
 // A host in the manner of MGIS: reads the symbols of a behaviour library with dlsym, walks the paths and compares with
 // the law called directly. usage: mgis_host BEHAVIOUR_FILE LAW_FILE [time]
 #include <dlfcn.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "mgis/behaviour_data.h"
+#include "tests/adapters/allocations.h"
 #include "tests/adapters/check.h"
 #include "tests/adapters/direct_law.h"
 #include "tests/adapters/timing.h"
@@ -73,6 +79,10 @@ struct Point {
     }
     isv0.resize(library.flag("nInternalStateVariables"));
     isv1 = isv0;
+    tie();
+  }
+  // Again after the point has moved.
+  void tie() {
     data = {message,
             0.1,
             K,
@@ -108,7 +118,7 @@ void check_description(const Library& library, const quoin_law& law) {
   CHECK(library.flag("requiresStiffnessTensor") == 0);
   CHECK(library.flag("requiresThermalExpansionCoefficientTensor") == 0);
   CHECK(library.flag("TemperatureRemovedFromExternalStateVariables") == 0);
-  CHECK(library.names("ModellingHypotheses") == std::vector<std::string>{"Tridimensional"});
+  CHECK(library.names("ModellingHypotheses") == std::vector<std::string>{"PlaneStrain", "Tridimensional"});
   CHECK(library.names("Gradients") == std::vector<std::string>{"OpeningDisplacement"});
   CHECK(library.types("Gradients") == std::vector<int>{2});
   CHECK(library.names("ThermodynamicForces") == std::vector<std::string>{"CohesiveForce"});
@@ -159,6 +169,108 @@ void check_path(const Library& library, Integrate integrate, const quoin_law& la
               quoin::tests::leg_steps, largest, difference);
 }
 
+// Opening and sliding along one axis are the same step with two components; what lies behind them is not touched.
+void check_plane_strain(const Library& library, Integrate integrate, const quoin_law& law, Leg leg) {
+  const auto plane = reinterpret_cast<Integrate>(library.symbol("PlaneStrain"));
+  constexpr double untouched = 7e77;
+  Point flat(library), solid(library);
+  flat.gradients0[2] = flat.gradients1[2] = flat.force1[2] = untouched;
+  double largest = 0.0;
+  for (int i = 1; i <= quoin::tests::leg_steps; ++i) {
+    std::array<double, 3> opening = quoin::tests::displacement(leg, i);
+    opening[2] = 0.0;
+    const double request = i % 3 == 0 ? -2.0 : i % 3 == 1 ? 1.0 : 4.0;
+    for (double& number : flat.K) number = untouched;
+    CHECK(solid.integrate(integrate, opening, request) == quoin::mgis::results_reliable);
+    CHECK(flat.integrate(plane, {opening[0], opening[1], untouched}, request) == quoin::mgis::results_reliable);
+    for (int row = 0; row < 2; ++row)
+      for (int column = 0; column < 2; ++column) CHECK(flat.K[2 * row + column] == solid.K[3 * row + column]);
+    for (int k = 4; k < 9; ++k) CHECK(flat.K[k] == untouched);
+    if (request < 0.0) continue;
+    for (int k = 0; k < 2; ++k) CHECK(flat.force1[k] == solid.force1[k]);
+    CHECK(flat.force1[2] == untouched && solid.force1[2] == 0.0);
+    CHECK(flat.isv1 == solid.isv1 && flat.stored1 == solid.stored1 && flat.dissipated1 == solid.dissipated1);
+    largest = std::max(largest, std::abs(flat.force1[1]));
+    flat.accept(), solid.accept();
+  }
+  if (leg == Leg::shear) CHECK(largest > 1e5);
+  Point point(library);
+  for (const char* state : {"bonded", "dry"}) {
+    const auto initialize =
+        reinterpret_cast<Initialize>(library.symbol(std::string("PlaneStrain_InitializeFunction_") + state));
+    CHECK(initialize(&point.data, nullptr) == quoin::mgis::results_reliable);
+    if (law.state_count > 0) CHECK((point.isv1[0] > 0.0) == (std::string(state) == "dry"));
+  }
+}
+
+// Every number of the mortar joint larger by this share: more of every strength, energy and stiffness.
+double varied(double number, std::size_t point) { return number * (1.0 + 1e-5 * static_cast<double>(point)); }
+
+Point varied_point(const Library& library, std::size_t number) {
+  Point point(library);
+  for (double& property : point.properties) property = varied(property, number);
+  return point;
+}
+
+// A field in which every point has its own values, more of them than get a material each: bit for bit the law with
+// these values, whoever comes before; what is refused or not finite says so.
+void check_varied_field(const Library& library, Integrate integrate, const quoin_law& law) {
+  constexpr std::size_t count = 1500;  // PropertySets::kept is 1024
+  const Leg leg = Leg::shear;
+  long before = 0;
+  std::vector<Point> points;
+  std::vector<std::unique_ptr<DirectLaw>> direct;
+  points.reserve(count);  // they hold their own addresses
+  for (std::size_t i = 0; i < count; ++i) {
+    points.push_back(varied_point(library, i));
+    points.back().tie();
+    std::vector<quoin::adapters::PropertyValue> values = quoin::tests::mortar_of(law);
+    for (quoin::adapters::PropertyValue& value : values) value.numbers[0] = varied(value.numbers[0], i);
+    direct.push_back(std::make_unique<DirectLaw>(law, 1, values));
+  }
+  for (int i = 200; i <= quoin::tests::leg_steps; i += 200) {
+    const std::array<double, 3> opening = quoin::tests::displacement(leg, i);
+    const double request = i % 400 == 0 ? 1.0 : 0.0;
+    for (std::size_t p = 0; p < count; ++p) {
+      Point& point = points[p];
+      before = quoin::tests::allocations;
+      CHECK(point.integrate(integrate, opening, request) == quoin::mgis::results_reliable);
+      // Known by now; an elastic operator without a material of its own is made from one.
+      if (i > 400 && request == 0.0) CHECK(quoin::tests::allocations == before);
+      direct[p]->step(opening[0], opening[1] - point.gradients0[1], opening[2] - point.gradients0[2]);
+      for (int k = 0; k < 3; ++k) CHECK(point.force1[k] == direct[p]->traction[k][0]);
+      for (std::size_t k = 0; k < law.state_count; ++k) CHECK(point.isv1[k] == direct[p]->state[k][0]);
+      if (i % 400 == 0) CHECK(point.K[0] == direct[p]->material.stiffness().normal);
+      point.accept();
+    }
+  }
+  Point bad = varied_point(library, count);
+  bad.tie();
+  bad.properties[0] = -5.0;
+  CHECK(bad.integrate(integrate, {0.0, 0.0, 0.0}, 0.0) == quoin::mgis::integration_failed);
+  CHECK(std::strstr(bad.message, "normal_stiffness") != nullptr && std::strstr(bad.message, "-5") != nullptr);
+  bad.properties[0] = std::numeric_limits<double>::quiet_NaN();
+  CHECK(bad.integrate(integrate, {0.0, 0.0, 0.0}, 0.0) == quoin::mgis::integration_failed);
+  CHECK(std::strstr(bad.message, "normal_stiffness") != nullptr);
+  bad.properties[0] = 1e10;
+  CHECK(bad.integrate(integrate, {std::nan(""), 0.0, 0.0}, 0.0) == quoin::mgis::integration_failed);
+  CHECK(std::strstr(bad.message, "opening (nan, 0, 0) m") != nullptr);
+}
+
+// The law is looked for once: a file of its name that appears later, and is no law, is not met.
+void check_law_is_kept(const Library& library, Integrate integrate, const quoin_law& law) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("quoin_mgis_" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder / (std::string(law.id) + ".so")) << "no law";
+  setenv("QUOIN_LAW_PATH", folder.c_str(), 1);
+  Point point(library);
+  point.properties[0] *= 1.25;  // values that were not met before
+  CHECK(point.integrate(integrate, {-1e-7, 0.0, 0.0}, 0.0) == quoin::mgis::results_reliable);
+  std::printf("%s", point.message);
+  std::filesystem::remove_all(folder);
+}
+
 void check_operators(const Library& library, Integrate integrate) {
   using quoin::test::mortar::kn, quoin::test::mortar::ks;
   Point point(library);
@@ -203,25 +315,31 @@ void check_refusals(const Library& library, Integrate integrate) {
   CHECK(point.integrate(integrate, {0.0, 0.0, 0.0}, 0.0) == quoin::mgis::integration_failed);
 }
 
+// Plain steps, no operator, no energies, at a point that is closed: in one material, and each with its own values.
 void print_times(const Library& library, Integrate integrate, const quoin_law& law) {
-  for (const std::size_t count : {std::size_t{1}, std::size_t{1000}}) {
+  const auto time = [&](std::size_t count, bool field) {
     std::vector<Point> points;
     points.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
-      points.emplace_back(library).gradients1[0] = -1e-7;
+      points.push_back(varied_point(library, field ? i : 0));
       Point& point = points.back();
+      point.tie();
+      point.gradients1[0] = -1e-7;
       point.data.s0.gradients = point.data.s1.gradients = point.gradients1;
       point.data.s1.stored_energy = point.data.s1.dissipated_energy = nullptr;
       point.K[0] = 0.0;
     }
-    DirectLaw direct(law, count);
-    direct.step(-1e-7, 0.0, 0.0);
-    const double adapter = quoin::tests::nanoseconds(count, [&] {
+    return quoin::tests::nanoseconds(count, [&] {
       for (Point& point : points) integrate(&point.data);
     });
-    std::printf("%s, %zu points: %.1f ns a point through MGIS's call, %.1f ns direct\n", law.id, count, adapter,
-                quoin::tests::nanoseconds(count, [&] { direct.evaluate(); }));
-  }
+  };
+  DirectLaw direct(law);
+  direct.batch.flags = {nullptr, 0};
+  direct.step(-1e-7, 0.0, 0.0);
+  std::printf("%s, ns a point: direct %.1f; through MGIS's call 1 point %.1f, 1000 points of one material %.1f,\n",
+              law.id, quoin::tests::nanoseconds(1, [&] { direct.evaluate(); }), time(1, false), time(1000, false));
+  std::printf("  fields of different values: 10 points %.1f, 1000 points %.1f, 4000 points %.1f\n", time(10, true),
+              time(1000, true), time(4000, true));
 }
 
 }  // namespace
@@ -241,8 +359,12 @@ int main(int argc, char** argv) {
   }
   check_description(library, law);
   for (const auto& [leg, name] : quoin::tests::legs) check_path(library, integrate, law, leg, name);
+  if (quoin::tests::failures > 0) return 1;
+  for (const auto& [leg, name] : quoin::tests::legs) check_plane_strain(library, integrate, law, leg);
   check_operators(library, integrate);
   check_initial_states(library);
   check_refusals(library, integrate);
+  check_law_is_kept(library, integrate, law);
+  check_varied_field(library, integrate, law);
   return quoin::tests::failures == 0 ? 0 : 1;
 }

@@ -1,8 +1,10 @@
 // A host in the manner of 3DEC: loads the plug-in, makes a model for each contact point and calls it once a step with
 // forces and increments; compared with the law called directly. Runs on Linux and, under Wine, on Windows.
 // usage: threedec_host PLUGIN LAW_FILE [time]
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -10,6 +12,8 @@
 #include <vector>
 
 #include "jointmodel.h"
+#include "state.h"
+#include "tests/adapters/allocations.h"
 #include "tests/adapters/check.h"
 #include "tests/adapters/direct_law.h"
 #include "tests/adapters/timing.h"
@@ -30,6 +34,8 @@ static void* load_symbol(const char* file, const char* name) {
 #endif
 
 using jmodels::JointModel;
+using jmodels::shape::Index;
+using jmodels::shape::Text;
 using quoin::tests::DirectLaw;
 using quoin::tests::Leg;
 
@@ -38,32 +44,53 @@ namespace {
 using quoin::test::mortar::kn, quoin::test::mortar::ks;
 constexpr double area = 0.25;  // a power of two: stress and force have the same digits
 
+// What 3DEC fills in for a new contact before it first calls the model; the rest stays as State made it.
 struct ContactState : jmodels::State {
-  ContactState() { area_ = area; }
+  ContactState() {
+    state_ = 0;
+    area_ = area;
+    normal_force_ = normal_disp_ = normal_disp_inc_ = 0.0;
+    shear_force_ = shear_disp_ = shear_disp_inc_ = DVect3(0.0);
+  }
   double getTimeStep() const override { return 1e-6; }
   bool isThermal() const override { return false; }
   bool isCreep() const override { return false; }
   bool isFluid() const override { return false; }
   bool trackEnergy() const override { return track_energy; }
-  void* getTableIndexFromID(const String&) const override { return nullptr; }
+  void* getTableIndexFromID(const Text&) const override { return nullptr; }
   double getYFromX(void*, const double&) const override { return 0.0; }
   double getSlopeFromX(void*, const double&) const override { return 0.0; }
 
   bool track_energy = false;
 };
 
-std::vector<std::string> split(const String& names) {
-  std::istringstream stream(std::string(names.begin(), names.end()));
+std::vector<std::string> split(const std::string& names, char separator) {
+  std::istringstream stream(names);
   std::vector<std::string> parts;
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
   return parts;
 }
 
-UInt index_of(const JointModel& model, const std::string& property) {
+std::string plain(const Text& text) { return std::string(text.begin(), text.end()); }
+
+std::vector<std::string> split(const Text& names) { return split(plain(names), ','); }
+
+// By its name or by a synonym of it, as 3DEC's commands find a property.
+Index index_of(const JointModel& model, const std::string& property) {
   const std::vector<std::string> names = split(model.getProperties());
   for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == property) return static_cast<UInt>(i + 1);
+    for (const std::string& name : split(names[i], ' '))
+      if (name == property) return static_cast<Index>(i + 1);
   return 0;
+}
+
+// 3DEC 7 hands over a Variant, 3DEC 9 a Property.
+template <class Value>
+double number(const Value& value) {
+  if constexpr (requires { value.toDouble(); })
+    return value.toDouble();
+  else
+    return value.template to<double>();
 }
 
 using Model = std::unique_ptr<JointModel>;
@@ -71,7 +98,7 @@ using Model = std::unique_ptr<JointModel>;
 Model mortar_joint(const JointModel& prototype) {
   Model model(prototype.clone());
   for (const auto& [id, number] : quoin::test::mortar::properties)
-    if (const UInt index = index_of(*model, id); index != 0) model->setProperty(index, number);
+    if (const Index index = index_of(*model, id); index != 0) model->setProperty(index, number);
   return model;
 }
 
@@ -102,28 +129,93 @@ struct Contact {
     const DVect3 &f = state.shear_force_, &g = other.state.shear_force_;
     bool equal = same(state.normal_force_, other.state.normal_force_) && same(f.x(), g.x()) && same(f.y(), g.y()) &&
                  same(f.z(), g.z()) && state.state_ == other.state.state_;
-    for (UInt i = 1; i <= split(model->getProperties()).size(); ++i)
-      equal = equal && same(model->getProperty(i).toDouble(), other.model->getProperty(i).toDouble());
+    for (Index i = 1; i <= split(model->getProperties()).size(); ++i)
+      equal = equal && same(number(model->getProperty(i)), number(other.model->getProperty(i)));
     return equal;
   }
 };
 
-void check_description(const JointModel& prototype, const quoin_law& law) {
-  CHECK(prototype.getName() == String(law.id, law.id + std::strlen(law.id)));
-  std::vector<std::string> expected;
+void* symbol(const char* plugin, const char* name) {
+  void* const address = load_symbol(plugin, name);
+  if (address == nullptr) std::printf("%s: no %s\n", plugin, name);
+  CHECK(address != nullptr);
+  return address;
+}
+
+// 3DEC looks for jmodelNAME###.dll: what getName exports, and the three digits of the version it asks for.
+std::string exported_name(const char* plugin) {
+  const auto name = reinterpret_cast<const char* (*)()>(symbol(plugin, "getName"));
+  const auto major = reinterpret_cast<unsigned (*)()>(symbol(plugin, "getMajorVersion"));
+  CHECK(major() == QUOIN_3DEC_VERSION);
+  CHECK(std::filesystem::path(plugin).stem().string() == std::string(name()) + "00" + std::to_string(major()));
+  CHECK(std::string(name()).starts_with("jmodel"));
+  return std::string(name()).substr(6);
+}
+
+void check_description(const JointModel& prototype, const quoin_law& law, const std::string& name) {
+  CHECK(plain(prototype.getName()) == name);
+  CHECK(plain(Model(prototype.clone())->getName()) == name);
+  std::vector<std::string> expected, first_names, all_names;
   for (const quoin_property_info* info : quoin::adapters::scalar_properties(law)) expected.push_back(info->id);
   expected.push_back("initial_state");
   for (std::uint64_t k = 0; k < law.state_count; ++k) expected.push_back(law.states[k]->id);
-  CHECK(split(prototype.getProperties()) == expected);
-  CHECK(split(prototype.getStates()).size() == 5);
+  for (const std::string& names : split(prototype.getProperties()))
+    for (const std::string& one : split(names, ' ')) all_names.push_back(one);
+  for (const std::string& names : split(prototype.getProperties())) first_names.push_back(split(names, ' ')[0]);
+  CHECK(first_names == expected);
+  std::ranges::sort(all_names);
+  CHECK(std::ranges::adjacent_find(all_names) == all_names.end());
+  CHECK(plain(prototype.getStates()) == "slip-n,tension-n,slip-p,tension-p,cap-n,cap-p");
   CHECK(split(prototype.getEnergies()).size() == 7 && split(prototype.getEnergies())[3] == "energy-slip");
   const Model model = mortar_joint(prototype);
   CHECK(model->getMaxNormalStiffness() == kn);
   CHECK(model->getMaxShearStiffness() == ks);
-  CHECK(model->getProperty(1).toDouble() == kn);
-  CHECK(model->getProperty(1000).toDouble() == 0.0);
-  if (const UInt residual = index_of(*model, "friction_angle_residual"); residual != 0)
-    CHECK(model->getProperty(residual).toDouble() == 35.0);  // default_from friction_angle
+  CHECK(number(model->getProperty(1)) == kn);
+  CHECK(number(model->getProperty(1000)) == 0.0);
+  if (const Index residual = index_of(*model, "friction_angle_residual"); residual != 0)
+    CHECK(number(model->getProperty(residual)) == 35.0);  // default_from friction_angle
+}
+
+// The names of 3DEC's own models reach the same properties.
+void check_synonyms(const JointModel& prototype) {
+  for (const auto& [id, synonym] :
+       {std::pair{"normal_stiffness", "stiffness-normal"}, std::pair{"shear_stiffness", "stiffness-shear"},
+        std::pair{"tensile_strength", "tension"}, std::pair{"cohesion_residual", "cohesion-residual"},
+        std::pair{"friction_angle", "friction"}, std::pair{"friction_angle_residual", "friction-residual"},
+        std::pair{"dilation_angle", "dilation"}, std::pair{"compressive_strength", "compression"},
+        std::pair{"fracture_energy_shear", "G_II"}})
+    CHECK(index_of(prototype, synonym) == index_of(prototype, id));
+  CHECK(index_of(prototype, "stiffness-normal") == 1);
+}
+
+// 3DEC asks for stiffnesses while the properties come in one by one: 0 until they make a material.
+void check_stiffness_before_properties(const JointModel& prototype) {
+  const Model model(prototype.clone());
+  CHECK(model->getMaxNormalStiffness() == 0.0);
+  CHECK(model->getMaxShearStiffness() == 0.0);
+  model->setProperty(1, kn);
+  CHECK(model->getMaxNormalStiffness() == 0.0);
+  model->setProperty(2, ks);
+  CHECK(model->getMaxNormalStiffness() == kn);
+  CHECK(model->getMaxShearStiffness() == ks);
+}
+
+// 3DEC 7 takes the stiffness for the time step: the largest there can be. 3DEC 9 also damps by it: of a damaged open
+// joint the secant to the origin, sigma/d_n, by the law's own forces; closed again, the full one.
+void check_stiffness_of_damaged_joint(const JointModel& prototype) {
+  Contact contact(mortar_joint(prototype));
+  contact.move({-1e-6, 0, 0});
+  CHECK(contact.model->getMaxNormalStiffness() == kn);
+  contact.move({4e-5, 0, 0});
+  const double secant = -contact.state.normal_force_ / area / 4e-5;
+  CHECK(secant > 1e-3 * kn && secant < 0.1 * kn);
+  const double told = contact.model->getMaxNormalStiffness();
+  CHECK(QUOIN_3DEC_VERSION == 9 ? std::abs(told - secant) <= 1e-12 * kn : told == kn);
+  CHECK(contact.model->getMaxShearStiffness() == ks);
+  contact.move({1e-3, 0, 0});  // beyond the softening
+  CHECK(contact.model->getMaxNormalStiffness() == (QUOIN_3DEC_VERSION == 9 ? 0.0 : kn));
+  contact.move({-1e-6, 0, 0});
+  CHECK(contact.model->getMaxNormalStiffness() == kn);
 }
 
 // Along one axis the digits agree; in an oblique plane the axes of a step round.
@@ -150,7 +242,7 @@ void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, cons
     CHECK(((contact.state.state_ & 1) != 0) == ((direct.flags[0] & QUOIN_FLAG_SLIPPING) != 0));
   }
   double booked[2] = {0.0, 0.0};  // stored, dissipated
-  for (UInt key = 1; key <= 7; ++key)
+  for (Index key = 1; key <= 7; ++key)
     booked[contact.model->getEnergyAccumulate(key) ? 1 : 0] += contact.model->getEnergy(key);
   const double scale = direct.stored[0] * area + dissipated;
   CHECK(std::abs(booked[0] - direct.stored[0] * area) <= 1e-9 * scale);
@@ -172,7 +264,7 @@ void check_continuation(const JointModel& prototype) {
         Contact& copy = copies.emplace_back(Model(prototype.clone()));
         copy.model->copy(straight.model.get());
         Contact& again = restored.emplace_back(Model(prototype.clone()));
-        for (UInt p = 1; p <= split(prototype.getProperties()).size(); ++p)
+        for (Index p = 1; p <= split(prototype.getProperties()).size(); ++p)
           again.model->setProperty(p, straight.model->getProperty(p), 1);
         std::stringstream file;
         straight.model->save(file);
@@ -248,6 +340,58 @@ void check_energy_activation(const JointModel& prototype) {
   CHECK(active.model->getEnergy(JointModel::kwEStrainCompression) == 3.0);
 }
 
+// Opening, closing and sliding at random, in and beyond the softening: forces are the law's, and the state bits, which
+// the model tells from the forces, are what the law's flags and states say at every step.
+void check_random_path(const JointModel& prototype, const quoin_law& law) {
+  Contact contact(mortar_joint(prototype));
+  DirectLaw direct(law);
+  std::uint32_t random = 1;
+  const auto next = [&random] {  // -1 ... 1, the same on every machine
+    random = random * 1664525u + 1013904223u;
+    return static_cast<double>(random >> 8) / (1 << 23) - 1.0;
+  };
+  std::size_t closure = 0;  // the state that crushing moves
+  while (closure < law.state_count && std::strcmp(law.states[closure]->id, "w") != 0) ++closure;
+  const auto crushed = [&] { return closure < law.state_count ? direct.state[closure][0] : 0.0; };
+  double jump = 0.0, size = 1e-7;
+  int open = 0, slips = 0, crushes = 0;
+  for (int i = 0; i < 20000; ++i) {
+    if (i % 500 == 0) size = size > 2e-3 ? 1e-7 : size * 2.0;
+    const bool stands = i % 7 < 3;
+    const std::array<double, 3> to = {stands ? contact.at[0] : size * next(),
+                                      stands ? contact.at[1] : 2.0 * size * next(), 0.0};
+    const std::array<double, 3> d = contact.move(to);
+    jump += d[0];
+    const double crushed_before = crushed();
+    direct.step(jump, d[1], d[2]);
+    CHECK(-contact.state.normal_force_ == direct.traction[0][0] * area);
+    CHECK(-contact.state.shear_force_.x() == direct.traction[1][0] * area);
+    const auto has = [&](std::uint32_t flag) { return (direct.flags[0] & flag) != 0; };
+    const auto bit = [&](Index mask) { return (contact.state.state_ & mask) != 0; };
+    CHECK(bit(1) == has(QUOIN_FLAG_SLIPPING));
+    CHECK(bit(2) == (has(QUOIN_FLAG_OPEN) && has(QUOIN_FLAG_TENSION_DAMAGED)));
+    CHECK(bit(16) == (crushed() > crushed_before));
+    CHECK(bit(16 | 32) == has(QUOIN_FLAG_CRUSHED));
+    CHECK(contact.model->isBonded(contact.state) ==
+          !(has(QUOIN_FLAG_TENSION_COMPLETE) || has(QUOIN_FLAG_SHEAR_COMPLETE)));
+    open += bit(2), slips += bit(1), crushes += bit(16);
+  }
+  if (std::string(law.id) == "fracture_energy") CHECK(open > 1000 && slips > 1000 && crushes > 10);
+}
+
+// 3DEC calls run for every contact and step.
+void check_no_allocation(const JointModel& prototype) {
+  for (const auto& [leg, name] : quoin::tests::legs) {
+    Contact contact(mortar_joint(prototype));
+    long before = 0;
+    for (int i = 1; i <= quoin::tests::leg_steps; ++i) {
+      if (i == quoin::tests::leg_steps / 2) before = quoin::tests::allocations;
+      contact.move(quoin::tests::displacement(leg, i));
+    }
+    CHECK(quoin::tests::allocations == before);
+  }
+}
+
 void check_elastic_phase(const JointModel& prototype) {
   Contact contact(mortar_joint(prototype));
   contact.model->setIfCanFail(false);
@@ -269,6 +413,24 @@ void check_failure_bits(const JointModel& prototype) {
   CHECK((contact.state.state_ & (1 | 8)) == (1 | 8) && contact.model->isSliding(contact.state));
   contact.move({-1e-6, 1e-3, 0});
   CHECK((contact.state.state_ & (1 | 4)) == 4 && !contact.model->isSliding(contact.state));
+  CHECK((contact.state.state_ & (16 | 32)) == 0);
+
+  // cap-n while it crushes, cap-p from then on; unloading, closing again and sliding are no crushing.
+  constexpr double elastic_limit = quoin::test::mortar::fc / kn;
+  Contact cap(mortar_joint(prototype));
+  cap.move({-0.9 * elastic_limit, 0, 0});
+  CHECK((cap.state.state_ & (16 | 32)) == 0);
+  cap.move({-1.1 * elastic_limit, 0, 0});
+  CHECK((cap.state.state_ & (16 | 32)) == 16);
+  cap.move({-1.2 * elastic_limit, 0, 0});
+  CHECK((cap.state.state_ & (16 | 32)) == (16 | 32));
+  cap.move({-1.0 * elastic_limit, 0, 0});
+  CHECK((cap.state.state_ & (16 | 32)) == 32);
+  cap.move({-1.0 * elastic_limit, 1e-3, 0});
+  CHECK((cap.state.state_ & (1 | 16 | 32)) == (1 | 32));
+  cap.move({1e-3, 1e-3, 0});
+  cap.move({-0.5 * elastic_limit, 1e-3, 0});
+  CHECK((cap.state.state_ & (16 | 32)) == 32);
 }
 
 template <class Call>
@@ -288,7 +450,7 @@ void check_refusals(const JointModel& prototype, const quoin_law& law) {
   bad->setProperty(1, -5.0);
   CHECK(refuses("normal_stiffness", [&] { bad->run(3, &state); }));
   const Model joint = mortar_joint(prototype);
-  const UInt initial = index_of(*joint, "initial_state");
+  const Index initial = index_of(*joint, "initial_state");
   CHECK(refuses("give an index from 0 to 1", [&] { joint->setProperty(initial, 7.0); }));
   if (law.state_count > 0) CHECK(refuses("can be read, not set", [&] { joint->setProperty(initial + 1, 1.0); }));
   CHECK(refuses("another version of the law", [&] {
@@ -301,22 +463,45 @@ void check_refusals(const JointModel& prototype, const quoin_law& law) {
   }));
 }
 
+// One point under pressure: as it stands, and sliding a little further at every step, in the softening.
 void print_times(const JointModel& prototype, const quoin_law& law) {
-  for (const std::size_t count : {std::size_t{1}, std::size_t{1000}}) {
-    std::vector<Contact> contacts;
-    for (std::size_t i = 0; i < count; ++i) {
-      contacts.emplace_back(mortar_joint(prototype)).move({-1e-7, 1e-9, 0});
-      contacts.back().state.normal_disp_inc_ = 0.0;
-      contacts.back().state.shear_disp_inc_ = {};
+  struct Step {
+    const char* name;
+    double first_slip, slip;
+  };
+  const Index softening = index_of(prototype, "softening");
+  for (const char* const shape : {"linear", "exponential"}) {
+    if (softening == 0 && std::strcmp(shape, "exponential") == 0) continue;
+    for (const Step& step : {Step{"standing", 1e-9, 0.0}, Step{"sliding", 2e-5, 1e-12}}) {
+      const auto contact_time = [&](std::size_t count, bool energies) {
+        std::vector<Contact> contacts;
+        for (std::size_t i = 0; i < count; ++i) {
+          Contact& contact = contacts.emplace_back(mortar_joint(prototype));
+          if (softening != 0) contact.model->setProperty(softening, std::strcmp(shape, "exponential") == 0 ? 1.0 : 0.0);
+          contact.state.track_energy = energies;
+          contact.move({-1e-6, step.first_slip, 0});
+          contact.state.normal_disp_inc_ = 0.0;
+          contact.state.shear_disp_inc_ = DVect3(step.slip, 0.0, 0.0);
+        }
+        return quoin::tests::nanoseconds(count, [&] {
+          for (Contact& contact : contacts) contact.model->run(3, &contact.state);
+        });
+      };
+      std::vector<quoin::adapters::PropertyValue> values = quoin::tests::mortar_of(law);
+      if (softening != 0) values.push_back({"softening", {}, shape});
+      const auto direct_time = [&](bool flags) {
+        DirectLaw direct(law, 1, values);
+        if (!flags) direct.batch.flags = {nullptr, 0};
+        direct.step(-1e-6, step.first_slip, 0.0);
+        direct.slip[0][0] = step.slip;
+        return quoin::tests::nanoseconds(1, [&] { direct.evaluate(); });
+      };
+      std::printf(
+          "%s, %s, %s, ns a point: direct %.1f, with flags %.1f; run: 1 point %.1f, 1000 points %.1f, "
+          "1 point with energies %.1f\n",
+          law.id, softening != 0 ? shape : "no softening", step.name, direct_time(false), direct_time(true),
+          contact_time(1, false), contact_time(1000, false), contact_time(1, true));
     }
-    DirectLaw direct(law, count);
-    direct.step(-1e-7, 1e-9, 0.0);
-    direct.step(-1e-7, 0.0, 0.0);
-    const double adapter = quoin::tests::nanoseconds(count, [&] {
-      for (Contact& contact : contacts) contact.model->run(3, &contact.state);
-    });
-    std::printf("%s, %zu points: %.1f ns a point through run, %.1f ns direct\n", law.id, count, adapter,
-                quoin::tests::nanoseconds(count, [&] { direct.evaluate(); }));
   }
 }
 
@@ -328,28 +513,32 @@ int main(int argc, char** argv) {
     return 2;
   }
   const quoin_law& law = quoin::adapters::law_in_file(argv[2]);
-  void* const create = load_symbol(argv[1], "createInstance");
-  if (create == nullptr) {
-    std::printf("%s: no createInstance\n", argv[1]);
-    return 1;
-  }
+  void* const create = symbol(argv[1], "createInstance");
+  if (create == nullptr) return 1;
   const Model prototype(static_cast<JointModel*>(reinterpret_cast<void* (*)()>(create)()));
   if (argc > 3) {
     print_times(*prototype, law);
     return 0;
   }
-  check_description(*prototype, law);
+  check_description(*prototype, law, exported_name(argv[1]));
+  check_synonyms(*prototype);
+  check_stiffness_before_properties(*prototype);
   for (const auto& [leg, name] : quoin::tests::legs) {
     check_path(*prototype, law, leg, name, aligned, true);
     check_path(*prototype, law, leg, name, oblique, false);
   }
   check_continuation(*prototype);
   check_interleaved(*prototype);
+  check_random_path(*prototype, law);
+  check_no_allocation(*prototype);
   check_first_forces(*prototype);
   check_elastic_phase(*prototype);
   check_energy_activation(*prototype);
   if (std::string(law.id) != "elastic") check_dry_joint(*prototype);
-  if (std::string(law.id) == "fracture_energy") check_failure_bits(*prototype);
+  if (std::string(law.id) == "fracture_energy") {
+    check_failure_bits(*prototype);
+    check_stiffness_of_damaged_joint(*prototype);
+  }
   check_refusals(*prototype, law);
   return quoin::tests::failures == 0 ? 0 : 1;
 }

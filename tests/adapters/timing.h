@@ -12,7 +12,9 @@ double nanoseconds(std::size_t points, const Call& call) {
   using Clock = std::chrono::steady_clock;
   const std::size_t repeats = std::max<std::size_t>(1, 400 / points);
   double best = std::numeric_limits<double>::infinity();
-  for (int run = 0; run < 3000; ++run) {
+  // At least three runs, and no more than half a second of them.
+  const auto end = Clock::now() + std::chrono::milliseconds(500);
+  for (int run = 0; run < 3000 && (run < 3 || Clock::now() < end); ++run) {
     const auto start = Clock::now();
     for (std::size_t i = 0; i < repeats; ++i) call();
     const std::chrono::duration<double, std::nano> taken = Clock::now() - start;

@@ -1,8 +1,12 @@
 // The program as a process: exit codes, messages, files, interruption.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "program.h"
@@ -82,6 +86,25 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
 }
 
+// Every scene that is shipped passes the check, and the README beside it tells what it is.
+TEST_F(Cli, ShippedScenesAreSoundAndListed) {
+  const std::string readme = read_all(QUOIN_SCENES "/README.md");
+  int scenes = 0;
+  for (const auto& entry : fs::directory_iterator(QUOIN_SCENES)) {
+    if (entry.path().extension() != ".toml") continue;
+    ++scenes;
+    EXPECT_EQ(quoin({"check", entry.path().string()}), 0) << error_;
+    EXPECT_THAT(readme, HasSubstr(entry.path().filename().string()));
+  }
+  EXPECT_GT(scenes, 0);
+  EXPECT_THAT(readme, HasSubstr("](BLOCKS.md)"));
+  const std::string map = read_all(QUOIN_SCENES "/../../README.md");
+  for (const auto& entry : fs::directory_iterator(QUOIN_SCENES "/..")) {
+    if (!entry.is_directory()) continue;
+    EXPECT_THAT(map, HasSubstr(std::string("`").append(entry.path().filename().string()).append("`")));
+  }
+}
+
 TEST_F(Cli, RunWritesEveryResult) {
   ASSERT_EQ(run_small(), 0) << error_;
   const auto s = summary();
@@ -115,6 +138,86 @@ TEST_F(Cli, RunWritesEveryResult) {
   const int vtk = finish(start({"/usr/bin/python3", QUOIN_CLI_TESTS "/read_vtu.py", out()}));
   if (vtk == 77) GTEST_SKIP() << "VTU files not read: python3-vtk9 is not installed";
   EXPECT_EQ(vtk, 0) << out_ << error_;
+}
+
+// Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp; mass
+// scaled by 1e9 gives steps of half a second, which pass the displacement asked for. Neither tells what a wall bears.
+TEST_F(Cli, RunsThatAreNotSlowEnoughAreNotVouchedFor) {
+  const std::string wall = QUOIN_SCENES "/solid_wall_030.toml";
+  for (const auto& [setting, words] : {std::pair{"stage.shear.velocity=10", "ended inside its ramp"},
+                                       {"solver.mass_scaling=1e9", "beyond the displacement"}}) {
+    ASSERT_EQ(quoin({"run", wall, "--out", out(), "--threads", "1", "--set", setting, "--set", "output.frames=0",
+                     "--set", "output.plots=false"}),
+              0)
+        << error_;
+    const auto s = summary();
+    EXPECT_EQ(s["quasi_static"]["holds"], false) << setting;
+    EXPECT_THAT(s["quasi_static"]["why_not"].get<std::string>(), HasSubstr(words));
+    EXPECT_THAT(error_, AllOf(HasSubstr("warning: not known to be quasi-static"), HasSubstr(words)));
+    EXPECT_TRUE(s["quality"]["expected_error"].is_null());
+    EXPECT_THAT(out_, HasSubstr("error not known"));
+  }
+}
+
+TEST_F(Cli, ErrorsAreToldOnlyWhereTheyWereMeasured) {
+  const std::vector<std::string> pier{"run",       QUOIN_SCENES "/ispra_isp1.toml",
+                                      "--out",     out(),
+                                      "--threads", "1",
+                                      "--set",     "output.frames=0",
+                                      "--set",     "output.plots=false"};
+  ASSERT_EQ(quoin(pier), 0) << error_;
+  auto s = summary();
+  EXPECT_EQ(s["quasi_static"]["holds"], true);
+  EXPECT_TRUE(s["quasi_static"]["why_not"].is_null());
+  EXPECT_GT(s["quality"]["expected_error"]["peak"], 0.0);
+  EXPECT_TRUE(s["quality"]["why_unknown"].is_null());
+  EXPECT_THAT(out_, HasSubstr("expected error at quality standard"));
+  std::vector<std::string> elastic = pier;
+  elastic.insert(elastic.end(), {"--law", "elastic"});
+  ASSERT_EQ(quoin(elastic), 0) << error_;
+  s = summary();
+  EXPECT_EQ(s["quality"]["as_is"], true);
+  EXPECT_TRUE(s["quality"]["expected_error"].is_null());
+  EXPECT_THAT(s["quality"]["why_unknown"].get<std::string>(), HasSubstr("law = elastic"));
+  EXPECT_THAT(out_, AllOf(HasSubstr("error not known: joints.mortar.law = elastic"), Not(HasSubstr("expected error"))));
+  // Nothing was computed: a run that fails before its first stage has ended.
+  std::vector<std::string> none = pier;
+  none.insert(none.end(), {"--set", "stage.1.max_steps=1"});
+  EXPECT_EQ(quoin(none), 5);
+  s = summary();
+  EXPECT_TRUE(s["quality"]["expected_error"].is_null());
+  EXPECT_EQ(s["quasi_static"]["holds"], false);
+  EXPECT_THAT(out_, HasSubstr("error not known: the run did not reach its end"));
+}
+
+// Loops are drawn whole: on both sides of both axes. Where a wall goes one way, the picture begins at 0.
+TEST_F(Cli, CurvesOfCyclesShowEveryQuadrant) {
+  std::string text = read_all(small_);
+  text.replace(text.find("[output]"), 8,
+               "[[stage]]\nname = \"back\"\nkind = \"shear\"\nvelocity = -0.05\ndisplacement = 0.0015\n[output]");
+  const std::string file = (folder_ / "cycle.toml").string();
+  std::ofstream(file) << text;
+  ASSERT_EQ(quoin({"run", file, "--out", out(), "--threads", "1", "--set", "output.frames=0"}), 0) << error_;
+  std::istringstream script(read_all(out() + "/plots/curve.gp"));
+  double left = 0.0, right = 0.0, least = 0.0, u = 0.0, f = 0.0, stress = 0.0;
+  std::string line, y_range;
+  while (std::getline(script, line)) {
+    if (line.starts_with("set xrange")) std::sscanf(line.c_str(), "set xrange [%lf:%lf]", &left, &right);
+    if (line.starts_with("set yrange")) y_range = line;
+  }
+  EXPECT_EQ(y_range, "set yrange [*:*]");
+  std::istringstream data(read_all(out() + "/plots/curve.dat"));
+  std::getline(data, line);
+  while (std::getline(data, line)) {
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf %lf %lf", &u, &f, &stress), 3) << line;
+    EXPECT_GE(u, left);
+    EXPECT_LE(u, right);
+    least = std::min(least, f);
+  }
+  EXPECT_LT(left, -0.5);
+  EXPECT_LT(least, -1.0);
+  ASSERT_EQ(run_small({"--set", "output.frames=0"}), 0) << error_;
+  EXPECT_THAT(read_all(out() + "/plots/curve.gp"), AllOf(HasSubstr("set xrange [0:"), HasSubstr("set yrange [0:*]")));
 }
 
 TEST_F(Cli, PicturesNameWhatMoves) {

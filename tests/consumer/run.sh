@@ -1,5 +1,5 @@
 #!/bin/sh
-# usage: run.sh installed|subdirectory SOURCE_DIR BUILD_DIR WORK_DIR: Quoin as a project outside uses it.
+# usage: run.sh installed|subdirectory|demo SOURCE_DIR BUILD_DIR WORK_DIR: Quoin as a project outside uses it.
 set -e
 source=$2
 build=$3
@@ -26,11 +26,28 @@ case $1 in
       echo "pkg-config: skipped, not installed"
     fi
     if python3 -c 'import numpy' 2>/dev/null; then
-      share=$work/elsewhere/share/quoin
-      PYTHONPATH=$share:$share/adapters/shared:$share/adapters/lammps:$share/adapters/yade PYTHONDONTWRITEBYTECODE=1 \
+      adapters=$work/elsewhere/share/quoin/adapters
+      module=$(dirname "$(find "$work/elsewhere" -name quoin.py)")
+      PYTHONPATH=$module:$adapters/shared:$adapters/lammps:$adapters/yade PYTHONDONTWRITEBYTECODE=1 \
         python3 -c 'import atom_joints, cube_scene, joints'
     else
       echo "adapters in Python: skipped, NumPy is not installed"
+    fi
+    # A Python finds the module by itself where it is installed beside it: a virtual environment, Debian's /usr/local.
+    if /usr/bin/python3 -m venv --without-pip --system-site-packages "$work/venv" &&
+        "$work/venv/bin/python3" -c 'import numpy'; then
+      cmake -DCMAKE_INSTALL_PREFIX="$work/venv" -P "$build/plugin_api/cmake_install.cmake" >/dev/null
+      (cd / && env -u PYTHONPATH "$work/venv/bin/python3" -B -c 'import quoin; print(quoin.__file__)') |
+        grep "^$work/venv/lib/"
+    else
+      echo "virtual environment: skipped, /usr/bin/python3 has no venv or no NumPy"
+    fi
+    if /usr/bin/python3 -c 'import sys; sys.exit("/usr/local/lib" not in "".join(sys.path))'; then
+      DESTDIR=$work/root cmake -DCMAKE_INSTALL_PREFIX=/usr/local -P "$build/plugin_api/cmake_install.cmake" >/dev/null
+      folder=$(dirname "$(find "$work/root" -name quoin.py)")
+      (cd / && /usr/bin/python3 -c 'import sys; print("\n".join(sys.path))') | grep -x "${folder#"$work/root"}"
+    else
+      echo "/usr/local: skipped, /usr/bin/python3 does not look there"
     fi
     ;;
   subdirectory)
@@ -38,5 +55,22 @@ case $1 in
       >"$work/log" || { cat "$work/log"; exit 1; }
     cmake --build "$work/build" >>"$work/log" || { cat "$work/log"; exit 1; }
     "$work/build/consumer"
+    ;;
+  demo)
+    configure() {
+      cmake -S "$source" --preset "$1" -B "$work/build" -G Ninja -DCMAKE_DISABLE_FIND_PACKAGE_GTest=$2 \
+        -DCMAKE_DISABLE_FIND_PACKAGE_benchmark=$2 -DCMAKE_DISABLE_FIND_PACKAGE_Python3=$2 >"$work/log" 2>&1 ||
+        { cat "$work/log"; exit 1; }
+      ninja -C "$work/build" -t targets all >"$work/targets"
+    }
+    has() {
+      grep -q "^$1: " "$work/targets"
+    }
+    for order in first again; do
+      configure demo ON
+      has quoin && has fracture_energy && ! has cli_test || { echo "demo, $order: not the program alone"; exit 1; }
+      configure release OFF
+      has quoin && has cli_test && has law_benchmark || { echo "release after demo, $order: not everything"; exit 1; }
+    done
     ;;
 esac

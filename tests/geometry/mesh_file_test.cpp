@@ -177,7 +177,7 @@ TEST_F(BadMeshFile, MutatedFilesAreReadOrRefused) {
     auto [ending, bytes] = seeds[below(seeds.size())];
     for (size_t changes = 1 + below(3); changes > 0 && !bytes.empty(); --changes) {
       const size_t at = below(bytes.size());
-      switch (below(5)) {
+      switch (below(6)) {
         case 0:
           bytes[at] = static_cast<char>(random());
           break;
@@ -190,6 +190,12 @@ TEST_F(BadMeshFile, MutatedFilesAreReadOrRefused) {
         case 3:
           bytes.resize(at);
           break;
+        case 4: {  // a word by another
+          const size_t begin = bytes.find_last_of(" \n", at) + 1,
+                       end = std::min(bytes.find_first_of(" \n", at), bytes.size());
+          if (begin < end) bytes.replace(begin, end - begin, words[below(words.size())]);
+          break;
+        }
         default:
           bytes.insert(at, bytes.substr(below(bytes.size()), below(60)));
       }

@@ -143,6 +143,7 @@ int avx512_beside_avx2([[maybe_unused]] const char* file, [[maybe_unused]] const
       hwy::GetChosenTarget().Update(hwy::SupportedTargets());
       if (const int status = run_laws(file, target == HWY_AVX2, folder); status != 0) return status;
     }
+    std::remove(file);
     return 0;
   }
 #endif

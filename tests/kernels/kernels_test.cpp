@@ -2,6 +2,8 @@
 // with fused multiply-add, to 1e-12 times the amplification near snap-back otherwise.)
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 #include "population.h"
@@ -27,6 +29,13 @@ struct OnTarget {
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
   }
 };
+
+// Whether a material of these values, with this one for the property, is made.
+bool accepted(const quoin_law& law, Values values, const std::string& property, double value) {
+  std::erase_if(values.numbers, [&](const auto& number) { return number.first == property; });
+  values.numbers.emplace_back(property, value);
+  return TestMaterial(law, values).handle != nullptr;
+}
 
 // Drives every material 60 steps on both sets and returns the largest difference of tractions over their scale.
 double difference(std::int64_t one, std::int64_t other, bool extreme, bool& same_bits) {
@@ -112,6 +121,121 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
   }
 }
 
+// A call of one point has a path of its own, and so have vectors of points that all stay elastic.
+TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
+  constexpr std::size_t kCount = 256;
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+      const OnTarget on(targets & -targets);
+      for (const Values& values : materials(id)) {
+        const TestMaterial material(law, values);
+        std::mt19937_64 random(13);
+        Batch whole(law, kCount);
+        for (int step = 0; step < 8; ++step) {
+          randomise(whole, random);
+          make_some_extreme(whole, random);
+          Batch parts = whole;
+          const quoin_batch expected = whole.evaluate(material, true);
+          for (const std::size_t size : {1, 2, 3, 8, 256}) {
+            for (const bool extras : {false, true}) {
+              for (auto& column : parts.out) column.assign(kCount, -7.0);
+              std::uint64_t failed = 0, yielding = 0;
+              for (std::size_t first = 0; first < kCount; first += size) {
+                std::vector<quoin_in> old_states;
+                std::vector<quoin_out> new_states;
+                const std::size_t n = std::min(size, kCount - first);
+                quoin_batch b = parts.view(first, n, extras, old_states, new_states);
+                ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+                failed += b.failed_count;
+                yielding |= b.any_yielding;
+              }
+              ASSERT_EQ(failed, expected.failed_count);
+              ASSERT_EQ(yielding, expected.any_yielding);
+              const std::size_t wanted = extras ? whole.out.size() : 3 + whole.states;
+              for (std::size_t k = 0; k < wanted; ++k) {
+                ASSERT_EQ(std::memcmp(whole.out[k].data(), parts.out[k].data(), kCount * sizeof(double)), 0)
+                    << id << ", " << hwy::TargetName(targets & -targets) << ", parts of " << size << ", column " << k;
+              }
+              if (extras) {
+                ASSERT_EQ(parts.flags, whole.flags);
+                ASSERT_EQ(parts.status, whole.status);
+              }
+            }
+          }
+          whole.advance();
+        }
+      }
+    }
+  }
+}
+
+// One point of an array of structures: in place, without diagnostics, without a stride that could mean anything.
+TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    for (const Values& values : materials(id)) {
+      const TestMaterial material(law, values);
+      std::mt19937_64 random(17);
+      Batch apart(law, 60);
+      for (int step = 0; step < 20; ++step) {
+        randomise(apart, random);
+        Batch in_place = apart;
+        apart.evaluate(material, false);
+        for (std::size_t i = 0; i < apart.count; ++i) {
+          std::vector<quoin_in> old_states;
+          std::vector<quoin_out> new_states;
+          quoin_batch b = in_place.view(i, 1, false, old_states, new_states);
+          for (std::size_t k = 0; k < 3; ++k) b.traction_new[k] = {in_place.in[3 + k].data() + i, 0};
+          for (std::size_t k = 0; k < in_place.states; ++k) {
+            new_states[k] = {in_place.in[6 + k].data() + i, 0};
+            if (law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC) continue;
+            old_states[k] = {nullptr, 0};
+            new_states[k] = {nullptr, 0};
+          }
+          ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+        }
+        for (std::size_t k = 0; k < 3 + apart.states; ++k) {
+          if (k >= 3 && law.states[k - 3]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
+          ASSERT_EQ(apart.out[k], in_place.in[3 + k]) << id << ", column " << k;
+        }
+        apart.advance();
+      }
+    }
+  }
+}
+
+// C6.11 holds for one point too.
+TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    const TestMaterial material(law, materials(id)[0]);
+    Batch points(law, 1);
+    std::vector<quoin_in> old_states;
+    std::vector<quoin_out> new_states;
+    const auto expect_refused = [&](const std::string& what, const std::function<void(quoin_batch&)>& spoil) {
+      quoin_batch b = points.view(0, 1, false, old_states, new_states);
+      for (auto& column : points.out) column.assign(1, -7.0);
+      spoil(b);
+      EXPECT_EQ(law.evaluate(material.handle, &b), QUOIN_ERROR_ARGUMENT) << id << ", " << what;
+      for (const auto& column : points.out) EXPECT_EQ(column[0], -7.0) << id << ", " << what;
+    };
+    expect_refused("normal_jump", [](quoin_batch& b) { b.normal_jump.data = nullptr; });
+    for (int k = 0; k < 2; ++k) {
+      expect_refused("slip_increment", [k](quoin_batch& b) { b.slip_increment[k].data = nullptr; });
+    }
+    for (int k = 0; k < 3; ++k) {
+      expect_refused("traction_old", [k](quoin_batch& b) { b.traction_old[k].data = nullptr; });
+      expect_refused("traction_new", [k](quoin_batch& b) { b.traction_new[k].data = nullptr; });
+    }
+    for (std::size_t k = 0; k < points.states; ++k) {
+      if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
+      expect_refused("state_old", [&](quoin_batch&) { old_states[k].data = nullptr; });
+      expect_refused("state_new", [&](quoin_batch&) { new_states[k].data = nullptr; });
+    }
+  }
+}
+
 // Elastic points, which a whole vector takes by the short path: what is wrong with one of them must be seen there too.
 TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("fracture_energy");
@@ -182,6 +306,48 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   ASSERT_EQ(law.evaluate(uniform.handle, &view), QUOIN_OK);
   EXPECT_EQ(view.failed_count, 1u);
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
+}
+
+// What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
+TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+    const quoin_law& law = load_law(id);
+    std::vector<Values> all = materials(id);
+    all.push_back(materials("elastic")[0]);  // stiffness alone: every other mode is switched off
+    for (const Values& values : all) {
+      for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+        const OnTarget on(targets & -targets);
+        const TestMaterial material(law, values);
+        ASSERT_NE(material.handle, nullptr) << material.text;
+        for (std::uint64_t p = 0; p < law.property_count; ++p) {
+          const quoin_property_info& property = *law.properties[p];
+          if ((property.flags & QUOIN_PROPERTY_PER_POINT) == 0) continue;
+          for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, -1.0}) {
+            if (accepted(law, values, property.id, bad)) continue;  // an infinite strength in compression
+            double good = 0.0;
+            ASSERT_EQ(law.material_number(material.handle, property.id, &good), QUOIN_OK);
+            Batch b(law, 24);
+            std::vector<double> column(b.count, good);
+            column[5] = bad;
+            b.in[0].assign(b.count, -1e-7);
+            b.in[3].assign(b.count, -123.0);
+            std::vector<quoin_in> old_states;
+            std::vector<quoin_out> new_states;
+            quoin_batch view = b.view(0, b.count, true, old_states, new_states);
+            const quoin_property_column columns[] = {{property.id, {column.data(), 1}}};
+            view.property_columns = columns;
+            view.property_column_count = 1;
+            ASSERT_EQ(law.evaluate(material.handle, &view), QUOIN_OK);
+            const std::string what = std::string(id) + ", " + property.id + " = " + std::to_string(bad);
+            EXPECT_EQ(view.failed_count, 1u) << what;
+            EXPECT_EQ(b.status[5], QUOIN_POINT_FAILED) << what;
+            EXPECT_EQ(b.out[0][5], -123.0) << what;
+            EXPECT_EQ(b.status[4], QUOIN_POINT_OK) << what;
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

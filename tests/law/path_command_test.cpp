@@ -174,6 +174,18 @@ TEST_F(PathCommand, PathTestsPassAndFail) {
   EXPECT_EQ(run({write("wrong.toml", wrong)}), 5);
 }
 
+// 2^53 + 1 rounds to 2^53.
+TEST_F(PathCommand, IntegersThatNoDoubleEqualsAreRounded) {
+  std::string text = kElasticPath;
+  const std::string given = "shear_stiffness = 1e9";
+  text.replace(text.find(given), given.size(), "shear_stiffness = 9007199254740993");
+  std::vector<double> read;
+  for (const PropertySetting& property : read_path_file(write("large.toml", text)).properties) {
+    if (property.id == "shear_stiffness") read = property.numbers;
+  }
+  EXPECT_EQ(read, std::vector<double>{9007199254740992.0});
+}
+
 TEST_F(PathCommand, PlotsBesideTheClosedForm) {
   EXPECT_EQ(run({write("good.toml", kElasticPath), "--plot", folder_.string()}), 0) << message_;
   EXPECT_GT(std::filesystem::file_size(folder_ / "good.png"), 1000u);
@@ -198,6 +210,9 @@ TEST_F(PathCommand, BadPathFilesNameFileLineAndKey) {
   refused("dn = 1e-6", "dn = 1e-6\nsigma = 0.0", {"bad.toml:8", "not both"});
   refused("law = \"elastic\"", "", {"bad.toml", "law is missing"});
   refused("title = \"Elastic\"", "title = Elastic", {"bad.toml:1"});
+  refused("dn = 1e-6", "dn = inf", {"bad.toml:9", "dn = inf"});
+  refused("steps = 4", "steps = 9007199254740993", {"bad.toml:10", "steps"});
+  refused("value = 2e3", "value = nan", {"bad.toml:12", "value must be a number"});
 }
 
 TEST(Formula, Arithmetic) {

@@ -232,6 +232,20 @@ TEST_F(ReadScene, AnOverrideByAnAmbiguousNameIsRefused) {
   EXPECT_NO_THROW(read(twice, {"stage.3.pressure=3e5"}));
 }
 
+TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
+  const auto fault = [](const std::string& setting) -> std::string {
+    try {
+      read_scene(QUOIN_SCENES "/pavia_window.toml", {setting});
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(fault("building.wall.2.name=B"), HasSubstr("building.wall.2: a second wall 'B'"));
+  EXPECT_THAT(fault("building.floor.2.name=floor_1"),
+              HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
+}
+
 TEST_F(ReadScene, MissingKeysAndNames) {
   EXPECT_THAT(fault("courses = 2\n", ""),
               AllOf(HasSubstr("s.toml:10: wall.courses: missing"), HasSubstr("1 to 10000")));

@@ -1,5 +1,6 @@
 // The four functions that 3DEC looks up in a plug-in. One build serves every law: the file's own name says which,
-// jmodelNAME001.dll for the law NAME, as 3DEC's naming of plug-ins has it.
+// jmodelNAME007.dll for the law NAME, as 3DEC's naming of plug-ins has it: three digits of the interface's version.
+#include <algorithm>
 #include <cctype>
 #include <string>
 
@@ -11,7 +12,10 @@ namespace {
 const std::string& law_name() {
   static const std::string name = [] {
     std::string stem = quoin::adapters::own_file().stem().string();
-    while (!stem.empty() && std::isdigit(static_cast<unsigned char>(stem.back()))) stem.pop_back();
+    constexpr std::size_t digits = 3;  // not more: a law's own name may end with one
+    const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
+    if (stem.size() > digits && std::all_of(stem.end() - digits, stem.end(), is_digit))
+      stem.resize(stem.size() - digits);
     return stem.starts_with("jmodel") ? stem.substr(6) : stem;
   }();
   return name;
@@ -25,10 +29,11 @@ QUOIN_EXPORT const char* getName() {
   static const std::string name = "jmodel" + law_name();
   return name.c_str();
 }
-QUOIN_EXPORT unsigned getMajorVersion() { return 1; }
+QUOIN_EXPORT unsigned getMajorVersion() { return quoin::threedec::version; }
 QUOIN_EXPORT unsigned getMinorVersion() { return 1; }
 QUOIN_EXPORT void* createInstance() {
-  return static_cast<jmodels::JointModel*>(new quoin::threedec::QuoinJointModel(law_name()));
+  static const quoin::threedec::ServedLaw law(law_name());
+  return static_cast<jmodels::JointModel*>(new quoin::threedec::QuoinJointModel(law));
 }
 
 }  // extern "C"

@@ -1,10 +1,11 @@
 #include "3dec/quoin_joint_model.h"
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <stdexcept>
 
+#include "3dec/property_synonyms.h"
 #include "3dec/shear_axes.h"
 #include "shared/law_library.h"
 #include "shared/point.h"
@@ -13,20 +14,17 @@ namespace quoin::threedec {
 
 namespace {
 
-// The first four bits as in 3DEC's own models, which its commands and plots know.
-constexpr UInt slip_now = 1, tension_now = 2, slip_past = 4, tension_past = 8, crush_past = 16;
+// The first four bits as in 3DEC's own models, which its commands and plots know; the cap's as in published models.
+constexpr Index slip_now = 1, tension_now = 2, slip_past = 4, tension_past = 8, crush_now = 16, crush_past = 32;
 
-UInt state_bits(UInt before, std::uint32_t flags) {
-  UInt bits = before & (slip_past | tension_past);
-  if ((before & slip_now) != 0) bits |= slip_past;
-  if ((before & tension_now) != 0) bits |= tension_past;
-  if ((flags & QUOIN_FLAG_SLIPPING) != 0) bits |= slip_now;
-  if ((flags & QUOIN_FLAG_OPEN) != 0 && (flags & QUOIN_FLAG_TENSION_DAMAGED) != 0) bits |= tension_now;
-  if ((flags & QUOIN_FLAG_CRUSHED) != 0) bits |= crush_past;
-  return bits;
+Index state_bits(Index before, Index now) {
+  constexpr Index all_now = slip_now | tension_now | crush_now;
+  Index past = before & (slip_past | tension_past | crush_past);
+  if ((before & slip_now) != 0) past |= slip_past;
+  if ((before & tension_now) != 0) past |= tension_past;
+  if ((before & crush_now) != 0) past |= crush_past;
+  return past | (now & all_now);
 }
-
-String wide(const std::string& text) { return {text.begin(), text.end()}; }
 
 template <class T>
 void write(std::ostream& stream, const T* data, std::size_t count) {
@@ -40,60 +38,56 @@ void read(std::istream& stream, T* data, std::size_t count) {
 
 }  // namespace
 
-QuoinJointModel::QuoinJointModel(const std::string& law)
-    : law_(&adapters::law_by_name(law)),
-      infos_(adapters::scalar_properties(*law_)),
-      values_(infos_.size(), std::numeric_limits<double>::quiet_NaN()),
-      states_(law_->state_count) {
-  for (std::uint64_t k = 0; k < law_->state_count; ++k)
-    if (law_->states[k]->kind != QUOIN_STATE_SCALAR)
-      throw std::runtime_error(std::string(law_->id) + ": state " + law_->states[k]->id +
+ServedLaw::ServedLaw(const std::string& law_name)
+    : name(law_name), law(adapters::law_by_name(law_name)), properties(adapters::scalar_properties(law)) {
+  for (std::uint64_t k = 0; k < law.state_count; ++k)
+    if (law.states[k]->kind != QUOIN_STATE_SCALAR)
+      throw std::runtime_error(std::string(law.id) + ": state " + law.states[k]->id +
                                " is a vector of the contact plane, whose axes 3DEC does not tell; give it as scalars");
 }
 
-String QuoinJointModel::getName() const { return wide(law_->id); }
+QuoinJointModel::QuoinJointModel(const ServedLaw& law)
+    : served_(law),
+      law_(law.law),
+      values_(law.properties.size(), std::numeric_limits<double>::quiet_NaN()),
+      states_(law.law.state_count) {}
 
-String QuoinJointModel::getFullName() const { return wide(std::string(law_->name) + " (Quoin " + law_->version + ")"); }
+Text QuoinJointModel::getName() const { return text(served_.name); }
 
-String QuoinJointModel::getProperties() const {
+Text QuoinJointModel::getFullName() const { return text(std::string(law_.name) + " (Quoin " + law_.version + ")"); }
+
+Text QuoinJointModel::getProperties() const {
   std::string names;
-  for (const quoin_property_info* info : infos_) names += std::string(info->id) + ",";
+  for (const quoin_property_info* info : served_.properties) {
+    names += info->id;
+    if (const std::string_view other = synonym(info->id); !other.empty()) names.append(" ").append(other);
+    names += ",";
+  }
   names += "initial_state";
-  for (std::uint64_t k = 0; k < law_->state_count; ++k) names += std::string(",") + law_->states[k]->id;
-  return wide(names);
+  for (std::uint64_t k = 0; k < law_.state_count; ++k) names.append(",").append(law_.states[k]->id);
+  return text(names);
 }
 
 // 3DEC saves what it reads here and sets it again when it restores: the default that is in force, not that it is one.
-double QuoinJointModel::value_in_force(std::size_t property) const {
-  if (!std::isnan(values_[property])) return values_[property];
-  const quoin_property_info& info = *infos_[property];
-  if (info.default_from != nullptr)
-    for (std::size_t i = 0; i < infos_.size(); ++i)
-      if (std::strcmp(infos_[i]->id, info.default_from) == 0) return value_in_force(i);
-  for (std::uint64_t c = 0; c < info.choice_count; ++c)
-    if (std::strcmp(info.choices[c], info.default_text) == 0) return static_cast<double>(c);
-  return (info.flags & QUOIN_PROPERTY_REQUIRED) != 0 ? 0.0 : info.default_value;
+Value QuoinJointModel::getProperty(Index index) const {
+  const std::size_t i = index - 1, count = values_.size();  // index 0 becomes too large
+  if (i < count) return adapters::value_in_force(served_.properties, values_, i);
+  if (i == count) return static_cast<double>(initial_state_);
+  return i < count + 1 + states_.size() ? states_[i - count - 1] : 0.0;
 }
 
-Variant QuoinJointModel::getProperty(UInt index) const {
-  const std::size_t i = index - 1;  // 0 becomes too large
-  if (i < infos_.size()) return value_in_force(i);
-  if (i == infos_.size()) return static_cast<double>(initial_state_);
-  return i < infos_.size() + 1 + states_.size() ? states_[i - infos_.size() - 1] : 0.0;
-}
-
-void QuoinJointModel::setProperty(UInt index, const Variant& value, UInt restore_version) {
+void QuoinJointModel::setProperty(Index index, const Value& value, Index restore_version) {
   JointModel::setProperty(index, value, restore_version);
   const std::size_t i = index - 1;
-  if (i < infos_.size()) {
-    values_[i] = value.toDouble();
+  if (i < values_.size()) {
+    values_[i] = number(value);
     material_ = nullptr;
-  } else if (i == infos_.size()) {
-    const double number = value.toDouble();
-    if (!(number >= 0.0 && number < static_cast<double>(law_->initial_state_count)))
-      throw std::runtime_error("initial_state = " + std::to_string(number) + ": give an index from 0 to " +
-                               std::to_string(law_->initial_state_count - 1));
-    initial_state_ = static_cast<std::size_t>(number);
+  } else if (i == values_.size()) {
+    const double given = number(value);
+    if (!(given >= 0.0 && given < static_cast<double>(law_.initial_state_count)))
+      throw std::runtime_error("initial_state = " + std::to_string(given) + ": give an index from 0 to " +
+                               std::to_string(law_.initial_state_count - 1));
+    initial_state_ = static_cast<std::size_t>(given);
   } else if (restore_version == 0) {
     throw std::runtime_error("property " + std::to_string(index) +
                              " is a state of the law: it can be read, not set; choose the start by initial_state");
@@ -102,28 +96,28 @@ void QuoinJointModel::setProperty(UInt index, const Variant& value, UInt restore
 
 void QuoinJointModel::save(std::ostream& stream) const {
   JointModel::save(stream);
-  const std::uint64_t schema = law_->state_schema;
+  const std::uint64_t schema = law_.state_schema;
   write(stream, &schema, 1);
   write(stream, &memory_, 1);
   write(stream, states_.data(), states_.size());
 }
 
-void QuoinJointModel::restore(std::istream& stream, UInt restore_version) {
+void QuoinJointModel::restore(std::istream& stream, Index restore_version) {
   JointModel::restore(stream, restore_version);
   std::uint64_t schema = 0;
   read(stream, &schema, 1);
-  if (schema != law_->state_schema)
-    throw std::runtime_error(std::string(law_->id) + " " + law_->version +
+  if (schema != law_.state_schema)
+    throw std::runtime_error(std::string(law_.id) + " " + law_.version +
                              ": the save file was written with another version of the law, whose states differ");
   read(stream, &memory_, 1);
   read(stream, states_.data(), states_.size());
-  if (!stream) throw std::runtime_error(std::string(law_->id) + ": the save file ends within a contact");
+  if (!stream) throw std::runtime_error(std::string(law_.id) + ": the save file ends within a contact");
 }
 
 void QuoinJointModel::copy(const JointModel* other) {
   const auto* from = dynamic_cast<const QuoinJointModel*>(other);
-  if (from == nullptr || from->law_ != law_)
-    throw std::runtime_error(std::string(law_->id) + ": a contact of another joint model cannot be copied from");
+  if (from == nullptr || &from->law_ != &law_)
+    throw std::runtime_error(std::string(law_.id) + ": a contact of another joint model cannot be copied from");
   JointModel::copy(other);
   values_ = from->values_;
   initial_state_ = from->initial_state_;
@@ -133,56 +127,112 @@ void QuoinJointModel::copy(const JointModel* other) {
   energy_activated_ = from->energy_activated_;
 }
 
-// 3DEC asks for stiffnesses before the first step, and again after properties have been set.
-const adapters::Material& QuoinJointModel::material() const {
-  return material_ != nullptr ? *material_ : adapters::shared_material(*law_, values_);
+// Null: what has been set so far makes no material. What is missing or wrong, initialize and run say.
+const adapters::Material* QuoinJointModel::known_material() const {
+  if (material_ != nullptr) return material_;
+  try {
+    return &adapters::shared_material(law_, values_);
+  } catch (const std::runtime_error&) {
+    return nullptr;
+  }
 }
 
-Double QuoinJointModel::getMaxNormalStiffness() const { return material().stiffness().normal; }
-Double QuoinJointModel::getMaxShearStiffness() const { return material().stiffness().shear; }
+// The slope of the law where the point stands: its tangent in a step that does not move.
+double QuoinJointModel::normal_stiffness_now(const adapters::Material& material) const {
+  const double bound = material.stiffness().normal;
+  if (!memory_.started || (law_.capabilities & QUOIN_CAN_TANGENT) == 0) return bound;
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::tangent);
+  constexpr double no_slip[2] = {0.0, 0.0};
+  evaluate(point, material, no_slip);
+  return std::clamp(point.tangent[0], 0.0, bound);
+}
 
-void QuoinJointModel::initialize(UByte dim, jmodels::State* state) {
+// Called before the first step and before all properties are set, too.
+double QuoinJointModel::getMaxNormalStiffness() const {
+  const adapters::Material* const material = known_material();
+  if (material == nullptr) return 0.0;
+  return version == 9 ? normal_stiffness_now(*material) : material->stiffness().normal;
+}
+
+double QuoinJointModel::getMaxShearStiffness() const {
+  const adapters::Material* const material = known_material();
+  return material != nullptr ? material->stiffness().shear : 0.0;
+}
+
+void QuoinJointModel::initialize(Dimension dim, jmodels::State* state) {
   JointModel::initialize(dim, state);
-  material_ = &material();
+  if (material_ == nullptr) material_ = &adapters::shared_material(law_, values_);
 }
 
 // Forces that are there before the first step (gravity, in-situ stress) are taken as elastic: they fix d_n.
 void QuoinJointModel::start(const jmodels::State& state) {
-  material_->initial_state(law_->initial_states[initial_state_], states_.data());
+  material_->initial_state(law_.initial_states[initial_state_], states_.data());
   memory_.jump = -state.normal_force_ / state.area_ / material_->stiffness().normal;
   memory_.started = true;
 }
 
-void QuoinJointModel::run(UByte dim, jmodels::State* state) {
+// A step to memory_.jump from what else is remembered, which stays.
+void QuoinJointModel::evaluate(adapters::PointBatch& point, const adapters::Material& material,
+                               const double* sliding) const {
+  point.normal_jump = memory_.jump;
+  point.slip[0] = sliding[0];
+  point.slip[1] = sliding[1];
+  std::ranges::copy(memory_.traction, point.traction);
+  std::ranges::copy(states_, point.state);
+  if (point.evaluate(material) == QUOIN_POINT_FAILED)
+    throw std::runtime_error(std::string(law_.id) + ": opening " + std::to_string(memory_.jump) +
+                             " m or the force before the step is not finite; the time step may be unstable");
+}
+
+// Replaces what is remembered by the end of the step; returns the bits of now. These are told by the forces, as 3DEC's
+// own models tell them: a law's flags would cost several times the step.
+Index QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) {
+  using namespace adapters;
+  const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
+  PointBatch& point = PointBatch::of_thread(law_, energies ? wanted::energies : wanted::nothing);
+  evaluate(point, *material_, axes.slip());
+  std::copy_n(point.traction, 3, memory_.traction.begin());
+  std::copy_n(point.state, states_.size(), states_.begin());
+  if (energies) book_energies(state.area_, point.energy_stored, point.dissipated);
+
+  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double kn = material_->stiffness().normal, ks = material_->stiffness().shear;
+  memory_.reach = std::max(memory_.reach, std::abs(memory_.jump));
+  const double short_length = 4.0 * rounding * memory_.reach;
+  Index now = 0;
+  if (const double opening = memory_.jump + memory_.closure; opening > 0.0) {
+    if (kn * opening - memory_.traction[0] > kn * short_length) now |= tension_now;
+  } else if (point.any_yielding()) {
+    const double closure = memory_.traction[0] / kn - memory_.jump;
+    if (closure - memory_.closure > short_length) now |= crush_now;
+    if (std::abs(closure - memory_.closure) > short_length) memory_.closure = closure;
+  }
+  if (point.any_yielding()) {
+    const auto length = [](double a, double b) { return std::sqrt(a * a + b * b); };
+    const double elastic = length(axes.traction() + ks * axes.slip()[0], ks * axes.slip()[1]);
+    const double held = length(memory_.traction[1], memory_.traction[2]);
+    if (elastic - held > rounding * elastic) now |= slip_now;
+  }
+  return now;
+}
+
+void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
   JointModel::run(dim, state);
   jmodels::State& s = *state;
   if (s.area_ <= 0.0) return;
   if (!memory_.started) start(s);
   memory_.jump += s.normal_disp_inc_;
 
-  const ShearAxes axes(s.shear_force_ / -s.area_, s.shear_disp_inc_);
-  double traction[3] = {-s.normal_force_ / s.area_, axes.traction(), 0.0};
-  double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {};
-  std::uint32_t flags = 0;
+  const quoin_stiffness_bounds& stiffness = material_->stiffness();
+  const ShearAxes axes(s.shear_force_, s.area_, s.shear_disp_inc_);
+  std::array<double, 3>& traction = memory_.traction;
+  traction = {-s.normal_force_ / s.area_, axes.traction(), 0.0};
+  Index now = 0;
   if (canFail()) {
-    adapters::PointStep step;
-    step.normal_jump = memory_.jump;
-    step.slip[0] = axes.slip()[0];
-    step.slip[1] = axes.slip()[1];
-    step.traction_old = step.traction_new = traction;
-    step.state_old = step.state_new = states_.data();
-    const bool energies = (energy_activated_ || s.trackEnergy()) && (law_->capabilities & QUOIN_CAN_ENERGY) != 0;
-    if (energies) step.energy_stored = &stored, step.dissipated = dissipated;
-    if (adapters::evaluate(*material_, step) == QUOIN_POINT_FAILED)
-      throw std::runtime_error(std::string(law_->id) + ": normal increment " + std::to_string(s.normal_disp_inc_) +
-                               " m or the force before it is not finite; the time step may be unstable");
-    if (energies) book_energies(s.area_, traction, stored, dissipated);
-    flags = step.flags;
+    now = step(axes, s);
   } else {  // 3DEC's elastic phases
-    const quoin_stiffness_bounds& stiffness = material_->stiffness();
-    traction[0] += stiffness.normal * s.normal_disp_inc_;
-    traction[1] += stiffness.shear * axes.slip()[0];
-    traction[2] += stiffness.shear * axes.slip()[1];
+    traction = {traction[0] + stiffness.normal * s.normal_disp_inc_, traction[1] + stiffness.shear * axes.slip()[0],
+                stiffness.shear * axes.slip()[1]};
   }
 
   const double normal_force = -traction[0] * s.area_;
@@ -194,32 +244,39 @@ void QuoinJointModel::run(UByte dim, jmodels::State* state) {
     s.dnop_ = -s.normal_disp_inc_ * s.normal_force_ / s.normal_force_inc_;
   s.normal_force_ = normal_force;
   s.shear_force_ = shear_force;
-  s.state_ = state_bits(s.state_, flags);
-  memory_.flags = flags;
+  s.state_ = state_bits(s.state_, now);
 }
 
 bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.state_ & slip_now) != 0; }
 
+// By the law's flags, in a step that does not move.
 bool QuoinJointModel::isBonded(const jmodels::State&) {
-  return (memory_.flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
+  const adapters::Material* const material = known_material();
+  if (!memory_.started || material == nullptr) return true;
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::flags);
+  constexpr double no_slip[2] = {0.0, 0.0};
+  evaluate(point, *material, no_slip);
+  return (point.flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
 }
 
-String QuoinJointModel::getEnergies() const {
-  return JointModel::getEnergies() + L",energy-fracture-tension,energy-fracture-shear,energy-crushing";
+Text QuoinJointModel::getEnergies() const {
+  const Text base = JointModel::getEnergies();
+  return text(std::string(base.begin(), base.end()) + ",energy-fracture-tension,energy-fracture-shear,energy-crushing");
 }
 
-double QuoinJointModel::getEnergy(UInt key) const {
+double QuoinJointModel::getEnergy(Index key) const {
   return key >= 1 && key <= energy_count ? memory_.energies[key - 1] : 0.0;
 }
 
-bool QuoinJointModel::getEnergyAccumulate(UInt key) const { return key > strain_tension + 1; }
+bool QuoinJointModel::getEnergyAccumulate(Index key) const { return key > strain_tension + 1; }
 
-void QuoinJointModel::setEnergy(UInt key, const double& value) {
+void QuoinJointModel::setEnergy(Index key, const double& value) {
   if (key >= 1 && key <= energy_count) memory_.energies[key - 1] = value;
 }
 
 // A law says what is stored as one number: the elastic shear part of it is known, the rest is normal.
-void QuoinJointModel::book_energies(double area, const double* traction, double stored, const double* dissipated) {
+void QuoinJointModel::book_energies(double area, double stored, const double* dissipated) {
+  const std::array<double, 3>& traction = memory_.traction;
   std::array<double, energy_count>& e = memory_.energies;
   const double shear = std::hypot(traction[1], traction[2]);
   e[strain_shear] = area * shear * shear / (2.0 * material_->stiffness().shear);

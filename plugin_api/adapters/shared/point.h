@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "shared/material.h"
 
@@ -9,22 +10,47 @@ namespace quoin::adapters {
 
 constexpr std::uint64_t max_states = 32;
 
-// In the convention of the contract: tension and opening positive, traction in Pa, slip over the step. Old and new may
-// be the same memory.
-struct PointStep {
+// What a step asks of a law beyond traction and state. What is not asked for is not computed.
+namespace wanted {
+constexpr unsigned nothing = 0, energies = 1, tangent = 2, flags = 4, all = 7;
+}  // namespace wanted
+
+// A batch of one point whose columns lie in this object: they are described once, a step only moves numbers. In the
+// convention of the contract: tension and opening positive, traction in Pa, slip over the step.
+class PointBatch {
+ public:
+  // The batch of this thread for this law; asked for: wanted::... It holds the numbers of whoever used it last. Throws
+  // std::runtime_error for a law that does not offer what is asked for; flags that a law does not offer are 0.
+  static PointBatch& of_thread(const quoin_law& law, unsigned asked);
+
+  // In.
   double normal_jump = 0.0;
   double slip[2] = {0.0, 0.0};
-  const double* traction_old = nullptr;  // 3
-  const double* state_old = nullptr;     // state_count
-  double* traction_new = nullptr;
-  double* state_new = nullptr;
-  double* energy_stored = nullptr;  // null: not wanted
-  double* dissipated = nullptr;     // QUOIN_DISSIPATED_COUNT, null: not wanted
-  double* tangent = nullptr;        // 9, row by row, null: not wanted
-  std::uint32_t flags = 0;          // out
-};
+  // Old in, new out; the old ones again where the step failed.
+  double traction[3] = {0.0, 0.0, 0.0};
+  double state[max_states] = {};  // state_count
+  // Out, where asked for.
+  double energy_stored = 0.0;
+  double dissipated[QUOIN_DISSIPATED_COUNT] = {};
+  double tangent[9] = {};  // row by row
+  std::uint32_t flags = 0;
 
-// Returns the status of the point (QUOIN_POINT_...). Throws std::runtime_error when the law refuses the call.
-std::uint32_t evaluate(const Material& material, PointStep& step);
+  // Returns the status of the point (QUOIN_POINT_...). Throws std::runtime_error when the law refuses the call.
+  std::uint32_t evaluate(const Material& material) { return evaluate(material, 0, nullptr); }
+  // With properties of the point's own in place of the material's.
+  std::uint32_t evaluate(const Material& material, std::uint64_t column_count, const quoin_property_column* columns);
+
+  // After a step: whether any internal variable moved in it.
+  bool any_yielding() const { return batch_.any_yielding != 0; }
+
+  PointBatch(const quoin_law& law, unsigned asked);  // use of_thread
+  PointBatch(const PointBatch&) = delete;
+  PointBatch& operator=(const PointBatch&) = delete;
+
+ private:
+  std::vector<quoin_in> state_old_;
+  std::vector<quoin_out> state_new_;
+  quoin_batch batch_{};
+};
 
 }  // namespace quoin::adapters

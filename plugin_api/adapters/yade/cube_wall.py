@@ -9,7 +9,7 @@ from yade import *  # Yade gives scripts its names anyway; this line says so
 
 here = os.path.dirname(os.path.abspath(sys.argv[0]))  # __file__ is Yade's own
 sys.dont_write_bytecode = True
-sys.path[:0] = [os.path.join(here, p) for p in (".", "../shared", "../../python", "../..")]  # quoin.py: source, installed
+sys.path[:0] = [os.path.join(here, p) for p in (".", "../shared", "../../python")]  # an installed quoin is found by itself
 import cube_scene
 from engine import QuoinEngine
 from joints import Joints

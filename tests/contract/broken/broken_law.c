@@ -1,6 +1,6 @@
 /* Laws that each break one promise: the template law with one fault put around it. BROKEN is the number of the fault;
- * 0 is the same construction without any fault, which the checker must pass. The fault that belongs to each number, and
- * the clause that the checker must name, are in faults.cmake. */
+ * 0 and 55 are the same construction without any fault, which the checker must pass. The fault that belongs to each
+ * number, and the clause that the checker must name, are in faults.cmake. */
 #define _GNU_SOURCE
 #define quoin_library_v1 template_library_v1
 #include "../../../plugin_api/template/template_law.c"
@@ -21,6 +21,98 @@ static const quoin_state_info state_table[2] = {
      BROKEN == 54 ? QUOIN_STATE_PAIR_T : QUOIN_STATE_SCALAR, 0, 0, 0.0, BROKEN == 32 ? 3.0 : HUGE_VAL},
 };
 static const quoin_state_info* const state_list[2] = {&state_table[0], &state_table[1]};
+
+/* ---- For the faults that need more of a law: a stiffness point by point, a strength. 55 has both and no fault. ------
+ */
+
+#define HAS_COLUMNS (BROKEN == 55 || BROKEN == 56 || BROKEN == 57)
+#define HAS_STRENGTH (BROKEN == 55 || BROKEN == 58 || BROKEN == 59)
+
+#if HAS_STRENGTH
+static const quoin_property_info strength_info = {sizeof(quoin_property_info),
+                                                  "tensile_strength",
+                                                  "ft",
+                                                  "Pa",
+                                                  "strength across the joint, without effect",
+                                                  QUOIN_PROPERTY_NUMBER,
+                                                  QUOIN_PROPERTY_UPPER_OPEN,
+                                                  1e5,
+                                                  0.0,
+                                                  HUGE_VAL,
+                                                  NULL,
+                                                  NULL,
+                                                  0,
+                                                  NULL};
+
+struct strong_material {
+  quoin_material elastic; /* first: the template sees nothing else */
+  double strength;
+};
+
+static quoin_status make_strong(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
+                                quoin_material** material, quoin_text* text) {
+  const quoin_property_value* kept[16] = {NULL};
+  struct strong_material* strong;
+  double strength = strength_info.default_value;
+  int given = 0, faults = 0;
+  uint64_t i, n = 0;
+  quoin_status status;
+  if (values == NULL) return create_material(self, count, values, material, text);
+  if (count > 16) return QUOIN_ERROR_ARGUMENT;
+  for (i = 0; i < count; ++i) {
+    if (values[i] == NULL || values[i]->struct_size < sizeof *values[i] || values[i]->id == NULL ||
+        strcmp(values[i]->id, strength_info.id) != 0) {
+      kept[n++] = values[i];
+    } else {
+      faults += given++ || values[i]->number_count != 1 || values[i]->numbers == NULL;
+      if (values[i]->number_count == 1 && values[i]->numbers != NULL) strength = values[i]->numbers[0];
+    }
+  }
+  status = create_material(self, n, kept, material, text);
+  faults += !(strength >= 0 && strength < HUGE_VAL);
+#if BROKEN == 58
+  faults += strength == 0; /* takes a mode that is switched off for a fault */
+#endif
+  if (faults > 0) {
+    if (material != NULL) destroy_material(*material);
+    if (material != NULL) *material = NULL;
+    say(text, "tensile_strength = %g: one number from 0 on\n", strength);
+    return QUOIN_ERROR_PROPERTY;
+  }
+  if (status != QUOIN_OK || material == NULL) return status;
+  strong = realloc(*material, sizeof *strong);
+  if (strong == NULL) {
+    destroy_material(*material);
+    *material = NULL;
+    return QUOIN_ERROR_MEMORY;
+  }
+  strong->strength = strength;
+  *material = &strong->elastic;
+  return QUOIN_OK;
+}
+#endif
+
+#if HAS_COLUMNS
+/* The column of the only property that is offered point by point; ok: no other one is in the batch. */
+static quoin_in stiffness_column(const quoin_batch* batch, int* ok) {
+  quoin_in column = {NULL, 0};
+  uint64_t c;
+  for (c = 0; c < batch->property_column_count && *ok; ++c) {
+    const quoin_property_column* const given = &batch->property_columns[c];
+    *ok = given->id != NULL && strcmp(given->id, "normal_stiffness") == 0 && given->values.data != NULL;
+    column = given->values;
+  }
+  return column;
+}
+
+static int refused(quoin_in column, uint64_t i) {
+  const double kn = column.data != NULL ? get(column, i) : 1;
+#if BROKEN == 56
+  if (isnan(kn)) return 0; /* what is not a number slips through */
+#endif
+  return !(kn > 0 && kn < HUGE_VAL);
+}
+#endif
 
 #if BROKEN == 3 || BROKEN == 4
 static void loud(quoin_text* text) {
@@ -72,6 +164,11 @@ static quoin_status make(const quoin_law* self, uint64_t count, const quoin_prop
   lost = malloc(100);
   (void)lost;
   return create_material(self, count, values, material, text);
+#elif HAS_STRENGTH
+  return make_strong(self, count, values, material, text);
+#elif BROKEN == 60
+  if (text != NULL) text->length = 0; /* whatever its struct_size */
+  return create_material(self, count, values, material, text);
 #elif BROKEN == 52
   if (values == NULL && count > 0) return QUOIN_OK; /* null values taken for none */
   return create_material(self, count, values, material, text);
@@ -105,6 +202,12 @@ static quoin_status remember(const quoin_law* self, uint64_t count, const quoin_
 
 static quoin_status number_of(const quoin_material* material, const char* id, double* value) {
   quoin_status status = material_number(material, id, value);
+#if HAS_STRENGTH
+  if (status != QUOIN_OK && material != NULL && id != NULL && value != NULL && strcmp(id, strength_info.id) == 0) {
+    *value = ((const struct strong_material*)material)->strength;
+    status = QUOIN_OK;
+  }
+#endif
 #if BROKEN == 43
   if (status == QUOIN_OK) *value *= 2;
 #endif
@@ -144,6 +247,10 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   double* sigma_before = NULL;
   unsigned char* bad;
   quoin_batch inner;
+  int columns_ok = 1;
+#if HAS_COLUMNS
+  quoin_in kn_column;
+#endif
   if (material == NULL || batch == NULL) return QUOIN_ERROR_ARGUMENT;
 #if BROKEN == 40
   if (batch->struct_size < sizeof *batch) return QUOIN_OK; /* a short batch is not refused */
@@ -178,7 +285,12 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   slid = malloc((size_t)(batch->count + 1) * sizeof *slid);
   steps = malloc((size_t)(batch->count + 1) * sizeof *steps);
   bad = malloc((size_t)(batch->count + 1));
-  if (slid == NULL || steps == NULL || bad == NULL || !well_formed(batch)) {
+  inner = *batch;
+#if HAS_COLUMNS
+  inner.property_column_count = 0; /* the template knows none */
+  kn_column = stiffness_column(batch, &columns_ok);
+#endif
+  if (slid == NULL || steps == NULL || bad == NULL || !columns_ok || !well_formed(&inner)) {
     free(slid);
     free(steps);
     free(bad);
@@ -191,6 +303,9 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
     bad[i] = !isfinite(slid[i]);
     for (k = 0; k < 3; ++k) bad[i] = bad[i] || !isfinite(get(batch->traction_old[k], i));
     bad[i] = bad[i] || !isfinite(get(batch->normal_jump, i));
+#if HAS_COLUMNS
+    bad[i] = bad[i] || refused(kn_column, i);
+#endif
 #if BROKEN == 31
     if (!bad[i] && get(batch->normal_jump, i) < 0) slid[i] *= 0.9; /* heals */
 #endif
@@ -207,7 +322,6 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   }
 #endif
 
-  inner = *batch;
 #if BROKEN == 16
   inner.normal_jump.stride = inner.normal_jump.stride < 0 ? -inner.normal_jump.stride : inner.normal_jump.stride;
   if (batch->normal_jump.stride < 0) inner.normal_jump.data -= (batch->count - 1) * (uint64_t)inner.normal_jump.stride;
@@ -234,9 +348,12 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 
   for (i = 0; i < batch->count; ++i) {
     const double old = get(batch->state_old[0], i);
-    if (bad[i] && isfinite(get(batch->normal_jump, i)) && !isfinite(old)) {
-      /* Only the wrapper's own state is bad: the point fails here (its tractions are not used in place by the tests).
-       */
+    int bad_here = !isfinite(old);
+#if HAS_COLUMNS
+    bad_here = bad_here || refused(kn_column, i);
+#endif
+    if (bad[i] && isfinite(get(batch->normal_jump, i)) && bad_here) {
+      /* Bad for the wrapper alone: the point fails here (its tractions are not used in place by the tests). */
       for (k = 0; k < 3; ++k) put(batch->traction_new[k], i, get(batch->traction_old[k], i));
       put(batch->energy_stored, i, 0.0);
       for (k = 0; k < 9; ++k) put(batch->tangent[k], i, 0.0);
@@ -258,6 +375,16 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       put(batch->state_new[0], i, slid[i]);
       if (batch->state_new[1].data != NULL) put(batch->state_new[1], i, steps[i]);
     }
+#if HAS_COLUMNS
+    if (!bad[i] && kn_column.data != NULL && isfinite(get(kn_column, i)) && BROKEN != 57) {
+      const double d_n = get(batch->normal_jump, i), kn = get(kn_column, i);
+      put(batch->traction_new[0], i, kn * d_n);
+      put(batch->tangent[0], i, kn);
+      if (batch->energy_stored.data != NULL) {
+        batch->energy_stored.data[(int64_t)i * batch->energy_stored.stride] += (kn - material->kn) * d_n * d_n / 2;
+      }
+    }
+#endif
 #if BROKEN >= 14
     if (!bad[i]) {
       const double sigma = get((quoin_in){batch->traction_new[0].data, batch->traction_new[0].stride}, i);
@@ -296,6 +423,11 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
       put(batch->tangent[4], i, material->ks * 1.1);
 #elif BROKEN == 39
       batch->any_yielding = 0;
+#elif BROKEN == 59
+      /* 0 / 0 where there is no strength. */
+      put(batch->traction_new[0], i,
+          sigma * (((const struct strong_material*)material)->strength /
+                   ((const struct strong_material*)material)->strength));
 #elif BROKEN == 44
       put(batch->energy_stored, i, 2 * (sigma * sigma / material->kn + (tau_s * tau_s + tau_t * tau_t) / material->ks));
 #endif
@@ -346,8 +478,9 @@ QUOIN_EXPORT int quoin_helper(void);
 int quoin_helper(void) { return 1; }
 #endif
 
-static quoin_property_info changed_properties[PROPERTY_COUNT];
-static const quoin_property_info* const changed_list[PROPERTY_COUNT] = {&changed_properties[0], &changed_properties[1]};
+static quoin_property_info changed_properties[PROPERTY_COUNT + 1];
+static const quoin_property_info* const changed_list[PROPERTY_COUNT + 1] = {
+    &changed_properties[0], &changed_properties[1], &changed_properties[2]};
 static quoin_convention changed_convention;
 static quoin_law changed_law;
 static const quoin_law* const changed_laws[] = {&changed_law};
@@ -382,7 +515,7 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   changed_library = *from;
   changed_law = law;
   changed_convention = convention;
-  memcpy(changed_properties, property_table, sizeof changed_properties);
+  memcpy(changed_properties, property_table, sizeof property_table);
   changed_library.laws = changed_laws;
 #if BROKEN == 50
   changed_library.abi_major = QUOIN_ABI_MAJOR + 1;
@@ -396,6 +529,14 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   changed_law.initial_state = begin;
   changed_law.stiffness_bounds = bounds_of;
   changed_law.evaluate = step;
+#if HAS_STRENGTH
+  changed_properties[PROPERTY_COUNT] = strength_info;
+  changed_law.property_count = PROPERTY_COUNT + 1;
+#endif
+#if HAS_COLUMNS
+  changed_properties[NORMAL_STIFFNESS].flags |= QUOIN_PROPERTY_PER_POINT;
+  changed_law.capabilities |= QUOIN_CAN_PROPERTY_COLUMNS;
+#endif
 #if BROKEN == 5
   changed_properties[1].default_from = NULL;
   changed_properties[1].default_value = -1;

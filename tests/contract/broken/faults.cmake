@@ -54,4 +54,10 @@ set(faults
   "51|C2.1|crashes without a text"
   "52|C4.5|takes null values for none"
   "53|C4.1|refuses every material"
-  "54|C3.5|t component of a pair without its s component")
+  "54|C3.5|t component of a pair without its s component"
+  "55||nothing: the same construction with a property column and a strength"
+  "56|C6.9|a property column that is not a number slips through"
+  "57|C6.9|a property column is not looked at"
+  "58|C4.9|takes a strength of zero for a fault"
+  "59|C4.9|divides by a strength of zero"
+  "60|C2.4|writes to a text that is too short")

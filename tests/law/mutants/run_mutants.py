@@ -37,8 +37,8 @@ MUTANTS = {
     "one_step_lag_in_xi": (
         "strength at the xi of the start of the step",
         [
-            (EQUATIONS, "const V factor = f.factor(a.xi_s); a.v", "const V factor = f.factor(step.xi_s); a.v"),
-            (EQUATIONS, "coulomb(a, f.factor(xi_s))", "coulomb(a, f.factor(step.xi_s))"),
+            (EQUATIONS, "const V factor = f.factor(a.xi_s);", "const V factor = f.factor(step.xi_s);"),
+            (EQUATIONS, "a.factor = f.factor(xi_s);", "a.factor = f.factor(step.xi_s);"),
         ],
     ),
     "xi_s_for_shared_xi": (
@@ -46,7 +46,7 @@ MUTANTS = {
         [
             (EQUATIONS, "step.xi_s = kShared ? step.xi_t : old.xi_s;", "step.xi_s = old.xi_s;"),
             (EQUATIONS, "r.state.xi_t = kShared ? a.xi_s : step.xi_t;", "r.state.xi_t = step.xi_t;"),
-            ("fracture_energy/kernel.cpp", "xi_s = kShared ? xi_t : old_state(c, kXiS, i);", "xi_s = old_state(c, kXiS, i);"),
+            ("fracture_energy/kernel.cpp", "xi_s = kShared ? xi_t : in(kStateOld + kXiS);", "xi_s = in(kStateOld + kXiS);"),
         ],
     ),
     "c0_for_c0_less_cr_in_su": (
@@ -68,9 +68,8 @@ MUTANTS = {
     "half_kn_on_reclosing": (
         "a joint damaged in tension closes with kn/2",
         [
-            (EQUATIONS, "const V sigma = hn::Mul(p.kn, e); const V trial_s",
-             "const V sigma = hn::Mul(hn::Mul(p.kn, e), hn::IfThenElse(hn::Gt(old.xi_t, zero()), splat(0.5), splat(1.0)));"
-             " const V trial_s"),
+            (EQUATIONS, "const V sigma = hn::Mul(p.kn, e);",
+             "const V sigma = hn::Mul(hn::Mul(p.kn, e), hn::IfThenElse(hn::Gt(old.xi_t, zero()), splat(0.5), splat(1.0)));"),
             (EQUATIONS, "r.sigma = a.sigma;",
              "r.sigma = hn::IfThenElse(hn::AndNot(step.open, hn::Gt(old.xi_t, zero())), hn::Mul(splat(0.5), a.sigma), a.sigma);"),
         ],

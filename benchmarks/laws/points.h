@@ -1,0 +1,125 @@
+// Points in a state that stays what it is: old and new columns differ, so that every call starts from the same one.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "hwy/aligned_allocator.h"
+#include "quoin/quoin.h"
+#include "tests/kernels/plugin.h"
+#include "tests/mortar.h"
+
+namespace quoin::benchmarks {
+
+namespace mortar = quoin::test::mortar;
+
+constexpr int kStates = 5;
+constexpr double kFriction = 0.7002075382;  // tan 35 deg
+
+// A law of a file with what it knows of the mortar of Table 1.
+struct LoadedLaw : quoin::test::TestMaterial {
+  explicit LoadedLaw(const std::string& path, const char* softening = nullptr)
+      : LoadedLaw(path, quoin::test::load_law_file(path), softening) {}
+
+ private:
+  LoadedLaw(const std::string& path, const quoin_law& loaded, const char* softening)
+      : TestMaterial(loaded, mortar(loaded, softening)) {
+    if (handle == nullptr) throw std::runtime_error(path + ": " + text);
+  }
+  static quoin::test::Values mortar(const quoin_law& law, const char* softening) {
+    quoin::test::Values values;
+    for (const auto& property : quoin::test::mortar::properties) {
+      const auto known = [&](const quoin_property_info* info) { return std::string(info->id) == property.first; };
+      if (std::any_of(law.properties, law.properties + law.property_count, known)) values.numbers.push_back(property);
+    }
+    if (softening != nullptr) values.words.emplace_back("softening", softening);
+    return values;
+  }
+};
+
+// softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn.
+enum class Population { elastic, sliding, opening, softening, damaged, mixed, random };
+
+// Columns on cache lines, as a host that cares lays them out (a vector that crosses a line costs two accesses), and an
+// odd number of lines apart, so that they do not share the sets of a cache.
+struct Points {
+  static constexpr std::size_t kColumns = 3 + 2 * (3 + kStates);
+  std::size_t length;
+  hwy::AlignedFreeUniquePtr<double[]> memory;
+  double *jump, *slip_s, *slip_t, *traction[3], *traction_new[3], *state[kStates], *state_new[kStates];
+  quoin_in old_columns[kStates];
+  quoin_out new_columns[kStates];
+  quoin_batch batch{};
+
+  Points(std::size_t count, Population population, bool exponential = false)
+      : length(8 * (((count + 7) / 8 | 1) + 4)), memory(hwy::AllocateAligned<double>(kColumns * length)) {
+    std::fill_n(memory.get(), kColumns * length, 0.0);
+    double* next = memory.get();
+    const auto place = [&](double*& column) { column = next, next += length; };
+    place(jump), place(slip_s), place(slip_t);
+    for (int k = 0; k < 3; ++k) place(traction[k]), place(traction_new[k]);
+    for (int k = 0; k < kStates; ++k) place(state[k]), place(state_new[k]);
+    std::mt19937_64 random(20261121);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    for (std::size_t i = 0; i < count; ++i) {
+      Population kind = population;
+      // mixed: one point in eight softens, the rest is elastic, in blocks as in a wall with a crack; random: any state.
+      if (kind == Population::mixed) kind = i / 64 % 8 == 0 ? Population::softening : Population::elastic;
+      if (kind == Population::softening) kind = i / 8 % 2 == 0 ? Population::sliding : Population::opening;
+      const double u = unit(random);
+      if (kind == Population::elastic) {
+        jump[i] = -1e-5 * unit(random);
+        slip_s[i] = 1e-9 * u;
+        traction[1][i] = 1e4 * unit(random);
+      } else if (kind == Population::sliding || kind == Population::opening) {
+        const double xi = 0.2 + 0.5 * u;
+        state[0][i] = state[1][i] = xi;
+        if (kind == Population::sliding) {
+          jump[i] = -1e-5 * unit(random);
+          const double sigma = mortar::kn * jump[i];
+          traction[1][i] = mortar::c0 * (exponential ? std::exp(-xi) : 1.0 - xi) - kFriction * sigma;
+          slip_s[i] = 1e-7;
+        } else {
+          const double u0 = mortar::ft / mortar::kn;
+          const double area = exponential ? 1.0 : 0.5;  // under f
+          jump[i] = u0 + (xi + 1e-3) * (mortar::G1 - 0.5 * mortar::ft * u0) / (mortar::ft * area);
+          slip_s[i] = 1e-9;
+        }
+      } else if (kind == Population::damaged) {
+        // A crack after the peak: nothing left but friction; joints of eight points, one in four of them open
+        state[0][i] = state[1][i] = 1.0 + u;
+        jump[i] = i / 8 % 4 == 0 ? 1e-4 * unit(random) : -1e-5 * unit(random);
+        traction[1][i] = std::max(0.0, -kFriction * mortar::kn * jump[i]);
+        slip_s[i] = 1e-7;
+      } else {
+        state[0][i] = state[1][i] = unit(random) < 0.5 ? 0.0 : 1.2 * unit(random);
+        state[2][i] = unit(random) < 0.9 ? 0.0 : 1e-4 * unit(random);
+        jump[i] = unit(random) < 0.5 ? -7e-5 * unit(random) : 1e-4 * unit(random);
+        traction[1][i] = 0.2e6 * unit(random);
+        slip_s[i] = 1e-6 * (u - 0.5);
+        slip_t[i] = 1e-6 * (unit(random) - 0.5);
+      }
+    }
+    for (int k = 0; k < kStates; ++k) {
+      const bool history = k < 4;
+      old_columns[k] = {history ? state[k] : nullptr, 1};
+      new_columns[k] = {history ? state_new[k] : nullptr, 1};
+    }
+    batch.struct_size = sizeof(quoin_batch);
+    batch.count = count;
+    batch.normal_jump = {jump, 1};
+    batch.slip_increment[0] = {slip_s, 1};
+    batch.slip_increment[1] = {slip_t, 1};
+    for (int k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {traction[k], 1};
+      batch.traction_new[k] = {traction_new[k], 1};
+    }
+    batch.state_old = old_columns;
+    batch.state_new = new_columns;
+  }
+};
+
+}  // namespace quoin::benchmarks

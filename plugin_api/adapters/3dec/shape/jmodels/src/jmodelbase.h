@@ -1,0 +1,3 @@
+#pragma once
+
+#include "interface/base/src/base.h"
