@@ -119,6 +119,7 @@ void internal_forces(benchmark::State& state) {
   data.velocity = u.data();
   data.dt_over_mass = u.data();
   data.shared_dt_over_mass = none.data();
+  data.load = none.data();
   for (auto _ : state) {
     for (const UnitGroup& unit : model.unit_groups) internal_force(model, unit, data, force.data());
     benchmark::DoNotOptimize(force.data());

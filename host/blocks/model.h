@@ -144,17 +144,17 @@ struct Load {
   Vector point;  // in the block's frame of the start (space coordinates at the start), m; moves with the block
   Vector force;  // N, direction fixed in space
   TimeSeries factor;
-  double scale = 1.0;                             // for stages, whose loads grow and fade
   std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
   Vector arm;                                     // rigid: in the body frame
+  double scale = 1.0;                             // for stages, whose loads grow and fade
 };
 struct Pressure {
   int block, face;
   double value;  // Pa, > 0 pushes on the block; follows the face
   TimeSeries factor;
-  double scale = 1.0;
   std::vector<std::array<int32_t, 3>> triangles;  // deformable
   Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
+  double scale = 1.0;
 };
 struct GroundMotion {
   std::vector<int> blocks;

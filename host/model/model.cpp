@@ -620,6 +620,15 @@ std::vector<int> Model::bodies_named(const std::string& name) const {
   return found;
 }
 
+std::vector<int> Model::deformable_blocks_named(const std::string& name) const {
+  std::vector<int> found;
+  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
+    if (!name.empty() && !assembly.bricks[i].rigid && assembly.bricks[i].body == name)
+      found.push_back(static_cast<int>(i));
+  }
+  return found;
+}
+
 double Model::total_mass() const {
   double mass = 0.0;
   for (const BlockGroup& group : groups) {

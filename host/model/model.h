@@ -142,7 +142,17 @@ struct Model {
   }
   std::vector<Vec3> position;  // reference, per line and lane, m
 
-  std::vector<int> bodies_named(const std::string& name) const;
+  std::vector<int> bodies_named(const std::string& name) const;  // rigid ones: indices into bodies
+  std::vector<int> deformable_blocks_named(const std::string& name) const;
+  // Visits the gridpoints of a deformable block: visit(offset, mass in kg without scaling).
+  template <class Visit>
+  void for_each_gridpoint(int block, Visit visit) const {
+    const BlockPlace& where = place[static_cast<std::size_t>(block)];
+    const BlockGroup& group = groups[static_cast<std::size_t>(where.group)];
+    const auto& mass = templates[static_cast<std::size_t>(group.brick_template)].node_mass;
+    for (std::size_t n = 0; n < mass.size(); ++n)
+      visit((static_cast<std::size_t>(group.first_line) + n) * kLine + static_cast<std::size_t>(where.lane), mass[n]);
+  }
   double total_mass() const;  // kg, as modelled
   std::size_t zone_count() const;
 };

@@ -305,20 +305,30 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
 
 // Eigenvalue of the stiffest whiffletree on the bodies that it pulls. Its energy K/(2 n) (sum of the n floors'
 // displacements)^2 gives every floor the same force; with the mean over the m_f bodies of a floor,
-// lambda = K/n sum 1/(m_f^2 mass).
+// lambda = K/n sum 1/(m_f^2 mass). Gridpoints of a deformable block share its force by their mass.
 double whiffletree_eigenvalue(const Model& model, const Inertia& inertia, const std::vector<Stage>& stages) {
   double largest = 0.0;
   for (const Stage& stage : stages) {
     if (!stage.whiffletree) continue;
     double compliance = 0.0;
     for (const std::vector<std::string>& floor : stage.whiffletree->floors) {
-      std::vector<int> bodies;
+      double of_floor = 0.0, count = 0.0;
       for (const std::string& name : floor) {
-        const std::vector<int> named = model.bodies_named(name);
-        bodies.insert(bodies.end(), named.begin(), named.end());
+        for (const int body : model.bodies_named(name)) {
+          of_floor += 1.0 / inertia.body_mass[at(body)];
+          ++count;
+        }
+        for (const int block : model.deformable_blocks_named(name)) {
+          double mass = 0.0, sum = 0.0;
+          model.for_each_gridpoint(block, [&](std::size_t offset, double m) {
+            mass += m;
+            sum += m * m / inertia.node[offset];
+          });
+          of_floor += sum / (mass * mass);
+          ++count;
+        }
       }
-      const auto count = static_cast<double>(bodies.size());
-      for (const int body : bodies) compliance += 1.0 / (count * count * inertia.body_mass[at(body)]);
+      if (count > 0.0) compliance += of_floor / (count * count);
     }
     const auto floors = static_cast<double>(stage.whiffletree->floors.size());
     largest = std::max(largest, stage.whiffletree->stiffness / floors * compliance);
@@ -377,6 +387,12 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
 
 std::string TimeStepReport::warning() const {
   if (time_step <= quiet_fraction * critical.value * (1.0 + 1e-12)) return {};
+  if (time_step > critical.value) {
+    return fmt::format(
+        "the time step is {:.2f} of the critical one, 2/omega_max: the run is unstable, and its results are those of "
+        "the instability. Take solver.critical_time_step = \"assembled\"",
+        time_step / critical.value);
+  }
   return fmt::format(
       "the time step is {:.2f} of the critical one; with this damping stiff modes chatter above {:.2f}, and "
       "their noise breaks joints. Lower solver.time_step_fraction or solver.local_damping",
@@ -389,6 +405,7 @@ void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u,
 
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
                                 const std::vector<Stage>& stages) {
+  if (settings.critical_time_step == CriticalTimeStep::nodal) wanted = Limits::all;
   const UndamagedSystem system(model);
   inertia->node = model.node_mass;
   for (double& m : inertia->node) m *= settings.mass_scaling;
@@ -453,10 +470,10 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (settings.damping == DampingKind::viscous) report.stiffness_damping = settings.stiffness_damping;
   if (settings.damping == DampingKind::block) report.stiffness_damping = 2.0 * settings.deformation_damping / omega;
   const double reduction = std::sqrt(1.0 + xi * xi) - xi;
-  report.time_step =
-      settings.selective_time_step > 0.0
-          ? std::min(settings.selective_time_step, settings.time_step_fraction * reduction * report.critical.value)
-          : settings.time_step_fraction * reduction * report.critical.value;
+  const double limit =
+      settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
+  report.time_step = settings.time_step_fraction * reduction * limit;
+  if (settings.selective_time_step > 0.0) report.time_step = std::min(settings.selective_time_step, report.time_step);
   return report;
 }
 

@@ -17,15 +17,15 @@ struct TimeStepLimit {
 };
 
 struct TimeStepReport {
-  TimeStepLimit critical;    // 2/omega_max by Lanczos: what every fraction refers to
+  TimeStepLimit critical;    // 2/omega_max by Lanczos
   TimeStepLimit gershgorin;  // row sums: a guaranteed lower bound of it, without scaling of deformation
-  TimeStepLimit nodal;       // eq. 3 with diagonal stiffness, 2 sqrt(m/k): printed for comparison, usually unstable
+  TimeStepLimit nodal;       // eq. 3 with diagonal stiffness, 2 sqrt(m/k): for comparison, usually unstable
   int lanczos_steps = 0;
   double time_step = 0.0;  // s, in use
   // Local damping adds up to gamma times the force of a degree of freedom to it, which acts like that much more
   // stiffness: above this fraction of the critical step, 1/sqrt(1 + gamma), stiff modes chatter. 1 without it.
   double quiet_fraction = 1.0;
-  std::string warning() const;     // of a step above the quiet one; else empty
+  std::string warning() const;     // of a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
   double added_mass = 0.0;         // kg, by selective mass scaling
   double model_mass = 0.0;         // kg, before any scaling

@@ -150,9 +150,10 @@ void write_page(const fs::path& root) {
       const std::string id = html(v.value("study", "")), unit = html(v.value("unit", ""));
       const bool yes = v.value("reproduced", false);
       out += fmt::format(
-          "<tr><td><a href=\"#{0}\">{0}</a></td><td>{1}</td><td>{2:.4g} {3}</td><td>{4}</td><td class=\"{5}\">{6}</td>"
+          "<tr><td><a href=\"#{0}\">{0}</a></td><td>{1}</td><td>{2} {3}</td><td>{4}</td><td class=\"{5}\">{6}</td>"
           "</tr>\n",
-          id, html(v.value("claim", "")), v.value("number", 0.0), unit,
+          id, html(v.value("claim", "")),
+          v["number"].is_number() ? fmt::format("{:.4g}", v["number"].get<double>()) : "none", unit,
           v["reference"].is_number() ? fmt::format("{:.4g} {} <span class=\"small\">{}</span>",
                                                    v["reference"].get<double>(), unit, html(v.value("kind", "")))
                                      : html(v.value("kind", "")),

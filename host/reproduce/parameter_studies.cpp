@@ -17,13 +17,6 @@ using Curves = std::vector<std::pair<std::string, const Curve*>>;
 
 double percent(double number, double reference) { return 100.0 * (number / reference - 1.0); }
 
-// Largest distance of two curves between two displacements, over the peak of the second, %.
-double distance(const Curve& a, const Curve& b, double from, double to) {
-  double worst = 0.0;
-  for (double d = from; d <= to; d += 0.01) worst = std::max(worst, std::abs(a.force_at(d) - b.force_at(d)));
-  return 100.0 * worst / b.peak();
-}
-
 }  // namespace
 
 // ---- Contact points ------------------------------------------------------------------------------------------------
@@ -73,14 +66,29 @@ StudyReport report_contact_points(const Findings& findings) {
 
 namespace {
 constexpr std::array<int, 6> kRatios{1, 2, 3, 4, 6, 10};
+// Of these, as the paper's equations read; and the last with another time step, for what a curve owes to chance.
+constexpr std::array<int, 3> kPrintedRatios{4, 6, 10};
+constexpr const char* kOtherStep = "10, as printed, step 0.59";
+
+std::string as_printed(int ratio, const char* more = "") { return fmt::format("{}, as printed{}", ratio, more); }
+constexpr const char* kLongStep = ", step 0.8";
+
+std::vector<std::string> stiffness_overrides(int ratio) {
+  return {fmt::format("joints.unit.normal_stiffness={}e9", 82 * ratio),
+          fmt::format("joints.unit.shear_stiffness={}e9", 82 * ratio)};
 }
+}  // namespace
 
 std::vector<RunSpec> stiffness_runs(const Quality& q) {
   std::vector<RunSpec> runs;
   for (const int ratio : kRatios)
-    runs.push_back(shear_run(q, std::to_string(ratio), "solid_wall_121",
-                             {fmt::format("joints.unit.normal_stiffness={}e9", 82 * ratio),
-                              fmt::format("joints.unit.shear_stiffness={}e9", 82 * ratio)}));
+    runs.push_back(shear_run(q, std::to_string(ratio), "solid_wall_121", stiffness_overrides(ratio)));
+  const auto add = [&](const std::string& name, int ratio, double fraction) {
+    runs.push_back(printed_run(name, "solid_wall_121", 0.01, 0.0025, fraction, stiffness_overrides(ratio)));
+  };
+  for (const int ratio : kPrintedRatios) add(as_printed(ratio), ratio, 0.6);
+  add(kOtherStep, 10, 0.59);
+  for (const int ratio : {4, 10}) add(as_printed(ratio, kLongStep), ratio, 0.8);
   return runs;
 }
 
@@ -88,7 +96,9 @@ StudyReport report_stiffness(const Findings& findings) {
   StudyReport report;
   Chart chart{"curves", "Unit joint over mortar joint stiffness, 1.21 MPa", "displacement of the top beam (mm)",
               "horizontal force (kN)"};
-  Table table{"Ratios", {"ratio", "peak", "distance from ratio 10 up to 2.5 mm", "up to the end"}, {}};
+  Table table{"Ratios",
+              {"ratio", "peak", "distance from ratio 10 up to 2.5 mm", "up to the end", "drop to 90 % of the peak at"},
+              {}};
   Curves curves;
   const Curve& stiff = findings.run("10").curve;
   double above_four = 0.0, peak_four = 0.0, up_to_two = 0.0;
@@ -97,31 +107,82 @@ StudyReport report_stiffness(const Findings& findings) {
     const Curve& c = findings.run(std::to_string(ratio)).curve;
     chart.add(fmt::format("ratio {}", ratio), c, colour++);
     curves.emplace_back(fmt::format("ratio {}", ratio), &c);
-    const double near = distance(c, stiff, 0.05, 2.5), far = distance(c, stiff, 0.05, 4.9);
+    const double near = curve_distance(c, stiff, 0.05, 2.5), far = curve_distance(c, stiff, 0.05, 4.9);
     table.rows.push_back({std::to_string(ratio), fmt::format("{:.1f} kN", c.peak()),
-                          fmt::format("{:.1f} % of the peak", near), fmt::format("{:.1f} %", far)});
+                          fmt::format("{:.1f} % of the peak", near), fmt::format("{:.1f} %", far), drop_text(c)});
     if (ratio >= 4) {
       above_four = std::max(above_four, near);
-      up_to_two = std::max(up_to_two, distance(c, stiff, 0.05, 2.0));
+      up_to_two = std::max(up_to_two, curve_distance(c, stiff, 0.05, 2.0));
       peak_four = std::max(peak_four, std::abs(percent(c.peak(), stiff.peak())));
     }
   }
   report.verdicts.push_back({"peaks are the same from ratio 4 on", peak_four, 0.0, "%", Kind::printed, peak_four < 2,
                              fmt::format("peaks from 4 on within {:.1f} % of that at 10; at 1 {:+.1f} %", peak_four,
                                          percent(findings.run("1").curve.peak(), stiff.peak()))});
-  report.verdicts.push_back({"curves are the same from ratio 4 on, to 2.5 mm", above_four, 0.0, "% of the peak",
-                             Kind::printed, above_four < 5,
-                             fmt::format("largest distance {:.1f} % of the peak", above_four)});
+  const Curve &printed_stiff = findings.run(as_printed(10)).curve, &other_step = findings.run(kOtherStep).curve;
+  double printed_all = 0.0, printed_before = 0.0, printed_after = 0.0;
+  Table printed{"Eq. 1 exactly as printed, 10 mm/s at once, to 2.5 mm",
+                {"ratio", "what came of it", "distance from ratio 10", "up to 2 mm", "from 2.3 mm on",
+                 "drop to 90 % of the peak at"},
+                {}};
+  const auto add_printed = [&](const std::string& name) -> const RunResult& {
+    const RunResult& run = findings.outcome(name);
+    const Curve& c = run.curve;
+    printed.rows.push_back({name, outcome_text(run)});
+    if (!run.complete) return run;
+    curves.emplace_back(name, &c);
+    printed.rows.back().insert(printed.rows.back().end(),
+                               {fmt::format("{:.1f} %", curve_distance(c, printed_stiff, 0.05, 2.45)),
+                                fmt::format("{:.1f} %", curve_distance(c, printed_stiff, 0.05, 2.0)),
+                                fmt::format("{:.1f} %", curve_distance(c, printed_stiff, 2.3, 2.45)), drop_text(c)});
+    return run;
+  };
+  for (const int ratio : kPrintedRatios) {
+    const Curve& c = findings.run(as_printed(ratio)).curve;
+    add_printed(as_printed(ratio));
+    printed_all = std::max(printed_all, curve_distance(c, printed_stiff, 0.05, 2.45));
+    printed_before = std::max(printed_before, curve_distance(c, printed_stiff, 0.05, 2.0));
+    printed_after = std::max(printed_after, curve_distance(c, printed_stiff, 2.3, 2.45));
+  }
+  add_printed(kOtherStep);
+  const RunResult &long_four = add_printed(as_printed(4, kLongStep)),
+                  &long_ten = add_printed(as_printed(10, kLongStep));
+  report.verdicts.push_back(
+      {"curves are the same from ratio 4 on, to 2.5 mm", above_four, 0.0, "% of the peak", Kind::printed,
+       above_four < 5,
+       fmt::format(
+           "largest distance {:.1f} % of the peak, by eq. 1 as printed {:.1f} %: at the drop; there {:.1f} % up "
+           "to 2 mm and {:.1f} % from 2.3 mm on",
+           above_four, printed_all, printed_before, printed_after)});
   draw(chart, findings, report, "Normal and shear stiffness of the joint inside units, from 1 to 10 times 82 GPa/m.");
+  Chart chart_printed{"as_printed", "Unit joint over mortar joint stiffness, eq. 1 as printed, 10 mm/s",
+                      "displacement of the top beam (mm)", "horizontal force (kN)"};
+  colour = 0;
+  for (const int ratio : kPrintedRatios)
+    chart_printed.add(fmt::format("ratio {}", ratio), findings.run(as_printed(ratio)).curve, colour++);
+  chart_printed.add("ratio 10, another time step", other_step, colour, Mark::dashed);
+  draw(chart_printed, findings, report, "Eq. 1 exactly as printed: the drop moves with the stiffness, not by chance.");
   report.tables.push_back(std::move(table));
+  report.tables.push_back(std::move(printed));
   write_file(findings.folder() / "curves.csv", curves_csv(curves));
   if (above_four >= 5)
     report.differs = {
-        fmt::format("The curves differ by {:.0f} % of the peak where the diagonal gives way at once, between 2.2 and "
-                    "2.5 mm: a drop that comes 0.1 mm earlier or later is a large distance. "
+        fmt::format("The curves differ by {:.0f} % of the peak where the diagonal gives way at once, between 2 and "
+                    "2.3 mm: a drop that comes 0.1 mm earlier or later is a large distance. "
                     "Up to 2 mm they differ by {:.1f} %.",
-                    above_four, up_to_two)};
-  report.notes = {"Both stiffnesses of the unit joint are varied together, equal as in Table 1 (which has ratio 12)."};
+                    above_four, up_to_two),
+        fmt::format("Cause tested: it is the stiffness, not chance and not the way of running. By eq. 1 as printed the "
+                    "drop of ratio 4 begins at {}, of 6 at {}, of 10 at {} (standard damping and 20 "
+                    "mm/s: table), while another time step moves that of ratio 10 to {}, {:.1f} % of the peak at "
+                    "most between the two curves. Softer units give way later, in proportion to 1/ratio, and 4 is no "
+                    "threshold; beside the drop the curves are what a picture shows as one.",
+                    drop_text(findings.run(as_printed(4)).curve), drop_text(findings.run(as_printed(6)).curve),
+                    drop_text(printed_stiff), drop_text(other_step),
+                    curve_distance(other_step, printed_stiff, 0.05, 2.45))};
+  report.notes = {"Both stiffnesses of the unit joint are varied together, equal as in Table 1 (which has ratio 12).",
+                  fmt::format("Eq. 1 as printed with a step of 0.8 of 2/omega_max, above its own limit of 0.745 (see "
+                              "rate): ratio 4 {}, ratio 10 {}; noise of stiff modes, not a response.",
+                              outcome_text(long_four), outcome_text(long_ten))};
   return report;
 }
 

@@ -121,7 +121,8 @@ std::string RunCache::key(const RunSpec& spec) const {
 
 bool RunCache::done(const RunSpec& spec) const {
   const Json summary = read_summary(folder(spec));
-  return summary.is_object() && summary.value("status", "") == "done";
+  const std::string status = summary.is_object() ? summary.value("status", "") : "";
+  return status == "done" || (spec.may_fail && status == "failed");
 }
 
 void RunCache::compute(const std::vector<RunSpec>& specs) {
@@ -199,13 +200,15 @@ RunResult RunCache::result(const RunSpec& spec) const {
   result.spec = spec;
   result.folder = folder(spec);
   const Json summary = read_summary(result.folder);
-  if (!summary.is_object() || summary.value("status", "") != "done") {
-    result.message = summary.is_object() ? summary.value("message", "interrupted") : "no summary.json";
+  if (!summary.is_object()) {
+    result.message = "no summary.json";
     return result;
   }
-  result.complete = true;
+  result.complete = summary.value("status", "") == "done";
+  if (!result.complete) result.message = summary.value("message", "interrupted");
   result.wall_clock = summary.value("wall_clock_s", 0.0);
   result.time_step = summary.value("time_step_s", 0.0);
+  result.critical_time_step = summary.value("critical_time_step_s", 0.0);
   result.bed_area = summary.value("bed_area_m2", 0.0);
   result.blocks = summary.value("blocks", 0L);
   result.beams = summary.value("beams", 0L);
@@ -213,7 +216,7 @@ RunResult RunCache::result(const RunSpec& spec) const {
   result.points = summary.value("contact_points", 0L);
   result.steps = summary.value("steps", 0L);
   // The first stage only presses the wall.
-  result.curve = read_history(result.folder / "history.csv", 2);
+  if (result.complete) result.curve = read_history(result.folder / "history.csv", 2);
   return result;
 }
 

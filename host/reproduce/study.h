@@ -26,8 +26,9 @@ struct RunSpec {
   std::string name;   // of the run within its study
   std::string scene;  // without .toml
   std::vector<std::string> overrides;
-  std::string law;    // replaces the law of all joints; empty: as in the scene
-  double cost = 1.0;  // rough, in solid walls of standard quality: long runs start first
+  std::string law;        // replaces the law of all joints; empty: as in the scene
+  double cost = 1.0;      // rough, in solid walls of standard quality: long runs start first
+  bool may_fail = false;  // that it ends in numerical failure is a result too
 };
 
 struct RunResult {
@@ -36,7 +37,7 @@ struct RunResult {
   bool complete = false;
   std::string message;  // why it is not complete
   Curve curve;
-  double wall_clock = 0.0, time_step = 0.0, bed_area = 0.0;  // s, s, m2
+  double wall_clock = 0.0, time_step = 0.0, critical_time_step = 0.0, bed_area = 0.0;  // s, s, s, m2
   long blocks = 0, beams = 0, zones = 0, points = 0, steps = 0;
 };
 
@@ -83,6 +84,8 @@ class Findings {
   const Quality& quality() const { return quality_; }
   const RunResult& run(const std::string& name) const;  // throws Error(numerical) when the run is not complete
   bool has(const std::string& name) const;              // complete
+  // Complete or not; throws Error(numerical) when the study has no such run, or nothing is known of it.
+  const RunResult& outcome(const std::string& name) const;
   std::filesystem::path folder() const { return root_ / study_; }
   std::filesystem::path relative(const std::filesystem::path& file) const { return file.lexically_relative(root_); }
   // The picture of cracks and deformed shape that the run left.
@@ -133,5 +136,18 @@ StudyReport report_cyclic(const Findings&);
 // A run of one of the single walls at the quality.
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,
                   std::vector<std::string> overrides = {}, double cost = 1.0);
+
+// A run as the paper's equations read: eq. 1 with gamma = 0.8 at every gridpoint, true inertia, and the velocity (m/s)
+// of the top beam there at once, until it has moved by `displacement` (m). fraction: time step over 2/omega_max. Eq. 1
+// acts like up to gamma times more stiffness, so that a step above 1/sqrt(1 + gamma) = 0.745 never settles: then the
+// pressure lasts 30 ms in place of equilibrium, and the run may fail.
+RunSpec printed_run(const std::string& name, const std::string& scene, double velocity, double displacement,
+                    double fraction, std::vector<std::string> overrides = {}, double cost = 1.0);
+// What became of a run: its peak, or the step at which it failed.
+std::string outcome_text(const RunResult& run);
+// Where the force has fallen to 90 % of the peak, "2.046 mm", or "none".
+std::string drop_text(const Curve& curve);
+// Largest distance of two curves between two displacements in mm, % of the peak of the second.
+double curve_distance(const Curve& a, const Curve& b, double from, double to);
 
 }  // namespace quoin::reproduce

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "reproduce/study.h"
 #include "scene/error.h"
@@ -89,13 +90,21 @@ const char* kind_word(Kind kind) {
   return words[static_cast<std::size_t>(kind)];
 }
 
-const RunResult& Findings::run(const std::string& name) const {
+const RunResult& Findings::outcome(const std::string& name) const {
   const auto found = runs_.find(name);
   if (found == runs_.end()) throw Error(Exit::numerical, fmt::format("the study {} has no run {}", study_, name));
-  if (!found->second.complete)
-    throw Error(Exit::numerical, fmt::format("the run '{}' is not complete: {}; see {}", name, found->second.message,
+  if (found->second.steps == 0)
+    throw Error(Exit::numerical, fmt::format("the run '{}' was not made: {}; see {}", name, found->second.message,
                                              (found->second.folder / "log.txt").string()));
   return found->second;
+}
+
+const RunResult& Findings::run(const std::string& name) const {
+  const RunResult& result = outcome(name);
+  if (!result.complete)
+    throw Error(Exit::numerical, fmt::format("the run '{}' is not complete: {}; see {}", name, result.message,
+                                             (result.folder / "log.txt").string()));
+  return result;
 }
 
 bool Findings::has(const std::string& name) const {
@@ -114,6 +123,38 @@ RunSpec shear_run(const Quality& quality, const std::string& name, const std::st
   RunSpec spec{name, scene, std::move(overrides), "", cost};
   spec.overrides.push_back(quality.setting());
   return spec;
+}
+
+RunSpec printed_run(const std::string& name, const std::string& scene, double velocity, double displacement,
+                    double fraction, std::vector<std::string> overrides, double cost) {
+  constexpr double kGamma = 0.8;
+  RunSpec spec{name, scene, std::move(overrides), "", cost};
+  for (const std::string& o :
+       {std::string("solver.damping=local"), fmt::format("solver.local_damping={}", kGamma),
+        fmt::format("solver.time_step_fraction={}", fraction), fmt::format("stage.shear.velocity={}", velocity),
+        fmt::format("stage.shear.displacement={}", displacement), std::string("stage.shear.ramp_time=0")})
+    spec.overrides.push_back(o);
+  if (fraction > 1.0 / std::sqrt(1.0 + kGamma)) {
+    spec.overrides.insert(spec.overrides.end(), {"stage.precompression.duration=0.03", "output.plots=false"});
+    spec.may_fail = true;
+  }
+  return spec;
+}
+
+std::string outcome_text(const RunResult& run) {
+  if (run.complete) return fmt::format("peak {:.1f} kN at {:.2f} mm", run.curve.peak(), run.curve.peak_displacement());
+  return fmt::format("numerical failure at step {}", run.steps);
+}
+
+std::string drop_text(const Curve& curve) {
+  const double at = curve.displacement_after_peak(0.9);
+  return at < 0 ? "none" : fmt::format("{:.3f} mm", at);
+}
+
+double curve_distance(const Curve& a, const Curve& b, double from, double to) {
+  double worst = 0.0;
+  for (double d = from; d <= to; d += 0.01) worst = std::max(worst, std::abs(a.force_at(d) - b.force_at(d)));
+  return 100.0 * worst / b.peak();
 }
 
 }  // namespace quoin::reproduce

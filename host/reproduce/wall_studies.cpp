@@ -121,7 +121,19 @@ constexpr std::array<Rate, 8> kRates{{{"0.1 mm/s", 1e-4, 100.0, true},
                                       {"160 mm/s", 0.16, 0.1, false},
                                       {"320 mm/s", 0.32, 0.1, false}}};
 constexpr double kSmooth = 0.02;  // of the peak: falls on the rising branch that nobody calls oscillation
-constexpr double kRising = 1.2;   // mm, well before the peak of the slow curves
+// Parts of the peak between which the diagonal gives way at once.
+constexpr double kDropBegins = 0.9, kDropEnds = 0.7;
+constexpr double kRising = 1.2;  // mm, well before the peak of the slow curves
+// Runs as printed: the top beam has its velocity at once.
+constexpr const char *kAtOnce = "10 mm/s, at once", *kAtOnceTwice = "20 mm/s, at once",
+                     *kAtOnceLongStep = "10 mm/s, at once, step 0.8", *kNodalStep = "10 mm/s, at once, step of eq. 3";
+
+// Force on a beam that gets its velocity (m/s) at once, kN: that of a plane shear wave into the wall. Bricks and bed
+// joints in series, Table 1; eq. 1 leaves 1 - gamma of the force to what speeds up.
+double wave_force(double velocity) {
+  const double brick = 16.7e9 / (2 * (1 + 0.15)), joint = 36e9 * 0.0625, rigidity = 1 / (1 / brick + 1 / joint);
+  return 1e-3 * kArea * velocity * std::sqrt(1900.0 / (1 - 0.8) * rigidity);
+}
 
 }  // namespace
 
@@ -139,6 +151,11 @@ std::vector<RunSpec> rate_runs(const Quality& q) {
          "",
          r.cost});
   }
+  const char* scene = "solid_wall_121";
+  runs.push_back(printed_run(kAtOnce, scene, 0.01, 0.0025, 0.6));
+  runs.push_back(printed_run(kAtOnceTwice, scene, 0.02, 0.0025, 0.6, {}, 0.5));
+  runs.push_back(printed_run(kAtOnceLongStep, scene, 0.01, 0.0025, 0.8));
+  runs.push_back(printed_run(kNodalStep, scene, 0.01, 0.0025, 1.0, {"solver.critical_time_step=nodal"}, 0.1));
   return runs;
 }
 
@@ -152,7 +169,7 @@ StudyReport report_rate(const Findings& findings) {
   ratio.from_zero = false;
   Table table{"Rates",
               {"rate", "peak", "largest fall on the rising branch (to 1.2 mm)", "roughness (0.1 to 2.5 mm)",
-               "mean unbalanced ratio", "steps"},
+               "drop to 90 % of the peak at", "mean unbalanced ratio", "steps"},
               {}};
   std::vector<std::pair<std::string, const Curve*>> curves;
   std::string begins = "none of those tried";
@@ -168,24 +185,42 @@ StudyReport report_rate(const Findings& findings) {
     const double rough = c.roughness(0.05, 0.1, 2.45), fall = c.largest_fall(kRising);
     if (fall > kSmooth && begins.starts_with("none")) begins = r.name;
     table.rows.push_back({r.name, fmt::format("{:.1f} kN", c.peak()), fmt::format("{:.2f} %", 100 * fall),
-                          fmt::format("{:.2f} %", 100 * rough), fmt::format("{:.2g}", c.mean_unbalanced(0.1, 2.45)),
-                          std::to_string(run.steps)});
+                          fmt::format("{:.2f} %", 100 * rough), drop_text(c),
+                          fmt::format("{:.2g}", c.mean_unbalanced(0.1, 2.45)), std::to_string(run.steps)});
   }
-  const double fall_10 = findings.run("10 mm/s").curve.largest_fall(kRising);
-  report.verdicts.push_back({"10 mm/s oscillates", 100 * fall_10, std::nullopt, "% of the peak", Kind::printed,
-                             fall_10 > kSmooth,
-                             fmt::format("largest fall of the force on the rising branch {:.2f} % of the peak; "
-                                         "oscillation (above {:g} %) begins at {}",
-                                         100 * fall_10, 100 * kSmooth, begins)});
+  Table printed{"Eq. 1 exactly as printed (gamma 0.8 at every gridpoint, true inertia, velocity there at once)",
+                {"run", "time step over 2/omega_max", "what came of it", "largest fall (to 1.2 mm)"},
+                {}};
+  for (const char* name : {kAtOnce, kAtOnceTwice, kAtOnceLongStep, kNodalStep}) {
+    const RunResult& run = findings.outcome(name);
+    printed.rows.push_back({name, fmt::format("{:.2f}", run.time_step / run.critical_time_step), outcome_text(run),
+                            run.complete ? fmt::format("{:.2f} %", 100 * run.curve.largest_fall(kRising)) : ""});
+    if (run.complete) curves.emplace_back(name, &run.curve);
+  }
+  const Curve &ramped = findings.run("10 mm/s").curve, &at_once = findings.run(kAtOnce).curve,
+              &twice = findings.run(kAtOnceTwice).curve;
+  const double fall_10 = at_once.largest_fall(kRising), fall_20 = twice.largest_fall(kRising);
+  report.verdicts.push_back(
+      {"10 mm/s oscillates", 100 * fall_10, std::nullopt, "% of the peak", Kind::printed, fall_10 > kSmooth,
+       fmt::format("as printed, the velocity there at once: largest fall of the force on the rising branch {:.2f} % of "
+                   "the peak, at 20 mm/s {:.2f} %; with a ramp {:.2f} %, and oscillation (above {:g} %) begins at {}",
+                   100 * fall_10, 100 * fall_20, 100 * ramped.largest_fall(kRising), 100 * kSmooth, begins)});
   auto agree = [&](const char* slow, const char* fast) {
     const Curve &a = findings.run(slow).curve, &b = findings.run(fast).curve;
-    double worst = 0.0;
-    for (double d = 0.1; d < 2.45; d += 0.01) worst = std::max(worst, std::abs(a.force_at(d) - b.force_at(d)));
+    const double worst = curve_distance(b, a, 0.1, 2.45);
+    std::string text = fmt::format("peaks {:.1f} and {:.1f} kN; largest distance of the curves {:.1f} % of the peak",
+                                   b.peak(), a.peak(), worst);
+    const double drop_a = a.displacement_after_peak(kDropBegins), drop_b = b.displacement_after_peak(kDropBegins);
+    if (drop_a > 0 && drop_b > 0) {
+      const double before = std::min(drop_a, drop_b) - 0.1;
+      const double after = std::max(a.displacement_after_peak(kDropEnds), b.displacement_after_peak(kDropEnds)) + 0.1;
+      text += fmt::format(
+          "; up to {:.2f} mm {:.1f} %, from {:.2f} mm on {:.1f} %; between them the drop, which begins at "
+          "{:.3f} and {:.3f} mm",
+          before, curve_distance(b, a, 0.1, before), after, curve_distance(b, a, after, 2.45), drop_b, drop_a);
+    }
     report.verdicts.push_back(
-        {fmt::format("{} and {} agree", fast, slow), 100 * worst / a.peak(), 0.0, "% of the peak", Kind::printed,
-         worst < 0.05 * a.peak(),
-         fmt::format("peaks {:.1f} and {:.1f} kN; largest distance of the curves {:.1f} % of the peak", b.peak(),
-                     a.peak(), 100 * worst / a.peak())});
+        {fmt::format("{} and {} agree", fast, slow), worst, 0.0, "% of the peak", Kind::printed, worst < 5.0, text});
   };
   if (findings.has("1 mm/s") && findings.has("0.1 mm/s")) agree("0.1 mm/s", "1 mm/s");
   if (findings.has("1 mm/s")) agree("1 mm/s", "10 mm/s");
@@ -205,19 +240,47 @@ StudyReport report_rate(const Findings& findings) {
                              fmt::format("80 mm/s over {}: {:.1f} times; {}", slowest, factor,
                                          falls ? "falls with every step down" : "does not fall with every step down")});
   draw(chart, findings, report, "Curves at all rates, to 2.5 mm as in Figure 7.");
+  Chart start{"start", "10 mm/s at once and by a ramp", "displacement of the top beam (mm)", "horizontal force (kN)"};
+  start.extra = "set xrange [0:0.6]\nset yrange [0:60]\n";
+  start.add("10 mm/s, at once", at_once, 0);
+  start.add("10 mm/s, ramp", ramped, 1, Mark::dashed);
+  draw(start, findings, report,
+       "The first 0.6 mm: eq. 1 as printed rises in stairs when the velocity is there at once.");
   draw(ratio, findings, report,
        "Unbalanced ratio. The paper divides by the total horizontal force; ours by the mean force of a contact point.");
   report.tables.push_back(std::move(table));
+  report.tables.push_back(std::move(printed));
   write_file(findings.folder() / "curves.csv", curves_csv(curves));
   report.agrees = {"Slower loading lowers the unbalanced force, and slow curves coincide."};
   if (fall_10 <= kSmooth)
-    report.differs = {
-        "At 10 mm/s our curve is smooth; the paper's oscillates. Oscillation needs a faster rate here (table). The "
-        "paper does not print its time "
-        "step, mass scaling or ramp. A step close to the stability limit makes noise at any rate (REFERENCE_DATA.md: "
-        "from 0.7 of the limit on), "
-        "and equation 3 read literally is 1.25 times the limit of these bricks: the likeliest cause, which the paper "
-        "alone cannot prove."};
+    report.differs.push_back(fmt::format(
+        "10 mm/s does oscillate when the velocity is there at once, as the paper prescribes it, but less than the {:g} "
+        "% "
+        "asked for: the force jumps to {:.1f} kN and then rises in stairs, whose distance from the ramped curve is at "
+        "most {:.1f} % of the peak from 0.05 to {:g} mm. The jump is the wave that the beam sends down, A v sqrt(5 rho "
+        "G): {:.1f} kN, where 5 = 1/(1 - gamma) is the inertia that eq. 1 adds to what speeds up, and the stairs are "
+        "its "
+        "echoes. Both are in proportion to the velocity.",
+        100 * kSmooth, at_once.force_at(0.003), curve_distance(at_once, ramped, 0.05, kRising), kRising,
+        wave_force(0.01)));
+  if (findings.has("1 mm/s"))
+    report.differs.push_back(
+        "10 and 1 mm/s differ where the diagonal gives way, and nowhere else. Cause tested: a drop needs a time, not a "
+        "displacement. It begins some 4 ms later at every rate (table), and the faster beam moves further meanwhile. "
+        "Two "
+        "curves that fall by 25 kN at places 0.04 mm apart are far from each other in between. The start at once, the "
+        "ramp and the time step move it by 0.002 mm at most. The paper compares 1 and 0.1 mm/s.");
+  const RunResult &long_step = findings.outcome(kAtOnceLongStep), &nodal = findings.outcome(kNodalStep);
+  report.notes.push_back(fmt::format(
+      "Eq. 3 read literally, 2 sqrt(m/k) with the diagonal stiffness of a gridpoint, gives {:.2f} of 2/omega_max. Run "
+      "at "
+      "it: {}. Eq. 1 itself lowers the limit: F against v all the time acts like 1 + gamma times the stiffness, so "
+      "that "
+      "gamma = 0.8 leaves 1/sqrt(1.8) = 0.745 of 2/omega_max. At 0.8 the pressure finds no equilibrium; sheared all "
+      "the "
+      "same: {}, against {:.1f} kN at 0.6. So the paper cannot have run at either; its k must be larger than the "
+      "diagonal.",
+      nodal.time_step / nodal.critical_time_step, outcome_text(nodal), outcome_text(long_step), at_once.peak()));
   if (!findings.has("0.1 mm/s"))
     report.notes.push_back(
         "0.1 mm/s is run only at quality reference (about half an hour on one core): quoin reproduce rate --quality "
@@ -228,6 +291,13 @@ StudyReport report_rate(const Findings& findings) {
 // ---- Brittle joints ------------------------------------------------------------------------------------------------
 
 constexpr double kBrittle = 0.02;  // m/s, highest velocity of brittle walls
+
+namespace {
+// As printed, at the lowest pressure: at the paper's velocity, and with a longer step.
+constexpr const char *kSlowSoft = "softening, 0.30 MPa, as printed", *kSlowBrittle = "brittle, 0.30 MPa, as printed",
+                     *kLongStepSoft = "softening, 0.30 MPa, as printed, step 0.8",
+                     *kLongStepBrittle = "brittle, 0.30 MPa, as printed, step 0.8";
+}  // namespace
 
 std::vector<RunSpec> brittle_runs(const Quality& q) {
   std::vector<RunSpec> runs = wall_runs(q);
@@ -242,6 +312,15 @@ std::vector<RunSpec> brittle_runs(const Quality& q) {
   for (const WallReference& w : kWalls)
     runs.push_back(shear_run(q, std::string("no crushing, ") + w.name, w.scene,
                              {"joints.mortar.compressive_strength=inf", "joints.unit.compressive_strength=inf"}));
+  const char* scene = kWalls[0].scene;
+  if (q.name != "fast") {
+    runs.push_back(printed_run(kSlowSoft, scene, 0.001, 0.0025, 0.6, {}, 10.0));
+    runs.push_back(printed_run(kSlowBrittle, scene, 0.001, 0.0025, 0.6, {}, 10.0));
+    runs.back().law = "coulomb_slip";
+  }
+  runs.push_back(printed_run(kLongStepSoft, scene, 0.01, 0.0025, 0.8));
+  runs.push_back(printed_run(kLongStepBrittle, scene, 0.01, 0.0025, 0.8));
+  runs.back().law = "coulomb_slip";
   return runs;
 }
 
@@ -267,8 +346,10 @@ StudyReport report_brittle(const Findings& findings) {
     chart.add("law fracture_energy, crushing switched off", strong, 2, Mark::dashed);
     chart.add_level(fmt::format("{} peak {:.1f} kN", w.tests, w.peak), Kind::derived, w.peak, 6);
     draw(chart, findings, report, fmt::format("{}: the same scene, the library of the joints swapped.", w.name));
-    const double end = std::min(soft.displacement.back(), brittle.displacement.back()) - 0.05;
-    const double r_soft = soft.roughness(0.05, 0.1, end), r_brittle = brittle.roughness(0.05, 0.1, end);
+    const auto roughness = [](const Curve& of, const Curve& other) {
+      return of.roughness(0.05, 0.1, std::min(of.displacement.back(), other.displacement.back()) - 0.05);
+    };
+    double r_soft = roughness(soft, brittle), r_brittle = roughness(brittle, soft);
     const double part = brittle.peak() / soft.peak();
     table.rows.push_back({w.name, fmt::format("{:.1f} kN", soft.peak()), fmt::format("{:.1f} kN", brittle.peak()),
                           fmt::format("{:.2f}", part), fmt::format("{:.2f} %", 100 * r_soft),
@@ -276,10 +357,29 @@ StudyReport report_brittle(const Findings& findings) {
     report.verdicts.push_back({fmt::format("brittle is lower at {}", w.name), part, 1.0, "x", Kind::printed,
                                part < 0.97,
                                fmt::format("{:.1f} against {:.1f} kN: {:.2f}", brittle.peak(), soft.peak(), part)});
+    std::string conditions;
+    if (&w == &kWalls[0] && findings.has(kSlowBrittle) && findings.has(kSlowSoft)) {
+      const Curve &slow_soft = findings.run(kSlowSoft).curve, &slow_brittle = findings.run(kSlowBrittle).curve;
+      curves.emplace_back(kSlowSoft, &slow_soft);
+      curves.emplace_back(kSlowBrittle, &slow_brittle);
+      conditions = fmt::format(
+          " at 1 mm/s by eq. 1 as printed (in the runs of this quality, at {:g} mm/s, {:.2f} "
+          "against {:.2f} %, where inertia hides it)",
+          1e3 * std::min(kBrittle, findings.quality().velocity), 100 * r_brittle, 100 * r_soft);
+      r_soft = roughness(slow_soft, slow_brittle), r_brittle = roughness(slow_brittle, slow_soft);
+      Chart slow{"slow", "Brittle and softening joints, 0.30 MPa, 1 mm/s by eq. 1 as printed",
+                 "displacement of the top beam (mm)", "horizontal force (kN)"};
+      slow.add("law fracture_energy", slow_soft, 0);
+      slow.add("law coulomb_slip (brittle)", slow_brittle, 1);
+      slow.add(fmt::format("brittle, {:g} mm/s", 1e3 * std::min(kBrittle, findings.quality().velocity)), brittle, 1,
+               Mark::dashed);
+      slow.extra = "set xrange [0:2.5]\n";
+      draw(slow, findings, report, "At the paper's velocity: what inertia hides at a faster one.");
+    }
     report.verdicts.push_back(
         {fmt::format("brittle is irregular at {}", w.name), r_brittle / r_soft, std::nullopt, "x", Kind::printed,
          r_brittle > 1.5 * r_soft,
-         fmt::format("roughness {:.2f} against {:.2f} % of the peak", 100 * r_brittle, 100 * r_soft)});
+         fmt::format("roughness {:.2f} against {:.2f} % of the peak{}", 100 * r_brittle, 100 * r_soft, conditions)});
   }
   for (const WallReference& w : kWalls)
     findings.add_cracks(report, std::string("brittle, ") + w.name,
@@ -301,7 +401,15 @@ StudyReport report_brittle(const Findings& findings) {
       "The brittle law is the standard one of 3DEC: at the first failure tension and cohesion drop to nothing; "
       "compression stays elastic.",
       "Brittle walls are never loaded faster than 20 mm/s, at quality fast neither: joints that let go at once make a "
-      "fast wall ring (2.12 MPa: 121 kN at 80 mm/s, 97 kN at 20 mm/s)."};
+      "fast wall ring (2.12 MPa: 121 kN at 80 mm/s, 97 kN at 20 mm/s).",
+      "The paper names Figure 8b, 1.21 MPa, for the irregular response. At 0.30 MPa a joint that lets go starts a wall "
+      "that rocks; at 20 mm/s its inertia carries it over, the force stays level, and only at the paper's velocity "
+      "does "
+      "it fall at every joint.",
+      fmt::format(
+          "Eq. 1 as printed with a step of 0.8 of 2/omega_max, which is above its own limit of 0.745 (see rate), "
+          "at 0.30 MPa and 10 mm/s: softening {}, brittle {}.",
+          outcome_text(findings.outcome(kLongStepSoft)), outcome_text(findings.outcome(kLongStepBrittle)))};
   return report;
 }
 
@@ -380,26 +488,65 @@ StudyReport report_envelope(const Findings& findings) {
 
 // ---- Opening -------------------------------------------------------------------------------------------------------
 
+namespace {
+
+struct Opening {
+  const char* name;
+  int first_half_unit, half_units, first_course, courses;
+  bool shown;  // in the chart, to 20 mm
+  double cost;
+};
+// The paper prints no size. On the grid of 9 half bricks an odd number can stand in the middle, an even one cannot.
+constexpr std::array<Opening, 8> kOpenings{{{"2 half bricks", 4, 2, 5, 6, true, 3.5},
+                                            {"2 half bricks, the other way", 3, 2, 5, 6, true, 3.5},
+                                            {"3 half bricks", 3, 3, 5, 6, true, 3.0},
+                                            {"1 half brick", 4, 1, 5, 6, false, 1.0},
+                                            {"2 half bricks, 4 courses", 4, 2, 6, 4, false, 1.0},
+                                            {"2 half bricks, 8 courses", 4, 2, 4, 8, false, 1.0},
+                                            {"3 half bricks, 4 courses", 3, 3, 6, 4, false, 1.0},
+                                            {"3 half bricks, 8 courses", 3, 3, 4, 8, false, 1.0}}};
+constexpr const char *kFineZones = "2 half bricks, 8 x 4 x 2 hexahedra", *kPrintedHollow = "2 half bricks, as printed",
+                     *kPrintedHollowLongStep = "2 half bricks, as printed, step 0.8";
+
+}  // namespace
+
 std::vector<RunSpec> hollow_runs(const Quality& q) {
-  return {shear_run(q, "2 half bricks", "hollow_wall", {}, 3.5),
-          shear_run(q, "2 half bricks, the other way", "hollow_wall", {"wall.opening.1.first_half_unit=3"}, 3.5),
-          shear_run(q, "3 half bricks", "hollow_wall",
-                    {"wall.opening.1.first_half_unit=3", "wall.opening.1.half_units=3"}, 3.0)};
+  std::vector<RunSpec> runs;
+  for (const Opening& o : kOpenings) {
+    std::vector<std::string> overrides{fmt::format("wall.opening.1.first_half_unit={}", o.first_half_unit),
+                                       fmt::format("wall.opening.1.half_units={}", o.half_units),
+                                       fmt::format("wall.opening.1.first_course={}", o.first_course),
+                                       fmt::format("wall.opening.1.courses={}", o.courses)};
+    if (!o.shown) overrides.push_back("stage.shear.displacement=0.006");
+    runs.push_back(shear_run(q, o.name, "hollow_wall", overrides, o.cost));
+  }
+  runs.push_back(
+      shear_run(q, kFineZones, "hollow_wall", {"wall.zones=[8, 4, 2]", "stage.shear.displacement=0.006"}, 4.0));
+  runs.push_back(printed_run(kPrintedHollow, "hollow_wall", 0.01, 0.005, 0.6, {}, 2.0));
+  runs.push_back(printed_run(kPrintedHollowLongStep, "hollow_wall", 0.01, 0.005, 0.8, {}, 0.2));
+  return runs;
 }
 
 StudyReport report_hollow(const Findings& findings) {
   StudyReport report;
   Chart chart{"curves", "Wall with an opening, 0.30 MPa", "displacement of the top beam (mm)", "horizontal force (kN)"};
   std::vector<std::pair<std::string, const Curve*>> curves;
-  Table table{"Openings", {"opening", "peak", "at", "at 10 mm", "at 20 mm"}, {}};
-  int colour = 0;
+  Table table{"Openings", {"opening", "peak", "at", "at the end of the run"}, {}};
   chart.add_band("J2G, J3G peaks", Kind::recalled, 20, 40, 6);
-  for (const char* name : {"2 half bricks", "2 half bricks, the other way", "3 half bricks"}) {
+  std::vector<std::string> names;
+  for (const Opening& o : kOpenings) names.emplace_back(o.name);
+  for (const char* name : {kFineZones, kPrintedHollow}) names.emplace_back(name);
+  double low = 1e9, high = 0.0;
+  int colour = 0;
+  for (const std::string& name : names) {
     const Curve& c = findings.run(name).curve;
     curves.emplace_back(name, &c);
-    chart.add(name, c, colour++);
+    const auto opening =
+        std::find_if(kOpenings.begin(), kOpenings.end(), [&](const Opening& o) { return name == o.name; });
+    if (opening != kOpenings.end()) low = std::min(low, c.peak()), high = std::max(high, c.peak());
+    if (opening != kOpenings.end() && opening->shown) chart.add(name, c, colour++);
     table.rows.push_back({name, fmt::format("{:.1f} kN", c.peak()), fmt::format("{:.1f} mm", c.peak_displacement()),
-                          fmt::format("{:.1f} kN", c.force_at(10)), fmt::format("{:.1f} kN", c.last_force())});
+                          fmt::format("{:.1f} kN at {:.0f} mm", c.last_force(), c.displacement.back())});
   }
   const Curve& main = findings.run("2 half bricks").curve;
   draw(chart, findings, report, "Curves. Band: peaks of the tests as recalled [R].");
@@ -407,21 +554,28 @@ StudyReport report_hollow(const Findings& findings) {
   findings.add_cracks(report, "3 half bricks", "Opening of 3 half bricks.");
   report.tables.push_back(std::move(table));
   write_file(findings.folder() / "curves.csv", curves_csv(curves));
+  const double printed = findings.run(kPrintedHollow).curve.peak(), fine = findings.run(kFineZones).curve.peak(),
+               wide = findings.run("3 half bricks").curve.peak();
   report.verdicts.push_back(
       {"peak in the range of the tests (recalled: orientation only)", main.peak(), 30.0, "kN", Kind::recalled,
        main.peak() >= 20 && main.peak() <= 40,
-       fmt::format("{:.1f} kN at {:.1f} mm; recalled 20 to 40 kN", main.peak(), main.peak_displacement())});
-  const Curve& wide = findings.run("3 half bricks").curve;
+       fmt::format("{:.1f} kN at {:.1f} mm; recalled 20 to 40 kN. Eq. 1 as printed {:.1f} kN, finer zones {:.1f} kN, "
+                   "other openings {:.1f} to {:.1f} kN",
+                   main.peak(), main.peak_displacement(), printed, fine, low, high)});
   if (main.peak() > 40.0)
     report.differs = {fmt::format(
-        "The peak lies above the range that is recalled. The size of the opening, which is assumed, changes it most of "
-        "what was tested: {:.1f} kN with half a brick more of width. "
-        "The study of contact points adds a few per cent for the coarse zones, the pace its own (see the quality).",
-        wide.peak())};
+        "The peak lies above the range that is recalled. Neither damping and time step ({:.1f} kN by eq. 1 as printed) "
+        "nor the zones ({:.1f} kN with finer ones) are the cause. The assumed size of the opening is what matters, its "
+        "width above all: {:.1f} kN with half a brick more.",
+        printed, fine, wide)};
   report.notes = {
-      "The paper does not print the size of the opening. 2 half bricks by 6 courses is assumed; on the grid of half "
-      "bricks it cannot stand in the middle of 9, so both "
-      "neighbouring places are run, and 3 half bricks, which can: together they say what the assumption is worth."};
+      "The paper does not print the size of the opening; it says that it is at the centre. 2 half bricks by 6 courses "
+      "is "
+      "assumed; on the grid of half bricks it cannot stand in the middle of 9, so both neighbouring places are run, "
+      "and "
+      "odd widths, which can. No opening is chosen by its result: the verdict is that of the size assumed first.",
+      fmt::format("Eq. 1 as printed with a step of 0.8 of 2/omega_max, above its own limit of 0.745 (see rate): {}.",
+                  outcome_text(findings.outcome(kPrintedHollowLongStep)))};
   return report;
 }
 

@@ -57,6 +57,7 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
                                                             : "block";
   return {{"set", info.overrides},
           {"time_step_fraction", s.time_step_fraction},
+          {"critical_time_step", s.critical_time_step == CriticalTimeStep::nodal ? "nodal" : "assembled"},
           {"mass_scaling", s.mass_scaling},
           {"selective_time_step_s", s.selective_time_step},
           {"deformation_inertia", s.deformation_inertia},

@@ -19,7 +19,8 @@ struct Brick {
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
   bool beam = false;  // a rigid body beside the masonry
-  std::string body;   // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks
+  std::string body;   // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. What
+                      // is deformable can be loaded and its displacement followed, but not be held
   int unit = -1;      // masonry unit this block belongs to (pictures), -1: none
   int course = -1;
 };

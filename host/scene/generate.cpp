@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "scene/error.h"
+#include "scene/openings.h"
 
 namespace quoin {
 
@@ -32,30 +33,24 @@ class WallGrid {
   int unit(int course, int column) const { return unit_[at(course, column)]; }
   int& block(int course, int column) { return block_[at(course, column)]; }
   bool solid(int course, int column) const { return unit(course, column) >= 0; }
+  const WallSpec::Opening* lintel(int course, int column) const { return lintel_at(wall_.openings, course, column); }
 
  private:
   size_t at(int course, int column) const {
     return static_cast<size_t>(course) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
 
-  bool in_opening(int course, int column) const {
-    for (const auto& o : wall_.openings) {
-      if (course >= o.first_course && course < o.first_course + o.courses && column >= o.first_half_unit &&
-          column < o.first_half_unit + o.half_units)
-        return true;
-    }
-    return false;
-  }
-
-  // Units as the bricklayer sees them; a unit cut by an opening keeps the half that is left.
+  // Units as the bricklayer sees them; a unit cut by an opening or a lintel keeps the half that is left.
   void number_units() {
     int next = 0;
     for (int course = 0; course < wall_.courses; ++course) {
       bool starts_half = wall_.first_course == "half";
       if (wall_.bond == "running" && course % 2 == 1) starts_half = !starts_half;
       for (int column = 0; column < columns_; ++column) {
-        const bool second_half = column > 0 && (column % 2 == 1) != starts_half;
-        if (in_opening(course, column)) continue;
+        if (in_opening(wall_.openings, course, column)) continue;
+        const auto* const of = lintel(course, column);
+        const bool second_half = of ? column > of->lintel_first()
+                                    : column > 0 && (column % 2 == 1) != starts_half && !lintel(course, column - 1);
         const bool same_unit = second_half && solid(course, column - 1);
         unit_[at(course, column)] = same_unit ? unit(course, column - 1) : next++;
       }
@@ -91,7 +86,8 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
     for (int column = 0; column < grid.columns(); ++column) {
       if (!grid.solid(course, column)) continue;
       const bool same_unit = column > 0 && grid.unit(course, column - 1) == grid.unit(course, column);
-      if (same_unit && !wall.mid_unit_joints) {  // second half of a whole unit: lengthen its block
+      const auto* const lintel = grid.lintel(course, column);
+      if (same_unit && (lintel || !wall.mid_unit_joints)) {  // more of a whole unit or a lintel: lengthen its block
         const int block = grid.block(course, column - 1);
         grid.block(course, column) = block;
         Brick& brick = assembly.bricks[static_cast<size_t>(block)];
@@ -110,7 +106,8 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
         brick.zones = zones;
       }
       brick.parity = (column * zones[0] + course * zones[1]) % 2;
-      brick.material = unit_material;
+      brick.material =
+          lintel && !lintel->lintel_material.empty() ? index_of(materials, lintel->lintel_material) : unit_material;
       brick.unit = grid.unit(course, column);
       brick.course = course;
       assembly.bricks.push_back(brick);

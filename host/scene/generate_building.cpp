@@ -7,6 +7,7 @@
 
 #include "scene/error.h"
 #include "scene/generate.h"
+#include "scene/openings.h"
 
 namespace quoin {
 
@@ -27,6 +28,7 @@ using Corner = BuildingSpec::Corner;
 
 struct Builder {
   const BuildingSpec& spec;
+  const std::map<std::string, BlockMaterial>& materials;
   Assembly& assembly;
   int material, head, unit_family, bed, beam_family;
   int next_unit = 0;
@@ -43,13 +45,6 @@ struct Builder {
     if (micrometres(corner.at[along] + spec.thickness) == micrometres(wall.start[along])) return -1;
     if (micrometres(wall.start[along] + length(wall)) == micrometres(corner.at[along])) return +1;
     return 0;
-  }
-
-  bool in_opening(const Wall& wall, int course, int column) const {
-    return std::any_of(wall.openings.begin(), wall.openings.end(), [&](const WallSpec::Opening& o) {
-      return course >= o.first_course && course < o.first_course + o.courses && column >= o.first_half_unit &&
-             column < o.first_half_unit + o.half_units;
-    });
   }
 
   // The wall to whose unit the corner belongs in this course.
@@ -85,17 +80,28 @@ struct Builder {
         }
         const bool starts_half = corner_at_start ? corner_here : (wall.first_course == "half") != (course % 2 == 1);
         for (int column = 0; column < wall.half_units; ++column) {
-          if (in_opening(wall, course, column)) continue;
-          const bool second_half = column > 0 && (column % 2 == 1) != starts_half;
+          if (in_opening(wall.openings, course, column)) continue;
           const int before = column > 0 ? row[static_cast<size_t>(column) - 1] : -1;
+          const WallSpec::Opening* const lintel = lintel_at(wall.openings, course, column);
+          if (lintel && column > lintel->lintel_first()) {
+            row[static_cast<size_t>(column)] = before;
+            continue;
+          }
+          const bool second_half = column > 0 && (column % 2 == 1) != starts_half && !lintel &&
+                                   !lintel_at(wall.openings, course, column - 1);
           const int unit = second_half && before >= 0 ? assembly.bricks[static_cast<size_t>(before)].unit : next_unit++;
+          const int count = lintel ? lintel->lintel_length() : 1;
           const double at = column * wall.half_unit;
           const double height = spec.course_height;
           row[static_cast<size_t>(column)] =
-              x ? add({wall.start[0] + at, course * height, wall.start[1]}, {wall.half_unit, height, spec.thickness},
-                      spec.zones, unit, course)
-                : add({wall.start[0], course * height, wall.start[1] + at}, {spec.thickness, height, wall.half_unit},
-                      {spec.zones[2], spec.zones[1], spec.zones[0]}, unit, course);
+              x ? add({wall.start[0] + at, course * height, wall.start[1]},
+                      {count * wall.half_unit, height, spec.thickness},
+                      {count * spec.zones[0], spec.zones[1], spec.zones[2]}, unit, course)
+                : add({wall.start[0], course * height, wall.start[1] + at},
+                      {spec.thickness, height, count * wall.half_unit},
+                      {spec.zones[2], spec.zones[1], count * spec.zones[0]}, unit, course);
+          if (lintel && !lintel->lintel_material.empty())
+            assembly.bricks.back().material = index_of(materials, lintel->lintel_material);
         }
       }
     }
@@ -103,7 +109,8 @@ struct Builder {
       auto& blocks = corner_block.emplace_back();
       for (int course = 0; course < spec.courses; ++course) {
         const int neighbour = beside(corner, owner(corner, course), course);
-        const int unit = neighbour >= 0 ? assembly.bricks[static_cast<size_t>(neighbour)].unit : next_unit++;
+        const bool in_unit = neighbour >= 0 && !lintel_beside(corner, owner(corner, course), course);
+        const int unit = in_unit ? assembly.bricks[static_cast<size_t>(neighbour)].unit : next_unit++;
         blocks.push_back(add({corner.at[0], course * spec.course_height, corner.at[1]},
                              {spec.thickness, spec.course_height, spec.thickness},
                              {spec.zones[2], spec.zones[1], spec.zones[2]}, unit, course));
@@ -116,6 +123,11 @@ struct Builder {
     const Wall& w = spec.walls[static_cast<size_t>(wall)];
     const auto& row = column_block[static_cast<size_t>(wall)][static_cast<size_t>(course)];
     return end_at(w, corner) < 0 ? row.front() : row.back();
+  }
+
+  bool lintel_beside(const Corner& corner, int wall, int course) const {
+    const Wall& w = spec.walls[static_cast<size_t>(wall)];
+    return lintel_at(w.openings, course, end_at(w, corner) < 0 ? 0 : w.half_units - 1) != nullptr;
   }
 
   // Taken over the whole building the hexahedra form one grid; colouring it like a chessboard makes the diagonals of
@@ -148,12 +160,13 @@ struct Builder {
                       fmt::format("{}: half unit {} of course {} is in an opening: no beam can lie there",
                                   floor.source.text, floor.half_units[i], floor.course));
         Brick& brick = assembly.bricks[static_cast<size_t>(block)];
-        if (brick.rigid)
+        if (!brick.body.empty())
           throw Error(Exit::bad_input, fmt::format("{}: half unit {} of course {} carries a beam already",
                                                    floor.source.text, floor.half_units[i], floor.course));
+        brick.body = names[i];
+        if (!floor.rigid) continue;
         brick.rigid = brick.beam = true;
         brick.unit = next_unit++;  // bedded in mortar beside what is left of the unit, not grown together with it
-        brick.body = names[i];
       }
     }
   }
@@ -177,7 +190,7 @@ struct Builder {
   }
 
   void join(int a, int b, int face) {
-    if (a < 0 || b < 0) return;
+    if (a < 0 || b < 0 || a == b) return;
     const bool same = assembly.bricks[static_cast<size_t>(a)].unit == assembly.bricks[static_cast<size_t>(b)].unit;
     assembly.joints.push_back({a, b, face, same ? unit_family : head});
   }
@@ -202,12 +215,13 @@ struct Builder {
         }
       }
     }
-    // Beds from the bottom up: columns stand on each other.
+    // Beds from the bottom up: columns stand on each other; a lintel lies on and under several, each pair once.
+    std::set<std::pair<int, int>> done;
     auto bed_of = [&](const auto& block_at) {
       for (int course = 0; course < spec.courses; ++course) {
         const int below = course == 0 ? beam : block_at(static_cast<size_t>(course) - 1);
         const int above = block_at(static_cast<size_t>(course));
-        if (below >= 0 && above >= 0)
+        if (below >= 0 && above >= 0 && done.insert({below, above}).second)
           assembly.joints.push_back({below, above, kPlusY, course == 0 ? beam_family : bed});
       }
     };
@@ -233,6 +247,7 @@ Assembly generate_building(const BuildingSpec& building, const std::map<std::str
   for (const auto& [name, material] : materials) assembly.materials.push_back(material);
   for (const auto& [name, family] : joints) assembly.families.push_back(family);
   Builder builder{building,
+                  materials,
                   assembly,
                   index_of(materials, building.unit_material),
                   index_of(joints, building.head_joint),

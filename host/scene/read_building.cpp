@@ -1,6 +1,9 @@
 // The tables of a building and of its stages; host/scenes/README.md lists the keys.
 #include "scene/read_building.h"
 
+#include "scene/openings.h"
+#include "scene/read_opening.h"
+
 namespace quoin {
 
 using namespace reader;
@@ -9,7 +12,7 @@ namespace {
 
 using Wall = BuildingSpec::Wall;
 
-Wall read_wall(Table t, const BuildingSpec& b) {
+Wall read_wall(Table t, const BuildingSpec& b, const Scene& scene) {
   Wall w;
   w.source = {t.where()};
   t.text("name", w.name, "text, as \"B\"", true);
@@ -18,26 +21,9 @@ Wall read_wall(Table t, const BuildingSpec& b) {
   w.axis = axis == "x" ? 0 : 2;
   t.numbers("start", w.start, kAny, "m (x and z of the lowest corner)", true);
   const bool counted = t.integer("half_units", w.half_units, 1, 20000, true);
-  t.number("half_unit", w.half_unit, kPositive, "m (length)", true);
+  const bool measured = t.number("half_unit", w.half_unit, kPositive, "m (length)", true);
   t.choice("first_course", w.first_course, {"whole", "half"});
-  int index = 0;
-  for (const toml::table* table : t.tables("opening", "tables [[building.wall.opening]]")) {
-    Table o(t.context(), *table, fmt::format("{}.{}", t.path("opening"), ++index));
-    WallSpec::Opening opening{};
-    const int columns = counted ? w.half_units : 20000;
-    // Both are read, so that both can be at fault.
-    const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true);
-    const bool has_course = o.integer("first_course", opening.first_course, 0, b.courses - 1, true);
-    if (has_column && has_course) {
-      o.integer("half_units", opening.half_units, 1, columns - opening.first_half_unit, true);
-      o.integer("courses", opening.courses, 1, b.courses - opening.first_course, true);
-    } else {
-      o.accept("half_units");
-      o.accept("courses");
-    }
-    o.finish();
-    w.openings.push_back(opening);
-  }
+  w.openings = read_openings(t, {counted ? w.half_units : 0, b.courses, measured ? w.half_unit : 0.0}, scene.materials);
   t.finish();
   return w;
 }
@@ -54,6 +40,16 @@ void read_half_units(Table& t, std::vector<int>& values, int count) {
     if (!element.is_integer() || *value < 0 || *value >= count) return t.refuse("half_units", allowed);
     values.push_back(static_cast<int>(*value));
   }
+}
+
+void refuse_beams_in_lintels(Table& t, const BuildingSpec::Floor& floor, const Wall& wall) {
+  std::vector<std::string> taken;
+  for (const int half_unit : floor.half_units) {
+    if (lintel_at(wall.openings, floor.course, half_unit)) taken.push_back(std::to_string(half_unit));
+  }
+  if (!taken.empty())
+    t.refuse("half_units", fmt::format("half units beside lintels: {} of course {} {} part of one", join(taken),
+                                       floor.course, taken.size() == 1 ? "is" : "are"));
 }
 
 }  // namespace
@@ -82,7 +78,7 @@ BuildingSpec read_building(Table t, const Scene& scene) {
   std::vector<std::string> names;
   int index = 0;
   for (const toml::table* table : t.tables("wall", "tables [[building.wall]]", true)) {
-    b.walls.push_back(read_wall(Table(t.context(), *table, fmt::format("building.wall.{}", ++index)), b));
+    b.walls.push_back(read_wall(Table(t.context(), *table, fmt::format("building.wall.{}", ++index)), b, scene));
     const Wall& wall = b.walls.back();
     if (std::find(names.begin(), names.end(), wall.name) != names.end())
       t.context().fault(fmt::format("{}: a second wall '{}'; allowed: a name of its own", wall.source.text, wall.name));
@@ -112,8 +108,10 @@ BuildingSpec read_building(Table t, const Scene& scene) {
     floor.source = {f.where()};
     f.text("name", floor.name, "text, as \"floor_1\"", true);
     const bool known = wall_of(f, "wall", floor.wall);
-    f.integer("course", floor.course, 0, b.courses - 1, true);
+    const bool placed = f.integer("course", floor.course, 0, b.courses - 1, true);
     read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
+    if (known && placed) refuse_beams_in_lintels(f, floor, b.walls[static_cast<size_t>(floor.wall)]);
+    f.boolean("rigid_beams", floor.rigid);
     f.number("load", floor.load, kNotNegative, "N (downwards, all beams together)", true);
     f.finish();
     for (const BuildingSpec::Floor& other : b.floors) {

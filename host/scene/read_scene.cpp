@@ -16,6 +16,7 @@
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
+#include "scene/read_opening.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -79,7 +80,8 @@ SolverSettings read_solver(Table t, const Quality* quality) {
     only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
-  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1), "of 2/omega_max (0.6 is sound)");
+  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
+           "of the critical time step (0.6 of 2/omega_max is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
   if (quality) {
@@ -98,6 +100,15 @@ SolverSettings read_solver(Table t, const Quality* quality) {
         t.refuse(key,
                  "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
                  "15 % too strong); use damping = \"block\"");
+    }
+    std::string critical = "assembled";
+    t.choice("critical_time_step", critical, {"assembled", "nodal"});
+    if (critical == "nodal") {
+      s.critical_time_step = CriticalTimeStep::nodal;
+      if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
+        t.refuse("critical_time_step",
+                 "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+                 "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
     }
     const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
                                                         {"assembled", InternalForces::assembled},
@@ -293,7 +304,7 @@ WallSpec read_wall(Table t, const Scene& scene) {
     t.refuse("units_per_course", "a multiple of 0.5, as units are cut in half at most");
     has_units = false;
   }
-  t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  const bool has_unit = t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
   t.numbers("zones", w.zones, between(1, 64), "hexahedra per half unit along x, y, z");
   t.boolean("mid_unit_joints", w.mid_unit_joints);
   t.boolean("rigid_units", w.rigid_units);
@@ -321,27 +332,23 @@ WallSpec read_wall(Table t, const Scene& scene) {
   name_of("unit_joint", w.unit_joint, scene.joints, "joints", w.mid_unit_joints);
   name_of("beam_joint", w.beam_joint, scene.joints, "joints", beams);
 
-  int index = 0;
-  for (const toml::table* table : t.tables("opening", "tables [[wall.opening]]")) {
-    Table o(t.context(), *table, fmt::format("wall.opening.{}", ++index));
-    WallSpec::Opening opening{};
-    const int columns = has_units ? static_cast<int>(2 * w.units_per_course) : 20000;
-    const int courses = has_courses ? w.courses : 10000;
-    // Both are read, so that both can be at fault.
-    const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, columns - 1, true);
-    const bool has_course = o.integer("first_course", opening.first_course, 0, courses - 1, true);
-    if (has_column && has_course) {
-      o.integer("half_units", opening.half_units, 1, columns - opening.first_half_unit, true);
-      o.integer("courses", opening.courses, 1, courses - opening.first_course, true);
-    } else {
-      o.accept("half_units");
-      o.accept("courses");
-    }
-    o.finish();
-    w.openings.push_back(opening);
-  }
+  w.openings = read_openings(t,
+                             {has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0,
+                              has_unit ? w.unit[0] / 2 : 0},
+                             scene.materials);
   t.finish();
   return w;
+}
+
+// Deformable blocks that can be loaded.
+std::vector<std::string> loaded_names(const Scene& scene) {
+  std::vector<std::string> names;
+  if (!scene.building) return names;
+  for (const BuildingSpec::Floor& floor : scene.building->floors) {
+    if (floor.rigid) continue;
+    for (const std::string& body : floor.bodies()) names.push_back(body);
+  }
+  return names;
 }
 
 // What the wall offers to be moved.
@@ -350,6 +357,7 @@ std::vector<std::string> body_names(const Scene& scene) {
   if (scene.building) {
     names.push_back("bottom_beam");
     for (const BuildingSpec::Floor& floor : scene.building->floors) {
+      if (!floor.rigid) continue;
       for (const std::string& body : floor.bodies()) names.push_back(body);
     }
   }
@@ -359,8 +367,9 @@ std::vector<std::string> body_names(const Scene& scene) {
   return names;
 }
 
-BodyControl read_control(Table t, const std::vector<std::string>& bodies) {
+BodyControl read_control(Table t, std::vector<std::string> bodies, const std::vector<std::string>& loaded) {
   BodyControl c;
+  bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   t.choice("body", c.body, bodies, true);
   t.velocity(c, false);
   if (t.numbers("force", c.force, kAny, "N")) {
@@ -369,6 +378,11 @@ BodyControl read_control(Table t, const std::vector<std::string>& bodies) {
         t.refuse("force", "0 along components whose velocity is prescribed; make them \"free\" in velocity");
     }
   }
+  if (std::find(loaded.begin(), loaded.end(), c.body) != loaded.end() &&
+      std::find(c.kind.begin(), c.kind.end(), DofKind::velocity) != c.kind.end())
+    t.refuse("body",
+             "a rigid body, or velocity = [\"free\", \"free\", \"free\"]: half units of a floor without "
+             "rigid_beams can be loaded but not moved");
   t.finish();
   return c;
 }
@@ -434,8 +448,8 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
     read_push(t, stage, *scene.building);
   } else if (kind_known) {
     for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
-      stage.controls.push_back(
-          read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)), bodies));
+      stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
+                                            bodies, loaded_names(scene)));
     read_monitor(t, stage, &bodies);
     if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !t.has("equilibrium_ratio") &&
         !t.has("displacement") && !t.has("duration"))

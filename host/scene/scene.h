@@ -49,8 +49,13 @@ enum class DampingKind { none, local, viscous, block };
 // zone by zone and block by block, as for blocks without companions. automatic: zones where a group has few blocks.
 enum class InternalForces { automatic, assembled, zones };
 
+// What a fraction of the time step refers to. assembled: 2/omega_max, the true limit. nodal: eq. 3 read literally,
+// 2 sqrt(m/k) with the diagonal stiffness of a gridpoint, which blocks of several zones do not survive.
+enum class CriticalTimeStep { assembled, nodal };
+
 struct SolverSettings {
-  double time_step_fraction = 0.6;   // of 2/omega_max of the undamaged assembled system
+  double time_step_fraction = 0.6;  // of the critical time step of the undamaged assembled system
+  CriticalTimeStep critical_time_step = CriticalTimeStep::assembled;
   double mass_scaling = 1.0;         // factor on inertia (not on weight); 1: none
   double selective_time_step = 0.0;  // s; > 0: nodal inertia is raised just where this step needs it
   double deformation_inertia = 1.0;  // factor on the inertia against deformation of blocks (model/rigid_motion.h)
@@ -69,6 +74,7 @@ struct SolverSettings {
 enum class DofKind { free, velocity };
 
 // Control of the bodies of one name (a beam, a row of rigid units, a block) during a stage, component by component.
+// Deformable blocks of walls and buildings can be loaded only: their gridpoints share the force by their mass.
 struct BodyControl {
   std::string body;  // "top_beam", "top_course"
   std::array<DofKind, 3> kind{DofKind::velocity, DofKind::velocity, DofKind::velocity};
@@ -167,7 +173,22 @@ struct WallSpec {
   std::string unit_material;
   std::string bed_joint, head_joint, unit_joint, beam_joint;  // joint families
   struct Opening {                                            // in half units and courses, from the lower left
-    int first_half_unit, half_units, first_course, courses;
+    int first_half_unit = 0, half_units = 0, first_course = 0, courses = 0;
+    // The lintel, a block of its own in the course above the opening, reaches so many half units over either side of
+    // it. 0: none.
+    int bearing = 0;
+    std::string lintel_material;  // empty: that of the units
+    bool covers(int course, int half_unit) const {
+      return course >= first_course && course < first_course + courses && half_unit >= first_half_unit &&
+             half_unit < first_half_unit + half_units;
+    }
+    int lintel_course() const { return first_course + courses; }
+    int lintel_first() const { return first_half_unit - bearing; }
+    int lintel_length() const { return half_units + 2 * bearing; }
+    bool lintel_covers(int course, int half_unit) const {
+      return bearing > 0 && course == lintel_course() && half_unit >= lintel_first() &&
+             half_unit < lintel_first() + lintel_length();
+    }
   };
   std::vector<Opening> openings;
   double beam_height = 0.1, beam_density = 7850.0;  // rigid beams below and above
@@ -202,14 +223,15 @@ struct BuildingSpec {
     Source source;
   };
   std::vector<Corner> corners;
-  // Beams of a floor: rigid bodies NAME_1, NAME_2, ... in place of half units of one course, which together carry
-  // `load`.
+  // Beams of a floor: bodies NAME_1, NAME_2, ... in place of half units of one course, which together carry `load`.
+  // They are these half units themselves, whose gridpoints share the forces, or rigid ones bedded in mortar.
   struct Floor {
     std::string name;
     int wall = 0, course = 0;
     std::vector<int> half_units;
     double load = 0.0;  // N
     Source source;
+    bool rigid = true;
     std::vector<std::string> bodies() const;
   };
   std::vector<Floor> floors;

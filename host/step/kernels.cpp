@@ -233,6 +233,7 @@ struct GroupData {
         v(step_in.velocity + static_cast<std::size_t>(group.first_line) * kLine),
         dt_over_mass(step_in.dt_over_mass + static_cast<std::size_t>(group.first_line) * kLine),
         shared_dt_over_mass(step_in.shared_dt_over_mass[index]),
+        load(step_in.load[index]),
         scratch(scratch_in, doubles) {
     for (int lane = 0; lane < kLanes; ++lane) in_use[lane] = lane < group.block_count ? 1.0 : 0.0;
   }
@@ -249,6 +250,7 @@ struct GroupData {
   double* const v;
   const double* const dt_over_mass;
   const double* const shared_dt_over_mass;  // null: not shared
+  const double* const load;                 // null: none
   alignas(64) double in_use[kLanes];        // lanes that hold blocks
   GroupScratch scratch;
 };
@@ -350,7 +352,8 @@ HWY_INLINE void group_forces(const GroupData* groups) {
         const GroupData& g = groups[b];
         for (int p = 0; p < kParts; ++p) {
           const int i = n * kLine + c * kLanes + p * kWidth;
-          const V force = hn::Add(f[b][c][p], weight);
+          V force = hn::Add(f[b][c][p], weight);
+          if (g.load) force = hn::MulAdd(hn::Set(d, mass), hn::Load(d, g.load + c * kLanes + p * kWidth), force);
           V after = force;
           if (kDamping == DampingKind::local) {
             const V damping = local_damping(gamma, force, hn::Load(d, g.v + i));
@@ -634,9 +637,10 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
     V squared[kParts];
     for (int p = 0; p < kParts; ++p) squared[p] = zero;
     for (int c = 0; c < 3; ++c) {
-      const V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
       for (int p = 0; p < kParts; ++p) {
         const int i = n * kLine + c * kLanes + p * kWidth;
+        V weight = hn::Set(d, mass * step.gravity[static_cast<std::size_t>(c)]);
+        if (g.load) weight = hn::MulAdd(hn::Set(d, mass), hn::Load(d, g.load + c * kLanes + p * kWidth), weight);
         const V before = hn::Load(d, s.velocity + i), after = hn::Load(d, g.v + i), inertia = inertia_at(g, n, c, p);
         const V damping = hn::Load(d, s.damping + i);
         // Local damping is part of the net force, beta K v of the internal force.

@@ -32,9 +32,11 @@ struct StepData {
   const RigidMotion* block_motion = nullptr;  // by block group; null: not needed
   const RigidMotion* unit_motion = nullptr;   // by unit group; null: not needed
   std::size_t scratch_doubles = 0;            // of each block of a unit
-  const double* normal_shift = nullptr;       // by contact point, added to the opening; null: none
-  const double* traction[3] = {};             // sigma, tau_s, tau_t by contact point
-  double* force[3] = {};                      // x, y, z on side a by contact point, then a dummy that stays 0
+  // By block group: acceleration that loads give its blocks, [component][lane], m/s2; null: none of them is loaded.
+  const double* const* load = nullptr;
+  const double* normal_shift = nullptr;  // by contact point, added to the opening; null: none
+  const double* traction[3] = {};        // sigma, tau_s, tau_t by contact point
+  double* force[3] = {};                 // x, y, z on side a by contact point, then a dummy that stays 0
 };
 
 // What a measured step records of a unit group or a rigid body. Work is split into the half step that ends at the

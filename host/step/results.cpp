@@ -79,6 +79,7 @@ void transfer(Archive&& archive, Simulation::Impl& s) {
   archive.array(s.normal_shift);
   archive.array(s.body_lanes);
   archive.array(s.ramps);
+  archive.array(s.load_ramps);
   archive.value(s.gravity_from);
   archive.value(s.gravity_to);
   archive.value(s.data.gravity);
@@ -97,7 +98,7 @@ void transfer(Archive&& archive, Simulation::Impl& s) {
   archive.value(s.in_stage);
 }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '2'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '3'};
 
 }  // namespace
 
@@ -380,7 +381,8 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   }
   const std::vector<std::uint8_t> undo = save();
   const auto sizes = [&] {
-    std::vector<std::size_t> all{s.displacement.size(), s.velocity.size(), s.body_lanes.size(), s.ramps.size()};
+    std::vector<std::size_t> all{s.displacement.size(), s.velocity.size(), s.body_lanes.size(), s.ramps.size(),
+                                 s.load_ramps.size()};
     for (const auto& column : s.traction) all.push_back(column.size());
     for (const auto& columns : s.law_state) all.push_back(columns.size());
     return all;

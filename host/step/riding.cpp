@@ -33,8 +33,8 @@ void Simulation::Impl::build_riding(std::vector<std::shared_ptr<const Material>>
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
     for (const BodyControl& control : s.controls) block_named(control.body, s.source.text);
-    for (const PointForce& load : s.forces) block_named(load.block, s.source.text);
-    for (const FacePressure& load : s.pressures) block_named(load.block, s.source.text);
+    for (const PointForce& given : s.forces) block_named(given.block, s.source.text);
+    for (const FacePressure& given : s.pressures) block_named(given.block, s.source.text);
     const std::string& watched = s.monitor.empty() ? scene.output.monitor : s.monitor;
     if (!watched.empty()) block_named(watched, s.source.text + ": monitor");
     if (s.displacement && watched.empty())
@@ -139,28 +139,28 @@ void Simulation::Impl::add_loads(const Stage& settings) {
   blocks::Model& m = *riding;
   const auto& assembly = m.assembly();
   for (const PointForce& given : settings.forces) {
-    blocks::Load load{};
-    load.block = block_named(given.block, settings.source.text);
-    load.force = geometry::vector(given.force);
+    blocks::Load added{};
+    added.block = block_named(given.block, settings.source.text);
+    added.force = geometry::vector(given.force);
     // The point moves with its block.
-    load.point = m.position(load.block) +
-                 m.orientation(load.block) *
-                     (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(load.block)]);
-    m.add(load);
+    added.point = m.position(added.block) +
+                 m.orientation(added.block) *
+                     (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(added.block)]);
+    m.add(added);
   }
   for (const FacePressure& pressure : settings.pressures) {
-    blocks::Pressure load{};
-    load.block = block_named(pressure.block, settings.source.text), load.value = pressure.pressure;
-    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(load.block)];
+    blocks::Pressure added{};
+    added.block = block_named(pressure.block, settings.source.text), added.value = pressure.pressure;
+    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
     const geometry::Matrix turned = matrix(block.orientation);
     const auto towards = [&](std::size_t face) {
       return dot(turned * shape.normals[face], geometry::vector(pressure.normal));
     };
     for (std::size_t f = 1; f < shape.faces.size(); ++f) {
-      if (towards(f) > towards(static_cast<std::size_t>(load.face))) load.face = static_cast<int>(f);
+      if (towards(f) > towards(static_cast<std::size_t>(added.face))) added.face = static_cast<int>(f);
     }
-    m.add(load);
+    m.add(added);
   }
 }
 

@@ -162,10 +162,32 @@ void Simulation::Impl::apply_controls() {
   if (!whiffletree.empty()) pull_whiffletree();
 }
 
-// At the time of the last forces: displacements have moved on by one step since.
+double Simulation::Impl::mean_along_x(const LoadedBlock& block, const LaneVector<double>& field) const {
+  double sum = 0.0;
+  model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) { sum += mass * field[offset]; });
+  return sum / block.mass;
+}
+
+double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
+  const Floor& f = whiffletree[floor];
+  double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
+  for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
+  return sum / f.count();
+}
+
 double Simulation::Impl::floor_displacement(std::size_t floor) const {
-  return mean_of(whiffletree[floor], &BodyLanes::displacement)[0] -
-         data.time_step * mean_of(whiffletree[floor], &BodyLanes::velocity)[0];
+  const Floor& f = whiffletree[floor];
+  double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
+  for (const int i : f.loaded) rate += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], velocity);
+  return floor_displacement_now(floor) - data.time_step * rate / f.count();
+}
+
+void Simulation::Impl::apply_load(std::size_t loaded) {
+  const LoadedBlock& block = loaded_blocks[loaded];
+  const Model::BlockPlace& where = model.place[static_cast<std::size_t>(block.block)];
+  const auto first = static_cast<std::size_t>(load_of_group[static_cast<std::size_t>(where.group)] - load.data());
+  for (std::size_t c = 0; c < 3; ++c)
+    load[first + c * kLanes + static_cast<std::size_t>(where.lane)] = load_ramps[loaded].now[c] / block.mass;
 }
 
 void Simulation::Impl::pull_whiffletree() {
@@ -180,13 +202,17 @@ void Simulation::Impl::pull_whiffletree() {
   }
   // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
   double mean = 0.0;
-  for (const std::vector<int>& floor : whiffletree)
-    mean += mean_of(floor, &BodyLanes::displacement)[0] / static_cast<double>(whiffletree.size());
+  for (std::size_t f = 0; f < whiffletree.size(); ++f)
+    mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
   const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
-  for (const std::vector<int>& floor : whiffletree) {
-    for (const int body : floor) {
+  for (const Floor& floor : whiffletree) {
+    for (const int body : floor.bodies) {
       const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
-      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / static_cast<double>(floor.size());
+      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
+    }
+    for (const int i : floor.loaded) {
+      load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
+      apply_load(static_cast<std::size_t>(i));
     }
   }
 }
@@ -205,6 +231,11 @@ void Simulation::Impl::follow_ramps() {
       lanes.prescribed_velocity[c][lane] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
       lanes.applied_force[c][lane] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
     }
+  }
+  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+    LoadRamp& of_block = load_ramps[i];
+    for (std::size_t c = 0; c < 3; ++c) of_block.now[c] = between(of_block.from[c], of_block.to[c]);
+    apply_load(i);
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
   controls_settled = s >= 1.0;
@@ -287,8 +318,29 @@ HistoryRow Simulation::Impl::measure() const {
         whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(static_cast<int>(b))[direction] - weight
                                                           : lanes.applied_force[direction][lane]);
   }
+  for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
   row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
+}
+
+// What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
+void Simulation::Impl::require_finite(const HistoryRow& row) const {
+  const std::pair<const char*, double> values[] = {
+      {"kinetic energy", row.kinetic_energy},
+      {"displacement of the monitor", row.displacement},
+      {"force on the monitor", row.resistance},
+      {"largest displacement", row.largest_displacement},
+      {"energy balance", row.energies.value_or(Energies{}).balance_error()},
+  };
+  for (const auto& [name, value] : values) {
+    if (std::isfinite(value)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check the velocities "
+                            "and forces of the stage, or reduce solver.time_step_fraction (the time step is {:.4g} s, "
+                            "{:g} of 2/omega_max)",
+                            scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
+                            data.time_step, data.time_step / time_step.critical.value));
+  }
 }
 
 Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
@@ -390,10 +442,17 @@ void Simulation::Impl::begin_stage(int index) {
 
 void Simulation::Impl::control_bodies(const Stage& settings) {
   for (const BodyControl& control : settings.controls) {
-    if (model.bodies_named(control.body).empty()) {
+    const bool deformable = !model.deformable_blocks_named(control.body).empty();
+    if (model.bodies_named(control.body).empty() && !deformable) {
       throw Error(Exit::bad_input,
-                  fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no rigid block of "
+                  fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no block of "
                               "that name",
+                              settings.source.text, settings.name, control.body));
+    }
+    if (deformable && control.kind != std::array{DofKind::free, DofKind::free, DofKind::free}) {
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' holds or moves '{}', a deformable block: it can only be loaded; make all "
+                              "of its velocity \"free\"",
                               settings.source.text, settings.name, control.body));
     }
   }
@@ -430,6 +489,13 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
       body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
       body.prescribed[c + 3][lane] = controlled && !control->may_turn ? 1.0 : 0.0;
     }
+  }
+  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+    const std::string& name = model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body;
+    const auto control = std::find_if(settings.controls.begin(), settings.controls.end(),
+                                      [&](const BodyControl& c) { return c.body == name; });
+    load_ramps[i].from = load_ramps[i].now;
+    load_ramps[i].to = control != settings.controls.end() ? control->force : Vec3{};
   }
   monitor = new_monitor;
   monitor_start = mean_of(monitor, &BodyLanes::displacement);
@@ -478,20 +544,42 @@ void Simulation::Impl::choose_damping() {
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
+void Simulation::Impl::find_loaded_blocks() {
+  std::vector<int> place(model.groups.size(), -1);
+  int count = 0;
+  for (std::size_t i = 0; i < model.assembly.bricks.size(); ++i) {
+    const Brick& brick = model.assembly.bricks[i];
+    if (brick.rigid || brick.body.empty()) continue;
+    LoadedBlock& loaded = loaded_blocks.emplace_back();
+    loaded.block = static_cast<int>(i);
+    model.for_each_gridpoint(loaded.block, [&](std::size_t, double mass) { loaded.mass += mass; });
+    int& group = place[static_cast<std::size_t>(model.place[i].group)];
+    if (group < 0) group = count++;
+  }
+  load.assign(static_cast<std::size_t>(count) * kLine, 0.0);
+  for (const int group : place) load_of_group.push_back(group < 0 ? nullptr : load.data() + group * kLine);
+  load_ramps.resize(loaded_blocks.size());
+}
+
 void Simulation::Impl::bind_whiffletree() {
   whiffletree.clear();
   if (stage < 0 || !scene.stages[static_cast<std::size_t>(stage)].whiffletree) return;
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   for (const auto& floor : settings.whiffletree->floors) {
-    auto& indices = whiffletree.emplace_back();
+    Floor& indices = whiffletree.emplace_back();
     for (const std::string& name : floor) {
       const std::vector<int> named = model.bodies_named(name);
-      indices.insert(indices.end(), named.begin(), named.end());
-      if (named.empty())
-        throw Error(Exit::bad_input,
-                    fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no rigid block "
-                                "of that name",
-                                settings.source.text, settings.name, name));
+      indices.bodies.insert(indices.bodies.end(), named.begin(), named.end());
+      bool found = !named.empty();
+      for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+        if (model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body != name) continue;
+        indices.loaded.push_back(static_cast<int>(i));
+        found = true;
+      }
+      if (!found)
+        throw Error(Exit::bad_input, fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no block "
+                                                 "of that name",
+                                                 settings.source.text, settings.name, name));
     }
   }
 }
@@ -523,6 +611,11 @@ double Simulation::Impl::stage_fraction() const {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   double fraction = 0.0;
   if (settings.duration) fraction = stage_time() / *settings.duration;
+  if (settings.collapse) {
+    // Where it will end is not known; the limit ends it for certain, and frames and progress go by it.
+    const Collapse& c = *settings.collapse;
+    fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - c.start) / (c.limit - c.start)));
+  }
   if (settings.displacement && riding) {
     const auto c = static_cast<std::size_t>(settings.direction);
     fraction =
@@ -660,6 +753,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
     for (auto& column : energy_columns) column.assign(points, 0.0);
   }
   ramps.resize(model.bodies.size());
+  find_loaded_blocks();
   measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
   body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
   body_place.resize(model.bodies.size());
@@ -717,6 +811,7 @@ void Simulation::Impl::bind_columns() {
   data.velocity = velocity.data();
   data.dt_over_mass = dt_over_mass.data();
   data.shared_dt_over_mass = shared_dt_over_mass.data();
+  data.load = load_of_group.data();
   data.deformation_inertia = inertia.deformation;
   data.unit_inertia = inertia.unit;
   data.block_motion = inertia.rigid.block.empty() ? nullptr : inertia.rigid.block.data();
@@ -851,13 +946,7 @@ void Simulation::run(Observer& observer) {
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       if (row || done) {
         const HistoryRow now = s.measure();
-        if (!std::isfinite(now.kinetic_energy)) {
-          throw Error(
-              Exit::numerical,
-              fmt::format(
-                  "velocities are not numbers at step {} of stage '{}'; the time step is {:.4g} s, {:g} of 2/omega_max",
-                  s.stage_step, settings.name, s.data.time_step, s.data.time_step / s.time_step.critical.value));
-        }
+        s.require_finite(now);
         observer.on_row(now);
         while (s.next_row < s.stage_step) s.next_row += interval;
       }

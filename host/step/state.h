@@ -35,6 +35,17 @@ struct BodyRamp {
   Vec3 force_from{}, force_to{};
 };
 
+// A deformable block that controls can load.
+struct LoadedBlock {
+  int block = -1;
+  double mass = 0.0;  // kg, without scaling
+};
+
+// Force on it through a stage: from what was to what shall be, over the ramp.
+struct LoadRamp {
+  Vec3 from{}, to{}, now{};  // N
+};
+
 // What does not change about the bodies of a group, by lane.
 struct BodyGroupInertia {
   alignas(64) double weighing_mass[kLanes];       // kg, without scaling
@@ -81,20 +92,27 @@ struct Simulation::Impl {
   void apply_controls();
   void follow_ramps();
   void pull_whiffletree();
-  double floor_displacement(std::size_t floor) const;  // along x, of the floor's bodies on average, m
+  // Along x, of the floor's bodies and blocks on average, m: as displacements are now; and at the time of the last
+  // forces, a step before.
+  double floor_displacement_now(std::size_t floor) const;
+  double floor_displacement(std::size_t floor) const;
+  double mean_along_x(const LoadedBlock& block, const LaneVector<double>& field) const;  // by the mass of gridpoints
+  void apply_load(std::size_t loaded);  // what load_ramps has now, to the block's group
   void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
   [[noreturn]] void report_failed_points();
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
   void control_bodies(const Stage& settings);  // and find the monitor
-  void bind_whiffletree();                     // bodies of the stage's floors
-  void bind_controls();                        // lists that follow from ramps and prescribed components
+  void find_loaded_blocks();
+  void bind_whiffletree();  // bodies and blocks of the stage's floors
+  void bind_controls();     // lists that follow from ramps and prescribed components
   void find_bodies_at_rest();
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
+  void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
   // Translation + rotation x arm of a rigid body at a reference position.
@@ -147,6 +165,7 @@ struct Simulation::Impl {
   LaneVector<double> normal_shift;            // by contact point: added to the opening (laws swapped in); else empty
   std::vector<BodyLanes> body_lanes;          // body groups, then lone bodies
   std::vector<BodyRamp> ramps;
+  std::vector<LoadRamp> load_ramps;  // by loaded block
   Vec3 gravity_from{}, gravity_to{};
   long step_count = 0;
   int stage = -1;
@@ -186,10 +205,17 @@ struct Simulation::Impl {
   double unbalanced_ratio = 0.0;
   std::optional<Energies> energies;
   double kinetic = 0.0;
-  std::vector<int> monitor;                   // bodies that the history shows
-  std::vector<std::vector<int>> whiffletree;  // bodies of each floor, in stages that have one
-  bool controls_settled = true;               // the ramp of the stage is over
-  bool rest_known = true;                     // at_rest of all bodies is up to date
+  std::vector<int> monitor;  // bodies that the history shows
+  struct Floor {
+    std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
+    double count() const { return static_cast<double>(bodies.size() + loaded.size()); }
+  };
+  std::vector<Floor> whiffletree;            // in stages that have one
+  std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
+  LaneVector<double> load;                   // of groups with loaded blocks: [component][lane], m/s2
+  std::vector<const double*> load_of_group;  // by group, into load; null: none
+  bool controls_settled = true;              // the ramp of the stage is over
+  bool rest_known = true;                    // at_rest of all bodies is up to date
   bool want_energy = false;
   bool keep_diagnostics = false;
 

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "support.h"
 
@@ -94,6 +97,39 @@ TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
     Inertia inertia;
     EXPECT_EQ(!choose_time_step(model, settings, &inertia).warning().empty(), warned) << gamma << " " << fraction;
   }
+}
+
+// Eq. 3 read literally, from the diagonal of K found column by column. Bodies do not set it: theirs is longer.
+TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
+  const Assembly assembly = sandwich();
+  const Model model(assembly, make_materials(assembly));
+  SolverSettings settings;
+  settings.critical_time_step = CriticalTimeStep::nodal;
+  Inertia inertia;
+  const TimeStepReport report = choose_time_step(model, settings, &inertia, Limits::critical);
+  const auto gridpoints = static_cast<std::size_t>(model.line_count * kLine);
+  std::vector<double> unit(gridpoints + 6 * model.bodies.size(), 0.0), column;
+  double shortest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < gridpoints; ++i) {
+    unit[i] = 1.0;
+    apply_undamaged_stiffness(model, unit, &column);
+    unit[i] = 0.0;
+    if (inertia.node[i] > 0.0 && column[i] > 0.0)
+      shortest = std::min(shortest, 2.0 * std::sqrt(inertia.node[i] / column[i]));
+  }
+  EXPECT_NEAR(report.nodal.value, shortest, 1e-12 * shortest);  // sums in another order
+  EXPECT_DOUBLE_EQ(report.time_step, settings.time_step_fraction * report.nodal.value);
+  EXPECT_GT(report.nodal.value, 1.02 * report.critical.value);
+  settings.time_step_fraction = 1.0;
+  Inertia again;
+  EXPECT_NE(choose_time_step(model, settings, &again).warning().find("unstable"), std::string::npos);
+}
+
+TEST(TimeStep, NodalStepIsUnstableForBricksOfSeveralZones) {
+  Scene scene = bare_scene(1.0);
+  EXPECT_LT(largest_after(bare_scene(0.98), sandwich(), 3000), 1e-3);
+  scene.solver.critical_time_step = CriticalTimeStep::nodal;
+  EXPECT_GT(largest_after(scene, sandwich(), 3000), 1e3);
 }
 
 TEST(TimeStep, MassScalingIsReported) {

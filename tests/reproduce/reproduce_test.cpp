@@ -12,11 +12,14 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "reproduce/building_layouts.h"
 #include "reproduce/chart.h"
 #include "reproduce/curve.h"
 #include "reproduce/page.h"
 #include "reproduce/study.h"
 #include "results/result_folder.h"
+#include "scene/generate.h"
+#include "scene/read_scene.h"
 
 namespace {
 
@@ -168,6 +171,23 @@ TEST_F(Reproduce, RunsAreComputedOnceAndUnfinishedOnesAgain) {
   EXPECT_THAT(error_, HasSubstr("4 runs, 0 of them done before"));
 }
 
+// The same tiny wall: the run at the step of eq. 3 fails, which is its result, and is not made again.
+TEST_F(Reproduce, RunsThatMayFailAreResults) {
+  const std::string tiny =
+      "rate --quality fast --set wall.courses=2 --set wall.units_per_course=1 "
+      "--set stage.shear.displacement=2e-5 --set stage.shear.ramp_time=1e-4 " +
+      results();
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  int failed = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "results/runs"))
+    failed += nlohmann::json::parse(read_all(entry.path() / "summary.json"))["status"] == "failed";
+  EXPECT_GE(failed, 1);
+  EXPECT_THAT(read_all(folder_ / "results/rate/section.html"), HasSubstr("numerical failure at step"));
+  EXPECT_EQ(nlohmann::json::parse(read_all(folder_ / "results/verdict.json")).size(), 2u);
+  ASSERT_EQ(quoin(tiny), 0) << error_;
+  EXPECT_THAT(error_, Not(HasSubstr("done before")));  // nothing was left to do
+}
+
 TEST(Curve, ReadsWhatPeopleRead) {
   quoin::reproduce::Curve curve;
   for (int i = 0; i <= 400; ++i) {
@@ -190,6 +210,69 @@ TEST(Curve, ReadsWhatPeopleRead) {
   for (std::size_t i = 0; i < curve.size(); ++i)
     curve.force[i] += 0.2 * std::sin(2 * M_PI * curve.displacement[i] / 0.05);
   EXPECT_NEAR(curve.roughness(0.05, 0.1, 1.9), 0.2 / std::sqrt(2.0) / curve.peak(), 0.1 * 0.2 / curve.peak());
+}
+
+// Every layout that is run is a scene, which has the blocks and half units that the layout was chosen for. Corners
+// count one half unit in the layout and have half of its zones in the scene.
+TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
+  using namespace quoin::reproduce;
+  const auto blocks_and_zones = [](const std::string& scene, const std::vector<std::string>& overrides) {
+    const quoin::Assembly assembly =
+        quoin::assemble(quoin::read_scene(std::string(QUOIN_SCENES "/") + scene, overrides));
+    std::pair<int, int> count{-1, 0};  // the beam below everything
+    for (const quoin::Brick& b : assembly.bricks) {
+      ++count.first;
+      if (!b.rigid) count.second += 5 * b.zones[0] * b.zones[1] * b.zones[2];
+    }
+    return count;
+  };
+  EXPECT_EQ(blocks_and_zones("pavia_door.toml", {}), std::pair(996, 81600));
+  int fitting = 0;
+  for (const DoorLayout& layout : door_layouts()) {
+    EXPECT_EQ(layout.count().blocks, kTableD.blocks);
+    EXPECT_EQ(layout.count().half_units, kTableD.half_units);
+    if (!why_not(layout).empty()) continue;
+    ++fitting;
+    EXPECT_EQ(blocks_and_zones("pavia_door.toml", layout.overrides()), std::pair(996, 81600)) << layout.name();
+  }
+  EXPECT_EQ(fitting, 3);
+  fitting = 0;
+  for (const WindowLayout& layout : window_layouts()) {
+    const Count count = layout.count();
+    EXPECT_LE(std::abs(count.blocks - kTableABC.blocks), 2);
+    EXPECT_LE(std::abs(count.half_units - kTableABC.half_units), 2);
+    if (!why_not(layout).empty()) continue;
+    ++fitting;
+    const auto [blocks, zones] = blocks_and_zones("pavia_window.toml", layout.overrides());
+    // Where beams count besides, 22 half units became beams: they are in the wall and not beside it.
+    const int besides = layout.beams_besides ? 22 : 0;
+    EXPECT_EQ(blocks, count.blocks - besides) << layout.name();
+    EXPECT_EQ(zones, kZonesPerHalfUnit * (count.half_units - 2 * besides - 40)) << layout.name();
+  }
+  EXPECT_EQ(fitting, 3);
+}
+
+TEST(Curve, DistanceIsTheLargestGapOverThePeakOfTheSecond) {
+  quoin::reproduce::Curve low, high;
+  for (int i = 0; i <= 100; ++i) {
+    for (auto* c : {&low, &high}) c->displacement.push_back(0.01 * i);
+    low.force.push_back(0.1 * i);
+    high.force.push_back(i < 50 ? 0.1 * i : 0.1 * i + 2.0);  // peak 12
+  }
+  EXPECT_NEAR(quoin::reproduce::curve_distance(low, high, 0.1, 0.45), 0.0, 1e-9);
+  EXPECT_NEAR(quoin::reproduce::curve_distance(low, high, 0.1, 0.9), 100.0 * 2.0 / 12.0, 1e-9);
+}
+
+// Eq. 1 as printed, whatever a quality says; only steps above 1/sqrt(1.8) of 2/omega_max may fail.
+TEST(Studies, PrintedRunsAreEquation1) {
+  using quoin::reproduce::printed_run;
+  const auto sound = printed_run("a", "solid_wall_121", 0.01, 0.0025, 0.74);
+  for (const char* o : {"solver.damping=local", "solver.local_damping=0.8", "solver.time_step_fraction=0.74",
+                        "stage.shear.velocity=0.01", "stage.shear.displacement=0.0025", "stage.shear.ramp_time=0"})
+    EXPECT_THAT(sound.overrides, ::testing::Contains(std::string(o)));
+  EXPECT_EQ(sound.overrides.size(), 6u);
+  EXPECT_FALSE(sound.may_fail);
+  EXPECT_TRUE(printed_run("b", "solid_wall_121", 0.01, 0.0025, 0.75).may_fail);
 }
 
 TEST(Studies, HaveRunsWithNamesOfTheirOwn) {

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <vector>
 
 #include "scene/read_scene.h"
 
@@ -115,6 +118,109 @@ TEST(GenerateWall, OpeningsLeaveHalfUnits) {
   }
 }
 
+// Area of the horizontal joints below a course, from the overlap of their blocks: independent of the joints' points.
+double bed_area_below(const Assembly& a, double y) {
+  double area = 0.0;
+  for (const Joint& j : a.joints) {
+    const Brick &below = a.bricks[static_cast<size_t>(j.block_a)], &above = a.bricks[static_cast<size_t>(j.block_b)];
+    if (j.face_a != 3 || std::abs(above.origin[1] - y) > 1e-9) continue;
+    double overlap = 1.0;
+    for (const size_t c : {size_t{0}, size_t{2}})
+      overlap *= std::min(below.origin[c] + below.size[c], above.origin[c] + above.size[c]) -
+                 std::max(below.origin[c], above.origin[c]);
+    area += overlap;
+  }
+  return area;
+}
+
+const char* const kLintel =
+    "wall.opening=[{first_half_unit = 2, half_units = 5, first_course = 5, courses = 6, bearing = 0.11}]";
+
+// An opening of 5 half units, borne by one on each side: one block 7 half units long in place of 7.
+TEST(GenerateWall, ALintelIsOneBlock) {
+  const Assembly a = assemble(solid_wall({kLintel}));
+  const Counts c = count(a);
+  EXPECT_EQ(c.blocks, 144 - 5 * 6 - 6);
+  EXPECT_EQ(c.zones, (144 - 5 * 6) * 80);
+  std::vector<const Brick*> lintels;
+  for (const Brick& b : a.bricks) {
+    if (!b.rigid && b.size[0] > 0.2) lintels.push_back(&b);
+  }
+  ASSERT_EQ(lintels.size(), 1u);
+  const Brick& lintel = *lintels.front();
+  EXPECT_EQ(lintel.course, 11);
+  EXPECT_NEAR(lintel.origin[0], 0.11, 1e-12);
+  EXPECT_NEAR(lintel.origin[1], 11 * 0.0625, 1e-12);
+  EXPECT_NEAR(lintel.size[0], 0.77, 1e-12);
+  EXPECT_EQ(lintel.zones, (std::array<int, 3>{28, 2, 2}));
+  EXPECT_EQ(a.materials[static_cast<size_t>(lintel.material)].name, solid_wall().wall->unit_material);
+
+  // Mortar all round: a joint with each half unit that touches it, none of them inside a unit.
+  int beds = 0, heads = 0;
+  std::set<std::pair<int, int>> pairs;
+  for (const Joint& j : a.joints) {
+    EXPECT_TRUE(pairs.insert({j.block_a, j.block_b}).second) << "a pair of blocks joined twice";
+    EXPECT_NE(j.block_a, j.block_b);
+    const bool here =
+        &a.bricks[static_cast<size_t>(j.block_a)] == &lintel || &a.bricks[static_cast<size_t>(j.block_b)] == &lintel;
+    if (!here) continue;
+    ++(j.face_a == 3 ? beds : heads);
+    EXPECT_EQ(a.families[static_cast<size_t>(j.family)].name, "mortar");
+  }
+  EXPECT_EQ(beds, 2 + 7);
+  EXPECT_EQ(heads, 2);
+  EXPECT_NEAR(bed_area_below(a, 11 * 0.0625), (0.99 - 5 * 0.11) * 0.1, 1e-12);
+  EXPECT_NEAR(bed_area_below(a, 12 * 0.0625), 0.99 * 0.1, 1e-12);
+}
+
+// Half units beside a lintel do not grow together across it, and units keep their place in the bond.
+TEST(GenerateWall, ALintelCutsUnits) {
+  for (const char* mid : {"true", "false"}) {
+    const Assembly a = assemble(solid_wall({kLintel, std::string("wall.mid_unit_joints=") + mid}));
+    EXPECT_EQ(count(a).zones, (144 - 5 * 6) * 80) << mid;
+    double length = 0.0;
+    std::map<int, double> unit_length;
+    for (const Brick& b : a.bricks) {
+      if (b.course != 11) continue;
+      length += b.size[0];
+      unit_length[b.unit] += b.size[0];
+    }
+    EXPECT_NEAR(length, 0.99, 1e-12);
+    // Course 11 starts with a half; the lintel takes half units 1 to 7.
+    EXPECT_EQ(unit_length.size(), 3u) << mid;
+    for (const auto& [unit, of_unit] : unit_length) EXPECT_TRUE(of_unit < 0.12 || of_unit > 0.76) << mid;
+  }
+}
+
+TEST(GenerateWall, ALintelHasAMaterialOfItsOwn) {
+  const Assembly a = assemble(
+      solid_wall({"materials.concrete={young_modulus = 25e9, poisson_ratio = 0.2, density = 2400}",
+                  "wall.opening=[{first_half_unit = 2, half_units = 3, first_course = 0, courses = 6, bearing = 0.22, "
+                  "lintel_material = \"concrete\"}]"}));
+  int found = 0;
+  for (const Brick& b : a.bricks) {
+    if (a.materials[static_cast<size_t>(b.material)].name != "concrete") continue;
+    ++found;
+    EXPECT_NEAR(b.size[0], 7 * 0.11, 1e-12);
+  }
+  EXPECT_EQ(found, 1);
+}
+
+TEST(GenerateWall, ALintelOfRigidUnitsIsRigid) {
+  const Assembly a = assemble(read_scene(
+      QUOIN_SCENES "/cube_wall_10.toml",
+      {"wall.opening=[{first_half_unit = 4, half_units = 4, first_course = 2, courses = 3, bearing = 0.1}]"}));
+  EXPECT_EQ(a.bricks.size(), 100u - 2 * 3 - 3);
+  int found = 0;
+  for (const Brick& b : a.bricks) {
+    EXPECT_TRUE(b.rigid);
+    if (b.size[0] < 0.15) continue;
+    ++found;
+    EXPECT_NEAR(b.size[0], 0.4, 1e-12);
+  }
+  EXPECT_EQ(found, 1);
+}
+
 TEST(GenerateWall, HalfThickness) {
   const Assembly a = assemble(solid_wall({"wall.half_thickness=true"}));
   EXPECT_EQ(a.symmetry_factor, 2.0);
@@ -140,8 +246,8 @@ TEST(GenerateWall, RigidUnitsAreWholeAndNamedByRow) {
 TEST(GenerateWall, PatternsOfFacingBlocksConform) {
   for (const char* zones : {"[4, 2, 2]", "[3, 1, 1]", "[3, 2, 1]", "[2, 1, 1]"}) {
     for (const char* mid : {"true", "false"}) {
-      const Assembly a =
-          assemble(solid_wall({std::string("wall.zones=") + zones, std::string("wall.mid_unit_joints=") + mid}));
+      const Assembly a = assemble(
+          solid_wall({kLintel, std::string("wall.zones=") + zones, std::string("wall.mid_unit_joints=") + mid}));
       for (const Brick& b : a.bricks) {
         if (b.rigid) continue;
         const auto column = std::lround(b.origin[0] / b.size[0] * b.zones[0]);

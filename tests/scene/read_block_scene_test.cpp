@@ -171,8 +171,9 @@ TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
   }
   EXPECT_THAT(fault("block.1.rotation=[1e300, 0, 0]"), Not(HasSubstr("\n")));  // a fault is one line
   const Scene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
-  EXPECT_EQ(s.stages[0].velocities.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
-  EXPECT_EQ(s.stages[0].velocities[0].held, (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(s.stages[0].controls.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
+  EXPECT_EQ(s.stages[0].controls[0].kind,
+            (std::array{DofKind::velocity, DofKind::free, DofKind::velocity}));
 }
 
 TEST_F(ReadBlockScene, VerticesAndFaces) {
@@ -185,7 +186,7 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
   };
   const std::string corners = "[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]";
   const Scene s = read_scene(with(corners, "[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]"));
-  EXPECT_THAT(s.blocks[0].faces[0], ElementsAre(0, 2, 1));
+  EXPECT_THAT(s.blocks->blocks[0].faces[0], ElementsAre(0, 2, 1));
   for (const char* wrong : {"4294967297", "1.7", "1.0", "-1", "4", "true", "9223372036854775807", "nan"}) {
     const std::string file = with(corners, "[[0,2," + std::string(wrong) + "],[0,1,3],[1,2,3],[0,3,2]]");
     EXPECT_THAT(refusal([&] { read_scene(file); }),

@@ -1,6 +1,8 @@
 // Scenes as they are read, and every kind of fault: the message has file:line, key, value and what is allowed.
 #include "scene/read_scene.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -154,6 +156,16 @@ TEST_F(ReadScene, QualityGivesDefaultsThatKeysOverride) {
   EXPECT_THROW(quality_named("best"), Error);
 }
 
+TEST_F(ReadScene, NodalTimeStepOnlyWhereInertiaIsTrue) {
+  EXPECT_EQ(read(kScene).solver.critical_time_step, CriticalTimeStep::assembled);
+  const std::string nodal = "solver.critical_time_step=nodal";
+  EXPECT_EQ(read(kScene, {nodal, "solver.damping=local"}).solver.critical_time_step, CriticalTimeStep::nodal);
+  EXPECT_EQ(read(kScene, {nodal, "solver.quality=reference"}).solver.critical_time_step, CriticalTimeStep::nodal);
+  for (const char* other : {"solver.quality=standard", "solver.selective_time_step=1e-5"})
+    EXPECT_THAT(message(kScene, {nodal, other}), HasSubstr("solver.critical_time_step = 'nodal'")) << other;
+  EXPECT_THAT(message(kScene, {"solver.critical_time_step=eq3"}), HasSubstr("assembled"));
+}
+
 TEST_F(ReadScene, UnknownKey) {
   EXPECT_THAT(fault("courses = 2", "courses = 2\ncurses = 3"),
               AllOf(HasSubstr("s.toml:12: wall.curses = 3"), HasSubstr("unknown key"),
@@ -270,6 +282,71 @@ TEST_F(ReadScene, OpeningsStayInsideTheWall) {
       "\"press\"";
   EXPECT_THAT(fault("[[stage]]\nname = \"press\"", opening),
               AllOf(HasSubstr("s.toml:21: wall.opening.1.half_units = 2"), HasSubstr("1 to 1")));
+}
+
+TEST_F(ReadScene, LintelsAreWholeHalfUnitsLong) {
+  // 3 courses of 8 half units of 0.1 m.
+  const std::vector<std::string> wall = {"wall.courses=3", "wall.units_per_course=4"};
+  const auto with = [&](const std::string& openings) {
+    auto settings = wall;
+    settings.push_back("wall.opening=[" + openings + "]");
+    return settings;
+  };
+  const std::string place = "{first_half_unit = 3, half_units = 2, first_course = 0, courses = 1, ";
+  const Scene s = read(kScene, with(place + "bearing = 0.2, lintel_material = \"brick\"}"));
+  EXPECT_EQ(s.wall->openings.at(0).bearing, 2);
+  EXPECT_EQ(s.wall->openings[0].lintel_material, "brick");
+  EXPECT_EQ(read(kScene, with(place + "bearing = 0}")).wall->openings.at(0).bearing, 0);
+  EXPECT_EQ(read(kScene, with(place + "bearing = 0.10001}")).wall->openings.at(0).bearing, 1);
+
+  EXPECT_THAT(message(kScene, with(place + "bearing = 0.125}")),
+              AllOf(HasSubstr("wall.opening.1.bearing = 0.125"), HasSubstr("whole half units of 0.1 m"),
+                    HasSubstr("0.1 or 0.2")));
+  EXPECT_THAT(message(kScene, with(place + "bearing = -0.1}")), HasSubstr("0 or more, m of lintel"));
+  EXPECT_THAT(message(kScene, with(place + "bearing = 1e300}")), HasSubstr("at most the length of the wall, 0.8 m"));
+  EXPECT_THAT(message(kScene, with(place + "lintel_material = \"brick\"}")), HasSubstr("give bearing > 0 too"));
+  EXPECT_THAT(message(kScene, with(place + "bearing = 0.1, lintel_material = \"brik\"}")),
+              HasSubstr("did you mean 'brick'?"));
+}
+
+TEST_F(ReadScene, LintelsNeedRoom) {
+  const auto opening = [](int half_unit, int half_units, int course, int courses, const char* bearing) {
+    return fmt::format("{{first_half_unit = {}, half_units = {}, first_course = {}, courses = {}, bearing = {}}}",
+                       half_unit, half_units, course, courses, bearing);
+  };
+  const auto fault_of = [&](const std::vector<std::string>& openings) {
+    return message(kScene, {"wall.courses=6", "wall.units_per_course=5",
+                            fmt::format("wall.opening=[{}]", fmt::join(openings, ", "))});
+  };
+  EXPECT_THAT(fault_of({opening(2, 2, 1, 5, "0.1")}),
+              AllOf(HasSubstr("wall.opening.1.bearing = 0.1"), HasSubstr("ends with course 5, the top of the wall")));
+  EXPECT_THAT(fault_of({opening(1, 2, 1, 2, "0.2")}),
+              AllOf(HasSubstr("at most 0.1 m"), HasSubstr("1 half units of 0.1 m left of the opening and 7 right")));
+  EXPECT_THAT(fault_of({opening(1, 2, 1, 2, "0.1"), opening(3, 2, 3, 2, "0")}),
+              AllOf(HasSubstr("half units 0 to 3 of course 3, runs into opening 2")));
+  EXPECT_THAT(fault_of({opening(1, 2, 1, 2, "0.1"), opening(3, 2, 2, 1, "0")}),
+              AllOf(HasSubstr("borne by masonry"), HasSubstr("lies opening 2")));
+  EXPECT_THAT(fault_of({opening(1, 2, 1, 2, "0.1"), opening(4, 2, 1, 2, "0.1")}),
+              AllOf(HasSubstr("wall.opening.2.bearing"), HasSubstr("half units 3 to 6 of course 3, runs into that of "
+                                                                   "opening 1")));
+  // Every fault at once.
+  const std::string both = fault_of({opening(1, 2, 1, 2, "0.2"), opening(4, 2, 1, 5, "0.1")});
+  EXPECT_THAT(both, AllOf(HasSubstr("wall.opening.1.bearing"), HasSubstr("wall.opening.2.bearing")));
+}
+
+TEST_F(ReadScene, BeamsLieBesideLintels) {
+  const std::string scene = QUOIN_SCENES "/pavia_door.toml";
+  const auto lintel_course = [&] {
+    const Scene s = read_scene(scene);
+    return s.building->walls.at(0).openings.at(0).lintel_course();
+  }();
+  try {
+    read_scene(scene, {fmt::format("building.floor.1.course={}", lintel_course)});
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("building.floor.1.half_units"), HasSubstr("half units beside lintels")));
+  }
 }
 
 TEST_F(ReadScene, StagesThatNeverEndAreRefused) {

@@ -1,0 +1,123 @@
+#include "scene/read_opening.h"
+
+#include "scene/openings.h"
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+using Opening = WallSpec::Opening;
+
+constexpr int kManyHalfUnits = 20000, kManyCourses = 10000;  // where the wall's own are not known
+constexpr double kBearingTolerance = 1e-3;                   // of a half unit: bearings are written with few digits
+
+void read_bearing(Table& o, Opening& opening, const Lattice& lattice,
+                  const std::map<std::string, BlockMaterial>& materials) {
+  double bearing = 0.0;
+  const bool given = o.number("bearing", bearing, kNotNegative, "m of lintel on either side (0: no lintel)");
+  if (given && lattice.half_unit > 0.0) {
+    const double count = bearing / lattice.half_unit;
+    const int most = lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits;
+    if (count > most + kBearingTolerance)
+      o.refuse("bearing",
+               fmt::format("at most the length of the wall, {:g} m; lintels end inside it", most * lattice.half_unit));
+    else if (std::abs(count - std::round(count)) > kBearingTolerance)
+      o.refuse("bearing", fmt::format("whole half units of {:g} m, as a lintel ends where a half unit does: {:g} or "
+                                      "{:g}",
+                                      lattice.half_unit, std::floor(count) * lattice.half_unit,
+                                      std::ceil(count) * lattice.half_unit));
+    else
+      opening.bearing = static_cast<int>(std::lround(count));
+  }
+  if (!o.has("lintel_material")) return o.accept("lintel_material");
+  std::vector<std::string> names;
+  for (const auto& [name, material] : materials) names.push_back(name);
+  o.choice("lintel_material", opening.lintel_material, names);
+  if (bearing == 0.0) o.refuse("lintel_material", "only with a lintel; give bearing > 0 too, or remove it");
+}
+
+// Faults of the lintel of opening i among all.
+void check_lintel(Table& o, const std::vector<Opening>& openings, std::size_t i, const Lattice& lattice) {
+  const Opening& opening = openings[i];
+  const int course = opening.lintel_course(), first = opening.lintel_first();
+  const int last = first + opening.lintel_length() - 1;
+  if (course >= lattice.courses) {
+    o.refuse("bearing",
+             fmt::format("0 here: the opening ends with course {}, the top of the wall, and leaves no course "
+                         "for a lintel",
+                         lattice.courses - 1));
+    return;
+  }
+  const int left = opening.first_half_unit;
+  const int right = lattice.half_units - opening.first_half_unit - opening.half_units;
+  if (opening.bearing > std::min(left, right)) {
+    o.refuse("bearing", fmt::format("at most {:g} m: the wall has {} half units of {:g} m left of the opening and {} "
+                                    "right of it",
+                                    std::min(left, right) * lattice.half_unit, left, lattice.half_unit, right));
+    return;
+  }
+  for (std::size_t j = 0; j < openings.size(); ++j) {
+    if (j == i) continue;
+    const Opening& other = openings[j];
+    const auto any_cell = [&](auto taken) {
+      for (int half_unit = first; half_unit <= last; ++half_unit) {
+        if (taken(half_unit)) return true;
+      }
+      return false;
+    };
+    if (any_cell([&](int half_unit) { return other.covers(course, half_unit); })) {
+      o.refuse("bearing", fmt::format("a lintel clear of other openings: this one, half units {} to {} of course {}, "
+                                      "runs into opening {}",
+                                      first, last, course, j + 1));
+    } else if (any_cell([&](int half_unit) {
+                 return !opening.covers(course - 1, half_unit) && other.covers(course - 1, half_unit);
+               })) {
+      o.refuse("bearing", fmt::format("a lintel borne by masonry: below its half units {} to {} of course {} lies "
+                                      "opening {}",
+                                      first, last, course, j + 1));
+    } else if (j < i && any_cell([&](int half_unit) { return other.lintel_covers(course, half_unit); })) {
+      o.refuse("bearing",
+               fmt::format("lintels side by side: this one, half units {} to {} of course {}, runs into that "
+                           "of opening {}",
+                           first, last, course, j + 1));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
+                                   const std::map<std::string, BlockMaterial>& materials) {
+  const int half_units = lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits;
+  const int courses = lattice.courses > 0 ? lattice.courses : kManyCourses;
+  std::vector<Opening> openings;
+  std::vector<Table> tables;
+  bool placed = lattice.half_units > 0 && lattice.courses > 0 && lattice.half_unit > 0.0;
+  for (const toml::table* table : wall.tables("opening", fmt::format("tables [[{}]]", wall.path("opening")))) {
+    Table& o =
+        tables.emplace_back(wall.context(), *table, fmt::format("{}.{}", wall.path("opening"), openings.size() + 1));
+    Opening& opening = openings.emplace_back();
+    // Both are read, so that both can be at fault.
+    const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, half_units - 1, true);
+    const bool has_course = o.integer("first_course", opening.first_course, 0, courses - 1, true);
+    if (has_column && has_course) {
+      const bool has_width = o.integer("half_units", opening.half_units, 1, half_units - opening.first_half_unit, true);
+      const bool has_height = o.integer("courses", opening.courses, 1, courses - opening.first_course, true);
+      placed = placed && has_width && has_height;
+    } else {
+      o.accept("half_units");
+      o.accept("courses");
+      placed = false;
+    }
+    read_bearing(o, opening, lattice, materials);
+    o.finish();
+  }
+  for (std::size_t i = 0; placed && i < openings.size(); ++i) {
+    if (openings[i].bearing > 0) check_lintel(tables[i], openings, i, lattice);
+  }
+  return openings;
+}
+
+}  // namespace quoin

@@ -1,0 +1,22 @@
+// Openings of walls of half units, and their lintels.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scene/reader.h"
+
+namespace quoin {
+
+// The wall that they are in; 0: not known, as its own keys are at fault.
+struct Lattice {
+  int half_units = 0, courses = 0;
+  double half_unit = 0.0;  // m
+};
+
+// All tables `opening` of a wall; what does not fit becomes faults of the context.
+std::vector<WallSpec::Opening> read_openings(reader::Table& wall, const Lattice& lattice,
+                                             const std::map<std::string, BlockMaterial>& materials);
+
+}  // namespace quoin
