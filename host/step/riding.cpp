@@ -144,8 +144,8 @@ void Simulation::Impl::add_loads(const Stage& settings) {
     added.force = geometry::vector(given.force);
     // The point moves with its block.
     added.point = m.position(added.block) +
-                 m.orientation(added.block) *
-                     (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(added.block)]);
+                  m.orientation(added.block) *
+                      (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(added.block)]);
     m.add(added);
   }
   for (const FacePressure& pressure : settings.pressures) {

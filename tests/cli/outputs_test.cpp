@@ -124,8 +124,7 @@ TEST_F(Outputs, ARunRemovesOnlyWhatTheLastOneWrote) {
   std::ofstream(out() + "/notes.txt") << "mine";
   std::ofstream(out() + "/plots/mine.gp") << "mine";
   // A run of another scene without frames and pictures: nothing of the first is left, and all that is mine.
-  ASSERT_EQ(quoin({"run", block_scene(), "--out", out(), "--set", "output.frames=0", "--set", "output.plots=false"}),
-            0)
+  ASSERT_EQ(quoin({"run", block_scene(), "--out", out(), "--set", "output.frames=0", "--set", "output.plots=false"}), 0)
       << error_;
   std::vector<std::string> left = results(out());
   for (const std::string& name : left) EXPECT_THAT(name, Not(HasSubstr(".vtu"))) << name;

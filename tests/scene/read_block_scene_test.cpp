@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/read_scene.h"
 #include "scene/error.h"
+#include "scene/read_scene.h"
 #include "scene/series_file.h"
 
 namespace quoin {
@@ -50,9 +50,7 @@ class ReadBlockScene : public ::testing::Test {
     std::ofstream(file, std::ios::binary) << text;
     return file;
   }
-  Scene read(const std::vector<std::string>& overrides) {
-    return read_scene(write("s.toml", kScene), overrides);
-  }
+  Scene read(const std::vector<std::string>& overrides) { return read_scene(write("s.toml", kScene), overrides); }
   template <typename Action>
   std::string refusal(Action&& action) {
     try {
@@ -172,8 +170,7 @@ TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
   EXPECT_THAT(fault("block.1.rotation=[1e300, 0, 0]"), Not(HasSubstr("\n")));  // a fault is one line
   const Scene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
   EXPECT_EQ(s.stages[0].controls.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
-  EXPECT_EQ(s.stages[0].controls[0].kind,
-            (std::array{DofKind::velocity, DofKind::free, DofKind::velocity}));
+  EXPECT_EQ(s.stages[0].controls[0].kind, (std::array{DofKind::velocity, DofKind::free, DofKind::velocity}));
 }
 
 TEST_F(ReadBlockScene, VerticesAndFaces) {

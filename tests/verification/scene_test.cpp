@@ -227,8 +227,7 @@ TEST(BlockScenes, HistoriesHoldFiniteNumbers) {
   std::string stage = rest_stage;
   stage.replace(stage.find("-9.81"), 5, "-1e200");
   Simulation run(read_scene(scene_file(two_free_blocks + stage)));
-  expect_words(failure([&] { run_through(run); }, Exit::numerical),
-               {"stage 'stage'", "step", "no finite number"});
+  expect_words(failure([&] { run_through(run); }, Exit::numerical), {"stage 'stage'", "step", "no finite number"});
 }
 
 TEST(BlockScenes, ModelsStartSomewhere) {
@@ -254,9 +253,8 @@ TEST(BlockScenes, ALoadOnOneOfTwoBlocksOfTheSameNameIsRefused) {
   std::string twins = two_free_blocks;
   twins.replace(twins.find("there"), 5, "here");
   const std::string load = "[[stage.force]]\nblock = \"here\"\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n";
-  expect_words(
-      failure([&] { Simulation run(read_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
-      {"blocks #0 and #1 are both called 'here'"});
+  expect_words(failure([&] { Simulation run(read_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
+               {"blocks #0 and #1 are both called 'here'"});
   EXPECT_NO_THROW(Simulation(read_scene(scene_file(twins + rest_stage))));
 }
 
