@@ -266,8 +266,9 @@ StudyReport report_building(const Findings& findings) {
        "that is "
        "6.00 x 4.00 m over all with no blocks besides those of the walls, as in wall D, where the numbers fit exactly.",
        "Velocity: peaks used to grow with it. Local damping at 0.8 of 2/omega_max fed the drift of the walls into "
-       "vibration, which braked them in proportion to their velocity, by up to 20 kN at 20 mm/s. The scenes have less "
-       "of it (gamma 0.1), and what scatter is left is that of cracks.",
+       "vibration, which braked them in proportion to their velocity, by up to 20 kN at 20 mm/s. The step of the "
+       "qualities now leaves no motion the period of four steps that this needs, and what scatter is left is that of "
+       "cracks.",
        "Mechanisms, as the pictures show them. Wall D: the piers open at their feet and at the floors, stair-step "
        "cracks run through all spandrels, then a diagonal crack from the spandrel down through the middle pier, with "
        "which the force drops; the outer pier on the far side begins to crack diagonally below its spandrel. Walls A + "
