@@ -75,6 +75,7 @@ void Model::set_damping(const SolverSettings& solver) {
     }
     zone_strain_.assign(zones_.size(), Matrix::zero());
   }
+  bind_columns();
   if (critical_dt_ > 0) find_time_step();
 }
 
@@ -288,6 +289,7 @@ void Model::add(Load load) {
       if (least >= -1e-9) break;
     }
   }
+  loaded_[size_t(load.block)] = 1;
   loads_.push_back(std::move(load));
 }
 
@@ -310,12 +312,19 @@ void Model::add(Pressure pressure) {
       if (t.face == pressure.face) pressure.triangles.push_back({t.node[0], t.node[1], t.node[2]});
     }
   }
+  loaded_[size_t(pressure.block)] = 1;
   pressures_.push_back(std::move(pressure));
 }
 
 void Model::add(GroundMotion motion) {
   motion.direction = normalized(motion.direction);
   motions_.push_back(std::move(motion));
+}
+
+void Model::apply_force(int block, const Vector& force) {
+  if (applied_.empty()) applied_.resize(blocks_.size());
+  applied_[size_t(block)] = force;
+  loaded_[size_t(block)] = 1;
 }
 
 void Model::track_energy(bool on) {
@@ -325,6 +334,7 @@ void Model::track_energy(bool on) {
     f.stored.assign(on ? f.size() : 0, 0.0);
     for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
   }
+  bind_columns();
 }
 
 }  // namespace quoin::blocks

@@ -345,6 +345,7 @@ void Model::detect_contacts(bool everything) {
   contacts_ = std::move(next);
   // Both sides at the positions of now: what appears or vanishes with the new points is booked, not hidden.
   if (energy_) energies_.detection += energy_before - energy_of_contacts_now();
+  divide_work();
   if (!at_start) {
     const double bound = local_stiffness_bound();
     if (bound > 1.01 * stiffness_bound_) find_time_step();
@@ -410,20 +411,15 @@ double Model::energy_of_contacts_now() {
     Family trial = f;
     for (size_t i = 0; i < f.size(); ++i) trial.normal_jump[i] = locate(f.point[i], facets_).jump;
     for (auto& slip : trial.slip) std::fill(slip.begin(), slip.end(), 0.0);
-    evaluate_family(trial);
+    Chunk all;
+    all.count = uint32_t(f.size());
+    bind(trial, all);
+    trial.material->api().evaluate(trial.material->handle(), &all.batch);
     for (size_t i = 0; i < trial.size(); ++i) {
       double density = trial.stored[i];
       for (const auto& d : trial.dissipated) density += d[i];
       sum += density * trial.point[i].area;
     }
-  }
-  return sum;
-}
-
-double Model::stored_in_contacts() const {
-  double sum = 0.0;
-  for (const Family& f : families_) {
-    for (size_t i = 0; i < f.stored.size(); ++i) sum += f.stored[i] * f.point[i].area;
   }
   return sum;
 }

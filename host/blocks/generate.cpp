@@ -135,7 +135,8 @@ void add_arch(const ArchSpec& a, int material, Assembly& assembly) {
 
 }  // namespace
 
-Assembly assemble(const BlockScene& scene) {
+Assembly assemble(const Scene& scene) {
+  const BlocksSpec& spec = *scene.blocks;
   Assembly assembly;
   std::map<std::string, int> material;
   for (const auto& [name, m] : scene.materials) {
@@ -147,21 +148,21 @@ Assembly assemble(const BlockScene& scene) {
     family[name] = int(assembly.families.size());
     assembly.families.push_back(f);
   }
-  for (const BlockSpec& b : scene.blocks) add_block(b, material.at(b.material), assembly);
-  for (const DryWallSpec& w : scene.walls) add_wall(w, material.at(w.material), assembly);
-  for (const ArchSpec& a : scene.arches) add_arch(a, material.at(a.material), assembly);
+  for (const BlockSpec& b : spec.blocks) add_block(b, material.at(b.material), assembly);
+  for (const DryWallSpec& w : spec.walls) add_wall(w, material.at(w.material), assembly);
+  for (const ArchSpec& a : spec.arches) add_arch(a, material.at(a.material), assembly);
   if (assembly.blocks.empty())
     throw Error(Exit::bad_input, scene.file + ": no block; add [[block]], [[dry_wall]] or [[arch]]");
 
   std::vector<std::string> names;
   for (const Block& b : assembly.blocks) names.push_back(b.name);
-  const int fallback = family.at(scene.default_joint);
+  const int fallback = family.at(spec.default_joint);
   struct Rule {
     JointRule rule;
     int family;
   };
   std::vector<Rule> rules;
-  for (const JointRule& r : scene.rules) rules.push_back({r, family.at(r.family)});
+  for (const JointRule& r : spec.rules) rules.push_back({r, family.at(r.family)});
   assembly.family_of = [=](const Meeting& m) {
     const bool vertical = std::abs(m.normal.y) > 0.7071;
     const std::string &a = names[m.block_a], &b = names[m.block_b];
@@ -172,7 +173,7 @@ Assembly assemble(const BlockScene& scene) {
     }
     return fallback;
   };
-  const auto& c = scene.contact;
+  const auto& c = spec.contact;
   assembly.contact.skin = c.skin;
   assembly.contact.joint_tolerance = c.joint_tolerance;
   assembly.contact.point_spacing = c.point_spacing;

@@ -22,6 +22,7 @@
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
+#include "step/thread_pool.h"
 
 namespace quoin::blocks {
 
@@ -51,14 +52,16 @@ struct Zone {
 // A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
 struct Point {
   int32_t a, b;                        // blocks
-  int32_t facet_a = -1, facet_b = -1;  // index into Contacts::facets for a deformable side
+  int32_t facet_a = -1, facet_b = -1;  // index into Model::facets_ for a deformable side
   Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
-  double offset = 0.0;          // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
-  Vector arm;                   // of the point in b's body frame (rigid b), m
-  double slid[2] = {0.0, 0.0};  // position along s, t at the last step, m
-  double area = 0.0;            // m2
-  Vector at;                    // in space, of the last step, m
-  double reference = 0.0;       // gap at which d_n = 0, m
+  double offset = 0.0;           // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
+  Vector arm;                    // of the point in b's body frame (rigid b), m
+  double slid[2] = {0.0, 0.0};   // position along s, t at the last step, m
+  double area = 0.0;             // m2
+  Vector at;                     // in space, of the last step, m
+  double reference = 0.0;        // gap at which d_n = 0, m
+  Vector force;                  // of the last step on a, in space, viscous part included, N
+  double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };
 
 // Where a point sits on a triangle of a deformable block.
@@ -80,6 +83,35 @@ struct Family {
   std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   std::vector<double> old_jump;
   size_t size() const { return point.size(); }
+};
+
+// A run of points of one family: one call of its law, one piece of work. At most kChunk points.
+struct Chunk {
+  int family = 0;
+  uint32_t first = 0, count = 0;
+  quoin_batch batch{};
+  std::vector<quoin_in> state_old;
+  std::vector<quoin_out> state_new;
+  // of the last step
+  quoin_status status = QUOIN_OK;
+  bool failed = false;
+  double force = 0.0, stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // N; J
+};
+inline constexpr uint32_t kChunk = 256;
+
+// One side of a contact point, as its block sees it.
+struct Touch {
+  int32_t family;
+  uint32_t point;
+  bool side_a;
+};
+
+// What the step of one block adds up to.
+struct BlockSums {
+  double unbalanced = 0.0;  // largest net force on a body or gridpoint, of its free components, N; NaN stays
+  Vector net;               // their sum, N
+  double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
+  double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
 };
 
 // Two blocks close to each other.
@@ -114,6 +146,7 @@ struct Load {
   TimeSeries factor;
   std::vector<std::pair<int32_t, double>> share;  // deformable: nodes and weights
   Vector arm;                                     // rigid: in the body frame
+  double scale = 1.0;                             // for stages, whose loads grow and fade
 };
 struct Pressure {
   int block, face;
@@ -121,6 +154,7 @@ struct Pressure {
   TimeSeries factor;
   std::vector<std::array<int32_t, 3>> triangles;  // deformable
   Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
+  double scale = 1.0;
 };
 struct GroundMotion {
   std::vector<int> blocks;
@@ -155,9 +189,20 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  // One explicit step of length time_step(): the phases of the method. Throws Error(numerical): the law failed at a
-  // point, or the position of a block is no longer a finite number.
+  // One explicit step of length time_step(): the phases of the method. Their pieces are independent of each other, and
+  // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
+  // failed at a point, or the position of a block is no longer a finite number.
   void step();
+  // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
+  void use(ThreadPool* pool);
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
+  void begin_step() { apply_ground_motion(); }
+  int chunk_count() const { return int(chunks_.size()); }
+  void advance_contacts(int chunk);
+  void advance_block(int block);
+  void end_step();
+  double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
+  double block_work(int block) const;
   void run(double duration);  // s
   void run_steps(long steps) {
     for (long i = 0; i < steps; ++i) step();
@@ -171,7 +216,14 @@ class Model {
   void add(Load load);
   void add(Pressure pressure);
   void add(GroundMotion motion);
-  void clear_loads() { loads_.clear(), pressures_.clear(), motions_.clear(); }
+  std::vector<Load>& loads() { return loads_; }
+  std::vector<Pressure>& pressures() { return pressures_; }
+  // Force on the centre of mass of a block, on a deformable one shared by mass, N. Stays until changed.
+  void apply_force(int block, const Vector& force);
+  void clear_loads() {
+    loads_.clear(), pressures_.clear(), motions_.clear(), applied_.clear();
+    loaded_.assign(blocks_.size(), 0);
+  }
   void set_damping(const SolverSettings& solver);
   void track_energy(bool on);
 
@@ -193,7 +245,11 @@ class Model {
   Vector velocity(int block) const;          // of the centre of mass, m/s
   Vector angular_velocity(int block) const;  // rigid, rad/s
   Vector contact_force(int block) const;     // of all contacts of the last step, N
+  Matrix frame_of(const Point& p) const;     // rows n, s, t in space, n from a to b
   Vector corner(int block, int vertex) const;
+  // Corners of each face as it stands, counter-clockwise seen from outside: faces of rigid blocks, triangles of the
+  // surface of deformable ones, m.
+  std::vector<std::vector<Vector>> faces(int block) const;
   std::vector<Vector>& node_positions() { return node_x_; }
   const std::vector<Vector>& node_positions() const { return node_x_; }
   std::vector<Vector>& node_velocities() { return node_v_; }
@@ -207,34 +263,50 @@ class Model {
   // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
   void hold_node(int node, uint8_t held) { node_held_[node] = held; }
   void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
-  Energies energies() const { return energies_; }
+  const Energies& energies() const { return energies_; }
+  double kinetic_energy() const;             // of the velocities half a step ago, J
+  Vector net_force() const { return net_; }  // on all that is free to move, of the last step, N
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
   double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
+  double unbalanced_force() const { return unbalanced_; }    // the largest, N
+  double contact_force_sum() const { return total_force_; }  // sum of |force| over contact points, N
+  size_t point_count() const;
   double mass() const;
+  double mass_of(int block) const;  // that has weight, kg
   size_t memory_bytes() const;
   uint64_t hash() const;
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
 
  private:
-  // phases of the step
-  void internal_forces();
-  void contact_kinematics();
-  void contact_law();
-  void contact_forces();
-  void nodal_forces_and_damping();
-  void integrate();
+  // phases of the step: contacts chunk by chunk, then blocks one by one
+  void apply_ground_motion();
+  void contact_kinematics(Family& f, const Chunk& chunk);
+  void contact_law(Family& f, Chunk& chunk);
+  void contact_forces(Family& f, Chunk& chunk);
+  void internal_forces(const ModelBlock& b, BlockSums& sums);
+  void forces_on_gridpoints(int block);
+  void forces_on_body(int block);
+  void integrate_gridpoints(const ModelBlock& b, BlockSums& sums);
+  void integrate_body(Body& b, BlockSums& sums);
+  double work_of_loads(int block) const;  // of the step, J
+  void sum_up();
   void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   bool moved_enough();
   void detect_contacts(bool everything = false);
+  [[noreturn]] void report_failure(const Chunk& chunk) const;
+  // after contacts or columns have changed
+  void divide_work();
+  void bind_columns();
+  void bind(Family& f, Chunk& chunk) const;
+  bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
   void find_time_step();
   double highest_frequency() const;  // rad/s
   double local_stiffness_bound() const;
-  void evaluate_family(Family& f);
   void place_blocks();
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
@@ -250,7 +322,6 @@ class Model {
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
   Location locate(const Point& p, const std::vector<Facet>& facets) const;
-  double stored_in_contacts() const;
   double energy_of_contacts_now();
   void keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
                    uint32_t first, uint32_t count);
@@ -278,8 +349,17 @@ class Model {
   std::vector<Contact> contacts_;
   std::vector<Vector> block_contact_force_;
 
+  ThreadPool* pool_ = nullptr;
+  std::vector<Chunk> chunks_;
+  std::vector<Touch> touches_;              // block after block, of a block in the order of families and points
+  std::vector<uint32_t> touch_end_;         // by block
+  std::vector<int> chunk_end_, block_end_;  // shares of the threads
+  std::vector<BlockSums> block_sums_;
+
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
+  std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it
+  std::vector<Vector> applied_;  // by block, N
   std::vector<GroundMotion> motions_;
   Vector gravity_;
   TimeSeries gravity_factor_;
@@ -287,9 +367,9 @@ class Model {
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
-  double sum_of_positions_ = 0.0;  // of the last step; its only use is that it is not finite when one of them is not
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double total_force_ = 0.0, unbalanced_ = 0.0;
+  Vector net_;
   Energies energies_;
 };
 

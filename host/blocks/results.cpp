@@ -46,11 +46,31 @@ Vector Model::angular_velocity(int block) const {
 
 Vector Model::contact_force(int block) const { return block_contact_force_[block]; }
 
+Matrix Model::frame_of(const Point& p) const {
+  if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
+  const Matrix& r = bodies_[size_t(blocks_[size_t(p.a)].body)].r;
+  return {{r * p.n, r * p.s, r * p.t}};
+}
+
 Vector Model::corner(int block, int vertex) const {
   const ModelBlock& b = blocks_[block];
   if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
   const Body& body = bodies_[b.body];
   return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
+}
+
+std::vector<std::vector<Vector>> Model::faces(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  std::vector<std::vector<Vector>> result;
+  if (b.body >= 0) {
+    for (const auto& face : b.shape->faces) {
+      auto& corners = result.emplace_back();
+      for (int v : face) corners.push_back(corner(block, v));
+    }
+    return result;
+  }
+  for (const auto& t : b.surface) result.push_back({node_x_[t.node[0]], node_x_[t.node[1]], node_x_[t.node[2]]});
+  return result;
 }
 
 Matrix Model::zone_stress(int z) const {
@@ -75,6 +95,16 @@ double Model::strain_energy() const {
   return sum;
 }
 
+double Model::kinetic_energy() const {
+  double sum = 0.0;
+  for (const Body& b : bodies_) {
+    sum += 0.5 * b.mass * dot(b.v, b.v);
+    if ((b.held >> 3) != 7) sum += 0.5 * dot(b.momentum, b.omega);
+  }
+  for (size_t i = 0; i < node_v_.size(); ++i) sum += 0.5 * node_mass_[i] * dot(node_v_[i], node_v_[i]);
+  return sum;
+}
+
 Vector Model::linear_momentum() const {
   Vector p;
   for (const Body& b : bodies_) p += b.mass * b.v;
@@ -90,7 +120,23 @@ Vector Model::angular_momentum(const Vector& about) const {
   return l;
 }
 
-double Model::unbalanced_ratio() const { return total_force_ > 0 ? unbalanced_ / total_force_ : 0.0; }
+double Model::unbalanced_ratio() const {
+  return total_force_ > 0 ? unbalanced_ * double(point_count()) / total_force_ : 0.0;
+}
+
+size_t Model::point_count() const {
+  size_t count = 0;
+  for (const Family& f : families_) count += f.size();
+  return count;
+}
+
+double Model::mass_of(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  if (b.body >= 0) return bodies_[size_t(b.body)].weight_mass;
+  double sum = 0.0;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) sum += node_weight_mass_[size_t(i)];
+  return sum;
+}
 
 double Model::mass() const {
   double m = 0.0;

@@ -6,10 +6,9 @@
 #include <cmath>
 
 #include "cli/prepare.h"
-#include "cli/run_blocks.h"
 #include "model/time_step.h"
-#include "scene/block_scene.h"
 #include "scene/generate.h"
+#include "step/simulation.h"
 
 namespace quoin {
 
@@ -22,9 +21,20 @@ void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepRep
                limit.where);
 }
 
+void check_blocks(const SceneOptions& options, const Scene& scene) {
+  const Simulation simulation(scene);
+  const TimeStepReport& step = simulation.time_step_report();
+  fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
+             scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
+             simulation.point_count(), step.model_mass);
+  fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\nstages\n", step.time_step,
+             step.time_step / step.critical.value, step.critical.value);
+  for (const Stage& stage : scene.stages) fmt::print("  {}\n", stage.name);
+}
+
 void check(const SceneOptions& options) {
-  if (is_block_scene(options.scene)) return check_blocks(options.scene, options.law, options.overrides);
   const Scene scene = prepare_scene(options);
+  if (scene.blocks) return check_blocks(options, scene);
   Assembly assembly = assemble(scene);
   auto materials = make_materials(assembly);
   const Model model(std::move(assembly), std::move(materials));

@@ -12,7 +12,7 @@
 
 #include "cli/prepare.h"
 #include "cli/progress.h"
-#include "cli/run_blocks.h"
+#include "results/block_picture.h"
 #include "results/history.h"
 #include "results/plots.h"
 #include "results/quasi_static.h"
@@ -20,8 +20,6 @@
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
-#include "scene/block_scene.h"
-#include "scene/generate.h"
 #include "scene/quality.h"
 #include "step/simulation.h"
 
@@ -97,6 +95,9 @@ class Recorder : public Observer {
       add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *s.equilibrium_ratio));
     if (s.displacement) add(fmt::format("displacement {:g} mm", *s.displacement * 1e3));
     if (s.duration) add(fmt::format("{:g} s", *s.duration));
+    if (s.collapse)
+      add(fmt::format("some block has moved by {:g} mm, multiplier at most {:g}", s.collapse->displacement * 1e3,
+                      s.collapse->limit));
     progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end));
   }
   void on_law_swap(const LawSwap& swap) override {
@@ -138,13 +139,7 @@ class Recorder : public Observer {
 void run(const RunOptions& options, int& exit_code) {
   const fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
-  if (is_block_scene(options.scene.scene)) {
-    run_blocks(options.scene.scene, options.scene.law, options.scene.overrides, folder, exit_code);
-    return;
-  }
-  Scene scene = prepare_scene(options.scene);
-  Assembly assembly = assemble(scene);
-  Simulation simulation(std::move(scene), std::move(assembly), options.threads);
+  Simulation simulation(prepare_scene(options.scene), options.threads);
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
   const ResultFolder own(folder);
 
@@ -156,9 +151,8 @@ void run(const RunOptions& options, int& exit_code) {
   recorder.progress().message(fmt::format(
       "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
       "threads, {}",
-      options.scene.scene, simulation.assembly().bricks.size(), simulation.model().zone_count(),
-      simulation.model().point_count, law, step.time_step, step.time_step / step.critical.value,
-      simulation.thread_count(), simulation.instruction_set()));
+      options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
+      step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
 
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 
@@ -187,8 +181,14 @@ void run(const RunOptions& options, int& exit_code) {
   if (output.plots) {
     // Each waits for a gnuplot of its own.
     auto curve = std::async(std::launch::async, [&] { return plot_curve(folder, rows, simulation.scene(), law); });
-    const std::string of_cracks = plot_cracks(folder, simulation, surfaces, rows, law);
-    for (const std::string& notice : {curve.get(), of_cracks}) {
+    std::string of_cracks, of_mechanism;
+    if (simulation.riding()) {
+      of_mechanism = plot_mechanism(folder, simulation);
+      of_cracks = plot_block_cracks(folder, simulation, surfaces);
+    } else {
+      of_cracks = plot_cracks(folder, simulation, surfaces, rows, law);
+    }
+    for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
       if (!notice.empty()) recorder.progress().message("quoin: " + notice);
     }
   }
@@ -196,6 +196,8 @@ void run(const RunOptions& options, int& exit_code) {
   info.wall_clock_s = process_seconds();
   write_summary(folder / "summary.json", simulation, rows, info);
 
+  if (const auto& multiplier = simulation.outcome().collapse_multiplier)
+    fmt::print("collapse multiplier {:.4f}\n", *multiplier);
   const Peak peak = find_peak(rows, simulation.scene());
   const Scene& done = simulation.scene();
   const std::string unknown = why_error_unknown(done, info);

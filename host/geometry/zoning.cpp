@@ -132,10 +132,9 @@ Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int
   }
   const double count = 5.0 * n[0] * n[1] * n[2];
   if (count > most_zones) {
-    throw Error(Exit::bad_input,
-                fmt::format("block {}: {} x {} x {} hexahedra are {:.1e} zones, more than {:g}; take "
-                            "fewer divisions or a larger zone edge",
-                            name, n[0], n[1], n[2], count, most_zones));
+    throw Error(Exit::bad_input, fmt::format("block {}: {} x {} x {} hexahedra are {:.1e} zones, more than {:g}; take "
+                                             "fewer divisions or a larger zone edge",
+                                             name, n[0], n[1], n[2], count, most_zones));
   }
   Zoning m;
   m.nodes = shape.vertices;

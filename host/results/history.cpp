@@ -34,6 +34,11 @@ History::History(const std::filesystem::path& path, const Scene& scene)
   if (scene.output.energy)
     stream_ << ",strain_energy_J,contact_energy_J,dissipated_tension_J,dissipated_cohesion_J,dissipated_friction_J,"
                "dissipated_crushing_J,external_work_J,damping_work_J,energy_balance_error_J";
+  if (scene.blocks) {
+    stream_ << ",multiplier,monitor_dx_m,monitor_dy_m,monitor_dz_m,monitor_fx_N,monitor_fy_N,monitor_fz_N,"
+               "largest_displacement_m";
+    if (scene.output.energy) stream_ << ",kinetic_J,strain_J,contact_stored_J,damping_J,external_J,detection_J";
+  }
   stream_ << '\n';
 }
 
@@ -48,6 +53,17 @@ void History::add(const HistoryRow& row) {
     line += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g}", e.strain, e.contact_stored,
                         e.dissipated[0], e.dissipated[1], e.dissipated[2], e.dissipated[3], e.external, e.damping,
                         e.balance_error());
+  }
+  if (scene_.blocks) {
+    line += fmt::format(",{:.9g}", row.multiplier);
+    for (const Vec3& v : {row.monitor_displacement, row.joint_force})
+      line += fmt::format(",{:.9g},{:.9g},{:.9g}", v[0], v[1], v[2]);
+    line += fmt::format(",{:.9g}", row.largest_displacement);
+    if (scene_.output.energy) {
+      const Energies e = row.energies.value_or(Energies{});
+      line += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", e.kinetic, e.strain, e.contact_stored,
+                          e.damping, e.external, e.detection);
+    }
   }
   stream_ << line << '\n';
   rows_.push_back(row);

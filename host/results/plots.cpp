@@ -8,6 +8,7 @@
 #include <set>
 #include <tuple>
 
+#include "results/crack_styles.h"
 #include "results/file.h"
 #include "results/gnuplot.h"
 #include "results/history.h"
@@ -25,20 +26,6 @@ double round_down(double x) {
   }
   return power;
 }
-
-struct CrackStyle {
-  Crack crack;
-  const char* label;
-  const char* colour;
-  double width;
-};
-// From the least to the worst, the order of the legend and of drawing. Colours that stay apart for the colour-blind.
-constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{{{Crack::intact, "intact joint", "#8a7a68", 1.2},
-                                                            {Crack::sliding_begun, "sliding begun", "#6baed6", 4.0},
-                                                            {Crack::opening_begun, "opening begun", "#fdae2b", 4.0},
-                                                            {Crack::slipped, "slipped", "#08519c", 5.0},
-                                                            {Crack::open, "open crack", "#d7191c", 5.0},
-                                                            {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
 
 std::string title_of(const Scene& scene) {
   return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;

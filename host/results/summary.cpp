@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "blocks/model.h"
 #include "results/file.h"
 #include "results/plots.h"
 #include "scene/generate.h"
@@ -70,6 +71,30 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
           {"stages", stages}};
 }
 
+// What only blocks of any shape have.
+Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
+  const blocks::Model& m = *simulation.riding();
+  Json json;
+  json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
+  json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
+  json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
+  json["small_displacement"] = m.small_displacement();
+  json["contact_detections"] = m.detections();
+  if (!rows.empty() && rows.back().energies) {
+    const Energies& e = *rows.back().energies;
+    json["energy_J"] = {{"kinetic", e.kinetic},
+                        {"strain", e.strain},
+                        {"contact_stored", e.contact_stored},
+                        {"dissipated", e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3]},
+                        {"damping", e.damping},
+                        {"external", e.external},
+                        {"detection", e.detection},
+                        {"balance_error", e.balance_error()}};
+  }
+  return json;
+}
+
 }  // namespace
 
 std::string law_names(const Assembly& assembly) {
@@ -91,7 +116,6 @@ std::string why_error_unknown(const Scene& scene, const RunInfo& info) {
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info) {
   const Scene& scene = simulation.scene();
-  const Model& model = simulation.model();
   const TimeStepReport& step = simulation.time_step_report();
   const Peak peak = find_peak(rows, scene);
   const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
@@ -119,10 +143,10 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   json["instruction_set"] = simulation.instruction_set();
   const auto& bricks = simulation.assembly().bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });
-  json["blocks"] = static_cast<long>(bricks.size()) - beams;
+  json["blocks"] = simulation.block_count() - beams;
   json["beams"] = beams;
-  json["zones"] = model.zone_count();
-  json["contact_points"] = model.point_count;
+  json["zones"] = simulation.zone_count();
+  json["contact_points"] = simulation.point_count();
   const auto counts = simulation.condition_counts();
   Json& states = json["contact_points_by_state"];
   for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
@@ -145,6 +169,8 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                           {"displacement_beyond_asked", check.overshoot_ratio},
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
+  if (simulation.riding()) json.update(of_blocks(simulation, rows));
+  json["set"] = info.overrides;
   json["settings"] = settings_of(scene, info);
   write_file(path, json.dump(2) + "\n");
 }

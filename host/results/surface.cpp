@@ -52,6 +52,7 @@ Crack classify(const JointPoint& p) {
 }  // namespace
 
 Surfaces::Surfaces(const Simulation& simulation) : bricks_(simulation.assembly().bricks) {
+  if (simulation.riding()) return;  // its contact points come and go: they know their place themselves
   for (size_t b = 0; b < bricks_.size(); ++b) {
     meshes_.push_back(simulation.block_mesh(static_cast<int>(b)));
     auto& index = gridpoint_.emplace_back();
@@ -123,9 +124,11 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
     const size_t i = static_cast<size_t>(c.index);
     JointPoint p{};
     p.contact = c;
-    p.side_a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
-    p.side_b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
-    for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
+    if (!simulation.riding()) {
+      p.side_a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
+      p.side_b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
+      for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
+    }
     p.opening = std::max(0.0, c.jump[0]);
     p.slip = std::isfinite(slip[i]) ? slip[i] : std::hypot(c.jump[1], c.jump[2]);
     // The flags say what is certain for every law; what lies between them only laws with an internal variable know.

@@ -17,7 +17,7 @@ inline constexpr int kCrackCount = 6;
 
 struct JointPoint {
   ContactPoint contact;
-  Vec3 displacement;    // mean of the two sides, m
+  Vec3 displacement;    // mean of the two sides, m; 0 for blocks of any shape, whose points are given where they stand
   Vec3 side_a, side_b;  // displacements of the two sides, m
   double opening;       // m
   double slip;          // plastic slip where the law keeps it, otherwise the sliding jump, m

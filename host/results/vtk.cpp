@@ -4,56 +4,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <map>
 #include <set>
 
-#include "results/file.h"
+#include "blocks/model.h"
+#include "results/vtk_arrays.h"
 
 namespace quoin {
 
 namespace {
 
-constexpr std::uint8_t kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
+constexpr std::uint8_t kVtkVertex = 1, kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
 
-// An unstructured grid in VTK's XML, with all arrays raw in one appended block.
+// An unstructured grid, its arrays by section.
 class Grid {
  public:
   template <typename T>
   void array(const char* section, const std::string& name, const std::vector<T>& values, int components = 1,
              const char* extra = "") {
-    const char* type = std::is_same_v<T, float>          ? "Float32"
-                       : std::is_same_v<T, std::int32_t> ? "Int32"
-                       : std::is_same_v<T, std::uint8_t> ? "UInt8"
-                                                         : "Int64";
-    std::string& text = section == std::string_view("PointData")  ? point_data_
-                        : section == std::string_view("CellData") ? cell_data_
-                        : section == std::string_view("Points")   ? points_
-                                                                  : cells_;
-    text += fmt::format(
-        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n", type,
-        name, components, appended_.size(), extra);
-    const std::uint64_t bytes = values.size() * sizeof(T);
-    append(&bytes, sizeof bytes);
-    append(values.data(), bytes);
+    sections_[section] += arrays_.add(name, values, components, extra);
   }
-
-  void write(const std::filesystem::path& path, size_t points, size_t cells) const {
-    write_file(path,
-               fmt::format("<?xml version=\"1.0\"?>\n"
-                           "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                           "header_type=\"UInt64\">\n<UnstructuredGrid>\n"
-                           "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n{}</Points>\n<Cells>\n{}"
-                           "</Cells>\n<PointData>\n{}</PointData>\n<CellData>\n{}</CellData>\n</Piece>\n"
-                           "</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
-                           points, cells, points_, cells_, point_data_, cell_data_) +
-                   appended_ + "\n</AppendedData>\n</VTKFile>\n");
+  void write(const std::filesystem::path& path, size_t points, size_t cells) {
+    std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
+    for (const char* section : {"Points", "Cells", "PointData", "CellData"})
+      piece += fmt::format("<{0}>\n{1}</{0}>\n", section, sections_[section]);
+    arrays_.write(path, "UnstructuredGrid", piece + "</Piece>\n");
   }
 
  private:
-  void append(const void* data, size_t bytes) {
-    if (bytes > 0) appended_.append(static_cast<const char*>(data), bytes);
-  }
-  std::string points_, cells_, point_data_, cell_data_, appended_;
+  VtkArrays arrays_;
+  std::map<std::string, std::string> sections_;
 };
 
 void add(std::vector<float>& values, const Vec3& v) {
@@ -128,16 +108,22 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     condition.push_back(static_cast<std::int32_t>(p.contact.condition));
     crack.push_back(static_cast<std::int32_t>(p.crack));
   }
+  // Joints of lattices are surfaces; elsewhere their points stand alone.
   std::vector<std::int64_t> connectivity, offsets;
   for (const auto& quad : surfaces.quads()) {
     for (const int corner : quad) connectivity.push_back(corner);
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+  }
+  const std::uint8_t cell = simulation.riding() ? kVtkVertex : kVtkQuad;
+  for (size_t i = 0; simulation.riding() && i < joint_points.size(); ++i) {
+    connectivity.push_back(static_cast<std::int64_t>(i));
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
   }
   Grid grid;
   grid.array("Points", "position", points, 3);
   grid.array("Cells", "connectivity", connectivity);
   grid.array("Cells", "offsets", offsets);
-  grid.array("Cells", "types", std::vector<std::uint8_t>(offsets.size(), kVtkQuad));
+  grid.array("Cells", "types", std::vector<std::uint8_t>(offsets.size(), cell));
   grid.array("PointData", "displacement_m", displacement, 3);
   grid.array("PointData", "traction_Pa", traction, 3,
              " ComponentName0=\"sigma\" ComponentName1=\"tau_s\" ComponentName2=\"tau_t\"");
@@ -171,22 +157,51 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   grid.write(path, joint_points.size(), offsets.size());
 }
 
+// Faces of blocks of any shape as they stand, with the number and the displacement of each block.
+void write_faces(const Simulation& simulation, const std::filesystem::path& path) {
+  const blocks::Model& m = *simulation.riding();
+  std::vector<float> points, displacement;
+  std::vector<std::int32_t> connectivity, offsets, block;
+  for (int i = 0; i < m.block_count(); ++i) {
+    const Vec3 moved = geometry::array(m.position(i) - simulation.riding_start(i));
+    for (const auto& face : m.faces(i)) {
+      for (const geometry::Vector& corner : face) {
+        connectivity.push_back(static_cast<std::int32_t>(points.size() / 3));
+        add(points, geometry::array(corner));
+      }
+      offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
+      block.push_back(i);
+      add(displacement, moved);
+    }
+  }
+  VtkArrays arrays;
+  std::string piece = fmt::format(
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"{}\">\n",
+      points.size() / 3, offsets.size());
+  piece += "<Points>\n" + arrays.add("position", points, 3) + "</Points>\n";
+  piece += "<Polys>\n" + arrays.add("connectivity", connectivity) + arrays.add("offsets", offsets) + "</Polys>\n";
+  piece += "<CellData>\n" + arrays.add("block", block) + arrays.add("displacement", displacement, 3) + "</CellData>\n";
+  arrays.write(path, "PolyData", piece + "</Piece>\n");
+}
+
 }  // namespace
 
 void VtkSeries::add_frame(const Simulation& simulation) {
   const size_t frame = times_.size();
-  write_blocks(simulation, surfaces_, folder_ / fmt::format("blocks_{:04}.vtu", frame));
+  of_blocks_ = simulation.riding() ? "vtp" : "vtu";
+  const auto blocks = folder_ / fmt::format("blocks_{:04}.{}", frame, of_blocks_);
+  if (simulation.riding())
+    write_faces(simulation, blocks);
+  else
+    write_blocks(simulation, surfaces_, blocks);
   write_joints(simulation, surfaces_, folder_ / fmt::format("joints_{:04}.vtu", frame));
   times_.push_back(simulation.time());
 }
 
 void VtkSeries::finish() const {
-  for (const char* what : {"blocks", "joints"}) {
-    std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-    for (size_t frame = 0; frame < times_.size(); ++frame)
-      text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.vtu\"/>\n", times_[frame], what, frame);
-    write_file(folder_ / fmt::format("{}.pvd", what), text + "</Collection>\n</VTKFile>\n");
-  }
+  write_collection(folder_, "blocks", of_blocks_, times_);
+  write_collection(folder_, "joints", "vtu", times_);
 }
 
 }  // namespace quoin

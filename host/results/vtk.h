@@ -1,4 +1,5 @@
-// Fields for ParaView: blocks_NNNN.vtu and joints_NNNN.vtu, collected over time by blocks.pvd and joints.pvd.
+// Fields for ParaView: blocks_NNNN.vtu and joints_NNNN.vtu, collected over time by blocks.pvd and joints.pvd. Blocks of
+// any shape are faces where they stand, blocks_NNNN.vtp.
 #pragma once
 
 #include <filesystem>
@@ -20,6 +21,7 @@ class VtkSeries {
   std::filesystem::path folder_;
   const Surfaces& surfaces_;
   std::vector<double> times_;
+  const char* of_blocks_ = "vtu";  // extension
 };
 
 }  // namespace quoin

@@ -14,6 +14,7 @@
 #include "scene/error.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
+#include "scene/read_blocks.h"
 #include "scene/read_building.h"
 #include "scene/read_opening.h"
 #include "scene/reader.h"
@@ -181,6 +182,46 @@ JointFamily read_joint(const std::string& name, Table t) {
   return family;
 }
 
+void read_stage_basics(Table& t, Stage& stage, const Stage* previous) {
+  t.text("name", stage.name, "text, as \"precompression\"");
+  if (previous) stage.gravity = previous->gravity;
+  t.numbers("gravity", stage.gravity, kAny, "m/s2");
+  t.number("ramp_time", stage.ramp_time, kNotNegative, "s");
+  t.number("duration", stage.duration, kPositive, "s");
+  t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
+  t.integer("record_interval", stage.record_interval, 0, 1000000000L);
+  t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
+}
+
+void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies) {
+  t.number("displacement", stage.displacement, kPositive, "m");
+  if (bodies)
+    t.choice("monitor", stage.monitor, *bodies);
+  else
+    t.text("monitor", stage.monitor, "the name of a block");
+  std::string direction = "x";
+  t.choice("direction", direction, {"x", "y", "z"});
+  stage.direction = direction[0] - 'x';
+}
+
+void read_law_swaps(Table& t, const Scene& scene, Stage& stage) {
+  const std::string allowed = "a law for all joint families, or a table { family = \"law\" }";
+  const toml::node* law = t.find("law", allowed, false);
+  if (!law) return;
+  if (const toml::table* swaps = law->as_table()) {
+    Table s(t.context(), *swaps, t.path("law"));
+    for (const auto& [family, settings] : scene.joints) {
+      std::string name;
+      if (s.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
+    }
+    s.finish();
+  } else if (const auto name = law->value<std::string>()) {
+    for (const auto& [family, settings] : scene.joints) stage.law_swaps[family] = *name;
+  } else {
+    t.wrong_type("law", *law, allowed);
+  }
+}
+
 void apply_override(toml::table& root, const std::string& setting, Context& context) {
   const size_t equals = setting.find('=');
   const std::string path = setting.substr(0, equals);
@@ -330,11 +371,7 @@ BodyControl read_control(Table t, std::vector<std::string> bodies, const std::ve
   BodyControl c;
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   t.choice("body", c.body, bodies, true);
-  std::array<bool, 3> held{true, true, true};
-  t.velocity("velocity", c.velocity, held, false);
-  for (size_t i = 0; i < 3; ++i) {
-    if (!held[i]) c.kind[i] = DofKind::free;
-  }
+  t.velocity(c, false);
   if (t.numbers("force", c.force, kAny, "N")) {
     for (size_t i = 0; i < 3; ++i) {
       if (c.force[i] != 0.0 && c.kind[i] == DofKind::velocity)
@@ -378,14 +415,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
                                                         : std::vector<std::string>{"pressure", "shear", "custom"};
   const bool kind_known = t.choice("kind", kind, kinds, true);
   stage.name = stage.kind = kind;
-  t.text("name", stage.name, "text, as \"precompression\"");
-  if (previous) stage.gravity = previous->gravity;
-  t.numbers("gravity", stage.gravity, kAny, "m/s2");
-  t.number("ramp_time", stage.ramp_time, kNotNegative, "s");
-  t.number("duration", stage.duration, kPositive, "s");
-  t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
-  t.integer("record_interval", stage.record_interval, 0, 1000000000L);
-  t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
+  read_stage_basics(t, stage, previous);
 
   const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
   stage.monitor = top ? "top_beam" : "";
@@ -420,11 +450,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
     for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
       stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
                                             bodies, loaded_names(scene)));
-    t.number("displacement", stage.displacement, kPositive, "m");
-    t.choice("monitor", stage.monitor, bodies);
-    std::string direction = "x";
-    t.choice("direction", direction, {"x", "y", "z"});
-    stage.direction = direction[0] - 'x';
+    read_monitor(t, stage, &bodies);
     if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !t.has("equilibrium_ratio") &&
         !t.has("displacement") && !t.has("duration"))
       t.context().fault(t.where() + ": the stage never ends; give equilibrium_ratio, displacement (m) or duration (s)");
@@ -432,21 +458,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
       t.refuse("displacement", "only with a monitor body to measure; give monitor");
   }
 
-  const std::string law_choice = "a law for all joint families, or a table { family = \"law\" }";
-  if (const toml::node* law = t.find("law", law_choice, false)) {
-    if (const toml::table* swaps = law->as_table()) {
-      Table s(t.context(), *swaps, t.path("law"));
-      for (const auto& [family, settings] : scene.joints) {
-        std::string name;
-        if (s.text(family, name, "the name or path of a law")) stage.law_swaps[family] = name;
-      }
-      s.finish();
-    } else if (const auto name = law->value<std::string>()) {
-      for (const auto& [family, settings] : scene.joints) stage.law_swaps[family] = *name;
-    } else {
-      t.wrong_type("law", *law, law_choice);
-    }
-  }
+  read_law_swaps(t, scene, stage);
   if (!kind_known) return stage;  // which keys are allowed depends on the kind
   t.finish();
   return stage;
@@ -473,13 +485,23 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   toml::table root = parse(path);
   for (const std::string& setting : overrides) apply_override(root, setting, context);
 
+  const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
+  const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
+
   Scene scene;
   scene.file = path;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   const Quality* quality = &quality_named("standard");
-  scene.solver = quality->solver;
-  if (const auto* table = t.table("solver", "a table [solver]")) {
+  if (of_blocks) {
+    scene.quality_as_is = false;  // its errors were measured on walls
+    scene.output.energy = true;
+    if (const auto* table = t.table("solver", "a table [solver]"))
+      scene.solver = read_solver({context, *table, "solver"}, nullptr);
+  } else {
+    scene.solver = quality->solver;
+  }
+  if (const auto* table = of_blocks ? nullptr : t.table("solver", "a table [solver]")) {
     Table solver(context, *table, "solver");
     std::vector<std::string> names;
     for (const Quality& q : qualities()) names.push_back(q.name);
@@ -489,7 +511,7 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     scene.quality_as_is = table->size() == (solver.has("quality") ? 1u : 0u);
     scene.solver = read_solver(std::move(solver), quality);
   }
-  scene.quality = quality->name;
+  if (!of_blocks) scene.quality = quality->name;
 
   auto each = [&](const char* kind, bool required, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);
@@ -509,22 +531,32 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   if (const auto* table = t.table("building", "a table [building]"))
     scene.building = read_building({context, *table, "building"}, scene);
   if (scene.building) scene.quality_as_is = false;  // its errors were measured on walls
-  if (const auto* table = t.table("wall", "a table [wall]", !scene.building))
+  if (of_blocks) scene.blocks = read_blocks(t, scene, folder);
+  if (const auto* table = t.table("wall", "a table [wall]", !scene.building && !scene.blocks))
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
+  for (const char* kind : {"wall", "building"}) {
+    if (of_blocks && t.has(kind))
+      t.refuse(kind, "not beside [[block]], [[dry_wall]] and [[arch]]; remove one or the other");
+  }
 
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
   int index = 0;
   for (const auto* table : t.tables("stage", "tables [[stage]]", true)) {
     const Stage* previous = scene.stages.empty() ? nullptr : &scene.stages.back();
-    Stage stage = read_stage({context, *table, fmt::format("stage.{}", ++index)}, scene, previous, pressure);
+    Table stage_table(context, *table, fmt::format("stage.{}", ++index));
+    Stage stage = of_blocks ? read_block_stage(std::move(stage_table), scene, previous, folder)
+                            : read_stage(std::move(stage_table), scene, previous, pressure);
     scene.stages.push_back(std::move(stage));
   }
   if (const auto* table = t.table("output", "a table [output]")) {
     Table o(context, *table, "output");
     o.integer("frames", scene.output.frames, 0, 100000);
     o.boolean("plots", scene.output.plots);
+    o.boolean("picture", scene.output.plots);
     o.boolean("energy", scene.output.energy);
+    o.number("record_interval", scene.output.record_interval, kNotNegative, "s");
+    if (of_blocks) o.text("monitor", scene.output.monitor, "the name of a block");
     o.finish();
   }
   t.finish();

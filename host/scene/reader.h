@@ -229,24 +229,21 @@ class Table {
     return true;
   }
 
-  // Velocities along x, y, z, m/s; "free" leaves a component to itself.
-  bool velocity(const std::string& key, std::array<double, 3>& value, std::array<bool, 3>& held, bool required) {
-    const std::string allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";
+  // velocity: three components of a control, each a number in m/s or "free".
+  bool velocity(BodyControl& control, bool required) {
+    const std::string key = "velocity", allowed = "a list of 3: a finite number in m/s, or \"free\", for x, y, z";
     const toml::node* node = find(key, allowed, required);
     if (!node) return false;
     const toml::array* list = node->as_array();
     if (!list || list->size() != 3) return wrong_type(key, *node, allowed), false;
-    std::array<double, 3> read{};
-    std::array<bool, 3> prescribed{};
     for (size_t i = 0; i < 3; ++i) {
       const toml::node& component = *list->get(i);
       const std::optional<double> v = number_of(component);
       if (!v && component.value<std::string>() != "free") return wrong_type(key, *node, allowed), false;
       if (v && !std::isfinite(*v)) return refuse(key, allowed), false;
-      read[i] = v.value_or(0.0);
-      prescribed[i] = v.has_value();
+      control.kind[i] = v ? DofKind::velocity : DofKind::free;
+      control.velocity[i] = v.value_or(0.0);
     }
-    value = read, held = prescribed;
     return true;
   }
 
@@ -295,6 +292,12 @@ class Table {
 SolverSettings read_solver(Table t, const Quality* quality);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
+
+// Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
+void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
+// displacement (m), and the monitor and direction that it is measured on.
+void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
+void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 
 // Throws Error(bad_input): the file cannot be read or is not TOML.
 toml::table parse(const std::string& path);

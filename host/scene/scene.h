@@ -73,14 +73,49 @@ struct SolverSettings {
 
 enum class DofKind { free, velocity };
 
-// Control of the bodies of one name (a beam, or a row of rigid units) during a stage, component by component. Rotations
-// of a controlled body are held. Deformable blocks can be loaded only: their gridpoints share the force by their mass.
+// Control of the bodies of one name (a beam, a row of rigid units, a block) during a stage, component by component.
+// Deformable blocks of walls and buildings can be loaded only: their gridpoints share the force by their mass.
 struct BodyControl {
   std::string body;  // "top_beam", "top_course"
   std::array<DofKind, 3> kind{DofKind::velocity, DofKind::velocity, DofKind::velocity};
   Vec3 velocity{0.0, 0.0, 0.0};  // m/s, for components of kind velocity
   Vec3 force{0.0, 0.0, 0.0};     // N, for free components
   bool may_turn = false;         // rotations free instead of held
+  Vec3 omega{0.0, 0.0, 0.0};     // rad/s, of held rotations; blocks of any shape only
+};
+
+// A force at a point of a block that moves along with it; its direction stays. Blocks of any shape only, as are
+// pressures, ground motion and collapse.
+struct PointForce {
+  std::string block;
+  Vec3 point, force;  // m, where it acts at the start of the stage's block; N
+};
+
+// On the face of a block whose outward normal is closest to `normal`; follows the face.
+struct FacePressure {
+  std::string block;
+  Vec3 normal;
+  double pressure;  // Pa, > 0 pushes on the block
+};
+
+// A time history, piecewise linear.
+struct SeriesSpec {
+  std::vector<double> time, value;  // s
+};
+
+// Moves all fixed blocks. The acceleration is integrated exactly.
+struct GroundMotion {
+  Vec3 direction;
+  SeriesSpec acceleration;  // s since the start of the stage, m/s2
+};
+
+// Body force alpha |gravity| along `direction`, alpha growing until some block has moved by `displacement`: that alpha
+// is the collapse multiplier.
+struct Collapse {
+  Vec3 direction{1, 0, 0};
+  double start = 0.0, rate = 0.01;  // alpha grows to `start` over the ramp, then by `rate` 1/s
+  double displacement = 0.01;       // m
+  double limit = 2.0;               // of alpha: gives up
 };
 
 // A virtual whiffletree: every floor gets the same force along x, F = stiffness (u - mean of the floors'
@@ -115,6 +150,11 @@ struct Stage {
   long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
 
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
+  std::vector<PointForce> forces;
+  std::vector<FacePressure> pressures;
+  std::optional<GroundMotion> ground;
+  std::optional<Collapse> collapse;
+  std::optional<SolverSettings> damping;  // of this stage on, in place of that of the scene
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
@@ -197,10 +237,83 @@ struct BuildingSpec {
   std::vector<Floor> floors;
 };
 
+// One convex block, or all objects of a mesh file.
+struct BlockSpec {
+  std::string name, material;
+  bool rigid = true, fixed = false;
+  double zone_edge = 0.0;                 // m, deformable
+  std::array<int, 3> divisions{0, 0, 0};  // deformable bricks, instead of zone_edge
+  Vec3 position{0, 0, 0};                 // of the shape's origin, m
+  Vec3 rotation{0, 0, 0};                 // vector whose length is the angle, deg
+  std::vector<Vec3> vertices;             // own coordinates, m
+  std::vector<std::vector<int>> faces;    // empty: the hull of the vertices
+  std::optional<Vec3> box_lower, box_size;
+  std::string mesh;    // file; every object becomes a block
+  double scale = 1.0;  // of the mesh file's lengths
+  Source source;
+};
+
+// Wall of rectangular units in a vertical plane. Several of them with toothed ends make interlocked corners.
+struct DryWallSpec {
+  std::string name, material;
+  std::string bond = "running";        // running (half-lap), third, stack
+  std::string first_course = "whole";  // whole, half
+  int courses = 0;
+  double units_per_course = 0.0;  // multiples of one half
+  Vec3 unit{0, 0, 0};             // length, height, thickness, m
+  Vec3 origin{0, 0, 0};           // lower corner, m
+  double direction = 0.0;         // of the wall in plan, deg from x towards z
+  // Ends of even (0, 2, ...) and odd courses are shortened by these, m: a corner where two walls interlock
+  std::array<double, 2> trim_start{0, 0}, trim_end{0, 0};
+  bool rigid = true;
+  double zone_edge = 0.0;
+  struct Opening {  // m along the wall and above its foot
+    double from, to, sill, head;
+    double bearing;  // of the lintel each side, m; 0: no lintel
+  };
+  std::vector<Opening> openings;
+  Source source;
+};
+
+struct ArchSpec {
+  std::string name, material;
+  Vec3 centre{0, 0, 0};  // of the near face, m; the arch lies in a plane x-y, its depth along z
+  double radius = 0.0;   // mean, m
+  double thickness = 0.0, depth = 0.0;
+  int voussoirs = 0;
+  std::array<double, 2> angles{0, 180};  // deg from x
+  bool abutments = true;                 // a fixed voussoir beyond either end
+  bool rigid = true;
+  double zone_edge = 0.0;
+  Source source;
+};
+
+// First match decides the family of two blocks that meet.
+struct JointRule {
+  std::string family;                          // "none": the blocks pass through each other
+  std::string normal = "any";                  // vertical (bed joints), horizontal (head joints), any
+  std::array<std::string, 2> between{"", ""};  // names begin so; empty: any
+};
+
+// Blocks of any convex shape.
+struct BlocksSpec {
+  std::vector<BlockSpec> blocks;
+  std::vector<DryWallSpec> walls;
+  std::vector<ArchSpec> arches;
+  std::vector<JointRule> rules;
+  std::string default_joint;  // family of blocks that no rule names, or "none"
+  struct Contact {
+    double skin = 0.0, joint_tolerance = 0.0, point_spacing = 0.0, small_displacement = 0.005;
+    bool cubic_points = false;
+  } contact;
+};
+
 struct OutputSettings {
   int frames = 20;  // VTU frames over the last stage; 0: none
   bool plots = true;
-  bool energy = false;  // energies by mode in history.csv
+  bool energy = false;           // energies by mode in history.csv
+  std::string monitor;           // block that the history shows; empty: as the stages say
+  double record_interval = 0.0;  // s between rows of the history; 0: as the stages say
 };
 
 struct Scene {
@@ -210,8 +323,9 @@ struct Scene {
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;
-  std::optional<WallSpec> wall;  // one of wall and building
+  std::optional<WallSpec> wall;  // one of wall, building and blocks
   std::optional<BuildingSpec> building;
+  std::optional<BlocksSpec> blocks;
   std::vector<Stage> stages;
   OutputSettings output;
 };

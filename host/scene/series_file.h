@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/block_scene.h"
+#include "scene/scene.h"
 
 namespace quoin {
 

@@ -16,6 +16,8 @@ Vec3 read_line(const LaneVector<double>& values, std::size_t offset) {
   return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
 }
 
+}  // namespace
+
 Condition condition_of(std::uint32_t flags) {
   if (flags & QUOIN_FLAG_CRUSHING_COMPLETE) return Condition::crushed_out;
   if (flags & QUOIN_FLAG_CRUSHED) return Condition::crushing;
@@ -24,6 +26,8 @@ Condition condition_of(std::uint32_t flags) {
   if (flags & (QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_SHEAR_DAMAGED)) return Condition::softening;
   return Condition::elastic;
 }
+
+namespace {
 
 // Bytes of a checkpoint, written and read by one and the same list of fields.
 struct Writer {
@@ -149,6 +153,17 @@ std::vector<HotArray> Simulation::hot_arrays() const {
       {"state of the law", HotOf::contact_point, state_columns * sizeof(double)}};
 }
 
+long Simulation::block_count() const {
+  if (impl_->riding) return impl_->riding->block_count();
+  return static_cast<long>(impl_->model.assembly.bricks.size());
+}
+long Simulation::zone_count() const {
+  return static_cast<long>(impl_->riding ? impl_->riding->zones().size() : impl_->model.zone_count());
+}
+long Simulation::point_count() const {
+  return impl_->riding ? static_cast<long>(impl_->riding->point_count()) : impl_->model.point_count;
+}
+
 const char* condition_name(Condition condition) {
   constexpr const char* names[kConditionCount] = {"crushed_out", "crushing",  "open",
                                                   "slipping",    "softening", "elastic"};
@@ -223,6 +238,7 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
 
 // Flags of the last step when it reported them, otherwise those of a step that moves nothing.
 std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
+  if (riding) return riding_flags();
   if (flags_step == step_count - 1) return flags;
   std::vector<std::uint32_t> result(flags.size(), 0);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
@@ -251,6 +267,7 @@ std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
 }
 
 std::vector<ContactPoint> Simulation::contact_points() const {
+  if (impl_->riding) return impl_->riding_points();
   const Model& model = impl_->model;
   const std::vector<std::uint32_t> flags = impl_->current_flags();
   std::vector<ContactPoint> result;
@@ -278,6 +295,7 @@ std::vector<ContactPoint> Simulation::contact_points() const {
 }
 
 std::vector<double> Simulation::state(const std::string& id) const {
+  if (impl_->riding) return impl_->riding_state(id);
   std::vector<double> result(at(impl_->model.point_count), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t f = 0; f < impl_->model.families.size(); ++f) {
     const ContactFamily& family = impl_->model.families[f];
@@ -298,6 +316,7 @@ std::array<long, kConditionCount> Simulation::condition_counts() const {
 
 // FNV-1a over 64-bit words.
 std::uint64_t Simulation::hash() const {
+  if (impl_->riding) return impl_->riding->hash();
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto add = [&](const auto& values) {
     for (double value : values) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "scene/generate.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -15,6 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr long kCheckInterval = 20;       // steps between two looks at the unbalanced force
+constexpr long kCollapseInterval = 10;    // steps between two looks at how far blocks have moved
 constexpr int kCalmChecks = 5;            // looks in a row that must pass: one may catch a swing at its turning point
 constexpr long kDefaultRows = 1000;       // rows of a stage with record_interval 0
 constexpr long kUnknownLength = 200;      // steps between rows of a stage whose length cannot be foreseen
@@ -30,9 +32,11 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 // Both phases go over independent pieces, so the bits do not depend on which thread does which.
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   apply_controls();
+  if (riding) riding->begin_step();
   const auto start = timing ? Clock::now() : Clock::time_point();
 
   auto contacts = [&](int thread, int i) {
+    if (riding) return riding->advance_contacts(i);
     ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
     const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(i)];
     contact_jumps(model, chunk, data, jump);
@@ -44,10 +48,12 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   const auto middle = timing ? Clock::now() : Clock::time_point();
 
   auto blocks_and_bodies = [&](int thread, int i) {
+    if (riding) return riding->advance_block(i);
     double* const memory = scratch[static_cast<std::size_t>(thread)].data();
     advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
   };
   pool.for_each(item_end, blocks_and_bodies);
+  if (riding) end_riding_step();
   if (measure_step) sum_measurements();
   if (report) flags_step = step_count;
   ++step_count;
@@ -149,6 +155,8 @@ void Simulation::Impl::report_failed_points() {
 void Simulation::Impl::apply_controls() {
   if (!controls_settled)
     follow_ramps();
+  else if (riding)
+    drive_blocks(1.0);
   else if (!rest_known)
     find_bodies_at_rest();
   if (!whiffletree.empty()) pull_whiffletree();
@@ -211,7 +219,8 @@ void Simulation::Impl::pull_whiffletree() {
 
 void Simulation::Impl::follow_ramps() {
   const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
-  const double elapsed = (static_cast<double>(stage_step) + 0.5) * data.time_step;
+  const double elapsed =
+      riding ? stage_time() + 0.5 * riding->time_step() : (static_cast<double>(stage_step) + 0.5) * data.time_step;
   const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
   const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
   for (const int body : ramped_bodies) {
@@ -230,9 +239,11 @@ void Simulation::Impl::follow_ramps() {
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
   controls_settled = s >= 1.0;
+  if (riding) drive_blocks(s);
 }
 
 void Simulation::Impl::sum_measurements() {
+  if (riding) return measure_riding_step();
   double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
   Energies now;
   for (const Measured& m : measured) {
@@ -269,10 +280,14 @@ HistoryRow Simulation::Impl::measure() const {
   HistoryRow row;
   row.stage = std::max(stage, 0);
   row.step = step_count;
-  row.time = static_cast<double>(step_count) * data.time_step;
+  row.time = now();
   row.unbalanced_ratio = unbalanced_ratio;
   row.kinetic_energy = kinetic;
   row.energies = energies;
+  if (riding) {
+    measure_riding(row);
+    return row;
+  }
   if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
@@ -306,6 +321,26 @@ HistoryRow Simulation::Impl::measure() const {
   for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
   row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
+}
+
+// What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
+void Simulation::Impl::require_finite(const HistoryRow& row) const {
+  const std::pair<const char*, double> values[] = {
+      {"kinetic energy", row.kinetic_energy},
+      {"displacement of the monitor", row.displacement},
+      {"force on the monitor", row.resistance},
+      {"largest displacement", row.largest_displacement},
+      {"energy balance", row.energies.value_or(Energies{}).balance_error()},
+  };
+  for (const auto& [name, value] : values) {
+    if (std::isfinite(value)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check the velocities "
+                            "and forces of the stage, or reduce solver.time_step_fraction (the time step is {:.4g} s, "
+                            "{:g} of 2/omega_max)",
+                            scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
+                            data.time_step, data.time_step / time_step.critical.value));
+  }
 }
 
 Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
@@ -379,6 +414,33 @@ Vec3 Simulation::Impl::mean_of(const std::vector<int>& indices, BodyLanes::Quant
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
+  if (riding)
+    begin_riding_stage(settings, index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr);
+  else
+    control_bodies(settings);
+  gravity_from = data.gravity;
+  gravity_to = settings.gravity;
+  controls_settled = false;
+  stage = index;
+  stage_step = 0;
+  in_stage = true;
+  bind_controls();
+  bind_whiffletree();
+  choose_damping();
+  if (!whiffletree.empty()) {
+    // The tree starts without force: from the mean displacement of the floors.
+    monitor_start = {};
+    for (std::size_t f = 0; f < whiffletree.size(); ++f)
+      monitor_start[0] += floor_displacement(f) / static_cast<double>(whiffletree.size());
+  }
+  calm_checks = 0;
+  next_frame = 0;
+  next_row = 0;
+  swaps.clear();
+  for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+void Simulation::Impl::control_bodies(const Stage& settings) {
   for (const BodyControl& control : settings.controls) {
     const bool deformable = !model.deformable_blocks_named(control.body).empty();
     if (model.bodies_named(control.body).empty() && !deformable) {
@@ -435,29 +497,8 @@ void Simulation::Impl::begin_stage(int index) {
     load_ramps[i].from = load_ramps[i].now;
     load_ramps[i].to = control != settings.controls.end() ? control->force : Vec3{};
   }
-  gravity_from = data.gravity;
-  gravity_to = settings.gravity;
-  controls_settled = false;
-  bind_controls();
-
-  stage = index;
-  stage_step = 0;
-  in_stage = true;
   monitor = new_monitor;
   monitor_start = mean_of(monitor, &BodyLanes::displacement);
-  bind_whiffletree();
-  choose_damping();
-  if (!whiffletree.empty()) {
-    // The tree starts without force: from the mean displacement of the floors.
-    monitor_start = {};
-    for (std::size_t f = 0; f < whiffletree.size(); ++f)
-      monitor_start[0] += floor_displacement(f) / static_cast<double>(whiffletree.size());
-  }
-  calm_checks = 0;
-  next_frame = 0;
-  next_row = 0;
-  swaps.clear();
-  for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
 }
 
 void Simulation::Impl::bind_controls() {
@@ -546,6 +587,8 @@ void Simulation::Impl::bind_whiffletree() {
 long Simulation::Impl::chosen_record_interval() const {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   if (settings.record_interval > 0) return settings.record_interval;
+  if (scene.output.record_interval > 0.0)
+    return std::max(1L, std::lround(scene.output.record_interval / data.time_step));
   double steps = std::numeric_limits<double>::infinity();
   if (settings.duration) steps = *settings.duration / data.time_step;
   if (settings.displacement && !monitor.empty()) {
@@ -556,6 +599,10 @@ long Simulation::Impl::chosen_record_interval() const {
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
+  if (settings.collapse)
+    steps = std::min(
+        steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
+                   data.time_step);
   if (!std::isfinite(steps)) return kUnknownLength;
   return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
 }
@@ -563,8 +610,17 @@ long Simulation::Impl::chosen_record_interval() const {
 double Simulation::Impl::stage_fraction() const {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   double fraction = 0.0;
-  if (settings.duration) fraction = static_cast<double>(stage_step) * data.time_step / *settings.duration;
-  if (settings.displacement) {
+  if (settings.duration) fraction = stage_time() / *settings.duration;
+  if (settings.collapse) {
+    // Where it will end is not known; the limit ends it for certain, and frames and progress go by it.
+    const Collapse& c = *settings.collapse;
+    fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - c.start) / (c.limit - c.start)));
+  }
+  if (settings.displacement && riding) {
+    const auto c = static_cast<std::size_t>(settings.direction);
+    fraction =
+        std::max(fraction, std::abs(riding_displacement(monitor_block)[c] - monitor_start[c]) / *settings.displacement);
+  } else if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
     const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
                                            : floor_displacement(whiffletree.size() - 1);
@@ -576,7 +632,7 @@ double Simulation::Impl::stage_fraction() const {
 
 bool Simulation::Impl::equilibrium_reached(const Stage& settings) {
   if (!settings.equilibrium_ratio) return false;
-  const bool ramped = static_cast<double>(stage_step) * data.time_step >= settings.ramp_time;
+  const bool ramped = stage_time() >= settings.ramp_time;
   calm_checks = ramped && unbalanced_ratio <= *settings.equilibrium_ratio ? calm_checks + 1 : 0;
   return calm_checks >= kCalmChecks;
 }
@@ -678,11 +734,14 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
 Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
     : scene(std::move(scene_in)),
-      model(std::move(assembly), std::move(materials)),
-      time_step(choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages)),
+      model(std::move(assembly), materials),
+      time_step(model.assembly.bricks.empty()
+                    ? TimeStepReport{}
+                    : choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       want_energy(scene.output.energy),
       keep_diagnostics(scene.output.energy) {
+  if (scene.blocks) build_riding(std::move(materials));
   const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(model.point_count);
   displacement.assign(doubles, 0.0);
@@ -796,23 +855,10 @@ void Simulation::Impl::bind_columns() {
 }
 
 void Simulation::Impl::partition_work() {
-  // Neighbouring pieces to one thread, cut where the estimated work reaches its share.
-  const auto cut = [&](const std::vector<double>& weight) {
-    double total = 0.0, so_far = 0.0;
-    for (double w : weight) total += w;
-    std::vector<int> end;
-    std::size_t i = 0;
-    for (int t = 0; t < pool.thread_count(); ++t) {
-      const double share = total * (t + 1) / pool.thread_count();
-      while (i < weight.size() && (t + 1 == pool.thread_count() || so_far + 0.5 * weight[i] <= share))
-        so_far += weight[i++];
-      end.push_back(static_cast<int>(i));
-    }
-    return end;
-  };
   std::vector<double> weight;
   for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
-  chunk_end = cut(weight);
+  for (int c = 0; riding && c < riding->chunk_count(); ++c) weight.push_back(riding->chunk_work(c));
+  chunk_end = shares(weight, pool.thread_count());
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
@@ -831,15 +877,27 @@ void Simulation::Impl::partition_work() {
     weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
   for (const int b : model.lone_bodies)
     weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
-  item_end = cut(weight);
+  for (int b = 0; riding && b < riding->block_count(); ++b) weight.push_back(riding->block_work(b));
+  item_end = shares(weight, pool.thread_count());
   data.scratch_doubles = kScratchColumns * largest;
-  for (int t = 0; t < pool.thread_count(); ++t) {
+  for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {
     scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
     jumps.push_back(std::make_unique<ChunkJumps>());
   }
 }
 
 // ---- The public class ----------------------------------------------------------------------------------------------
+
+Simulation::Simulation(Scene scene, int threads) {
+  Assembly assembly;
+  if (scene.blocks) {
+    for (const auto& [name, family] : scene.joints) assembly.families.push_back(family);
+  } else {
+    assembly = assemble(scene);
+  }
+  auto materials = make_materials(assembly);
+  impl_ = std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials));
+}
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
   auto materials = make_materials(assembly);
@@ -884,16 +942,11 @@ void Simulation::run(Observer& observer) {
 
       done = check && s.equilibrium_reached(settings);
       if (s.stage_fraction() >= 1.0) done = true;
+      if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       if (row || done) {
         const HistoryRow now = s.measure();
-        if (!std::isfinite(now.kinetic_energy)) {
-          throw Error(
-              Exit::numerical,
-              fmt::format(
-                  "velocities are not numbers at step {} of stage '{}'; the time step is {:.4g} s, {:g} of 2/omega_max",
-                  s.stage_step, settings.name, s.data.time_step, s.data.time_step / s.time_step.critical.value));
-        }
+        s.require_finite(now);
         observer.on_row(now);
         while (s.next_row < s.stage_step) s.next_row += interval;
       }
@@ -949,7 +1002,12 @@ const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
 const Model& Simulation::model() const { return impl_->model; }
 const TimeStepReport& Simulation::time_step_report() const { return impl_->time_step; }
 long Simulation::step() const { return impl_->step_count; }
-double Simulation::time() const { return static_cast<double>(impl_->step_count) * impl_->data.time_step; }
+double Simulation::time() const { return impl_->now(); }
+const blocks::Model* Simulation::riding() const { return impl_->riding.get(); }
+geometry::Vector Simulation::riding_start(int block) const {
+  return impl_->riding_start[static_cast<std::size_t>(block)];
+}
+const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
 HistoryRow Simulation::measure() const { return impl_->measure(); }

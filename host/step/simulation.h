@@ -16,6 +16,13 @@
 #include "scene/error.h"
 #include "scene/scene.h"
 
+namespace quoin::blocks {
+class Model;
+}
+namespace quoin::geometry {
+struct Vector;
+}
+
 namespace quoin {
 
 // Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
@@ -27,27 +34,30 @@ struct Energies {
   std::array<double, 4> dissipated{};  // joints since the start: tension, cohesion, friction, crushing
   double external = 0.0;               // work of weight, forces and prescribed velocities since the start
   double damping = 0.0;                // work taken by damping since the start
+  double detection = 0.0;              // stored energy lost (> 0) or gained where contact points were placed anew
   double balance_error() const {
-    return kinetic + strain + contact_stored + dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3] + damping -
-           external;
+    return kinetic + strain + contact_stored + dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3] + damping +
+           detection - external;
   }
 };
 
 // One line of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryRow {
   int stage = 0;
-  long step = 0;                     // since the start of the simulation
-  double time = 0.0;                 // s, since the start of the simulation
-  double displacement = 0.0;         // of the monitor along Stage::direction since the start of the stage, m
-  double resistance = 0.0;           // minus the force of the joints on the monitor along Stage::direction, N: positive
-                                     // when the wall resists a movement in the positive direction
-  double vertical_force = 0.0;       // force between monitor and wall along y, compression positive, N
-  Vec3 monitor_displacement{};       // since the start of the simulation, m
-  Vec3 joint_force{};                // of the joints on the bodies of the monitor, N
-  double dynamic_force = 0.0;        // along Stage::direction: what supports and loads give in all, N; 0 at rest
-  double unbalanced_ratio = 0.0;     // largest unbalanced nodal force / mean contact force
-  double kinetic_energy = 0.0;       // J, of the model as computed
-  std::optional<Energies> energies;  // when Scene::output.energy
+  long step = 0;                  // since the start of the simulation
+  double time = 0.0;              // s, since the start of the simulation
+  double displacement = 0.0;      // of the monitor along Stage::direction since the start of the stage, m
+  double resistance = 0.0;        // minus the force of the joints on the monitor along Stage::direction, N: positive
+                                  // when the wall resists a movement in the positive direction
+  double vertical_force = 0.0;    // force between monitor and wall along y, compression positive, N
+  Vec3 monitor_displacement{};    // since the start of the simulation, m
+  Vec3 joint_force{};             // of the joints on the bodies of the monitor, N
+  double dynamic_force = 0.0;     // along Stage::direction: what supports and loads give in all, N; 0 at rest
+  double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
+  double kinetic_energy = 0.0;    // J, of the model as computed
+  double multiplier = 0.0;        // of the body force of a collapse stage
+  double largest_displacement = 0.0;  // of any block since the start, m; blocks of any shape only
+  std::optional<Energies> energies;   // when Scene::output.energy
 };
 
 struct Progress {
@@ -58,6 +68,12 @@ struct Progress {
   double steps_per_second = 0.0;
   double seconds_left = 0.0;  // of this stage; negative: not known yet
   double unbalanced_ratio = 0.0;
+};
+
+// What stages found out.
+struct Outcome {
+  std::optional<double> collapse_multiplier;
+  std::optional<double> base_slip_at_uplift;  // m: of blocks on fixed ones, when a bed joint first opens by 0.1 mm
 };
 
 class Simulation;
@@ -118,7 +134,9 @@ struct HotArray {
 
 class Simulation {
  public:
-  // threads 0: as many as the machine has. Laws are found by their names; or pass materials, one a joint family.
+  // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
+  explicit Simulation(Scene scene, int threads = 1);
+  // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
   Simulation(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
   ~Simulation();
@@ -142,6 +160,12 @@ class Simulation {
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
+  const blocks::Model* riding() const;             // blocks of any shape; null: none
+  geometry::Vector riding_start(int block) const;  // centre of mass at the start, m
+  const Outcome& outcome() const;
+  long block_count() const;
+  long zone_count() const;
+  long point_count() const;
   const TimeStepReport& time_step_report() const;
   long step() const;
   double time() const;

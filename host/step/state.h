@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "blocks/model.h"
 #include "step/kernels.h"
 #include "step/simulation.h"
 #include "step/thread_pool.h"
@@ -53,6 +54,14 @@ struct BodyGroupInertia {
 };
 BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const Inertia& inertia, double time_step);
 
+// Control of a block of any shape through a stage.
+struct Drive {
+  int block = -1;
+  std::uint8_t held = 0;  // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
+  geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
+  geometry::Vector force_from, force_to;                              // N, along free components
+};
+
 // One chunk's call of its law, with all columns in place; only the jumps differ by thread.
 struct LawCall {
   quoin_batch batch{};
@@ -94,6 +103,7 @@ struct Simulation::Impl {
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
+  void control_bodies(const Stage& settings);  // and find the monitor
   void find_loaded_blocks();
   void bind_whiffletree();  // bodies and blocks of the stage's floors
   void bind_controls();     // lists that follow from ramps and prescribed components
@@ -102,6 +112,7 @@ struct Simulation::Impl {
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
+  void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
   // Translation + rotation x arm of a rigid body at a reference position.
@@ -115,6 +126,26 @@ struct Simulation::Impl {
   bool equilibrium_reached(const Stage& settings);
   long chosen_record_interval() const;
   void sum_measurements();
+
+  // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
+  void build_riding(std::vector<std::shared_ptr<const Material>> materials);
+  int block_named(const std::string& name, const std::string& where) const;
+  void begin_riding_stage(const Stage& settings, const Stage* previous);
+  void bind_drives(const Stage& settings);
+  void add_loads(const Stage& settings);
+  void drive_blocks(double ramp);
+  bool collapse_ended();
+  void watch_uplift();
+  Vec3 riding_displacement(int block) const;  // of the centre of mass since the start, m
+  double largest_displacement() const;        // of any block that is not fixed, m
+  void measure_riding(HistoryRow& row) const;
+  std::vector<ContactPoint> riding_points() const;
+  std::vector<std::uint32_t> riding_flags() const;
+  std::vector<double> riding_state(const std::string& id) const;
+  void end_riding_step();
+  void measure_riding_step();
+  double stage_time() const;  // s, since the stage began
+  double now() const;         // s, since the start
 
   void bind_columns();   // pointers of step data and law calls
   void share_inertia();  // where the blocks of a group are alike
@@ -146,6 +177,17 @@ struct Simulation::Impl {
   int next_frame = 0;
   long next_row = 0;  // stage_step of the next history row
   bool in_stage = false;
+
+  // Blocks of any shape in large motion; null: none.
+  std::unique_ptr<blocks::Model> riding;
+  std::vector<geometry::Vector> riding_start;  // centres of mass at the start, m
+  std::vector<int> on_base;                    // free blocks that rest on fixed ones at the start
+  std::vector<Drive> drives;
+  std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
+  double riding_stage_start = 0.0;                     // s
+  double multiplier = 0.0;                             // of the body force of a collapse stage
+  int monitor_block = -1;
+  Outcome outcome;
 
   // Rebuilt from the state or derived.
   LaneVector<double> dt_over_mass;
@@ -186,6 +228,8 @@ struct Simulation::Impl {
   bool timing = false;
   PhaseTimes times;
 };
+
+Condition condition_of(std::uint32_t flags);
 
 // 10 t^3 - 15 t^4 + 6 t^5: from 0 to 1 with zero rate and acceleration at both ends.
 inline double smooth_step(double t) {

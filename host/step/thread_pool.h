@@ -124,4 +124,18 @@ class ThreadPool {
   std::vector<std::thread> threads_;
 };
 
+// Cuts pieces of the given weights into one run of neighbours a thread, of about equal weight: the end of each run.
+inline std::vector<int> shares(const std::vector<double>& weight, int thread_count) {
+  double total = 0.0, so_far = 0.0;
+  for (const double w : weight) total += w;
+  std::vector<int> end;
+  std::size_t i = 0;
+  for (int t = 0; t < thread_count; ++t) {
+    const double share = total * (t + 1) / thread_count;
+    while (i < weight.size() && (t + 1 == thread_count || so_far + 0.5 * weight[i] <= share)) so_far += weight[i++];
+    end.push_back(static_cast<int>(i));
+  }
+  return end;
+}
+
 }  // namespace quoin

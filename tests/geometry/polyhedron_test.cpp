@@ -174,7 +174,10 @@ TEST(Zoning, FillsTheVolumeAndCoversTheSurface) {
     for (size_t i = 0; i < c.shape.vertices.size(); ++i) EXPECT_EQ(norm(z.nodes[i] - c.shape.vertices[i]), 0.0);
   }
   EXPECT_NE(refusal([] { make_zones(box({0, 0, 0}, {1, 1, 1}), -1, "q"); }).find("block q"), std::string::npos);
-  EXPECT_NE(refusal([] { make_zones(box({0, 0, 0}, {1, 1, 1}), 1e-4, "q"); }).find("more than 1e+07"), std::string::npos);
+  EXPECT_NE(refusal([] {
+              make_zones(box({0, 0, 0}, {1, 1, 1}), 1e-4, "q");
+            }).find("more than 1e+07"),
+            std::string::npos);
 }
 
 TEST(MeshFile, OffObjAndStl) {

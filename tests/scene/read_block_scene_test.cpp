@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/block_scene.h"
 #include "scene/error.h"
+#include "scene/read_scene.h"
 #include "scene/series_file.h"
 
 namespace quoin {
@@ -50,9 +50,7 @@ class ReadBlockScene : public ::testing::Test {
     std::ofstream(file, std::ios::binary) << text;
     return file;
   }
-  BlockScene read(const std::vector<std::string>& overrides) {
-    return read_block_scene(write("s.toml", kScene), overrides);
-  }
+  Scene read(const std::vector<std::string>& overrides) { return read_scene(write("s.toml", kScene), overrides); }
   template <typename Action>
   std::string refusal(Action&& action) {
     try {
@@ -122,7 +120,7 @@ TEST_F(ReadBlockScene, OnlyTheFirstBadLinesAreListed) {
 
 TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
   write("quake.csv", "0, 0\n1, 2\n");
-  const BlockScene s = read({"stage.1.ground_motion={direction=[1,0,0],file='quake.csv',scale=9.81}"});
+  const Scene s = read({"stage.1.ground_motion={direction=[1,0,0],file='quake.csv',scale=9.81}"});
   EXPECT_THAT(s.stages[0].ground->acceleration.value, ElementsAre(0.0, 19.62));
   write("quake.csv", "0, 0\n1, nan\n");
   EXPECT_THAT(fault("stage.1.ground_motion={direction=[1,0,0],file='quake.csv'}"),
@@ -143,7 +141,7 @@ TEST_F(ReadBlockScene, SeriesInTheSceneKeepTheSameRules) {
         "time=[0,1],acceleration=[0,'1']", "time=[0,1],acceleration=[0]", "time=0,acceleration=0"}) {
     EXPECT_THAT(fault(ground(series)), HasSubstr("stage.1.ground_motion")) << series;
   }
-  const BlockScene s = read({ground("time=[0, 9007199254740993],acceleration=[9007199254740993,0]")});
+  const Scene s = read({ground("time=[0, 9007199254740993],acceleration=[9007199254740993,0]")});
   EXPECT_EQ(s.stages[0].ground->acceleration.time[1], 9007199254740992.0);
   EXPECT_EQ(s.stages[0].ground->acceleration.value[0], 9007199254740992.0);
 }
@@ -170,9 +168,9 @@ TEST_F(ReadBlockScene, PlacesDirectionsAndLoadsAreNumbersOfThisWorld) {
     EXPECT_THAT(fault(text), AllOf(HasSubstr("--set: " + text.substr(0, text.find('='))), HasSubstr("allowed")));
   }
   EXPECT_THAT(fault("block.1.rotation=[1e300, 0, 0]"), Not(HasSubstr("\n")));  // a fault is one line
-  const BlockScene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
-  EXPECT_EQ(s.stages[0].velocities.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
-  EXPECT_EQ(s.stages[0].velocities[0].held, (std::array<bool, 3>{true, false, true}));
+  const Scene s = read({"stage.1.velocity=[{block='block', velocity=[9007199254740993, 'free', 0]}]"});
+  EXPECT_EQ(s.stages[0].controls.at(0).velocity, (Vec3{9007199254740992.0, 0, 0}));
+  EXPECT_EQ(s.stages[0].controls[0].kind, (std::array{DofKind::velocity, DofKind::free, DofKind::velocity}));
 }
 
 TEST_F(ReadBlockScene, VerticesAndFaces) {
@@ -184,17 +182,17 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
     return write("s.toml", other);
   };
   const std::string corners = "[[0,0,0],[1,0,0],[0,1,0],[0,0,1]]";
-  const BlockScene s = read_block_scene(with(corners, "[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]"));
-  EXPECT_THAT(s.blocks[0].faces[0], ElementsAre(0, 2, 1));
+  const Scene s = read_scene(with(corners, "[[0,2,1],[0,1,3],[1,2,3],[0,3,2]]"));
+  EXPECT_THAT(s.blocks->blocks[0].faces[0], ElementsAre(0, 2, 1));
   for (const char* wrong : {"4294967297", "1.7", "1.0", "-1", "4", "true", "9223372036854775807", "nan"}) {
     const std::string file = with(corners, "[[0,2," + std::string(wrong) + "],[0,1,3],[1,2,3],[0,3,2]]");
-    EXPECT_THAT(refusal([&] { read_block_scene(file); }),
+    EXPECT_THAT(refusal([&] { read_scene(file); }),
                 AllOf(HasSubstr("s.toml:13: block.1.faces"), HasSubstr("less than 4")))
         << wrong;
   }
   for (const char* wrong : {"nan", "inf", "1e300", "'x'", "9007199254740993"}) {
     const std::string file = with("[[0,0," + std::string(wrong) + "],[1,0,0],[0,1,0],[0,0,1]]", "[]");
-    EXPECT_THAT(refusal([&] { read_block_scene(file); }), HasSubstr("s.toml:12: block.1.vertices")) << wrong;
+    EXPECT_THAT(refusal([&] { read_scene(file); }), HasSubstr("s.toml:12: block.1.vertices")) << wrong;
   }
 }
 

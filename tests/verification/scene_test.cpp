@@ -8,8 +8,9 @@
 #include <limits>
 
 #include "blocks/generate.h"
-#include "blocks/run.h"
 #include "scene/error.h"
+#include "scene/read_scene.h"
+#include "step/simulation.h"
 #include "support.h"
 
 namespace quoin::verification {
@@ -33,6 +34,11 @@ friction_angle = 35.0
 )" << body;
   return path;
 }
+void run_through(Simulation& simulation) {
+  Observer nobody;
+  simulation.run(nobody);
+}
+
 const char* const rest_stage = R"(
 [[stage]]
 gravity = [0.0, -9.81, 0.0]
@@ -101,9 +107,8 @@ trim_start = [0.2, 0.0]
 family = "none"
 between = ["hull", "mesh"]
 )" + std::string(rest_stage));
-  EXPECT_TRUE(is_block_scene(path));
-  blocks::Run run(read_block_scene(path));
-  const Assembly& a = run.model().assembly();
+  Simulation run(read_scene(path));
+  const blocks::Assembly& a = run.riding()->assembly();
   double wall = 0.0, expected = 0.0;
   for (size_t i = 0; i < a.blocks.size(); ++i) {
     if (a.blocks[i].name.starts_with("long") || a.blocks[i].name.starts_with("cross")) {
@@ -115,9 +120,9 @@ between = ["hull", "mesh"]
   EXPECT_NEAR(wall, expected, 1e-9);
   find_block(a, "arch/5", "test");
   EXPECT_THROW(find_block(a, "arch/55", "test"), Error);
-  run.run([](const Row&) {}, nullptr);
+  run_through(run);
   // the free hull, wedge and soft block rest on the floor; the corner holds together
-  EXPECT_LT(run.largest_displacement(), 0.02);
+  EXPECT_LT(run.measure().largest_displacement, 0.02);
 }
 
 TEST(BlockScenes, FaultsAreLocated) {
@@ -136,7 +141,7 @@ unit = [0.4, 0.2, 0.2]
 gravity = [0, -9.81, 0]
 )");
   try {
-    read_block_scene(path);
+    read_scene(path);
     FAIL();
   } catch (const Error& e) {
     const std::string text = e.what();
@@ -152,7 +157,7 @@ material = "stone"
 vertices = [[0,0,0],[1,0,0],[0,1,0],[1,1,0]]
 )" + std::string(rest_stage));
   try {
-    blocks::Run run(read_block_scene(concave));
+    Simulation run(read_scene(concave));
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("block flat: its vertices lie in one plane"), std::string::npos) << e.what();
@@ -190,14 +195,14 @@ void expect_words(const std::string& text, std::initializer_list<const char*> wo
 TEST(BlockScenes, ABlockThatIsNowhereEndsTheRun) {
   const double nowhere[] = {NAN, INFINITY, -INFINITY};
   for (double wrong : nowhere) {
-    const BlockScene scene = read_block_scene(scene_file(two_free_blocks + std::string(rest_stage)));
-    Model m(assemble(scene), scene.solver);
+    const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+    blocks::Model m(blocks::assemble(scene), scene.solver);
     m.run_steps(3);
     m.body(1).v.y = wrong;
     expect_words(failure([&] { m.step(); }, Exit::numerical),
                  {"block #1 'there', (5.5, 0.5, 0.5) m at the start", "no finite number at step 4"});
   }
-  blocks::Run spinning(read_block_scene(scene_file(two_free_blocks + std::string(R"(
+  Simulation spinning(read_scene(scene_file(two_free_blocks + std::string(R"(
 [[stage]]
 duration = 0.1
 [[stage.velocity]]
@@ -205,13 +210,13 @@ block = "there"
 velocity = [0, 0, 0]
 omega = [0, 1e300, 0]
 )"))));
-  expect_words(failure([&] { spinning.run([](const Row&) {}, nullptr); }, Exit::numerical),
+  expect_words(failure([&] { run_through(spinning); }, Exit::numerical),
                {"block #1 'there'", "no finite number at step 1"});
   // of deformable blocks, gridpoints
   std::string soft = two_free_blocks;
   soft.replace(soft.rfind("material"), 0, "rigid = false\nzone_edge = 1.0\n");
-  const BlockScene scene = read_block_scene(scene_file(soft + rest_stage));
-  Model m(assemble(scene), scene.solver);
+  const quoin::Scene scene = read_scene(scene_file(soft + rest_stage));
+  blocks::Model m(blocks::assemble(scene), scene.solver);
   m.run_steps(3);
   m.node_velocities()[2].z = NAN;
   expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
@@ -221,45 +226,43 @@ TEST(BlockScenes, HistoriesHoldFiniteNumbers) {
   // Positions stay finite, but the square of the velocity does not.
   std::string stage = rest_stage;
   stage.replace(stage.find("-9.81"), 5, "-1e200");
-  blocks::Run run(read_block_scene(scene_file(two_free_blocks + stage)));
-  expect_words(failure([&] { run.run([](const Row&) {}, nullptr); }, Exit::numerical),
-               {"stage 'stage'", "step", "no finite number"});
+  Simulation run(read_scene(scene_file(two_free_blocks + stage)));
+  expect_words(failure([&] { run_through(run); }, Exit::numerical), {"stage 'stage'", "step", "no finite number"});
 }
 
 TEST(BlockScenes, ModelsStartSomewhere) {
-  const BlockScene scene = read_block_scene(scene_file(two_free_blocks + std::string(rest_stage)));
-  const auto refused = [&](const std::function<void(Assembly&)>& spoil) {
-    Assembly a = assemble(scene);
+  const quoin::Scene scene = read_scene(scene_file(two_free_blocks + std::string(rest_stage)));
+  const auto refused = [&](const std::function<void(blocks::Assembly&)>& spoil) {
+    blocks::Assembly a = blocks::assemble(scene);
     spoil(a);
-    return failure([&] { Model(a, scene.solver); }, Exit::bad_input);
+    return failure([&] { blocks::Model(a, scene.solver); }, Exit::bad_input);
   };
-  expect_words(refused([](Assembly& a) {
+  expect_words(refused([](blocks::Assembly& a) {
                  a.blocks[1].orientation = geometry::rotation({1e300, 0, 0});
                }),
                {"block #1 'there'", "its place is no finite number", "rotation"});
-  expect_words(refused([](Assembly& a) { a.blocks[1].position.y = NAN; }), {"block #1 'there'", "position"});
-  expect_words(refused([](Assembly& a) {
+  expect_words(refused([](blocks::Assembly& a) { a.blocks[1].position.y = NAN; }), {"block #1 'there'", "position"});
+  expect_words(refused([](blocks::Assembly& a) {
                  a.materials[0].density = 1.7e308, a.shapes[0] = geometry::box({}, {9, 9, 9});
                }),
                {"block #0 'here'", "mass inf kg"});
-  EXPECT_EQ(refused([](Assembly&) {}), "no failure");
+  EXPECT_EQ(refused([](blocks::Assembly&) {}), "no failure");
 }
 
 TEST(BlockScenes, ALoadOnOneOfTwoBlocksOfTheSameNameIsRefused) {
   std::string twins = two_free_blocks;
   twins.replace(twins.find("there"), 5, "here");
   const std::string load = "[[stage.force]]\nblock = \"here\"\npoint = [0, 0, 0]\nforce = [1, 0, 0]\n";
-  expect_words(
-      failure([&] { blocks::Run run(read_block_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
-      {"blocks #0 and #1 are both called 'here'"});
-  EXPECT_NO_THROW(blocks::Run(read_block_scene(scene_file(twins + rest_stage))));
+  expect_words(failure([&] { Simulation run(read_scene(scene_file(twins + rest_stage + load))); }, Exit::bad_input),
+               {"blocks #0 and #1 are both called 'here'"});
+  EXPECT_NO_THROW(Simulation(read_scene(scene_file(twins + rest_stage))));
 }
 
 TEST(BlockScenes, BlocksHaveNoMoreZonesThanMemory) {
   for (const char* zones : {"zone_edge = 1e-9", "divisions = [200, 200, 200]"}) {
     std::string soft = two_free_blocks;
     soft.replace(soft.rfind("material"), 0, "rigid = false\n" + std::string(zones) + "\n");
-    expect_words(failure([&] { blocks::Run run(read_block_scene(scene_file(soft + rest_stage))); }, Exit::bad_input),
+    expect_words(failure([&] { Simulation run(read_scene(scene_file(soft + rest_stage))); }, Exit::bad_input),
                  {"block #1 'there'", "zones, more than 1e+07"});
   }
 }
@@ -291,15 +294,15 @@ ground_motion = { direction = [1, 0, 0], time = [0.0, 0.1, 0.2, 0.3], accelerati
 [output]
 monitor = "block"
 )");
-  blocks::Run run(read_block_scene(path));
-  run.run([](const Row&) {}, nullptr);
+  Simulation run(read_scene(path));
+  run_through(run);
   // double integral of the triangle pair: 0 to 0.1: a = 20 t; 0.1 to 0.2: 2 - 40 (t - 0.1); 0.2 to 0.3: -2 + 20 (t -
   // 0.2)
   const double expected =
       0.02 / 6 + (0.1 * 0.1 + 2 * 0.005 - 40 * 0.001 / 6) + (0.1 * 0.1 - 2 * 0.005 + 20 * 0.001 / 6);
-  check("ground motion: displacement after the record", expected, run.model().position(0).x, 1e-3, "m",
+  check("ground motion: displacement after the record", expected, run.riding()->position(0).x, 1e-3, "m",
         "exact integral of the record");
-  check("ground motion: the block rides along", expected, run.model().position(1).x - 0.25, 2e-3, "m");
+  check("ground motion: the block rides along", expected, run.riding()->position(1).x - 0.25, 2e-3, "m");
 }
 
 // Least horizontal body force, over weight, that turns the arch into three links on four hinges: every choice of hinges
@@ -356,11 +359,12 @@ double arch_multiplier(const ArchSpec& arch) {
 
 // The arch that is shipped: Oppenheim (1992) prints 0.37.
 TEST(BlockScenes, ArchFallsAtTheMultiplierOfLimitAnalysis) {
-  const BlockScene scene = read_block_scene(QUOIN_SCENES "/arch.toml");
-  const double expected = arch_multiplier(scene.arches.at(0));
+  const quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
+  const double expected = arch_multiplier(scene.blocks->arches.at(0));
   EXPECT_NEAR(expected, 0.37, 0.005);
-  blocks::Run run(scene);
-  const blocks::Outcome outcome = run.run([](const Row&) {}, nullptr);
+  Simulation run(scene);
+  run_through(run);
+  const Outcome& outcome = run.outcome();
   ASSERT_TRUE(outcome.collapse_multiplier.has_value());
   // Never below; above by what the multiplier grows in the 2 or 3 s that the falling arch needs for its 0.6 m.
   EXPECT_GT(*outcome.collapse_multiplier, expected);

@@ -13,6 +13,8 @@
 namespace quoin::verification {
 
 using namespace quoin::blocks;
+using blocks::Assembly;  // and not that of bricks
+using blocks::Model;
 using geometry::box;
 using geometry::ConvexPolyhedron;
 using geometry::cross;

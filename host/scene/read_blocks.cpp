@@ -1,9 +1,9 @@
+#include "scene/read_blocks.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "scene/block_scene.h"
-#include "scene/reader.h"
 #include "scene/series_file.h"
 
 namespace quoin {
@@ -70,7 +70,7 @@ void read_direction(Table& t, const std::string& key, Vec3& direction, const cha
     t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }
 
-void read_kind(Table& t, const BlockScene& scene, std::string& material, bool& rigid, double& zone_edge) {
+void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid, double& zone_edge) {
   std::vector<std::string> names;
   for (const auto& [name, m] : scene.materials) names.push_back(name);
   t.choice("material", material, names, true);
@@ -78,7 +78,7 @@ void read_kind(Table& t, const BlockScene& scene, std::string& material, bool& r
   if (t.number("zone_edge", zone_edge, kLength, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
 }
 
-BlockSpec read_block(Table t, const BlockScene& scene) {
+BlockSpec read_block(Table t, const Scene& scene) {
   BlockSpec b;
   b.source = {t.where()};
   t.text("name", b.name, "text");
@@ -114,7 +114,7 @@ BlockSpec read_block(Table t, const BlockScene& scene) {
   return b;
 }
 
-DryWallSpec read_dry_wall(Table t, const BlockScene& scene) {
+DryWallSpec read_dry_wall(Table t, const Scene& scene) {
   DryWallSpec w;
   w.source = {t.where()};
   t.text("name", w.name, "text");
@@ -147,7 +147,7 @@ DryWallSpec read_dry_wall(Table t, const BlockScene& scene) {
   return w;
 }
 
-ArchSpec read_arch(Table t, const BlockScene& scene) {
+ArchSpec read_arch(Table t, const Scene& scene) {
   ArchSpec a;
   a.source = {t.where()};
   t.text("name", a.name, "text");
@@ -165,7 +165,7 @@ ArchSpec read_arch(Table t, const BlockScene& scene) {
   return a;
 }
 
-JointRule read_rule(Table t, const BlockScene& scene) {
+JointRule read_rule(Table t, const Scene& scene) {
   JointRule r;
   std::vector<std::string> names{"none"};
   for (const auto& [name, f] : scene.joints) names.push_back(name);
@@ -214,35 +214,34 @@ SeriesSpec read_series(Table& t, const std::string& folder) {
   return s;
 }
 
-BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* previous, const std::string& folder) {
-  BlockStage s;
+void read_drive(Table v, Stage& stage) {
+  BodyControl c;
+  v.text("block", c.body, "the name of a block", true);
+  v.numbers("omega", c.omega, kAny, "rad/s");
+  bool held = true;
+  v.boolean("rotation_held", held);
+  c.may_turn = !held;
+  v.velocity(c, true);
+  v.finish();
+  stage.controls.push_back(c);
+}
+
+}  // namespace
+
+Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const std::string& folder) {
+  Stage s;
   s.source = {t.where()};
   s.name = "stage";
-  t.text("name", s.name, "text");
-  if (previous) s.gravity = previous->gravity;
-  t.numbers("gravity", s.gravity, kAny, "m/s2");
-  t.number("ramp_time", s.ramp_time, kNotNegative, "s");
-  t.number("duration", s.duration, kPositive, "s");
-  t.number("equilibrium_ratio", s.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
-  t.integer("max_steps", s.max_steps, 1, 1000000000000L);
+  read_stage_basics(t, s, previous);
   if (const auto* table = t.table("solver", "a table: damping of this stage"))
-    s.solver = read_solver({t.context(), *table, t.path("solver")}, nullptr);
+    s.damping = read_solver({t.context(), *table, t.path("solver")}, nullptr);
   int index = 0;
-  for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]")) {
-    Table v(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index));
-    BlockStage::Velocity c{};
-    c.held = {true, true, true}, c.rotation_held = true;
-    v.text("block", c.block, "the name of a block", true);
-    v.numbers("omega", c.omega, kAny, "rad/s");
-    v.boolean("rotation_held", c.rotation_held);
-    v.velocity("velocity", c.velocity, c.held, true);
-    v.finish();
-    s.velocities.push_back(c);
-  }
+  for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
+    read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
   index = 0;
   for (const toml::table* table : t.tables("force", "tables [[stage.force]]")) {
     Table f(t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index));
-    BlockStage::Force c{};
+    PointForce c{};
     f.text("block", c.block, "the name of a block", true);
     f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block", true);
     f.numbers("force", c.force, kAny, "N", true);
@@ -252,7 +251,7 @@ BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* 
   index = 0;
   for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]")) {
     Table p(t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index));
-    BlockStage::Pressure c{};
+    FacePressure c{};
     p.text("block", c.block, "the name of a block", true);
     read_direction(p, "normal", c.normal, "outward, of the face that is meant", true);
     p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
@@ -262,7 +261,7 @@ BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* 
   if (const auto* table =
           t.table("ground_motion", "a table { direction, time, acceleration } or { direction, file }")) {
     Table g(t.context(), *table, t.path("ground_motion"));
-    BlockStage::Ground ground{};
+    GroundMotion ground{};
     read_direction(g, "direction", ground.direction, "of the motion", true);
     ground.acceleration = read_series(g, folder);
     g.finish();
@@ -270,7 +269,7 @@ BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* 
   }
   if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }")) {
     Table c(t.context(), *table, t.path("collapse"));
-    BlockStage::Collapse collapse;
+    Collapse collapse;
     read_direction(c, "direction", collapse.direction, "of the body force", false);
     c.number("start", collapse.start, kNotNegative, "times the weight");
     c.number("rate", collapse.rate, kPositive, "times the weight, 1/s");
@@ -283,93 +282,46 @@ BlockStage read_block_stage(Table t, const BlockScene& scene, const BlockStage* 
     c.finish();
     s.collapse = collapse;
   }
-  if (!s.duration && !s.equilibrium_ratio && !s.collapse && !t.has("duration") && !t.has("equilibrium_ratio")) {
-    t.context().fault(t.where() + ": the stage never ends; give duration (s), equilibrium_ratio or collapse");
+  read_monitor(t, s);
+  if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
+      !t.has("equilibrium_ratio") && !t.has("displacement")) {
+    t.context().fault(t.where() +
+                      ": the stage never ends; give duration (s), equilibrium_ratio, displacement (m) or collapse");
   }
-  (void)scene;
+  read_law_swaps(t, scene, s);
   t.finish();
   return s;
 }
 
-}  // namespace
-
-bool is_block_scene(const std::string& path) {
-  const toml::table root = parse(path);
-  return root.contains("block") || root.contains("dry_wall") || root.contains("arch");
-}
-
-BlockScene read_block_scene(const std::string& path, const std::vector<std::string>& overrides) {
-  Context context;
-  context.file = path;
-  toml::table root = parse(path);
-  for (const std::string& setting : overrides) apply_override(root, setting, context);
-  const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);
-
-  BlockScene scene;
-  scene.file = path;
-  Table t(context, root, "");
-  t.text("title", scene.title, "text");
-  if (const auto* table = t.table("solver", "a table [solver]"))
-    scene.solver = read_solver({context, *table, "solver"}, nullptr);
-  const auto each = [&](const char* kind, auto&& read) {
-    const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), true);
-    if (!all) return;
-    Table outer(context, *all, kind);
-    for (auto&& [key, node] : *all) {
-      const std::string name(key.str());
-      if (const auto* table = outer.table(name, fmt::format("a table [{}.{}]", kind, name))) {
-        read(name, Table(context, *table, outer.path(name)));
-      }
-    }
-    outer.finish();
-  };
-  each("materials", [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m); });
-  each("joints", [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
+BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) {
+  BlocksSpec spec;
   const auto all = [&](const char* kind, auto&& read) {
     int index = 0;
-    for (const toml::table* table : t.tables(kind, fmt::format("tables [[{}]]", kind))) {
-      read(Table(context, *table, fmt::format("{}.{}", kind, ++index)));
-    }
+    for (const toml::table* table : t.tables(kind, fmt::format("tables [[{}]]", kind)))
+      read(Table(t.context(), *table, fmt::format("{}.{}", kind, ++index)));
   };
   all("block", [&](Table b) {
-    BlockSpec spec = read_block(b, scene);
-    if (!spec.mesh.empty() && !spec.mesh.starts_with('/')) spec.mesh = folder + spec.mesh;
-    scene.blocks.push_back(spec);
+    BlockSpec block = read_block(b, scene);
+    if (!block.mesh.empty() && !block.mesh.starts_with('/')) block.mesh = folder + block.mesh;
+    spec.blocks.push_back(block);
   });
-  all("dry_wall", [&](Table w) { scene.walls.push_back(read_dry_wall(w, scene)); });
-  all("arch", [&](Table a) { scene.arches.push_back(read_arch(a, scene)); });
-  all("joint_rule", [&](Table r) { scene.rules.push_back(read_rule(r, scene)); });
-  if (!scene.joints.empty()) scene.default_joint = scene.joints.begin()->first;
+  all("dry_wall", [&](Table w) { spec.walls.push_back(read_dry_wall(w, scene)); });
+  all("arch", [&](Table a) { spec.arches.push_back(read_arch(a, scene)); });
+  all("joint_rule", [&](Table r) { spec.rules.push_back(read_rule(r, scene)); });
+  if (!scene.joints.empty()) spec.default_joint = scene.joints.begin()->first;
   std::vector<std::string> families{"none"};
   for (const auto& [name, f] : scene.joints) families.push_back(name);
-  t.choice("default_joint", scene.default_joint, families, scene.joints.size() > 1 && scene.rules.empty());
+  t.choice("default_joint", spec.default_joint, families, scene.joints.size() > 1 && spec.rules.empty());
   if (const auto* table = t.table("contact", "a table [contact]")) {
-    Table c(context, *table, "contact");
-    c.number("skin", scene.contact.skin, kPositive, "m");
-    c.number("joint_tolerance", scene.contact.joint_tolerance, kPositive, "m");
-    c.number("point_spacing", scene.contact.point_spacing, kPositive, "m");
-    c.number("small_displacement", scene.contact.small_displacement, between(0, 0.1), "of the least extent of a block");
-    c.boolean("cubic_points", scene.contact.cubic_points);
+    Table c(t.context(), *table, "contact");
+    c.number("skin", spec.contact.skin, kPositive, "m");
+    c.number("joint_tolerance", spec.contact.joint_tolerance, kPositive, "m");
+    c.number("point_spacing", spec.contact.point_spacing, kPositive, "m");
+    c.number("small_displacement", spec.contact.small_displacement, between(0, 0.1), "of the least extent of a block");
+    c.boolean("cubic_points", spec.contact.cubic_points);
     c.finish();
   }
-  int index = 0;
-  for (const auto* table : t.tables("stage", "tables [[stage]]", true)) {
-    const BlockStage* previous = scene.stages.empty() ? nullptr : &scene.stages.back();
-    BlockStage stage = read_block_stage({context, *table, fmt::format("stage.{}", ++index)}, scene, previous, folder);
-    scene.stages.push_back(std::move(stage));
-  }
-  if (const auto* table = t.table("output", "a table [output]")) {
-    Table o(context, *table, "output");
-    o.text("monitor", scene.monitor, "the name of a block");
-    o.integer("frames", scene.frames, 0, 100000);
-    o.number("record_interval", scene.record_interval, kNotNegative, "s");
-    o.boolean("energy", scene.energy);
-    o.boolean("picture", scene.picture);
-    o.finish();
-  }
-  t.finish();
-  context.throw_faults();
-  return scene;
+  return spec;
 }
 
 }  // namespace quoin

@@ -1,0 +1,172 @@
+#include "results/block_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "blocks/model.h"
+#include "results/crack_styles.h"
+#include "results/gnuplot.h"
+
+namespace quoin {
+
+namespace {
+
+using geometry::Vector;
+
+constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
+
+// Where space goes on paper. A plane assembly is seen from the front; others from above to the right.
+struct View {
+  Vector right, up, towards;  // unit vectors; towards the viewer
+  double x(const Vector& p) const { return dot(right, p); }
+  double y(const Vector& p) const { return dot(up, p); }
+  double depth(const Vector& p) const { return dot(towards, p); }
+};
+
+View choose_view(const blocks::Model& m) {
+  // Plane: all blocks that can move share their middle plane.
+  double low = HUGE_VAL, high = -HUGE_VAL, thickness = 0.0;
+  for (int i = 0; i < m.block_count(); ++i) {
+    if (m.assembly().blocks[size_t(i)].fixed) continue;
+    geometry::Box box;
+    for (const auto& face : m.faces(i)) {
+      for (const Vector& p : face) box.include(p);
+    }
+    const double middle = 0.5 * (box.lower.z + box.upper.z);
+    low = std::min(low, middle), high = std::max(high, middle);
+    thickness = std::max(thickness, box.upper.z - box.lower.z);
+  }
+  if (high - low < 0.25 * thickness) return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Vector towards = normalized(Vector{0.55, 0.45, 1.0});
+  const Vector right = normalized(cross(Vector{0, 1, 0}, towards));
+  return {right, cross(towards, right), towards};
+}
+
+struct Face {
+  std::vector<Vector> corners;
+  double depth, displacement;
+};
+
+std::vector<Face> visible_faces(const Simulation& simulation, const View& view) {
+  const blocks::Model& m = *simulation.riding();
+  std::vector<Face> faces;
+  for (int i = 0; i < m.block_count(); ++i) {
+    const double moved = norm(m.position(i) - simulation.riding_start(i));
+    for (auto& corners : m.faces(i)) {
+      const Vector normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      if (dot(normal, view.towards) <= 0.1 * norm(normal)) continue;
+      Vector centre;
+      for (const Vector& p : corners) centre += p / double(corners.size());
+      faces.push_back({std::move(corners), view.depth(centre), moved});
+    }
+  }
+  std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
+  return faces;
+}
+
+// Where two blocks touch, as a line between the two points of the contact that are furthest apart on paper, in the
+// colour of the worst crack on it.
+struct Line {
+  Vector from, to;
+  Crack crack = Crack::intact;
+};
+
+std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View& view) {
+  std::map<std::pair<int, int>, std::vector<const JointPoint*>> contacts;
+  for (const JointPoint& p : points) contacts[std::minmax(p.contact.block_a, p.contact.block_b)].push_back(&p);
+  std::vector<Line> lines;
+  for (const auto& [pair, list] : contacts) {
+    Line line;
+    double longest = 0.0;
+    for (const JointPoint* p : list) {
+      line.crack = std::max(line.crack, p->crack);
+      for (const JointPoint* q : list) {
+        const Vector a = geometry::vector(p->contact.position), b = geometry::vector(q->contact.position);
+        // On the side of the viewer, where the joint is seen.
+        const double length =
+            std::hypot(view.x(b) - view.x(a), view.y(b) - view.y(a)) + 1e-6 * (view.depth(a) + view.depth(b));
+        if (length > longest) longest = length, line.from = a, line.to = b;
+      }
+    }
+    if (longest > 0.0) lines.push_back(line);
+  }
+  return lines;
+}
+
+std::string point_text(const View& view, const Vector& p) { return fmt::format("{:.6g} {:.6g}", view.x(p), view.y(p)); }
+
+// Script up to the plot command: sizes, title, outlines of the faces as the datablock $faces.
+std::string scene_of(const Simulation& simulation, const View& view, const std::vector<Face>& faces) {
+  const blocks::Model& m = *simulation.riding();
+  double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+  for (int i = 0; i < m.block_count(); ++i) {
+    if (m.assembly().blocks[size_t(i)].fixed) continue;
+    for (const auto& face : m.faces(i)) {
+      for (const Vector& p : face) {
+        x0 = std::min(x0, view.x(p)), x1 = std::max(x1, view.x(p));
+        y0 = std::min(y0, view.y(p)), y1 = std::max(y1, view.y(p));
+      }
+    }
+  }
+  std::string data;
+  for (const Face& face : faces) {
+    for (size_t k = 0; k <= face.corners.size(); ++k)
+      data +=
+          fmt::format("{} {:.6g}\n", point_text(view, face.corners[k % face.corners.size()]), face.displacement * 1e3);
+    data += "\n";
+  }
+  const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
+  const bool plane = view.towards.z == 1.0;
+  const Scene& scene = simulation.scene();
+  return fmt::format(
+      "set terminal pngcairo size 1200,1000 font 'Sans,16'\nset size ratio -1\nset title {} noenhanced\n{}"
+      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n$faces << EOD\n{}EOD\n",
+      gnuplot_text(scene.title.empty() ? scene.file : scene.title),
+      plane ? "set xlabel 'x, m'\nset ylabel 'y, m'\n" : "unset tics\nunset border\n", x0 - margin, x1 + margin,
+      y0 - margin, y1 + margin, data);
+}
+
+}  // namespace
+
+std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation) {
+  if (simulation.block_count() > kMostBlocks)
+    return fmt::format("mechanism.png: left out for more than {} blocks; use blocks.pvd", kMostBlocks);
+  const View view = choose_view(*simulation.riding());
+  const std::vector<Face> faces = visible_faces(simulation, view);
+  double largest = 1e-12;
+  for (const Face& face : faces) largest = std::max(largest, face.displacement);
+  return draw_picture(folder, "mechanism",
+                      scene_of(simulation, view, faces) +
+                          fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
+                                      "set palette defined (0 '#e9e2d0', 1 '#c0392b')\n"
+                                      "plot $faces using 1:2:3 with filledcurves closed fillcolor palette, "
+                                      "$faces using 1:2 with lines linewidth 1.5 linecolor '#333333'\n",
+                                      largest * 1e3));
+}
+
+std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
+                              const Surfaces& surfaces) {
+  if (simulation.block_count() > kMostBlocks)
+    return fmt::format("cracks.png: left out for more than {} blocks; use joints.pvd", kMostBlocks);
+  const View view = choose_view(*simulation.riding());
+  std::array<std::string, kCrackCount> data;
+  for (const Line& line : crack_lines(surfaces.joint_points(simulation), view))
+    data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
+  std::string script = scene_of(simulation, view, visible_faces(simulation, view));
+  std::string plot =
+      "plot $faces using 1:2 with filledcurves closed fillcolor rgb '#f1ece0' notitle, "
+      "$faces using 1:2 with lines linewidth 1 linecolor rgb '#b5aa98' notitle";
+  for (const CrackStyle& style : kCrackStyles) {
+    const std::string& lines = data[size_t(style.crack)];
+    if (lines.empty()) continue;
+    script += fmt::format("$crack{} << EOD\n{}EOD\n", int(style.crack), lines);
+    plot += fmt::format(", $crack{} using 1:2 with lines linewidth {} linecolor rgb '{}' title '{}'", int(style.crack),
+                        style.width, style.colour, style.label);
+  }
+  return draw_picture(folder, "cracks", script + "set key outside below noenhanced\n" + plot + "\n");
+}
+
+}  // namespace quoin

@@ -1,0 +1,18 @@
+// Pictures of blocks of any shape where they stand: mechanism.png by displacement, cracks.png by the state of joints.
+// Plane assemblies from the front, others in axonometric projection.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "results/surface.h"
+#include "step/simulation.h"
+
+namespace quoin {
+
+// Return a one-line notice when there is no picture, otherwise nothing.
+std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation);
+std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
+                              const Surfaces& surfaces);
+
+}  // namespace quoin

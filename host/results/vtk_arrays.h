@@ -1,0 +1,60 @@
+// Arrays of VTK's XML files, raw in one appended block.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "results/file.h"
+
+namespace quoin {
+
+class VtkArrays {
+ public:
+  // The element that names the array; its values go to the appended block. T: float, int32_t, uint8_t or int64_t.
+  template <typename T>
+  std::string add(const std::string& name, const std::vector<T>& values, int components = 1, const char* extra = "") {
+    const char* type = std::is_same_v<T, float>          ? "Float32"
+                       : std::is_same_v<T, std::int32_t> ? "Int32"
+                       : std::is_same_v<T, std::uint8_t> ? "UInt8"
+                                                         : "Int64";
+    std::string element = fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n", type,
+        name, components, appended_.size(), extra);
+    const std::uint64_t bytes = values.size() * sizeof(T);
+    append(&bytes, sizeof bytes);
+    append(values.data(), bytes);
+    return element;
+  }
+
+  // kind: UnstructuredGrid or PolyData, and the <Piece> with its arrays.
+  void write(const std::filesystem::path& path, const char* kind, const std::string& piece) const {
+    write_file(path, fmt::format("<?xml version=\"1.0\"?>\n"
+                                 "<VTKFile type=\"{0}\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                                 "header_type=\"UInt64\">\n<{0}>\n{1}</{0}>\n<AppendedData encoding=\"raw\">\n_",
+                                 kind, piece) +
+                         appended_ + "\n</AppendedData>\n</VTKFile>\n");
+  }
+
+ private:
+  void append(const void* data, std::size_t bytes) {
+    if (bytes > 0) appended_.append(static_cast<const char*>(data), bytes);
+  }
+  std::string appended_;
+};
+
+// FOLDER/NAME.pvd: the files NAME_0000.EXTENSION, ... over time, s.
+inline void write_collection(const std::filesystem::path& folder, const std::string& name, const char* extension,
+                             const std::vector<double>& times) {
+  std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.{}\"/>\n", times[i], name, i, extension);
+  }
+  write_file(folder / (name + ".pvd"), text + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace quoin

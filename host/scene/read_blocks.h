@@ -1,0 +1,14 @@
+// Tables of scenes of blocks of any shape, and of their stages; host/scenes/BLOCKS.md lists the keys.
+#pragma once
+
+#include <string>
+
+#include "scene/reader.h"
+
+namespace quoin {
+
+// folder: where files named by the scene are looked for, with its slash. Faults go to the context of the table.
+BlocksSpec read_blocks(reader::Table& t, const Scene& scene, const std::string& folder);
+Stage read_block_stage(reader::Table t, const Scene& scene, const Stage* previous, const std::string& folder);
+
+}  // namespace quoin

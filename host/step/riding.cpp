@@ -1,0 +1,343 @@
+// Blocks that move without bound: what stages do to them, and what the history shows of them.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "blocks/generate.h"
+#include "step/state.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
+constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
+
+}  // namespace
+
+void Simulation::Impl::build_riding(std::vector<std::shared_ptr<const Material>> materials) {
+  riding = std::make_unique<blocks::Model>(blocks::assemble(scene), scene.solver, std::move(materials));
+  riding->track_energy(want_energy);
+  for (int i = 0; i < riding->block_count(); ++i) riding_start.push_back(riding->position(i));
+  const auto& blocks = riding->assembly().blocks;
+  for (const blocks::Contact& c : riding->contacts()) {
+    if (c.count == 0 || std::abs(c.separation.normal.y) < kBed) continue;
+    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
+    if (blocks[a].fixed) on_base.push_back(c.pair.b);
+    if (blocks[b].fixed) on_base.push_back(c.pair.a);
+  }
+  // Every name of every stage is looked up before anything runs.
+  for (const Stage& s : scene.stages) {
+    for (const BodyControl& control : s.controls) block_named(control.body, s.source.text);
+    for (const PointForce& given : s.forces) block_named(given.block, s.source.text);
+    for (const FacePressure& given : s.pressures) block_named(given.block, s.source.text);
+    const std::string& watched = s.monitor.empty() ? scene.output.monitor : s.monitor;
+    if (!watched.empty()) block_named(watched, s.source.text + ": monitor");
+    if (s.displacement && watched.empty())
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' ends by displacement but has no monitor; give stage.monitor or "
+                              "output.monitor, the name of a block",
+                              s.source.text, s.name));
+  }
+  time_step.critical.value = riding->critical_time_step();
+  time_step.time_step = riding->time_step();
+  time_step.model_mass = riding->mass();
+}
+
+int Simulation::Impl::block_named(const std::string& name, const std::string& where) const {
+  return blocks::find_block(riding->assembly(), name, where);
+}
+
+// ---- Stages --------------------------------------------------------------------------------------------------------
+
+void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
+  blocks::Model& m = *riding;
+  const auto& assembly = m.assembly();
+  riding_stage_start = m.time();
+  multiplier = 0.0;
+  if (settings.damping) m.set_damping(*settings.damping);
+  const std::string& watched = settings.monitor.empty() ? scene.output.monitor : settings.monitor;
+  monitor_block = watched.empty() ? -1 : block_named(watched, settings.source.text);
+  if (monitor_block >= 0) monitor_start = riding_displacement(monitor_block);
+
+  bind_drives(settings);
+  // Loads of before fade while those of this stage grow.
+  m.clear_loads();
+  fading_loads = fading_pressures = 0;
+  if (previous) {
+    add_loads(*previous);
+    fading_loads = m.loads().size(), fading_pressures = m.pressures().size();
+  }
+  add_loads(settings);
+
+  const auto of_fixed_blocks = [&](auto&& act) {
+    for (int i = 0; i < m.block_count(); ++i) {
+      if (assembly.blocks[static_cast<std::size_t>(i)].fixed) act(i);
+    }
+  };
+  if (settings.ground) {
+    blocks::GroundMotion motion;
+    of_fixed_blocks([&](int i) { motion.blocks.push_back(i); });
+    motion.direction = geometry::vector(settings.ground->direction);
+    motion.acceleration = {settings.ground->acceleration.time, settings.ground->acceleration.value};
+    for (double& t : motion.acceleration.time) t += m.time();
+    m.add(motion);
+  } else if (previous && previous->ground) {
+    of_fixed_blocks([&](int i) { m.prescribe(i, {}); });
+  }
+}
+
+// Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
+// components that are let go from what their support has carried.
+void Simulation::Impl::bind_drives(const Stage& settings) {
+  blocks::Model& m = *riding;
+  std::vector<Drive> before = std::move(drives);
+  drives.clear();
+  const auto start = [&](int block) {
+    Drive drive;
+    drive.block = block;
+    drive.velocity_from = m.velocity(block);
+    drive.omega_from = m.angular_velocity(block);
+    const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
+    if (old == before.end()) return drive;
+    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
+    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
+    return drive;
+  };
+  for (const BodyControl& control : settings.controls) {
+    Drive drive = start(block_named(control.body, settings.source.text));
+    for (int c = 0; c < 3; ++c) {
+      const auto k = static_cast<std::size_t>(c);
+      if (control.kind[k] == DofKind::velocity) {
+        drive.held |= static_cast<std::uint8_t>(1 << c);
+        drive.velocity_to[c] = control.velocity[k];
+        drive.force_from[c] = 0.0;
+      } else {
+        drive.force_to[c] = control.force[k];
+      }
+    }
+    if (!control.may_turn) drive.held |= 0x38;
+    drive.omega_to = geometry::vector(control.omega);
+    drives.push_back(drive);
+  }
+  for (const Drive& old : before) {
+    if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
+    Drive released = start(old.block);
+    if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
+      released.held = 0x3f;
+      released.force_from = {};
+    }
+    drives.push_back(released);
+  }
+}
+
+void Simulation::Impl::add_loads(const Stage& settings) {
+  blocks::Model& m = *riding;
+  const auto& assembly = m.assembly();
+  for (const PointForce& given : settings.forces) {
+    blocks::Load added{};
+    added.block = block_named(given.block, settings.source.text);
+    added.force = geometry::vector(given.force);
+    // The point moves with its block.
+    added.point = m.position(added.block) +
+                  m.orientation(added.block) *
+                      (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(added.block)]);
+    m.add(added);
+  }
+  for (const FacePressure& pressure : settings.pressures) {
+    blocks::Pressure added{};
+    added.block = block_named(pressure.block, settings.source.text), added.value = pressure.pressure;
+    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
+    const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+    const geometry::Matrix turned = matrix(block.orientation);
+    const auto towards = [&](std::size_t face) {
+      return dot(turned * shape.normals[face], geometry::vector(pressure.normal));
+    };
+    for (std::size_t f = 1; f < shape.faces.size(); ++f) {
+      if (towards(f) > towards(static_cast<std::size_t>(added.face))) added.face = static_cast<int>(f);
+    }
+    m.add(added);
+  }
+}
+
+// What controls impose in the coming step; s: how far the ramp has come, 0 to 1.
+void Simulation::Impl::drive_blocks(double s) {
+  blocks::Model& m = *riding;
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  for (const Drive& d : drives) {
+    m.prescribe(d.block, d.velocity_from + s * (d.velocity_to - d.velocity_from),
+                d.omega_from + s * (d.omega_to - d.omega_from), d.held);
+    const Vector applied = d.force_from + s * (d.force_to - d.force_from);
+    if (dot(applied, applied) > 0.0 || dot(d.force_from, d.force_from) > 0.0) m.apply_force(d.block, applied);
+  }
+  for (std::size_t i = 0; i < m.loads().size(); ++i) m.loads()[i].scale = i < fading_loads ? 1.0 - s : s;
+  for (std::size_t i = 0; i < m.pressures().size(); ++i) m.pressures()[i].scale = i < fading_pressures ? 1.0 - s : s;
+  Vector g = geometry::vector(data.gravity);
+  if (settings.collapse) {
+    multiplier = settings.collapse->start * s +
+                 settings.collapse->rate * std::max(0.0, m.time() - riding_stage_start - settings.ramp_time);
+    g += multiplier * norm(geometry::vector(settings.gravity)) *
+         normalized(geometry::vector(settings.collapse->direction));
+  }
+  m.set_gravity(g);
+}
+
+bool Simulation::Impl::collapse_ended() {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (!settings.collapse) return false;
+  watch_uplift();
+  if (largest_displacement() > settings.collapse->displacement) {
+    outcome.collapse_multiplier = multiplier;
+    return true;
+  }
+  return multiplier > settings.collapse->limit;
+}
+
+void Simulation::Impl::watch_uplift() {
+  if (outcome.base_slip_at_uplift) return;
+  double opened = 0.0;
+  for (const blocks::Contact& c : riding->contacts()) {
+    if (c.count == 0 || std::abs(c.separation.normal.y) < kBed) continue;
+    const auto& family = riding->families()[static_cast<std::size_t>(c.family)];
+    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
+  }
+  if (opened < kUplift) return;
+  double slip = 0.0;
+  for (const int b : on_base) {
+    const Vec3 d = riding_displacement(b);
+    slip = std::max(slip, std::hypot(d[0], d[2]));
+  }
+  outcome.base_slip_at_uplift = slip;
+}
+
+double Simulation::Impl::now() const {
+  return riding ? riding->time() : static_cast<double>(step_count) * data.time_step;
+}
+
+double Simulation::Impl::stage_time() const {
+  return riding ? riding->time() - riding_stage_start : static_cast<double>(stage_step) * data.time_step;
+}
+
+void Simulation::Impl::end_riding_step() {
+  const long detections = riding->detections();
+  riding->end_step();
+  if (riding->detections() == detections) return;
+  partition_work();
+  time_step.time_step = data.time_step = riding->time_step();
+}
+
+void Simulation::Impl::measure_riding_step() {
+  unbalanced_ratio = riding->unbalanced_ratio();
+  const blocks::Energies& e = riding->energies();
+  kinetic = want_energy ? e.kinetic : riding->kinetic_energy();
+  if (!want_energy) return;
+  energies = Energies{e.kinetic, e.strain, e.contact_stored, {}, e.external, e.damping, e.detection};
+  for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] = e.dissipated[k];
+}
+
+// ---- Results -------------------------------------------------------------------------------------------------------
+
+Vec3 Simulation::Impl::riding_displacement(int block) const {
+  return geometry::array(riding->position(block) - riding_start[static_cast<std::size_t>(block)]);
+}
+
+double Simulation::Impl::largest_displacement() const {
+  double largest = 0.0;
+  for (int i = 0; i < riding->block_count(); ++i) {
+    if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
+    const double moved = norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]);
+    largest = moved <= largest ? largest : moved;  // NaN is kept
+  }
+  return largest;
+}
+
+void Simulation::Impl::measure_riding(HistoryRow& row) const {
+  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(row.stage)].direction);
+  row.multiplier = multiplier;
+  row.largest_displacement = largest_displacement();
+  row.dynamic_force = riding->net_force()[static_cast<int>(direction)];
+  if (monitor_block < 0) return;
+  row.monitor_displacement = riding_displacement(monitor_block);
+  row.joint_force = geometry::array(riding->contact_force(monitor_block));
+  row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
+  row.resistance = -row.joint_force[direction];
+  row.vertical_force = row.joint_force[1];
+}
+
+// Flags of a step that moves nothing, family after family.
+std::vector<std::uint32_t> Simulation::Impl::riding_flags() const {
+  std::vector<std::uint32_t> flags_of_points;
+  for (const blocks::Family& f : riding->families()) {
+    const std::size_t first = flags_of_points.size(), n = f.size();
+    flags_of_points.resize(first + n, 0);
+    if (n == 0 || !(f.material->api().capabilities & QUOIN_CAN_FLAGS)) continue;
+    std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
+    std::vector<quoin_in> old;
+    std::vector<quoin_out> fresh;
+    for (std::size_t k = 0; k < f.state.size(); ++k) {
+      old.push_back({f.state[k].data(), 1});
+      fresh.push_back({unused.data() + (3 + k) * n, 1});
+    }
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = n;
+    batch.normal_jump = {f.normal_jump.data(), 1};
+    for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {f.traction[k].data(), 1};
+      batch.traction_new[k] = {unused.data() + k * n, 1};
+    }
+    batch.state_old = old.data(), batch.state_new = fresh.data();
+    batch.flags = {flags_of_points.data() + first, 1};
+    f.material->api().evaluate(f.material->handle(), &batch);
+  }
+  return flags_of_points;
+}
+
+std::vector<ContactPoint> Simulation::Impl::riding_points() const {
+  const std::vector<std::uint32_t> all_flags = riding_flags();
+  std::vector<ContactPoint> points;
+  for (std::size_t k = 0; k < riding->families().size(); ++k) {
+    const blocks::Family& f = riding->families()[k];
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      const blocks::Point& p = f.point[i];
+      const geometry::Matrix r = riding->frame_of(p);
+      ContactPoint point{};
+      point.index = static_cast<std::int32_t>(points.size());
+      point.position = geometry::array(p.at);
+      point.normal = geometry::array(r.row[0]);
+      point.s = geometry::array(r.row[1]);
+      point.t = geometry::array(r.row[2]);
+      point.area = p.area;
+      point.joint = -1;
+      point.family = static_cast<int>(k);
+      point.block_a = p.a;
+      point.block_b = p.b;
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
+      point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
+      point.flags = all_flags[points.size()];
+      point.condition = condition_of(point.flags);
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::vector<double> Simulation::Impl::riding_state(const std::string& id) const {
+  std::vector<double> values;
+  for (const blocks::Family& f : riding->families()) {
+    const int k = f.material->law().state_index(id);
+    if (k < 0)
+      values.resize(values.size() + f.size(), std::numeric_limits<double>::quiet_NaN());
+    else
+      values.insert(values.end(), f.state[static_cast<std::size_t>(k)].begin(),
+                    f.state[static_cast<std::size_t>(k)].end());
+  }
+  return values;
+}
+
+}  // namespace quoin
