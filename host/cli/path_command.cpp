@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "law/contact_point.h"
 #include "law/csv_table.h"
+#include "law/material_point.h"
 #include "law/path_file.h"
 #include "law/property_text.h"
 #include "results/file.h"
@@ -46,7 +46,7 @@ void run_jumps(const Options& options) {
 
   const auto material = std::make_shared<const Material>(law, settings);
   if (!material->warnings().empty()) fmt::print(stderr, "warning: {}\n", material->warnings());
-  ContactPoint point(material, options.initial);
+  MaterialPoint point(material, options.initial);
   std::string output = path_header(*law.law);
   std::size_t clamped = 0;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <optional>
 
-#include "law/contact_point.h"
+#include "law/material_point.h"
 #include "results/gnuplot.h"
 #include "scene/error.h"
 
@@ -196,7 +196,7 @@ class Fit {
           std::erase_if(own, [](const PropertySetting& s) { return s.id == "compressive_strength_residual"; });
         }
       }
-      ContactPoint point(std::make_shared<const Material>(law_, own), "");
+      MaterialPoint point(std::make_shared<const Material>(law_, own), "");
       std::vector<double> stress;
       for (std::size_t i = 0; i < curve.jump.size(); ++i) {
         if (curve.kind == TestKind::triplet) {

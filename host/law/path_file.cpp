@@ -282,7 +282,7 @@ std::string path_row(const quoin_law& law, const PointResult& point) {
 PathOutcome run_path(const PathFile& path, const std::string& law_name) {
   const Law law = Law::find(law_name.empty() ? path.law : law_name);
   const auto material = std::make_shared<const Material>(law, path.properties);
-  ContactPoint contact(material, path.initial);
+  MaterialPoint contact(material, path.initial);
 
   // Only what the file sets is known to its formulas: a wrong default in the law cannot hide in them.
   Variables constants;

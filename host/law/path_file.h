@@ -29,8 +29,8 @@
 #include <string>
 #include <vector>
 
-#include "law/contact_point.h"
 #include "law/formula.h"
+#include "law/material_point.h"
 
 namespace quoin {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "law/contact_point.h"
 #include "law/law_library.h"
+#include "law/material_point.h"
 #include "reproduce/chart.h"
 #include "results/file.h"
 #include "scene/error.h"
@@ -52,7 +52,7 @@ StudyReport report_law(const Findings& findings) {
 
   // Each path starts a new point. The sign makes compression positive in plots.
   auto normal = [&](double to, double sign) {
-    ContactPoint point(material, "bonded");
+    MaterialPoint point(material, "bonded");
     Path path;
     for (int i = 0; i <= kSteps; ++i) {
       const PointResult& now = point.move_to(to * i / kSteps, 0.0, 0.0);
@@ -63,7 +63,7 @@ StudyReport report_law(const Findings& findings) {
     return path;
   };
   auto shear = [&](double pressure) {
-    ContactPoint point(material, "bonded");
+    MaterialPoint point(material, "bonded");
     point.press_to(-pressure, 0.0, 0.0);
     Path path;
     for (int i = 0; i <= kSteps; ++i) {

@@ -68,7 +68,7 @@ std::shared_ptr<const Material> Case::material() const {
   return std::make_shared<const Material>(law, settings());
 }
 
-ContactPoint Case::point() const { return ContactPoint(material(), dry ? "dry" : "bonded"); }
+MaterialPoint Case::point() const { return MaterialPoint(material(), dry ? "dry" : "bonded"); }
 
 std::string Case::text() const {
   std::string result = dry ? "dry" : "bonded";

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "law/contact_point.h"
+#include "law/material_point.h"
 #include "reference_law.h"
 
 namespace quoin::test {
@@ -24,7 +24,7 @@ struct Case {
 
   std::vector<PropertySetting> settings() const;
   std::shared_ptr<const Material> material() const;  // of $QUOIN_TEST_LAW, default fracture_energy
-  ContactPoint point() const;
+  MaterialPoint point() const;
   reference::Point reference_point() const { return reference::Point(p, dry); }
   std::string text() const;
 

@@ -24,7 +24,7 @@ struct Errors {
 
 // Both along the path, in refinement times as many sub-steps; details: printed corner by corner.
 Errors compare(const Case& c, const std::vector<Jump>& path, int refinement, bool details) {
-  ContactPoint law = c.point();
+  MaterialPoint law = c.point();
   reference::Point reference = c.reference_point();
   Errors errors;
   double work = 1e-300;

@@ -20,12 +20,12 @@ constexpr int kTension = QUOIN_DISSIPATED_TENSION, kCohesion = QUOIN_DISSIPATED_
 
 double real(long double value) { return static_cast<double>(value); }
 
-double state(const ContactPoint& point, const char* id) {
+double state(const MaterialPoint& point, const char* id) {
   return point.now().state[point.material().law().state_index(id)];
 }
 
 // Straight from where the point is, in equal steps that end exactly on the target.
-void go(ContactPoint& point, const Jump& to, int steps, const std::function<void()>& each = {}) {
+void go(MaterialPoint& point, const Jump& to, int steps, const std::function<void()>& each = {}) {
   const auto from = point.now().jump;
   for (int i = 1; i <= steps; ++i) {
     const double x = static_cast<double>(i) / steps;
@@ -60,7 +60,7 @@ class Statement1 : public ::testing::TestWithParam<std::tuple<int, bool, int>> {
 
 TEST_P(Statement1, TensionEnclosesG1) {
   const Case c = make();
-  ContactPoint point = c.point();
+  MaterialPoint point = c.point();
   go(point, {c.u0() + far_end(c) * c.lt(), 0, 0}, steps());
   EXPECT_NEAR(point.now().dissipated[kTension] + point.now().energy_stored, real(c.p.G1), 1e-12 * real(c.p.G1));
   for (const int other : {kCohesion, kFriction, kCrushing}) EXPECT_EQ(point.now().dissipated[other], 0.0);
@@ -69,7 +69,7 @@ TEST_P(Statement1, TensionEnclosesG1) {
 TEST_P(Statement1, ShearEnclosesG2AboveResidualAndFriction) {
   const Case c = make();
   for (const double pressure : {0.0, 0.3e6, 2.12e6, 8e6}) {
-    ContactPoint point = c.point();
+    MaterialPoint point = c.point();
     go(point, {-pressure / real(c.p.kn), 0, 0}, 1);
     const double reach = far_end(c) * c.su() + (real(c.p.c0) + c.mu0() * pressure) / real(c.p.ks);
     go(point, {-pressure / real(c.p.kn), 0.6 * reach, 0.8 * reach}, steps());
@@ -86,7 +86,7 @@ TEST_P(Statement1, ShearEnclosesG2AboveResidualAndFriction) {
 
 TEST_P(Statement1, CompressionEnclosesGcAboveResidual) {
   const Case c = make();
-  ContactPoint point = c.point();
+  MaterialPoint point = c.point();
   const double w = far_end(c) * c.wu();
   go(point, {-w - real(c.p.fcr / c.p.kn), 0, 0}, steps());
   EXPECT_NEAR(state(point, "w"), w, 1e-12 * w);
@@ -105,7 +105,7 @@ TEST(Statement1Outside, TrapezoidOfStraightBranches) {
     with_shape(c, shape);
     const auto corners = shape == 0 ? std::vector<std::pair<double, double>>{{0, 1}, {1, 0}}
                                     : std::vector<std::pair<double, double>>{{0, 1}, {0.25, 0.6}, {0.6, 0.2}, {1.5, 0}};
-    ContactPoint tension = c.point(), shear = c.point(), compression = c.point();
+    MaterialPoint tension = c.point(), shear = c.point(), compression = c.point();
     for (const auto& [x, y] : corners) go(tension, {c.u0() + x * c.lt(), 0, 0}, 3);
     EXPECT_NEAR(tension.now().work, real(c.p.G1), 1e-12 * real(c.p.G1));
     for (const auto& [x, y] : corners) go(shear, {0, x * c.su() + y * real(c.p.c0 / c.p.ks), 0}, 3);
@@ -125,7 +125,7 @@ TEST(Statement1Outside, DilatantShearAtConstantStressEnclosesG2) {
   Case c = mortar();
   c.p.psi0 = 10.0;
   for (const int steps : {20, 60, 400}) {
-    ContactPoint point = c.point();
+    MaterialPoint point = c.point();
     point.press_to(-0.6e6, 0, 0);
     for (int i = 1; i <= steps; ++i) point.press_to(-0.6e6, 1.3 * c.su() * i / steps, 0);
     EXPECT_NEAR(point.now().dissipated[kCohesion], real(c.p.G2), 1e-9 * real(c.p.G2)) << steps << " steps";
@@ -148,7 +148,7 @@ TEST(Statement2, MonotonicProportionalPathsDoNotDependOnTheStep) {
         {-uniform(random, 0.0, 0.5) * c.closing_range(), uniform(random, 0.1, 1.0) * c.sliding_range(),
          -uniform(random, 0.1, 1.0) * c.sliding_range()}};
     for (const Jump& to : targets) {
-      ContactPoint once = c.point(), often = c.point();
+      MaterialPoint once = c.point(), often = c.point();
       // A mode without drop completes at its first slip or opening: a step function of the path, equal for any steps
       // too.
       go(once, to, 1);
@@ -214,7 +214,7 @@ MixedPath mixed_path(unsigned seed) {
 std::vector<std::array<double, 3>> samples(const MixedPath& path, int refinement, double* closure = nullptr,
                                            double* scale = nullptr) {
   std::vector<std::array<double, 3>> result;
-  ContactPoint point = path.c.point();
+  MaterialPoint point = path.c.point();
   for (std::size_t k = 0; k < path.corners.size(); ++k) {
     const Jump& to = path.corners[k];
     const auto from = point.now().jump;
@@ -290,7 +290,7 @@ TEST(Statement3, NeverNegativeAndNeverOutside) {
   for (int number = 0; number < paths; ++number) {
     Random random(3000 + number);
     const Case c = random_case(random, 1.001);
-    ContactPoint point = c.point();
+    MaterialPoint point = c.point();
     const auto material = c.material();
     double energy_scale = 0.0;
     int faults = 0;
@@ -356,7 +356,7 @@ TEST(Statement3, SuddenLossOfResidualCohesionFreesWhatWasStored) {
       c.p.shared = shared;
       c.p.cr = 0.15e6;
       c.p.G2 = 4.0 * c.max_slope() * real(c.p.c0 * (c.p.c0 - c.p.cr) / c.p.ks) * c.area();  // S falls by ks/4 with slip
-      ContactPoint point = c.point();
+      MaterialPoint point = c.point();
       const double ds = 0.3 * c.su() + real(c.p.c0 / c.p.ks);
       go(point, {0, ds, 0}, 50);
       const double tau = point.now().traction[1], stored = point.now().energy_stored;
@@ -380,7 +380,7 @@ TEST(Statement4, RotatingTheSlidingRotatesTauAndNothingElse) {
     const Case c = random_case(random);
     const auto path = random_path(c, random, 8);
     const double angle = uniform(random, 0.0, 2 * std::numbers::pi), cosine = std::cos(angle), sine = std::sin(angle);
-    ContactPoint straight = c.point(), turned = c.point();
+    MaterialPoint straight = c.point(), turned = c.point();
     // Rounding of the turned path is carried along and amplified near snap-back; 1e-10 is far below any wrong formula.
     const double tolerance = 1e-10 / (1.0 - c.nearness());
     for (const Jump& to : path) {
@@ -406,7 +406,7 @@ TEST(Statement4, NoSlidingAlongTNoStressAlongT) {
   for (int number = 0; number < 60; ++number) {
     Random random(4400 + number);
     const Case c = random_case(random);
-    ContactPoint point = c.point();
+    MaterialPoint point = c.point();
     for (Jump to : random_path(c, random, 10)) {
       to.dt = 0.0;
       go(point, to, 20, [&] { ASSERT_EQ(point.now().traction[2], 0.0) << c.text(); });
@@ -447,7 +447,7 @@ TEST(Statement5, AMillionTinyIncrementsMoveNothing) {
       for (std::size_t k = 0; k < places.size(); ++k) {
         // All places for one shape and coupling, every third otherwise: the full product belongs to long runs.
         if (test_scale() <= 1.0 && !(shape == 0 && shared) && (k + static_cast<std::size_t>(shape)) % 4 != 0) continue;
-        ContactPoint point = c.point();
+        MaterialPoint point = c.point();
         for (const Jump& to : places[k].path) go(point, to, 40);
         const auto before = point.now();
         const double dn = before.jump[0];
@@ -476,7 +476,7 @@ TEST(Statement5, RepeatedIncrementsOfZeroMoveNothingAnywhere) {
   for (int number = 0; number < paths; ++number) {
     Random random(5000 + number);
     const Case c = random_case(random, 1.01);
-    ContactPoint point = c.point();
+    MaterialPoint point = c.point();
     for (const Jump& to : random_path(c, random, 8)) {
       go(point, to, 30);
       const auto before = point.now();
@@ -667,7 +667,7 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
                                                   {"friction_angle", {real(c.p.phi0)}, {}, {}}});
     // Tension: equal outside the band in which the steep branch falls; its width is of the order of the excess.
     {
-      ContactPoint a = c.point(), b(brittle, "bonded");
+      MaterialPoint a = c.point(), b(brittle, "bonded");
       for (int i = 1; i <= 4000; ++i) {
         const double dn = 2 * c.u0() * i / 4000;
         a.move_to(dn, 0, 0);
@@ -679,7 +679,7 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
     // Shear. With cr > 0 the bound belongs to the open joint (c0): closed, the branch spans slips of su down to
     // ds = su + (cr + mu p)/ks, beyond the peak by (c0/ks)(1 + excess) - drop/ks.
     for (const double pressure : {0.0, 1e6}) {
-      ContactPoint a = c.point(), b(brittle, "bonded");
+      MaterialPoint a = c.point(), b(brittle, "bonded");
       const double dn = -pressure / real(c.p.kn), peak = (real(c.p.c0) + c.mu0() * pressure) / real(c.p.ks);
       a.move_to(dn, 0, 0);
       b.move_to(dn, 0, 0);
@@ -694,7 +694,7 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
     }
     // Compression: -fc, then -fcr (coulomb_slip does not crush: closed form).
     {
-      ContactPoint a = c.point();
+      MaterialPoint a = c.point();
       const double peak = real(c.p.fc / c.p.kn);
       for (int i = 1; i <= 4000; ++i) {
         const double dn = -2 * peak * i / 4000;

@@ -24,10 +24,10 @@ struct PointResult {
   double work = 0.0;                       // of the traction on the jumps, trapezoid, since the start, J/m2
 };
 
-class ContactPoint {
+class MaterialPoint {
  public:
   // Throws Error(bad_input) for an initial state that the law does not know.
-  ContactPoint(std::shared_ptr<const Material> material, const std::string& initial_state);
+  MaterialPoint(std::shared_ptr<const Material> material, const std::string& initial_state);
 
   // Each returns the point at the end of one increment, and throws Error(numerical) when the law reports it as failed.
   const PointResult& move_to(double dn, double ds, double dt);            // totals

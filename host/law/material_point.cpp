@@ -1,4 +1,4 @@
-#include "law/contact_point.h"
+#include "law/material_point.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ constexpr double kStressTolerance = 1e-10;
 
 }  // namespace
 
-ContactPoint::ContactPoint(std::shared_ptr<const Material> material, const std::string& initial_state)
+MaterialPoint::MaterialPoint(std::shared_ptr<const Material> material, const std::string& initial_state)
     : material_(std::move(material)) {
   const quoin_law& law = material_->api();
   energies_ = (law.capabilities & QUOIN_CAN_ENERGY) != 0;
@@ -34,7 +34,7 @@ ContactPoint::ContactPoint(std::shared_ptr<const Material> material, const std::
   state_new_.resize(now_.state.size());
 }
 
-void ContactPoint::evaluate(double dn, double ds_step, double dt_step, double* tangent) {
+void MaterialPoint::evaluate(double dn, double ds_step, double dt_step, double* tangent) {
   const uint64_t count = now_.state.size();
   quoin_in state_old[64];
   quoin_out state_new[64];
@@ -73,7 +73,7 @@ void ContactPoint::evaluate(double dn, double ds_step, double dt_step, double* t
   }
 }
 
-const PointResult& ContactPoint::accept(double dn, double ds, double dt) {
+const PointResult& MaterialPoint::accept(double dn, double ds, double dt) {
   const std::array<double, 3> jump{dn, ds, dt};
   for (int i = 0; i < 3; ++i) now_.work += 0.5 * (now_.traction[i] + traction_new_[i]) * (jump[i] - now_.jump[i]);
   now_.jump = jump;
@@ -91,23 +91,23 @@ const PointResult& ContactPoint::accept(double dn, double ds, double dt) {
   return now_;
 }
 
-const PointResult& ContactPoint::move_to(double dn, double ds, double dt) {
+const PointResult& MaterialPoint::move_to(double dn, double ds, double dt) {
   evaluate(dn, ds - now_.jump[1], dt - now_.jump[2], nullptr);
   return accept(dn, ds, dt);
 }
 
-const PointResult& ContactPoint::move_by(double dn, double ds_step, double dt_step) {
+const PointResult& MaterialPoint::move_by(double dn, double ds_step, double dt_step) {
   evaluate(dn, ds_step, dt_step, nullptr);
   return accept(dn, now_.jump[1] + ds_step, now_.jump[2] + dt_step);
 }
 
-std::array<double, 2> ContactPoint::trial(double dn, double ds_step, double dt_step) {
+std::array<double, 2> MaterialPoint::trial(double dn, double ds_step, double dt_step) {
   double tangent[9];
   evaluate(dn, ds_step, dt_step, tangents_ ? tangent : nullptr);
   return {traction_new_[0], tangents_ ? tangent[0] : kNotANumber};
 }
 
-const PointResult& ContactPoint::press_to(double sigma, double ds, double dt) {
+const PointResult& MaterialPoint::press_to(double sigma, double ds, double dt) {
   const double ds_step = ds - now_.jump[1];
   const double dt_step = dt - now_.jump[2];
   const double stiffness = material_->stiffness_bounds().normal;
