@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "blocks/model.h"
 #include "cli/prepare.h"
 #include "model/time_step.h"
 #include "scene/generate.h"
@@ -21,12 +22,31 @@ void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepRep
                limit.where);
 }
 
+// How blocks move: which kernel, and how well its lanes are filled.
+void print_motion(const Model& model) {
+  long lattice = 0, in_lanes = 0;
+  for (const BlockGroup& group : model.groups) lattice += group.block_count;
+  for (const BodyGroup& group : model.body_groups) in_lanes += group.body_count;
+  std::string text;
+  const auto add = [&](long blocks, const std::string& how) {
+    if (blocks > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", blocks, how);
+  };
+  add(lattice, fmt::format("deformable on the lattice ({} groups of {} lanes)", model.groups.size(), kLanes));
+  add(in_lanes, fmt::format("rigid in lanes ({} groups)", model.body_groups.size()));
+  add(static_cast<long>(model.lone_bodies.size()), "rigid one by one");
+  fmt::print("  motion in small displacement: {}\n", text);
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene) {
   const Simulation simulation(scene);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
+  const auto& made = simulation.riding()->assembly().blocks;
+  const auto rigid = std::count_if(made.begin(), made.end(), [](const blocks::Block& b) { return b.rigid; });
+  fmt::print("  motion in large displacement: {} rigid, {} zone by zone\n", rigid,
+             static_cast<long>(made.size()) - rigid);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\nstages\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
   for (const Stage& stage : scene.stages) fmt::print("  {}\n", stage.name);
@@ -53,6 +73,7 @@ void check(const SceneOptions& options) {
                family.shear_stiffness);
     if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
   }
+  print_motion(model);
   fmt::print("time step\n");
   print_limit("2/omega_max of the assembled system", report.critical, report);
   print_limit("Gershgorin row sums (guaranteed)", report.gershgorin, report);
