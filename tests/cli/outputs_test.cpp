@@ -102,6 +102,18 @@ TEST_F(Outputs, TitlesAndFoldersRunNoCommands) {
   for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
 }
 
+// Names of files are bytes; summary.json is UTF-8.
+TEST_F(Outputs, TitlesAndNamesOfAnyBytesReachTheSummary) {
+  const fs::path scene = folder_ / "b\xff.toml";
+  fs::copy_file(small_, scene);
+  ASSERT_EQ(quoin({"run", scene.string(), "--out", out(), "--set", "stage.shear.displacement=1e-5", "--set",
+                   "title=a\xfe wall"}),
+            0)
+      << error_;
+  EXPECT_EQ(summary()["title"], "a\uFFFD wall");
+  EXPECT_EQ(summary()["scene"], (folder_ / "b\uFFFD.toml").string());
+}
+
 TEST_F(Outputs, PathTestsRunNoCommands) {
   const fs::path canary = folder_ / "canary";
   const std::string touch = "touch " + canary.string();
