@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "results/file.h"
+#include "results/json_file.h"
 
 namespace quoin::reproduce {
 
@@ -35,7 +34,7 @@ void write_verdicts(const std::filesystem::path& file, const std::string& study,
   for (const Study& s : studies()) {
     for (const Json& entry : by_study[s.id]) all.push_back(entry);
   }
-  write_file(file, all.dump(2) + "\n");
+  write_json(file, all);
 }
 
 std::string verdict_line(const std::string& study, const Verdict& v) {

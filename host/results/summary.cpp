@@ -1,11 +1,10 @@
 #include "results/summary.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "blocks/model.h"
-#include "results/file.h"
+#include "results/json_file.h"
 #include "results/plots.h"
 #include "scene/generate.h"
 #include "scene/measured.h"
@@ -172,7 +171,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   if (simulation.riding()) json.update(of_blocks(simulation, rows));
   json["set"] = info.overrides;
   json["settings"] = settings_of(scene, info);
-  write_file(path, json.dump(2) + "\n");
+  write_json(path, json);
 }
 
 }  // namespace quoin

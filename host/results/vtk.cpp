@@ -89,13 +89,14 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
 
 void write_joints(const Simulation& simulation, const Surfaces& surfaces, const std::filesystem::path& path) {
   const auto joint_points = surfaces.joint_points(simulation);
-  std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal;
+  std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
   std::vector<std::int32_t> block_a, block_b, family, condition, crack;
   for (const JointPoint& p : joint_points) {
     add(points, p.contact.position);
     add(displacement, p.displacement);
     add(traction, p.contact.traction);
     add(normal, p.contact.normal);
+    add(shear_axis, p.contact.s);
     area.push_back(static_cast<float>(p.contact.area));
     block_a.push_back(p.contact.block_a);
     block_b.push_back(p.contact.block_b);
@@ -128,6 +129,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   grid.array("PointData", "traction_Pa", traction, 3,
              " ComponentName0=\"sigma\" ComponentName1=\"tau_s\" ComponentName2=\"tau_t\"");
   grid.array("PointData", "normal", normal, 3);
+  grid.array("PointData", "shear_axis", shear_axis, 3);
   grid.array("PointData", "area_m2", area);
   grid.array("PointData", "block_a", block_a);
   grid.array("PointData", "block_b", block_b);

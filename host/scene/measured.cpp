@@ -66,6 +66,12 @@ std::string outside_wall(const Scene& scene) {
   if (wall.zones != std::array<int, 3>{4, 2, 2}) return "wall.zones, measured with [4, 2, 2]";
   if (!wall.bottom_beam) return "wall.bottom_beam, measured with one";
   if (wall.openings.size() > 1) return "wall.opening, measured with one";
+  for (const WallSpec::Opening& opening : wall.openings) {
+    if (opening.bearing > 0) return "wall.opening.bearing, measured without lintels";
+    if (opening.half_units > 2 || opening.courses > 6)
+      return fmt::format("wall.opening of {} half units by {} courses, measured to 2 by 6", opening.half_units,
+                         opening.courses);
+  }
   const BlockMaterial& brick = scene.materials.at(wall.unit_material);
   const std::string of_unit = "wall.unit ", of_wall = "wall.", of_brick = "materials." + brick.name + ".";
   const struct {

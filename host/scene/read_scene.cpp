@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -276,9 +277,12 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
 }
 
 toml::table parse(const std::string& path) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(path, fault);  // which opens, and throws when read
   std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad())
+  std::string text;
+  if (!folder) text.assign(std::istreambuf_iterator<char>(stream), {});
+  if (folder || !stream.is_open() || stream.bad())
     throw Error(Exit::bad_input, path + ": cannot read the scene; give the path of an existing .toml file");
   try {
     return toml::parse(text, path);

@@ -102,6 +102,18 @@ TEST_F(Outputs, TitlesAndFoldersRunNoCommands) {
   for (const auto& entry : fs::recursive_directory_iterator(folder_)) EXPECT_NE(entry.path().filename(), "canary");
 }
 
+// Names of files are bytes; summary.json is UTF-8.
+TEST_F(Outputs, TitlesAndNamesOfAnyBytesReachTheSummary) {
+  const fs::path scene = folder_ / "b\xff.toml";
+  fs::copy_file(small_, scene);
+  ASSERT_EQ(quoin({"run", scene.string(), "--out", out(), "--set", "stage.shear.displacement=1e-5", "--set",
+                   "title=a\xfe wall"}),
+            0)
+      << error_;
+  EXPECT_EQ(summary()["title"], "a\uFFFD wall");
+  EXPECT_EQ(summary()["scene"], (folder_ / "b\uFFFD.toml").string());
+}
+
 TEST_F(Outputs, PathTestsRunNoCommands) {
   const fs::path canary = folder_ / "canary";
   const std::string touch = "touch " + canary.string();
@@ -228,6 +240,76 @@ Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
+Vector vector_at(const std::vector<float>& values, size_t i) {
+  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+
+// Forces on block a of every point: tension draws it along the normal, towards block b.
+std::vector<Vector> forces_on_a(const Vtu& joints) {
+  const auto area = joints.array<float>("area_m2"), normal = joints.array<float>("normal"),
+             axis = joints.array<float>("shear_axis"), traction = joints.array<float>("traction_Pa");
+  std::vector<Vector> forces;
+  for (size_t i = 0; i < area.size(); ++i) {
+    const Vector n = vector_at(normal, i), s = vector_at(axis, i), t = cross(n, s), stress = vector_at(traction, i);
+    Vector force{};
+    for (size_t k = 0; k < 3; ++k)
+      force[k] = double{area[i]} * (stress[0] * n[k] + stress[1] * s[k] + stress[2] * t[k]);
+    forces.push_back(force);
+  }
+  return forces;
+}
+
+// Axes of a joint that lies askew are found in the file too.
+TEST_F(Outputs, ForcesOnABlockOnASlopeBalanceItsWeight) {
+  const std::string scene = write("slope.toml", R"([solver]
+damping = "local"
+[materials.stone]
+young_modulus = 10e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 0.5e9
+friction_angle = 40.0
+[[block]]
+name = "slope"
+material = "stone"
+fixed = true
+box = { lower = [-1, -0.2, -1], size = [2, 0.2, 2] }
+rotation = [10, 20, 15]
+[[block]]
+name = "stone"
+material = "stone"
+box = { lower = [-0.2, 0, -0.2], size = [0.4, 0.1, 0.4] }
+rotation = [10, 20, 15]
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 0.5
+[output]
+frames = 1
+plots = false
+)");
+  ASSERT_EQ(quoin({"run", scene, "--out", out(), "--threads", "1"}), 0) << error_;
+  const Vtu joints(out() + "/joints_0001.vtu");
+  const auto a = joints.array<std::int32_t>("block_a"), b = joints.array<std::int32_t>("block_b");
+  const std::vector<Vector> forces = forces_on_a(joints);
+  ASSERT_GE(forces.size(), 4u);
+  Vector sum{};
+  for (size_t i = 0; i < forces.size(); ++i) {
+    ASSERT_NE(a[i], b[i]);
+    for (size_t k = 0; k < 3; ++k) sum[k] += (a[i] == 1 ? 1.0 : -1.0) * forces[i][k];
+  }
+  // Tolerance: what still moves after 0.5 s, some hundred periods damped by eq. 1.
+  const double weight = 2000.0 * 9.81 * 0.4 * 0.1 * 0.4;
+  EXPECT_NEAR(sum[0], 0.0, 1e-4 * weight);
+  EXPECT_NEAR(sum[1], weight, 1e-4 * weight);
+  EXPECT_NEAR(sum[2], 0.0, 1e-4 * weight);
+}
+
 // A wall under its weight and a push of the top beam, then at rest: what the joints of a block carry is its weight, and
 // turns it about no axis.
 TEST_F(Outputs, ForcesOnABlockFormedFromTheJointsFileBalanceItsWeight) {
@@ -289,21 +371,14 @@ plots = false
   }
   ASSERT_EQ(loads.size(), 5u);
 
-  const auto area = joints.array<float>("area_m2"), normal = joints.array<float>("normal"),
-             traction = joints.array<float>("traction_Pa"), position = joints.array<float>("position");
+  const auto position = joints.array<float>("position");
   const auto a = joints.array<std::int32_t>("block_a"), b = joints.array<std::int32_t>("block_b");
-  ASSERT_EQ(traction.size(), 3 * area.size());
-  ASSERT_EQ(a.size(), area.size());
+  const std::vector<Vector> forces = forces_on_a(joints);
+  ASSERT_EQ(a.size(), forces.size());
   double largest = 0.0;
-  for (size_t i = 0; i < area.size(); ++i) {
-    // The shear axes are those that follow the normal: for n = (1,0,0) s = (0,1,0), t = (0,0,1).
-    const float* n = &normal[3 * i];
-    const Vector s{n[2], n[0], n[1]}, t{n[1], n[2], n[0]}, x{position[3 * i], position[3 * i + 1], position[3 * i + 2]};
-    Vector force{};  // on block a: tension draws it along the normal, towards block b
-    for (size_t axis = 0; axis < 3; ++axis)
-      force[axis] =
-          double{area[i]} * (traction[3 * i] * n[axis] + traction[3 * i + 1] * s[axis] + traction[3 * i + 2] * t[axis]);
-    const Vector moment = cross(x, force);
+  for (size_t i = 0; i < forces.size(); ++i) {
+    const Vector& force = forces[i];
+    const Vector moment = cross(vector_at(position, i), force);
     for (const auto& [which, sign] : {std::pair(a[i], 1.0), std::pair(b[i], -1.0)}) {
       const auto found = loads.find(which);
       if (found == loads.end()) continue;

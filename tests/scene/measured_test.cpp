@@ -58,6 +58,9 @@ TEST(Measured, OutsideTheFirstReasonIsNamed) {
                {{"stage.shear.law=elastic"}, "stage.shear.law"},
                {{"stage.shear.gravity=[0.0, -9.81, 0.0]"}, "gravity"}};
   for (const auto& c : cases) EXPECT_THAT(outside("solid_wall_121", c.overrides), HasSubstr(c.reason));
+  EXPECT_THAT(outside("hollow_wall", {"wall.opening.1.bearing=0.11"}), HasSubstr("measured without lintels"));
+  EXPECT_THAT(outside("hollow_wall", {"wall.opening.1.half_units=4"}), HasSubstr("4 half units by 6 courses"));
+  EXPECT_THAT(outside("hollow_wall", {"wall.opening.1.courses=7"}), HasSubstr("2 half units by 7 courses"));
   EXPECT_THAT(outside("pavia_door"), HasSubstr("building"));
   EXPECT_THAT(outside("cyclic_wall_121"), HasSubstr("settings of quality standard changed"));
 }

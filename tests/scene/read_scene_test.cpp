@@ -89,6 +89,18 @@ class ReadScene : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ReadScene, FoldersAndMissingFilesAreNoScenes) {
+  for (const std::filesystem::path& path : {folder_, folder_ / "none.toml"}) {
+    try {
+      read_scene(path.string(), {});
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      EXPECT_EQ(error.what(), path.string() + ": cannot read the scene; give the path of an existing .toml file");
+    }
+  }
+}
+
 TEST_F(ReadScene, FillsTheStructs) {
   const Scene s = read(kScene);
   EXPECT_EQ(s.title, "small");

@@ -1,0 +1,16 @@
+// JSON files of results.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "results/file.h"
+
+namespace quoin {
+
+// Names of files may hold any bytes, JSON holds UTF-8: bytes that are none become U+FFFD. Throws as write_file().
+inline void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json) {
+  write_file(path, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace quoin
