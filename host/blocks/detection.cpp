@@ -358,10 +358,10 @@ void Model::resize(Family& f, size_t n) const {
   for (auto& c : f.slip) c.assign(n, 0.0);
   for (auto& c : f.traction) c.assign(n, 0.0);
   for (auto& c : f.state) c.assign(n, 0.0);
-  if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {
-    for (auto& c : f.old_traction) c.assign(n, 0.0);
-    f.old_jump.assign(n, std::nan(""));  // not known: no rate, no viscous traction in the first step
-  }
+  // Of no use without stiffness damping, and then gone: a stage may have switched it off.
+  const size_t viscous = viscous_contacts() ? n : 0;
+  for (auto& c : f.old_traction) c.assign(viscous, 0.0);
+  f.old_jump.assign(viscous, std::nan(""));  // not known: no rate, no viscous traction in the first step
   if (energy_) {
     f.stored.assign(n, 0.0);
     for (auto& c : f.dissipated) c.assign(n, 0.0);

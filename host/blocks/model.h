@@ -24,6 +24,11 @@
 #include "law/law_library.h"
 #include "step/thread_pool.h"
 
+namespace quoin {
+struct ArchiveWriter;
+struct ArchiveReader;
+}  // namespace quoin
+
 namespace quoin::blocks {
 
 // Rigid block. Body frame: principal axes through the centre of mass.
@@ -277,6 +282,13 @@ class Model {
   double mass_of(int block) const;  // that has weight, kg
   size_t memory_bytes() const;
   uint64_t hash() const;
+
+  // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
+  // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
+  // those of an uninterrupted run, whatever the number of threads.
+  void save(ArchiveWriter& writer) const;
+  void restore(ArchiveReader& reader);
+
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
 
@@ -302,6 +314,9 @@ class Model {
   void bind_columns();
   void bind(Family& f, Chunk& chunk) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
+
+  template <class Archive, class Self>
+  static void transfer_state(Archive& archive, Self& m);
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
   void find_time_step();

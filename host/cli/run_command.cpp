@@ -12,6 +12,7 @@
 
 #include "cli/prepare.h"
 #include "cli/progress.h"
+#include "cli/resume.h"
 #include "results/block_picture.h"
 #include "results/history.h"
 #include "results/plots.h"
@@ -78,14 +79,23 @@ double process_seconds() {
 struct RunOptions {
   SceneOptions scene;
   std::string out;
+  std::string resume;  // folder of the run that goes on; empty: a new one
+  double checkpoint_every = 60.0;
   int threads = 0;
 };
 
-// Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal.
+// Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
 class Recorder : public Observer {
  public:
-  Recorder(const fs::path& folder, const Scene& scene, const Surfaces& surfaces)
-      : scene_(scene), history_(folder / "history.csv", scene), frames_(folder, surfaces) {}
+  // before: what the run that goes on has recorded.
+  Recorder(const fs::path& folder, const Scene& scene, const Surfaces& surfaces, Identity identity,
+           double checkpoint_every, const Checkpoint& before)
+      : scene_(scene),
+        history_(folder / "history.csv", scene, before.rows),
+        frames_(folder, surfaces, before.frame_times),
+        checkpoint_(folder / "checkpoint.bin"),
+        identity_(std::move(identity)),
+        clock_(checkpoint_every) {}
 
   void on_stage_begin(const Simulation&, int stage) override {
     const Stage& s = scene_.stages[static_cast<size_t>(stage)];
@@ -111,6 +121,15 @@ class Recorder : public Observer {
     history_.add(row);
     last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);
   }
+  void on_pause(const Simulation& simulation, bool last) override {
+    if (!clock_.due() && !(last && clock_.on())) return;
+    try {
+      write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), simulation.save()});
+    } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
+      progress_.message(fmt::format("quoin: warning: no checkpoint: {}", error.what()));
+    }
+    clock_.taken();
+  }
   void on_progress(const Progress& progress) override {
     progress_.show(progress, last_.displacement, last_.horizontal_force);
   }
@@ -133,20 +152,46 @@ class Recorder : public Observer {
   History history_;
   VtkSeries frames_;
   ProgressLine progress_;
+  fs::path checkpoint_;
+  Identity identity_;
+  CheckpointClock clock_;
   Response last_;
 };
 
-void run(const RunOptions& options, int& exit_code) {
-  const fs::path folder =
+void run(RunOptions options, int& exit_code) {
+  fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
+  std::shared_ptr<FolderLock> lock;
+  if (!options.resume.empty()) {
+    folder = fs::absolute(options.resume);
+    if (!fs::is_directory(folder))
+      throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", options.resume));
+    lock = std::make_shared<FolderLock>(folder);
+    if (is_done(folder)) {
+      fmt::print("{}: the run is done; nothing to resume\n", options.resume);
+      return;
+    }
+    options.scene = read_run_record(folder);
+  }
   Simulation simulation(prepare_scene(options.scene), options.threads);
+  Identity identity = identity_of(simulation, options.scene.overrides, options.scene.law);
+  Checkpoint before;
+  const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
+  if (goes_on) {
+    before = read_checkpoint(folder / "checkpoint.bin", identity);
+    simulation.restore(before.state);
+    before.state = {};
+  }
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
-  const ResultFolder own(folder);
+  const ResultFolder own(folder, lock, [&](const std::string& name) {
+    return lock != nullptr && is_kept(name, before.frame_times.size());
+  });
+  if (!lock) write_run_record(folder, options.scene);
 
   const OutputSettings& output = simulation.scene().output;
   const std::string law = law_names(simulation.assembly());
   const Surfaces surfaces(simulation);
-  Recorder recorder(folder, simulation.scene(), surfaces);
+  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
       "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
@@ -154,6 +199,10 @@ void run(const RunOptions& options, int& exit_code) {
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
       step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
 
+  if (goes_on)
+    recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
+  else if (lock)
+    recorder.progress().message("resumed before its first checkpoint: from the start");
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 
   RunInfo info;
@@ -175,7 +224,7 @@ void run(const RunOptions& options, int& exit_code) {
   recorder.history().finish();
   if (output.frames > 0) {
     if (failure) recorder.frames().add_frame(simulation);
-    recorder.frames().finish();
+    recorder.frames().finish(simulation);
   }
   const auto& rows = recorder.history().rows();
   if (output.plots) {
@@ -195,6 +244,8 @@ void run(const RunOptions& options, int& exit_code) {
   info.quasi_static = check_quasi_static(rows, simulation.scene());
   info.wall_clock_s = process_seconds();
   write_summary(folder / "summary.json", simulation, rows, info);
+  std::error_code ignored;
+  if (!failure) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
 
   if (const auto& multiplier = simulation.outcome().collapse_multiplier)
     fmt::print("collapse multiplier {:.4f}\n", *multiplier);
@@ -222,19 +273,32 @@ void add_run_command(CLI::App& app, int& exit_code) {
   process_seconds();  // starts the clock
   CLI::App* command = app.add_subcommand("run", "Run a scene and write its results");
   auto options = std::make_shared<RunOptions>();
-  command->add_option("scene", options->scene.scene, "Scene file; host/scenes/README.md lists its keys")
-      ->required()
-      ->type_name("SCENE.toml");
-  command->add_option("--out", options->out, "Folder for the results (default: out/<name of the scene>)")
-      ->type_name("DIR");
+  CLI::Option* scene =
+      command->add_option("scene", options->scene.scene, "Scene file; host/scenes/README.md lists its keys")
+          ->type_name("SCENE.toml");
+  CLI::Option* out =
+      command->add_option("--out", options->out, "Folder for the results (default: out/<name of the scene>)")
+          ->type_name("DIR");
   command->add_option("--threads", options->threads, "Threads (default: all of the machine)")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
-  command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's: a name or a library")
-      ->type_name("NAME_OR_PATH");
-  command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
-      ->type_name("dotted.key=value")
-      ->allow_extra_args(false);
+  CLI::Option* law =
+      command
+          ->add_option("--law", options->scene.law, "Law for all joints in place of the scene's: a name or a library")
+          ->type_name("NAME_OR_PATH");
+  CLI::Option* set = command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
+                         ->type_name("dotted.key=value")
+                         ->allow_extra_args(false);
+  command
+      ->add_option("--checkpoint-every", options->checkpoint_every,
+                   "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 1e9));
+  command
+      ->add_option("--resume", options->resume,
+                   "Go on with the run in this folder, which was stopped or killed, from its last checkpoint")
+      ->type_name("DIR")
+      ->excludes(scene, out, law, set);
   command->footer(
       "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd and joints.pvd (for ParaView).\n"
       "Examples:\n"
@@ -243,9 +307,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "  quoin run host/scenes/solid_wall_030.toml --law ./my_law.so --threads 2\n"
       "  quoin run host/scenes/solid_wall_030.toml --set solver.quality=fast       or reference: slower, smaller "
       "error\n"
+      "  quoin run host/scenes/wall_2m_576.toml --out /tmp/long --checkpoint-every 300\n"
+      "  quoin run --resume /tmp/long      after a crash, kill or Ctrl-C: the results are those of one run\n"
       "  quoin run host/scenes/solid_wall_121.toml --set stage.shear.velocity=0.01 --set "
       "joints.mortar.cohesion=0.35e6");
-  command->callback([options, &exit_code] { run(*options, exit_code); });
+  command->callback([options, scene, &exit_code] {
+    if (options->resume.empty() && scene->count() == 0) throw CLI::RequiredError("SCENE.toml, or --resume DIR,");
+    run(*options, exit_code);
+  });
 }
 
 }  // namespace quoin

@@ -1,6 +1,8 @@
 #include "results/file.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -54,6 +56,35 @@ void write_file(const std::filesystem::path& path, const std::string& bytes) {
                                              path.string(), reason));
   }
   finish_file(path);
+}
+
+void write_durable_file(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+  const std::filesystem::path part = begin_file(path);
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);  // never written through a link
+  const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  bool good = file >= 0;
+  for (std::size_t done = 0; good && done < bytes.size();) {
+    const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    good = count > 0;
+    if (good) done += static_cast<std::size_t>(count);
+  }
+  good = good && fsync(file) == 0;
+  const int fault = errno;
+  if (file >= 0) close(file);
+  if (!good) {
+    std::filesystem::remove(part, ignored);
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; free space or choose another place with --out",
+                                             path.string(), std::strerror(fault)));
+  }
+  finish_file(path);
+  // The name, too, is on the disk only when its folder is.
+  const int folder =
+      open(path.has_parent_path() ? path.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  fsync(folder);
+  close(folder);
 }
 
 }  // namespace quoin

@@ -27,7 +27,7 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], force, row.vertical_force};
 }
 
-History::History(const std::filesystem::path& path, const Scene& scene)
+History::History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before)
     : path_(path), scene_(scene), stream_(begin_file(path), std::ios::trunc) {
   stream_ << "stage,stage_name,step,time_s,displacement_m,vertical_displacement_m,horizontal_force_N,vertical_force_N,"
              "unbalanced_ratio,kinetic_energy_J";
@@ -40,29 +40,30 @@ History::History(const std::filesystem::path& path, const Scene& scene)
     if (scene.output.energy) stream_ << ",kinetic_J,strain_J,contact_stored_J,damping_J,external_J,detection_J";
   }
   stream_ << '\n';
+  for (const HistoryRow& row : before) add(row);
 }
 
+// Numbers in the shortest decimals that read back to the same double.
 void History::add(const HistoryRow& row) {
   const Stage& stage = scene_.stages[static_cast<size_t>(row.stage)];
   const Response r = response(row, stage);
-  std::string line = fmt::format("{},{},{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g}", row.stage + 1,
-                                 csv_text(stage.name), row.step, row.time, r.displacement, row.monitor_displacement[1],
-                                 r.horizontal_force, r.vertical_force, row.unbalanced_ratio, row.kinetic_energy);
+  std::string line = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.stage + 1, csv_text(stage.name), row.step,
+                                 row.time, r.displacement, row.monitor_displacement[1], r.horizontal_force,
+                                 r.vertical_force, row.unbalanced_ratio, row.kinetic_energy);
   if (scene_.output.energy) {
     const Energies e = row.energies.value_or(Energies{});
-    line += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g}", e.strain, e.contact_stored,
-                        e.dissipated[0], e.dissipated[1], e.dissipated[2], e.dissipated[3], e.external, e.damping,
-                        e.balance_error());
+    line += fmt::format(",{},{},{},{},{},{},{},{},{}", e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1],
+                        e.dissipated[2], e.dissipated[3], e.external, e.damping, e.balance_error());
   }
   if (scene_.blocks) {
-    line += fmt::format(",{:.9g}", row.multiplier);
+    line += fmt::format(",{}", row.multiplier);
     for (const Vec3& v : {row.monitor_displacement, row.joint_force})
-      line += fmt::format(",{:.9g},{:.9g},{:.9g}", v[0], v[1], v[2]);
-    line += fmt::format(",{:.9g}", row.largest_displacement);
+      line += fmt::format(",{},{},{}", v[0], v[1], v[2]);
+    line += fmt::format(",{}", row.largest_displacement);
     if (scene_.output.energy) {
       const Energies e = row.energies.value_or(Energies{});
-      line += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", e.kinetic, e.strain, e.contact_stored,
-                          e.damping, e.external, e.detection);
+      line +=
+          fmt::format(",{},{},{},{},{},{}", e.kinetic, e.strain, e.contact_stored, e.damping, e.external, e.detection);
     }
   }
   stream_ << line << '\n';

@@ -20,7 +20,8 @@ Response response(const HistoryRow& row, const Stage& stage);
 class History {
  public:
   // Rows go to the partial file of PATH (file.h) as they come; finish() renames it.
-  History(const std::filesystem::path& path, const Scene& scene);
+  // before: rows of a run that this one goes on with.
+  History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before = {});
   void add(const HistoryRow& row);
   void finish();
   const std::vector<HistoryRow>& rows() const { return rows_; }

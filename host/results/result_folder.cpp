@@ -34,10 +34,10 @@ constexpr const char* kManifest = ".quoin-manifest";
 constexpr const char* kManifestHead = "results of quoin, partial files .";  // and the token of the process
 
 // Names that runs give their results: what else has them is in the way.
-constexpr std::array kNames{"summary.json",     "history.csv",     "curve.png",         "cracks.png",
-                            "mechanism.png",    "blocks.pvd",      "joints.pvd",        "blocks_*.vt[pu]",
-                            "joints_*.vt[pu]",  "plots/curve.*",   "plots/cracks.*",    "plots/mechanism.*",
-                            "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat"};
+constexpr std::array kNames{
+    "summary.json",     "history.csv",     "curve.png",          "cracks.png",    "mechanism.png",  "blocks.pvd",
+    "joints.pvd",       "blocks_*.vt[pu]", "joints_*.vt[pu]",    "plots/curve.*", "plots/cracks.*", "plots/mechanism.*",
+    "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat", "run.json",      "checkpoint.bin"};
 
 bool matches(const char* pattern, const std::string& name) {
   return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;
@@ -101,10 +101,11 @@ void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) 
 }
 
 // Returns whether the folder for plots, which was ours, is kept for what others have put there.
-bool remove_old_results(const fs::path& folder, const Manifest& manifest) {
+bool remove_old_results(const fs::path& folder, const Manifest& manifest, const std::set<std::string>& kept) {
   for (const std::string& name : manifest.names) {
     if (name == "plots") continue;
     for (const std::string& file : {name, fmt::format("{}.{}.part", name, manifest.token)}) {
+      if (kept.contains(file)) continue;
       std::error_code error;
       fs::remove(folder / file, error);
       if (error)
@@ -171,16 +172,26 @@ FolderLock::FolderLock(const fs::path& folder) {
 
 FolderLock::~FolderLock() { close(file_); }
 
-ResultFolder::ResultFolder(const fs::path& folder) : lock_(folder) {
+ResultFolder::ResultFolder(const fs::path& folder, std::shared_ptr<FolderLock> held,
+                           const std::function<bool(const std::string&)>& is_kept)
+    : lock_(held ? std::move(held) : std::make_shared<FolderLock>(folder)) {
   const Manifest old = read_manifest(folder);
   refuse_what_others_wrote(folder, old);
-  const bool plots_kept = remove_old_results(folder, old);
-  const fs::path path = folder / kManifest;
-  std::error_code ignored;
-  fs::remove(path, ignored);  // never written through a link
-  OpenFolder open_folder{whole_path(folder), std::ofstream(path, std::ios::trunc), {}};
-  open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << std::endl;
-  if (!open_folder.manifest)
+  std::set<std::string> kept;
+  for (const std::string& name : old.names) {
+    if (is_kept && is_kept(name) && fs::exists(folder / name)) kept.insert(name);
+  }
+  const bool plots_kept = remove_old_results(folder, old, kept);
+  // There is a manifest at any moment: a run killed here shall find its own results when it goes on.
+  const fs::path path = folder / kManifest, part = part_name(path);
+  std::error_code error;
+  fs::remove(part, error);  // never written through a link
+  OpenFolder open_folder{whole_path(folder), std::ofstream(part, std::ios::trunc), kept};
+  open_folder.manifest << kManifestHead << part_token() << (plots_kept ? "\nplots" : "") << '\n';
+  for (const std::string& name : kept) open_folder.manifest << name << '\n';
+  open_folder.manifest.flush();
+  if (open_folder.manifest) fs::rename(part, path, error);
+  if (!open_folder.manifest || error)
     throw Error(Exit::bad_input, path.string() + ": cannot be written; choose another folder with --out");
   const std::lock_guard guard(mutex);
   open_folders.push_back(std::move(open_folder));

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
 
 namespace quoin {
 
@@ -26,13 +29,16 @@ class FolderLock {
 // name that a run gives its results.
 class ResultFolder {
  public:
-  explicit ResultFolder(const std::filesystem::path& folder);
+  // For a run that goes on: held, the lock of the folder if it is taken already; kept, asked for each name in the
+  // manifest (relative to the folder), what of it stays.
+  explicit ResultFolder(const std::filesystem::path& folder, std::shared_ptr<FolderLock> held = nullptr,
+                        const std::function<bool(const std::string&)>& kept = {});
   ~ResultFolder();
   ResultFolder(const ResultFolder&) = delete;
   ResultFolder& operator=(const ResultFolder&) = delete;
 
  private:
-  FolderLock lock_;
+  std::shared_ptr<FolderLock> lock_;
   std::filesystem::path path_;  // absolute
 };
 

@@ -187,12 +187,13 @@ void write_faces(const Simulation& simulation, const std::filesystem::path& path
   arrays.write(path, "PolyData", piece + "</Piece>\n");
 }
 
+const char* extension_of_blocks(const Simulation& simulation) { return simulation.riding() ? "vtp" : "vtu"; }
+
 }  // namespace
 
 void VtkSeries::add_frame(const Simulation& simulation) {
   const size_t frame = times_.size();
-  of_blocks_ = simulation.riding() ? "vtp" : "vtu";
-  const auto blocks = folder_ / fmt::format("blocks_{:04}.{}", frame, of_blocks_);
+  const auto blocks = folder_ / fmt::format("blocks_{:04}.{}", frame, extension_of_blocks(simulation));
   if (simulation.riding())
     write_faces(simulation, blocks);
   else
@@ -201,8 +202,8 @@ void VtkSeries::add_frame(const Simulation& simulation) {
   times_.push_back(simulation.time());
 }
 
-void VtkSeries::finish() const {
-  write_collection(folder_, "blocks", of_blocks_, times_);
+void VtkSeries::finish(const Simulation& simulation) const {
+  write_collection(folder_, "blocks", extension_of_blocks(simulation), times_);
   write_collection(folder_, "joints", "vtu", times_);
 }
 

@@ -13,15 +13,17 @@ namespace quoin {
 
 class VtkSeries {
  public:
-  VtkSeries(std::filesystem::path folder, const Surfaces& surfaces) : folder_(std::move(folder)), surfaces_(surfaces) {}
+  // before: times of the frames of a run that this one goes on with, s.
+  VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {})
+      : folder_(std::move(folder)), surfaces_(surfaces), times_(std::move(before)) {}
   void add_frame(const Simulation& simulation);
-  void finish() const;  // writes the collections
+  void finish(const Simulation& simulation) const;  // writes the collections
+  const std::vector<double>& times() const { return times_; }
 
  private:
   std::filesystem::path folder_;
   const Surfaces& surfaces_;
   std::vector<double> times_;
-  const char* of_blocks_ = "vtu";  // extension
 };
 
 }  // namespace quoin

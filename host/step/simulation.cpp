@@ -20,6 +20,7 @@ constexpr long kCollapseInterval = 10;    // steps between two looks at how far 
 constexpr int kCalmChecks = 5;            // looks in a row that must pass: one may catch a swing at its turning point
 constexpr long kDefaultRows = 1000;       // rows of a stage with record_interval 0
 constexpr long kUnknownLength = 200;      // steps between rows of a stage whose length cannot be foreseen
+constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
 constexpr double kProgressPeriod = 0.25;  // s
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -437,6 +438,7 @@ void Simulation::Impl::begin_stage(int index) {
   next_frame = 0;
   next_row = 0;
   swaps.clear();
+  row_interval = chosen_record_interval();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
 }
 
@@ -637,6 +639,17 @@ bool Simulation::Impl::equilibrium_reached(const Stage& settings) {
   return calm_checks >= kCalmChecks;
 }
 
+std::shared_ptr<const Material> Simulation::Impl::swapped_in(std::size_t family, const std::string& law_name) const {
+  const Law law = Law::find(law_name);
+  std::vector<PropertySetting> properties;
+  for (const PropertySetting& setting : model.assembly.families[family].properties) {
+    for (std::uint64_t i = 0; i < law.law->property_count; ++i) {
+      if (setting.id == law.law->properties[i]->id) properties.push_back(setting);
+    }
+  }
+  return std::make_shared<const Material>(law, properties);
+}
+
 void Simulation::Impl::swap_law(const std::string& name, const std::string& law_name) {
   const auto found =
       std::find_if(model.families.begin(), model.families.end(), [&](const auto& f) { return f.name == name; });
@@ -646,15 +659,8 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law_
   }
   ContactFamily& family = *found;
   const auto f = static_cast<std::size_t>(found - model.families.begin());
-  // The new law gets the properties that it knows, as the scene gives them.
-  const Law law = Law::find(law_name);
-  std::vector<PropertySetting> properties;
-  for (const PropertySetting& setting : model.assembly.families[f].properties) {
-    for (std::uint64_t i = 0; i < law.law->property_count; ++i) {
-      if (setting.id == law.law->properties[i]->id) properties.push_back(setting);
-    }
-  }
-  const auto material = std::make_shared<const Material>(law, properties);
+  const auto material = swapped_in(f, law_name);
+  const Law& law = material->law();
   const quoin_law& old_api = family.material->api();
   if (!(law.law->capabilities & QUOIN_CAN_MIGRATE) || !law.law->migrate_state) {
     throw Error(Exit::law_refused,
@@ -778,6 +784,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
     LaneVector<double> columns;
     for (double value : initial) columns.insert(columns.end(), static_cast<std::size_t>(family.point_count), value);
     law_state.push_back(std::move(columns));
+    first_materials.push_back(family.material);
   }
 
   data.time_step = time_step.time_step;
@@ -928,7 +935,6 @@ void Simulation::run(Observer& observer) {
     for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
     const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
     const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
-    const long interval = s.chosen_record_interval();
     auto last_progress = Clock::now();
     long steps_then = s.stage_step;
     double fraction_then = s.stage_fraction();
@@ -936,7 +942,7 @@ void Simulation::run(Observer& observer) {
     for (bool done = false; !done;) {
       const bool stop = stop_requested();
       const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
-      const bool row = stop || s.stage_step >= s.next_row;
+      const bool due = s.stage_step >= s.next_row, row = stop || due;
       const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
       s.step_once(check || row || frame || s.want_energy, frame);
 
@@ -944,11 +950,13 @@ void Simulation::run(Observer& observer) {
       if (s.stage_fraction() >= 1.0) done = true;
       if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
+      // Before a row that only the stop asks for: who goes on from here has a history without it.
+      if (stop && !due && !done && !frame) observer.on_pause(*this, true);
       if (row || done) {
         const HistoryRow now = s.measure();
         s.require_finite(now);
         observer.on_row(now);
-        while (s.next_row < s.stage_step) s.next_row += interval;
+        while (s.next_row < s.stage_step) s.next_row += s.row_interval;
       }
       if (frame) observer.on_frame(*this, index, s.next_frame++);
       if (stop)
@@ -961,6 +969,7 @@ void Simulation::run(Observer& observer) {
         }
         throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
       }
+      if (!done && s.stage_step % kPauseInterval == 0) observer.on_pause(*this, false);
       if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
         const double seconds = seconds_since(last_progress);
         Progress progress;

@@ -93,6 +93,8 @@ struct Observer {
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
   virtual void on_row(const HistoryRow&) {}
+  // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
+  virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {
   }  // OutputSettings::frames over the last stage

@@ -111,6 +111,8 @@ struct Simulation::Impl {
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
+  // The law's material for a joint family: with the properties that it knows, as the scene gives them.
+  std::shared_ptr<const Material> swapped_in(std::size_t family, const std::string& law) const;
   HistoryRow measure() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
@@ -147,6 +149,10 @@ struct Simulation::Impl {
   double stage_time() const;  // s, since the stage began
   double now() const;         // s, since the start
 
+  // --- checkpoints (checkpoint.cpp) ---------------------------------------------------------------------------------
+  void restore(const std::vector<std::uint8_t>& bytes);  // throws half way
+  std::shared_ptr<const Material> material_in_stage(std::size_t family, int of_stage) const;
+
   void bind_columns();   // pointers of step data and law calls
   void share_inertia();  // where the blocks of a group are alike
   void partition_work();
@@ -175,7 +181,8 @@ struct Simulation::Impl {
   double energy_damping = 0.0, energy_external = 0.0;  // up to the last half step
   int calm_checks = 0;                                 // equilibrium checks passed in a row
   int next_frame = 0;
-  long next_row = 0;  // stage_step of the next history row
+  long next_row = 0;      // stage_step of the next history row
+  long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
 
   // Blocks of any shape in large motion; null: none.
@@ -190,6 +197,7 @@ struct Simulation::Impl {
   Outcome outcome;
 
   // Rebuilt from the state or derived.
+  std::vector<std::shared_ptr<const Material>> first_materials;  // by joint family, before any law is swapped
   LaneVector<double> dt_over_mass;
   std::set<std::vector<double>> inertia_tables;  // of groups whose blocks share them
   std::vector<const double*> shared_dt_over_mass;

@@ -1,0 +1,129 @@
+// Everything of a model that changes while it runs, as bytes; what follows from the scene alone is built, not stored.
+#include "blocks/model.h"
+#include "scene/error.h"
+#include "step/archive.h"
+
+namespace quoin::blocks {
+
+namespace {
+
+constexpr const char* kOther = "checkpoint: of another model";
+
+template <class Archive, class Series>
+void transfer(Archive& archive, Series& series) {
+  archive.array(series.time);
+  archive.array(series.value);
+}
+
+}  // namespace
+
+template <class Archive, class Self>
+void Model::transfer_state(Archive& archive, Self& m) {
+  archive.value(m.solver_);  // damping is a stage's
+  for (auto& b : m.blocks_) {
+    archive.value(b.broad_x);
+    archive.value(b.broad_r);
+  }
+  archive.array(m.bodies_);
+  archive.array(m.node_x_);
+  archive.array(m.node_v_);
+  archive.array(m.node_held_);
+  archive.array(m.node_held_v_);
+  archive.array(m.zone_strain_);
+  for (auto& f : m.families_) {
+    archive.array(f.point);
+    archive.array(f.normal_jump);
+    for (auto& column : f.slip) archive.array(column);
+    for (auto& column : f.traction) archive.array(column);
+    archive.list(f.state, [](auto& a, auto& column) { a.array(column); });
+    for (auto& column : f.old_traction) archive.array(column);
+    archive.array(f.old_jump);
+    archive.array(f.stored);
+    for (auto& column : f.dissipated) archive.array(column);
+  }
+  archive.array(m.facets_);
+  archive.array(m.contacts_);
+  archive.array(m.block_contact_force_);
+
+  archive.list(m.loads_, [](auto& a, auto& load) {
+    a.value(load.block);
+    a.value(load.point);
+    a.value(load.force);
+    transfer(a, load.factor);
+    a.list(load.share, [](auto& inner, auto& share) {
+      inner.value(share.first);
+      inner.value(share.second);
+    });
+    a.value(load.arm);
+    a.value(load.scale);
+  });
+  archive.list(m.pressures_, [](auto& a, auto& pressure) {
+    a.value(pressure.block);
+    a.value(pressure.face);
+    a.value(pressure.value);
+    transfer(a, pressure.factor);
+    a.array(pressure.triangles);
+    a.value(pressure.arm);
+    a.value(pressure.push);
+    a.value(pressure.scale);
+  });
+  archive.list(m.motions_, [](auto& a, auto& motion) {
+    a.array(motion.blocks);
+    a.value(motion.direction);
+    transfer(a, motion.acceleration);
+  });
+  archive.array(m.loaded_);
+  archive.array(m.applied_);
+  archive.value(m.gravity_);
+  transfer(archive, m.gravity_factor_);
+
+  archive.value(m.small_);
+  archive.value(m.time_);
+  archive.value(m.dt_);
+  archive.value(m.critical_dt_);
+  archive.value(m.stiffness_bound_);
+  archive.value(m.step_count_);
+  archive.value(m.next_check_);
+  archive.value(m.detections_);
+  archive.value(m.narrow_calls_);
+  archive.value(m.total_force_);
+  archive.value(m.unbalanced_);
+  archive.value(m.net_);
+  archive.value(m.energies_);
+}
+
+void Model::save(ArchiveWriter& writer) const { transfer_state(writer, *this); }
+
+void Model::restore(ArchiveReader& reader) {
+  const std::size_t bodies = bodies_.size(), nodes = node_x_.size();
+  transfer_state(reader, *this);
+  if (bodies_.size() != bodies || node_x_.size() != nodes || node_v_.size() != nodes || node_held_.size() != nodes ||
+      node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
+      loaded_.size() != blocks_.size() || (!applied_.empty() && applied_.size() != blocks_.size()))
+    throw Error(Exit::bad_input, kOther);
+  const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
+  const auto is_facet = [&](int i, int block) {
+    return blocks_[size_t(block)].body >= 0 ? i < 0 : i >= 0 && size_t(i) < facets_.size();
+  };
+  for (const Family& f : families_) {
+    const size_t n = f.size();
+    bool fits = f.normal_jump.size() == n && f.state.size() == f.material->api().state_count;
+    for (const auto& column : f.slip) fits = fits && column.size() == n;
+    for (const auto& column : f.traction) fits = fits && column.size() == n;
+    for (const auto& column : f.state) fits = fits && column.size() == n;
+    for (const auto& column : f.old_traction) fits = fits && (column.size() == n || !viscous_contacts());
+    fits = fits && (f.old_jump.size() == n || !viscous_contacts()) && (f.stored.size() == n || !energy_);
+    for (const auto& column : f.dissipated) fits = fits && (column.size() == n || !energy_);
+    for (const Point& p : f.point)
+      fits = fits && is_block(p.a) && is_block(p.b) && is_facet(p.facet_a, p.a) && is_facet(p.facet_b, p.b);
+    if (!fits) throw Error(Exit::bad_input, kOther);
+  }
+  for (const Contact& c : contacts_) {
+    const bool fits = is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
+                      (c.family < 0 || size_t(c.first) + c.count <= families_[size_t(c.family)].size());
+    if (!fits) throw Error(Exit::bad_input, kOther);
+  }
+  divide_work();
+}
+
+}  // namespace quoin::blocks

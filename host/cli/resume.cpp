@@ -1,0 +1,79 @@
+#include "cli/resume.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "results/file.h"
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr const char* kRecord = "run.json";
+
+Json read_json(const fs::path& path) {
+  std::ifstream stream(path);
+  return Json::parse(stream, nullptr, false);
+}
+
+}  // namespace
+
+void write_run_record(const fs::path& folder, const SceneOptions& options) {
+  const Json json = {{"scene", options.scene},
+                     {"law", options.law},
+                     {"set", options.overrides},
+                     {"working_directory", fs::current_path().string()}};
+  // A name that is no UTF-8 does not keep the run from starting; it only cannot be found again by --resume.
+  write_file(folder / kRecord, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+SceneOptions read_run_record(const fs::path& folder) {
+  const fs::path path = folder / kRecord;
+  std::error_code error;
+  if (!fs::exists(path, error))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: has no {}: no run was begun here; start it with quoin run SCENE.toml --out {}",
+                            folder.string(), kRecord, folder.string()));
+  const Json json = read_json(path);
+  SceneOptions options;
+  fs::path place;
+  try {
+    options.scene = json.at("scene").get<std::string>();
+    options.law = json.at("law").get<std::string>();
+    options.overrides = json.at("set").get<std::vector<std::string>>();
+    place = json.at("working_directory").get<std::string>();
+  } catch (const Json::exception&) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: is not the record of a run; start the run anew without --resume", path.string()));
+  }
+  fs::current_path(place, error);
+  if (error)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: the run was started in {}, where its paths count from, and that cannot be entered: {}",
+                            path.string(), place.string(), error.message()));
+  return options;
+}
+
+bool is_done(const fs::path& folder) {
+  const Json json = read_json(folder / "summary.json");
+  return json.is_object() && json.value("status", Json()) == "done";
+}
+
+bool is_kept(const std::string& name, std::size_t frames) {
+  if (name == kRecord || name == "checkpoint.bin") return true;
+  for (std::size_t i = 0; i < frames; ++i) {
+    for (const char* kind : {"blocks_{:04}.vtu", "blocks_{:04}.vtp", "joints_{:04}.vtu"}) {
+      if (name == fmt::format(fmt::runtime(kind), i)) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace quoin

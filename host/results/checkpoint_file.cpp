@@ -1,0 +1,176 @@
+#include "results/checkpoint_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "results/file.h"
+#include "scene/error.h"
+#include "step/archive.h"
+
+#ifndef QUOIN_VERSION
+#define QUOIN_VERSION "unknown"
+#endif
+
+namespace quoin {
+
+namespace {
+
+// The head of the file, in this order. Its first words say on any machine why another one cannot read the rest.
+struct Head {
+  std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
+  std::uint32_t word_order = 0x01020304;
+  std::uint32_t format = 1;
+  std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
+  std::uint32_t unused = 0;
+  std::uint64_t bytes = 0;     // of what follows the head
+  std::uint64_t checksum = 0;  // of the same
+};
+constexpr std::uint32_t kOtherWordOrder = 0x04030201;
+
+// FNV-1a.
+class Hash {
+ public:
+  void add(const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i) value_ = (value_ ^ bytes[i]) * 0x100000001b3u;
+  }
+  void add(const std::string& text) {
+    const std::uint64_t size = text.size();
+    add(&size, sizeof size);
+    add(text.data(), text.size());
+  }
+  std::uint64_t value() const { return value_; }
+  std::string text() const { return fmt::format("{:016x}", value_); }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+std::string read_whole(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream.is_open() || stream.bad()) throw Error(Exit::bad_input, path.string() + ": cannot be read");
+  return text;
+}
+
+std::string hash_of_file(const std::filesystem::path& path) {
+  Hash hash;
+  hash.add(read_whole(path));
+  return hash.text();
+}
+
+// Eight bytes at a time: checkpoints may be large.
+std::uint64_t checksum_of(const std::uint8_t* data, std::size_t size) {
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (std::size_t i = 0; i < size; i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, data + i, std::min<std::size_t>(8, size - i));
+    hash = (hash ^ word) * 0x100000001b3u;
+    hash ^= hash >> 29;  // so that high bits reach low ones
+  }
+  return hash;
+}
+
+template <class Archive, class Parts>
+void transfer_identity(Archive& archive, Parts& parts) {
+  archive.list(parts, [](auto& a, auto& part) {
+    a.array(part.what);
+    a.array(part.value);
+  });
+}
+
+}  // namespace
+
+Identity identity_of(const Simulation& simulation, const std::vector<std::string>& overrides, const std::string& law) {
+  const Scene& scene = simulation.scene();
+  Identity identity;
+  identity.parts.push_back({"version of quoin", QUOIN_VERSION});
+  identity.parts.push_back({"build of quoin", hash_of_file("/proc/self/exe")});
+  Hash hash;
+  hash.add(read_whole(scene.file));
+  for (const std::string& text : overrides) hash.add(text);
+  hash.add(law);
+  for (const Stage& stage : scene.stages) {
+    if (!stage.ground) continue;
+    const SeriesSpec& series = stage.ground->acceleration;
+    for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
+  }
+  const std::uint64_t start = simulation.hash();
+  const long points = simulation.point_count();
+  hash.add(&start, sizeof start);
+  hash.add(&points, sizeof points);
+  identity.parts.push_back({"scene", hash.text()});
+  std::set<std::string> laws;
+  for (const auto& [name, family] : scene.joints) laws.insert(family.law);
+  for (const Stage& stage : scene.stages) {
+    for (const auto& [family, name] : stage.law_swaps) laws.insert(name);
+  }
+  for (const std::string& name : laws)
+    identity.parts.push_back(
+        {fmt::format("library of the law '{}'", name), hash_of_file(Law::find(name).library->path())});
+  return identity;
+}
+
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(sizeof(Head) + checkpoint.state.size() + checkpoint.rows.size() * sizeof(HistoryRow) + 4096);
+  ArchiveWriter writer{bytes};
+  Head head;
+  writer.value(head);
+  transfer_identity(writer, identity.parts);
+  writer.array(checkpoint.rows);
+  writer.array(checkpoint.frame_times);
+  writer.array(checkpoint.state);
+  head.bytes = bytes.size() - sizeof head;
+  head.checksum = checksum_of(bytes.data() + sizeof head, head.bytes);
+  std::memcpy(bytes.data(), &head, sizeof head);
+  write_durable_file(path, bytes);
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected) {
+  const std::string text = read_whole(path);
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  const auto fault = [&](const std::string& reason) {
+    return Error(Exit::bad_input, fmt::format("{}: {}; start the run anew without --resume", path.string(), reason));
+  };
+  Head head;
+  const Head here;
+  if (bytes.size() < sizeof head) throw fault("is no checkpoint of quoin, or is cut short");
+  std::memcpy(&head, bytes.data(), sizeof head);
+  if (head.mark != here.mark) throw fault("is no checkpoint of quoin");
+  if (head.word_order == kOtherWordOrder)
+    throw fault("was written on a machine of the other word order (little or big endian)");
+  if (head.word_order != here.word_order || head.word_sizes != here.word_sizes)
+    throw fault("was written on a machine with words of another size");
+  if (head.format != here.format)
+    throw fault(fmt::format("has version {} of the format of checkpoints; this program reads version {}", head.format,
+                            here.format));
+  if (head.bytes != bytes.size() - sizeof head)
+    throw fault(fmt::format("is damaged: it has {} bytes and says {}", bytes.size() - sizeof head, head.bytes));
+  if (head.checksum != checksum_of(bytes.data() + sizeof head, head.bytes))
+    throw fault("is damaged: its checksum does not fit");
+
+  ArchiveReader reader{bytes, sizeof head};
+  Identity identity;
+  transfer_identity(reader, identity.parts);
+  // Part by part, so that the message names the first that differs.
+  for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
+    if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
+      throw fault("is of a scene with other laws");
+    if (identity.parts[i].value != expected.parts[i].value)
+      throw fault(fmt::format("is of another {} ({}; here {})", identity.parts[i].what, identity.parts[i].value,
+                              expected.parts[i].value));
+  }
+  Checkpoint checkpoint;
+  reader.array(checkpoint.rows);
+  reader.array(checkpoint.frame_times);
+  reader.array(checkpoint.state);
+  return checkpoint;
+}
+
+}  // namespace quoin

@@ -1,0 +1,38 @@
+// checkpoint.bin: what a run needs to go on as if it had never stopped.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "step/simulation.h"
+
+namespace quoin {
+
+// What a checkpoint belongs to. The run that goes on must have the same, word for word.
+struct Identity {
+  struct Part {
+    std::string what;   // as a message calls it: "scene", "library of the law 'elastic'"
+    std::string value;  // version or hash
+  };
+  std::vector<Part> parts;
+};
+
+// Of a simulation at its start, before any step: program, scene (its text, what is laid over it, series and blocks that
+// it takes from other files) and every law of every stage. Throws Error(bad_input): a file of these cannot be read.
+Identity identity_of(const Simulation& simulation, const std::vector<std::string>& overrides, const std::string& law);
+
+struct Checkpoint {
+  std::vector<HistoryRow> rows;     // of the history until then
+  std::vector<double> frame_times;  // s, of the VTK frames until then
+  std::vector<std::uint8_t> state;  // of Simulation::save
+};
+
+// Complete and on the disk, or not there: written under a name of its own, flushed, renamed. Throws Error(bad_input).
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint);
+
+// Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);
+
+}  // namespace quoin

@@ -1,0 +1,78 @@
+// Bytes of a checkpoint: written and read by one and the same list of fields, so that neither can forget one.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "scene/error.h"
+
+namespace quoin {
+
+struct ArchiveWriter {
+  std::vector<std::uint8_t>& bytes;
+  void append(const void* from, std::size_t size) {
+    const std::size_t end = bytes.size();
+    bytes.resize(end + size);
+    if (size > 0) std::memcpy(bytes.data() + end, from, size);
+  }
+  template <class T>
+  void value(const T& x) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(&x, sizeof x);
+  }
+  template <class Array>
+  void array(const Array& x) {
+    static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(x[0])>>);
+    const std::uint64_t count = x.size();
+    value(count);
+    append(x.data(), count * sizeof(x[0]));
+  }
+  // Each element by a list of fields of its own: of_element(archive, element).
+  template <class Element, class Fields>
+  void list(const std::vector<Element>& x, Fields&& of_element) {
+    const std::uint64_t count = x.size();
+    value(count);
+    for (const Element& element : x) of_element(*this, element);
+  }
+};
+
+// Throws Error(bad_input) where the bytes end too early.
+struct ArchiveReader {
+  const std::vector<std::uint8_t>& bytes;
+  std::size_t position = 0;
+  std::size_t left() const { return bytes.size() - position; }
+  void take(void* to, std::size_t size) {
+    if (left() < size) ends_too_early();
+    if (size > 0) std::memcpy(to, bytes.data() + position, size);
+    position += size;
+  }
+  template <class T>
+  void value(T& x) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    take(&x, sizeof x);
+  }
+  template <class Array>
+  void array(Array& x) {
+    static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(x[0])>>);
+    std::uint64_t count = 0;
+    value(count);
+    if (count > left() / sizeof(x[0])) ends_too_early();
+    x.resize(count);
+    take(x.data(), count * sizeof(x[0]));
+  }
+  template <class Element, class Fields>
+  void list(std::vector<Element>& x, Fields&& of_element) {
+    std::uint64_t count = 0;
+    value(count);
+    if (count > left()) ends_too_early();  // an element takes a byte at least
+    x.clear();
+    x.resize(count);
+    for (Element& element : x) of_element(*this, element);
+  }
+  [[noreturn]] static void ends_too_early() { throw Error(Exit::bad_input, "checkpoint: the data end too early"); }
+};
+
+}  // namespace quoin

@@ -1,0 +1,152 @@
+// Everything of a simulation that changes during a run, as bytes.
+#include <fmt/core.h>
+
+#include "step/archive.h"
+#include "step/state.h"
+
+namespace quoin {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '4'};
+
+template <class Archive, class Impl>
+void transfer(Archive& archive, Impl& s) {
+  archive.array(s.displacement);
+  archive.array(s.velocity);
+  for (auto& column : s.traction) archive.array(column);
+  for (auto& columns : s.law_state) archive.array(columns);
+  archive.array(s.normal_shift);
+  archive.array(s.body_lanes);
+  archive.array(s.ramps);
+  archive.array(s.load_ramps);
+  archive.value(s.gravity_from);
+  archive.value(s.gravity_to);
+  archive.value(s.data.gravity);
+  archive.value(s.step_count);
+  archive.value(s.stage_step);
+  archive.value(s.monitor_start);
+  archive.value(s.energy_dissipated);
+  archive.value(s.energy_damping);
+  archive.value(s.energy_external);
+  archive.value(s.unbalanced_ratio);
+  archive.value(s.kinetic);
+  archive.value(s.calm_checks);
+  archive.value(s.next_frame);
+  archive.value(s.next_row);
+  archive.value(s.row_interval);
+  archive.value(s.in_stage);
+  if (!s.riding) return;
+  archive.array(s.drives);
+  archive.value(s.fading_loads);
+  archive.value(s.fading_pressures);
+  archive.value(s.riding_stage_start);
+  archive.value(s.multiplier);
+  archive.value(s.monitor_block);
+  archive.value(s.outcome);
+}
+
+}  // namespace
+
+// The material that a joint family has in a stage: the scene's, or that of the last law swapped in until then.
+std::shared_ptr<const Material> Simulation::Impl::material_in_stage(std::size_t family, int of_stage) const {
+  std::shared_ptr<const Material> material = first_materials[family];
+  for (int i = 0; i <= of_stage; ++i) {
+    const auto& swapped = scene.stages[at(i)].law_swaps;
+    if (const auto found = swapped.find(model.families[family].name); found != swapped.end())
+      material = swapped_in(family, found->second);
+  }
+  return material;
+}
+
+std::vector<std::uint8_t> Simulation::save() const {
+  const Impl& s = *impl_;
+  std::vector<std::uint8_t> bytes;
+  ArchiveWriter writer{bytes};
+  writer.value(kCheckpointMark);
+  writer.value(s.stage);
+  for (const ContactFamily& family : s.model.families) {
+    writer.array(std::string(family.material->api().id));
+    writer.value(family.material->api().state_schema);
+  }
+  // The step of blocks of any shape follows their contacts: it is part of what they save.
+  writer.value(s.riding ? 0.0 : s.data.time_step);
+  transfer(writer, s);
+  if (s.riding) s.riding->save(writer);
+  return bytes;
+}
+
+void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
+  const std::vector<std::uint8_t> undo = save();
+  try {
+    impl_->restore(bytes);
+  } catch (const Error&) {
+    impl_->restore(undo);
+    throw;
+  }
+}
+
+void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
+  const auto of_another_model = [] { return Error(Exit::bad_input, "checkpoint: of another model"); };
+  if (bytes.size() < sizeof kCheckpointMark || std::memcmp(bytes.data(), kCheckpointMark, sizeof kCheckpointMark) != 0)
+    throw Error(Exit::bad_input, "checkpoint: not a checkpoint of this version");
+  ArchiveReader reader{bytes, sizeof kCheckpointMark};
+  reader.value(stage);
+  if (stage < -1 || stage >= static_cast<int>(scene.stages.size())) throw of_another_model();
+  std::vector<std::size_t> expected{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
+                                    load_ramps.size()};
+  for (const auto& column : traction) expected.push_back(column.size());
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    ContactFamily& family = model.families[f];
+    family.material = material_in_stage(f, stage);
+    const quoin_law& api = family.material->api();
+    expected.push_back(api.state_count * at(family.point_count));
+    std::string law;
+    std::uint64_t schema = 0;
+    reader.array(law);
+    reader.value(schema);
+    if (law == api.id && schema == api.state_schema) continue;
+    throw Error(Exit::bad_input,
+                fmt::format("checkpoint: joint family '{}' has states of law '{}' (schema {:#x}); here it has law "
+                            "'{}' (schema {:#x})",
+                            family.name, law, schema, api.id, api.state_schema));
+  }
+  double dt = 0.0;
+  reader.value(dt);
+  if (const double here = riding ? 0.0 : data.time_step; dt != here) {
+    throw Error(Exit::bad_input,
+                fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
+                            dt, here));
+  }
+  transfer(reader, *this);
+  std::vector<std::size_t> sizes{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
+                                 load_ramps.size()};
+  for (const auto& column : traction) sizes.push_back(column.size());
+  for (const auto& columns : law_state) sizes.push_back(columns.size());
+  if (sizes != expected || (!normal_shift.empty() && normal_shift.size() != at(model.point_count)))
+    throw of_another_model();
+  if (riding) {
+    const auto is_block = [&](int i) { return i >= 0 && i < riding->block_count(); };
+    riding->restore(reader);
+    if (monitor_block != -1 && !is_block(monitor_block)) throw of_another_model();
+    for (const Drive& drive : drives) {
+      if (!is_block(drive.block)) throw of_another_model();
+    }
+    time_step.time_step = data.time_step = riding->time_step();
+    partition_work();
+  }
+  if (reader.left() != 0) throw of_another_model();
+
+  monitor = model.bodies_named(stage >= 0 ? scene.stages[at(stage)].monitor : "");
+  bind_whiffletree();
+  choose_damping();
+  controls_settled = stage < 0;
+  bind_controls();
+  flags_step = -1;
+  energies.reset();
+  swaps.clear();
+  bind_columns();
+}
+
+}  // namespace quoin

@@ -1,0 +1,214 @@
+// Runs that are killed and go on: the same results, byte for byte, as those of a run that was left alone; and what may
+// not go on is refused with the reason.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <map>
+#include <random>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+class Resume : public Cli {
+ protected:
+  // Kills the run in a folder at random moments until it is through. Returns how often it went on from a checkpoint.
+  int run_and_kill(const std::vector<std::string>& scene, const fs::path& out, double seconds, std::mt19937& random) {
+    std::vector<std::string> first{QUOIN_PROGRAM, "run"};
+    first.insert(first.end(), scene.begin(), scene.end());
+    first.insert(first.end(), {"--out", out.string()});
+    std::vector<std::string> again{QUOIN_PROGRAM, "run", "--resume", out.string()};
+    for (auto* words : {&first, &again}) words->insert(words->end(), {"--threads", "1", "--checkpoint-every", "0.005"});
+    int from_checkpoint = 0;
+    for (int kills = 0;; ++kills) {
+      const pid_t child = start(fs::exists(out / "run.json") ? again : first);
+      if (kills == 0) {
+        while (!fs::exists(out / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      if (kills < 3)
+        std::this_thread::sleep_for(
+            std::chrono::duration<double>(std::uniform_real_distribution<>(0.0, seconds)(random)));
+      if (kills < 3) kill(child, SIGKILL);
+      const int code = finish(child);
+      if (error_.find("resumed at step") != std::string::npos) ++from_checkpoint;
+      if (kills < 3) continue;
+      EXPECT_EQ(code, 0) << error_;
+      return from_checkpoint;
+    }
+  }
+
+  static std::string without_times(const fs::path& summary) {
+    auto json = nlohmann::json::parse(read_all(summary));
+    json.erase("wall_clock_s");
+    return json.dump(2);
+  }
+
+  void expect_same_after_kills(const std::vector<std::string>& scene) {
+    std::vector<std::string> whole{"run"};
+    whole.insert(whole.end(), scene.begin(), scene.end());
+    whole.insert(whole.end(), {"--out", out(), "--threads", "1", "--checkpoint-every", "0"});
+    const auto begin = Clock::now();
+    ASSERT_EQ(quoin(whole), 0) << error_;
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    std::mt19937 random(20260);
+    int from_checkpoint = 0;
+    for (int i = 0; i < 5; ++i) {
+      const fs::path killed = folder_ / ("killed" + std::to_string(i));
+      from_checkpoint += run_and_kill(scene, killed, 0.7 * seconds, random);
+      EXPECT_EQ(read_all(killed / "history.csv"), read_all(fs::path(out()) / "history.csv"));
+      EXPECT_EQ(without_times(killed / "summary.json"), without_times(fs::path(out()) / "summary.json"));
+      for (const auto& entry : fs::directory_iterator(out())) {
+        const std::string extension = entry.path().extension();
+        if (extension != ".vtu" && extension != ".vtp" && extension != ".pvd") continue;
+        const fs::path same = killed / entry.path().filename();
+        EXPECT_TRUE(read_all(same) == read_all(entry.path())) << same;
+      }
+      EXPECT_FALSE(fs::exists(killed / "checkpoint.bin"));
+    }
+    EXPECT_GT(from_checkpoint, 0);
+  }
+
+  // A run of the small wall that would take long, stopped soon: with a checkpoint.
+  void stop_soon(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--set",
+                               "stage.shear.displacement=0.5", "--set", "output.plots=false"});
+    const pid_t child = start(more);
+    while (!fs::exists(out() + "/run.json") && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    kill(child, SIGINT);
+    ASSERT_EQ(finish(child), 130) << error_;
+  }
+  void expect_refused(const std::string& reason) {
+    EXPECT_EQ(quoin({"run", "--resume", out()}), 3);
+    EXPECT_THAT(error_, HasSubstr(reason));
+  }
+  std::string checkpoint() const { return out() + "/checkpoint.bin"; }
+  void write_checkpoint(const std::string& bytes) const { std::ofstream(checkpoint(), std::ios::binary) << bytes; }
+
+  void SetUp() override {
+    Cli::SetUp();
+    scene_ = (folder_ / "wall.toml").string();
+    fs::copy_file(small_, scene_);
+  }
+  std::string scene_;
+};
+
+TEST_F(Resume, KilledWallsEndAsIfLeftAlone) { expect_same_after_kills({small_}); }
+
+TEST_F(Resume, KilledBuildingsEndAsIfLeftAlone) {
+  expect_same_after_kills({QUOIN_CLI_TESTS "/../host/small_building.toml", "--set", "stage.push.displacement=0.004",
+                           "--set", "stage.weight.equilibrium_ratio=0.1", "--set", "output.plots=false"});
+}
+
+TEST_F(Resume, KilledCollapsesEndAsIfLeftAlone) {
+  expect_same_after_kills({QUOIN_SCENES "/arch.toml", "--set", "stage.push.collapse.start=0.36", "--set",
+                           "output.energy=true", "--set", "output.plots=false"});
+}
+
+TEST_F(Resume, FinishedRunsAreLeftAsTheyAre) {
+  ASSERT_EQ(run_small(), 0) << error_;
+  std::map<std::string, std::string> before;
+  for (const auto& entry : fs::directory_iterator(out()))
+    if (entry.is_regular_file() && entry.path().filename() != ".quoin-lock")
+      before[entry.path().string()] = read_all(entry.path());
+  EXPECT_EQ(quoin({"run", "--resume", out()}), 0);
+  EXPECT_THAT(out_, HasSubstr("the run is done"));
+  for (const auto& [path, bytes] : before) EXPECT_TRUE(read_all(path) == bytes) << path;
+}
+
+TEST_F(Resume, WithoutCheckpointsARunStartsAnew) {
+  ASSERT_EQ(run_small(), 0) << error_;
+  const std::string history = read_all(out() + "/history.csv");
+  fs::remove(out() + "/summary.json");  // as of a run killed before its end
+  EXPECT_EQ(quoin({"run", "--resume", out()}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("from the start"));
+  EXPECT_EQ(read_all(out() + "/history.csv"), history);
+  EXPECT_EQ(summary()["status"], "done");
+}
+
+TEST_F(Resume, RefusesWhatIsNoRun) {
+  expect_refused("no such folder");
+  fs::create_directories(out());
+  expect_refused("no run was begun here");
+  std::ofstream(out() + "/run.json") << "{\"scene\": 3}";
+  expect_refused("is not the record of a run");
+  EXPECT_EQ(quoin({"run", small_, "--resume", out()}), 2);
+  EXPECT_EQ(quoin({"run"}), 2);
+  EXPECT_EQ(quoin({"run", small_, "--checkpoint-every", "-1"}), 2);
+}
+
+TEST_F(Resume, RefusesCheckpointsOfAnotherSceneLawOrMachine) {
+  const std::string law = (folder_ / "my_law.so").string();
+  fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "fracture_energy.so", law);
+  stop_soon({"--law", law});
+  const std::string good = read_all(checkpoint());
+  ASSERT_GT(good.size(), 1000u);
+
+  const auto with_byte = [&](std::size_t at, char byte) {
+    std::string bytes = good;
+    bytes[at] = byte;
+    return bytes;
+  };
+  write_checkpoint(with_byte(0, 'X'));
+  expect_refused("is no checkpoint of quoin");
+  std::string swapped = good;
+  std::reverse(swapped.begin() + 8, swapped.begin() + 12);
+  write_checkpoint(swapped);
+  expect_refused("word order");
+  write_checkpoint(with_byte(12, 99));
+  expect_refused("version 99 of the format");
+  write_checkpoint(with_byte(17, 77));
+  expect_refused("words of another size");
+  write_checkpoint(with_byte(good.size() / 2, static_cast<char>(good[good.size() / 2] + 1)));
+  expect_refused("its checksum does not fit");
+  write_checkpoint(good.substr(0, good.size() - 100));
+  expect_refused("is damaged");
+  write_checkpoint(good.substr(0, 20));
+  expect_refused("cut short");
+
+  // Another version of the program, whole otherwise: its number changed and the checksum with it.
+  std::string other = good;
+  const std::string what = "version of quoin";
+  other[other.find(what) + what.size() + 8] = '9';
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (std::size_t i = 40; i < other.size(); i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, other.data() + i, std::min<std::size_t>(8, other.size() - i));
+    hash = (hash ^ word) * 0x100000001b3u;
+    hash ^= hash >> 29;
+  }
+  std::memcpy(other.data() + 32, &hash, sizeof hash);
+  write_checkpoint(other);
+  expect_refused("is of another version of quoin (9.");
+
+  write_checkpoint(good);
+  const std::string scene = read_all(scene_);
+  std::ofstream(scene_, std::ios::app) << "# another one\n";
+  expect_refused("is of another scene");
+  std::ofstream(scene_) << scene;
+  std::ofstream(law, std::ios::app) << "rebuilt";
+  expect_refused("is of another library of the law");
+  EXPECT_EQ(read_all(checkpoint()), good);  // refusing changes nothing
+}
+
+TEST_F(Resume, NumbersOfTheHistoryReadBackToTheSameDouble) {
+  ASSERT_EQ(run_small(), 0) << error_;
+  std::ifstream history(out() + "/history.csv");
+  std::string line, last;
+  while (std::getline(history, line)) last = line;
+  // Time of the last row: steps times the step, which the summary gives in full.
+  std::istringstream fields(last);
+  std::string field;
+  for (int i = 0; i < 4; ++i) std::getline(fields, field, ',');
+  EXPECT_EQ(std::stod(field), summary()["simulated_time_s"].get<double>());
+}
+
+}  // namespace

@@ -1,0 +1,232 @@
+// A run restored from any of its checkpoints ends with the bits and the rows of the run that was not disturbed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "blocks/model.h"
+#include "scene/error.h"
+#include "scene/read_scene.h"
+#include "step/simulation.h"
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+struct Saved {
+  std::vector<std::uint8_t> bytes;
+  std::size_t rows;
+  long step;
+};
+
+// Saves at moments 1, 2, 3, 5, 8, ... of those offered, at the first of each stage, and at the first few after contacts
+// were detected anew.
+struct Saver : Observer {
+  std::vector<HistoryRow> rows;
+  std::vector<Saved> saved;
+  long pauses = 0, next = 1, before_next = 1, detections = -1;
+  int stage = -1, seen_stage = -1, after_detection = 0;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  void on_stage_begin(const Simulation&, int index) override { stage = index; }
+  void on_pause(const Simulation& simulation, bool) override {
+    bool take = ++pauses == next;
+    if (take) next += std::exchange(before_next, next);
+    if (std::exchange(seen_stage, stage) != stage) take = true;
+    if (const blocks::Model* m = simulation.riding()) {
+      if (detections >= 0 && m->detections() != detections && after_detection++ < 4) take = true;
+      detections = m->detections();
+    }
+    if (take) saved.push_back({simulation.save(), rows.size(), simulation.step()});
+  }
+};
+
+struct Rows : Observer {
+  std::vector<HistoryRow> rows;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+};
+
+void expect_same(const HistoryRow& a, const HistoryRow& b) {
+  EXPECT_EQ(a.stage, b.stage);
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.displacement, b.displacement);
+  EXPECT_EQ(a.resistance, b.resistance);
+  EXPECT_EQ(a.vertical_force, b.vertical_force);
+  EXPECT_EQ(a.monitor_displacement, b.monitor_displacement);
+  EXPECT_EQ(a.joint_force, b.joint_force);
+  EXPECT_EQ(a.dynamic_force, b.dynamic_force);
+  EXPECT_EQ(a.unbalanced_ratio, b.unbalanced_ratio);
+  EXPECT_EQ(a.kinetic_energy, b.kinetic_energy);
+  EXPECT_EQ(a.multiplier, b.multiplier);
+  EXPECT_EQ(a.largest_displacement, b.largest_displacement);
+  ASSERT_EQ(a.energies.has_value(), b.energies.has_value());
+  if (!a.energies) return;
+  EXPECT_EQ(a.energies->balance_error(), b.energies->balance_error());
+  EXPECT_EQ(a.energies->external, b.energies->external);
+  EXPECT_EQ(a.energies->damping, b.energies->damping);
+}
+
+// Restores every checkpoint that the run of a scene leaves, at 1 and 4 threads in turn. Returns how often contacts were
+// detected.
+long expect_restores(const Scene& scene) {
+  Simulation whole(scene, 1);
+  Saver saver;
+  whole.run(saver);
+  EXPECT_GE(saver.saved.size(), scene.stages.size() + 4);
+  for (std::size_t i = 0; i < saver.saved.size(); ++i) {
+    const Saved& from = saver.saved[i];
+    SCOPED_TRACE("from step " + std::to_string(from.step) + " of " + std::to_string(whole.step()));
+    Simulation again(scene, i % 2 == 0 ? 4 : 1);
+    again.restore(from.bytes);
+    EXPECT_EQ(again.step(), from.step);
+    Rows rest;
+    again.run(rest);
+    EXPECT_EQ(again.hash(), whole.hash());
+    EXPECT_EQ(again.step(), whole.step());
+    EXPECT_EQ(again.time(), whole.time());
+    EXPECT_EQ(again.condition_counts(), whole.condition_counts());
+    EXPECT_EQ(again.outcome().collapse_multiplier, whole.outcome().collapse_multiplier);
+    EXPECT_EQ(again.outcome().base_slip_at_uplift, whole.outcome().base_slip_at_uplift);
+    if (const blocks::Model* m = again.riding()) {
+      EXPECT_EQ(m->detections(), whole.riding()->detections());
+      EXPECT_EQ(m->time_step(), whole.riding()->time_step());
+    }
+    EXPECT_EQ(rest.rows.size(), saver.rows.size() - from.rows);
+    for (std::size_t k = 0; k < std::min(rest.rows.size(), saver.rows.size() - from.rows); ++k)
+      expect_same(rest.rows[k], saver.rows[from.rows + k]);
+    if (::testing::Test::HasFailure()) break;
+  }
+  return whole.riding() ? whole.riding()->detections() : 0;
+}
+
+Scene scene_of(const std::string& name, std::vector<std::string> overrides) {
+  return read_scene(name.find('/') != std::string::npos ? name : QUOIN_SCENES "/" + name, overrides);
+}
+
+TEST(Checkpoint, WallGoesOnBitForBit) {
+  Scene scene = scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {"stage.shear.displacement=0.0002"});
+  expect_restores(scene);
+  scene.output.energy = true;
+  expect_restores(scene);
+}
+
+TEST(Checkpoint, BuildingGoesOnBitForBit) {
+  expect_restores(scene_of(QUOIN_HOST_TESTS "/small_building.toml",
+                           {"stage.push.displacement=0.002", "stage.weight.equilibrium_ratio=0.1"}));
+}
+
+TEST(Checkpoint, WallGoesOnAfterItsLawWasSwapped) {
+  Scene scene = scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {"stage.shear.displacement=0.0001"});
+  Stage more = scene.stages.back();
+  more.law_swaps["mortar"] = "coulomb_slip";
+  scene.stages.push_back(more);
+  expect_restores(scene);
+}
+
+// A dry arch until it falls: rigid blocks, collapse, contacts detected anew, base slip at uplift.
+TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
+  EXPECT_GT(expect_restores(scene_of(
+                "arch.toml", {"stage.weight.duration=0.3", "stage.weight.ramp_time=0.2", "stage.push.ramp_time=0.5",
+                              "stage.push.collapse.start=0.38", "output.energy=true"})),
+            3);
+}
+
+// Rigid and deformable blocks that are thrown, pushed, pressed and shaken, with loads that fade from stage to stage, a
+// support let go, a step that changes with the contacts, and viscous damping.
+TEST(Checkpoint, FallingDryWallGoesOnBitForBit) {
+  const std::string path = ::testing::TempDir() + "falling_wall.toml";
+  std::ofstream(path) << R"(
+[solver]
+damping = "viscous"
+mass_damping = 1.0
+stiffness_damping = 1e-5
+[materials.stone]
+young_modulus = 1e8
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 0.5e9
+friction_angle = 35.0
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-2, -0.5, -1], size = [6, 0.5, 2.2] }
+[[dry_wall]]
+name = "wall"
+material = "stone"
+courses = 4
+units_per_course = 2
+unit = [0.4, 0.2, 0.2]
+origin = [0, 0, 0]
+[[block]]
+name = "soft"
+material = "stone"
+rigid = false
+zone_edge = 0.2
+box = { lower = [0.3, 0.8, 0.0], size = [0.2, 0.2, 0.2] }
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.01
+duration = 0.02
+[[stage]]
+name = "push"
+ramp_time = 0.02
+duration = 0.06
+[[stage.force]]
+block = "soft"
+point = [0.4, 1.0, 0.1]
+force = [100.0, 0.0, 20.0]
+[[stage.pressure]]
+block = "wall/3/0"
+normal = [-1, 0, 0]
+pressure = 3e4
+[[stage.velocity]]
+block = "wall/0/0"
+velocity = [0.0, 0.0, "free"]
+[[stage]]
+name = "shake"
+ramp_time = 0.02
+duration = 0.3
+solver = { damping = "local", local_damping = 0.1 }
+[output]
+energy = true
+monitor = "wall/3/0"
+record_interval = 0.01
+)";
+  Scene scene = read_scene(path);
+  GroundMotion ground;
+  ground.direction = {1.0, 0.0, 0.0};
+  ground.acceleration = {{0.0, 0.05, 0.1, 0.2, 0.3}, {0.0, 12.0, -12.0, 12.0, 0.0}};
+  scene.stages.back().ground = ground;
+  EXPECT_GT(expect_restores(scene), 10);
+}
+
+TEST(Checkpoint, OfAnotherSceneOrCutShortIsRefusedAndLeavesTheStateAlone) {
+  for (const char* name : {"arch.toml", QUOIN_HOST_TESTS "/../cli/small_wall.toml"}) {
+    const Scene scene = scene_of(name, {});
+    Simulation first(scene, 1), second(scene, 1);
+    first.advance(200);
+    second.advance(100);
+    auto bytes = first.save();
+    const std::uint64_t before = second.hash();
+    for (const std::size_t size : {bytes.size() - 1, bytes.size() / 2, bytes.size() / 20, std::size_t{10}}) {
+      EXPECT_THROW(second.restore({bytes.begin(), bytes.begin() + static_cast<long>(size)}), Error) << size;
+      EXPECT_EQ(second.hash(), before);
+    }
+    bytes.push_back(0);
+    EXPECT_THROW(second.restore(bytes), Error);
+    second.advance(100);
+    EXPECT_EQ(second.hash(), first.hash());  // as if it had not been tried
+  }
+  Simulation arch(scene_of("arch.toml", {}), 1), longer(scene_of("arch.toml", {"arch.1.voussoirs=8"}), 1);
+  arch.advance(10);
+  EXPECT_THROW(longer.restore(arch.save()), Error);
+}
+
+}  // namespace
+}  // namespace quoin
