@@ -131,6 +131,8 @@ struct Simulation::Impl {
   void build_riding(std::vector<std::shared_ptr<const Material>> materials);
   int block_named(const std::string& name, const std::string& where) const;
   void begin_riding_stage(const Stage& settings, const Stage* previous);
+  void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
+  void follow_time_step();  // of the riding model, which may have chosen a new one
   void bind_drives(const Stage& settings);
   void add_loads(const Stage& settings);
   void drive_blocks(double ramp);

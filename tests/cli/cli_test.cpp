@@ -70,6 +70,22 @@ TEST_F(Cli, LibrariesThatAreNoLaws) {
   EXPECT_EQ(quoin({"models", small_}), 4);
 }
 
+// Laws of later stages are looked up before anything runs, on walls and on blocks of any shape.
+TEST_F(Cli, LawsOfLaterStagesAreCheckedFirst) {
+  const auto with_law = [&](const std::string& from, const std::string& law) {
+    std::string text = read_all(from);
+    text.insert(text.find('\n', text.rfind("[[stage]]")) + 1, "law = " + law + "\n");
+    const std::string file = (folder_ / "swap.toml").string();
+    std::ofstream(file) << text;
+    return file;
+  };
+  for (const std::string& scene : {small_, std::string(QUOIN_SCENES "/arch.toml")}) {
+    EXPECT_EQ(quoin({"check", with_law(scene, "\"no_such_law\"")}), 4) << scene;
+    EXPECT_THAT(error_, AllOf(HasSubstr("no_such_law"), HasSubstr("stage '"))) << scene;
+    EXPECT_EQ(quoin({"check", with_law(scene, "\"coulomb_slip\"")}), 0) << error_;
+  }
+}
+
 TEST_F(Cli, Models) {
   EXPECT_EQ(quoin({"models"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("elastic"), HasSubstr("coulomb_slip"), HasSubstr("fracture_energy")));
