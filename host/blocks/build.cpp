@@ -1,8 +1,6 @@
 // From cold input to hot data: shapes, zones, masses, families; the joints of the start.
 #include <fmt/format.h>
 
-#include <cstring>
-
 #include "blocks/model.h"
 #include "scene/error.h"
 
@@ -46,6 +44,11 @@ namespace {
 bool is_finite(const Vector& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool is_positive(double v) { return v > 0 && std::isfinite(v); }
 
+bool knows_initial_state(const quoin_law& law, const std::string& id) {
+  return std::any_of(law.initial_states, law.initial_states + law.initial_state_count,
+                     [&](const char* known) { return id == known; });
+}
+
 double least_extent_of(const ConvexPolyhedron& s) {
   double least = 1e300;
   for (size_t f = 0; f < s.faces.size(); ++f) {
@@ -88,18 +91,11 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   }
   for (size_t i = 0; i < assembly_.families.size(); ++i) {
     const JointFamily& description = assembly_.families[i];
-    Family& f = families_.emplace_back();
-    f.material = i < materials.size() && materials[i]
-                     ? materials[i]
-                     : std::make_shared<const Material>(Law::find(description.law), description.properties);
-    f.initial = f.material->initial_state(description.initial_state);
-    const quoin_law& law = f.material->api();
-    bool has_dry = false;
-    for (uint64_t k = 0; k < law.initial_state_count; ++k) has_dry |= std::strcmp(law.initial_states[k], "dry") == 0;
-    f.dry = has_dry ? f.material->initial_state("dry") : f.initial;
-    const quoin_stiffness_bounds bounds = f.material->stiffness_bounds();
-    f.kn = bounds.normal, f.ks = bounds.shear;
-    f.state.resize(law.state_count);
+    adopt(families_.emplace_back(),
+          i < materials.size() && materials[i]
+              ? materials[i]
+              : std::make_shared<const Material>(Law::find(description.law), description.properties),
+          description.initial_state);
   }
   double least = 1e300;
   for (size_t i = 0; i < assembly_.blocks.size(); ++i) {
@@ -238,6 +234,44 @@ void Model::pose(int block, Vector& x, Matrix& r) const {
   const Vector e1 = normalized(p[face[1]] - p[face[0]]);
   const Vector e3 = normalized(cross(e1, p[face[2]] - p[face[0]]));
   r = Matrix::columns(e1, cross(e3, e1), e3);
+}
+
+void Model::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
+  f.initial = material->initial_state(initial_state);
+  f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
+  const quoin_stiffness_bounds bounds = material->stiffness_bounds();
+  f.kn = bounds.normal, f.ks = bounds.shear;
+  f.state.resize(material->api().state_count);
+  f.material = std::move(material);
+}
+
+void Model::take_law(int family, std::shared_ptr<const Material> material) {
+  const quoin_law& law = material->api();
+  const std::string& wanted = assembly_.families[size_t(family)].initial_state;
+  adopt(families_[size_t(family)], std::move(material),
+        knows_initial_state(law, wanted) ? wanted : law.initial_states[0]);
+}
+
+void Model::replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
+                        std::span<const double> opening_shift) {
+  Family& f = families_[size_t(family)];
+  const double kn = f.kn, ks = f.ks;
+  take_law(family, std::move(material));
+  for (size_t k = 0; k < f.state.size(); ++k)
+    f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
+  for (size_t i = 0; i < f.size(); ++i) {
+    // The opening counts from a gap that is smaller by the shift; only rigid planes have it in their offset too.
+    Point& p = f.point[i];
+    p.reference -= opening_shift[i];
+    if (p.facet_a < 0) p.offset -= opening_shift[i];
+    f.normal_jump[i] += opening_shift[i];
+    if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
+  }
+  // What the old law has stored stays in the columns if the new one writes none.
+  std::fill(f.stored.begin(), f.stored.end(), 0.0);
+  for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
+  bind_columns();
+  if (f.kn > kn || f.ks > ks) find_time_step();
 }
 
 void Model::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }

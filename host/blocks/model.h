@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "blocks/assembly.h"
 #include "geometry/broad_phase.h"
@@ -230,6 +231,13 @@ class Model {
     loaded_.assign(blocks_.size(), 0);
   }
   void set_damping(const SolverSettings& solver);
+  // The law alone, for a state that is about to be restored.
+  void take_law(int family, std::shared_ptr<const Material> material);
+  // Another law for all points of a family, between two steps. state: columns of the new law one after the other;
+  // opening_shift: by point, m, added to the opening that the law sees, so that tractions can stay. Points born later
+  // start in the new law's dry state; the time step becomes shorter if the new law is stiffer.
+  void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
+                   std::span<const double> opening_shift);
   void track_energy(bool on);
 
   double time() const { return time_; }
@@ -313,6 +321,7 @@ class Model {
   void divide_work();
   void bind_columns();
   void bind(Family& f, Chunk& chunk) const;
+  static void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   template <class Archive, class Self>

@@ -108,15 +108,28 @@ void Model::contact_law(Family& f, Chunk& chunk) {
 
 void Model::report_failure(const Chunk& chunk) const {
   const Family& f = families_[size_t(chunk.family)];
-  size_t bad = chunk.first;
-  while (bad + 1 < chunk.first + chunk.count &&
-         std::isfinite(f.normal_jump[bad] + f.slip[0][bad] + f.slip[1][bad] + f.traction[0][bad]))
-    ++bad;
-  throw Error(Exit::numerical,
-              fmt::format("contact law '{}' failed at {} of {} points (status {}), step {}, near {} between blocks "
-                          "{} and {}: normal jump {:.3g} m; reduce time_step_fraction",
-                          f.material->api().id, chunk.batch.failed_count, chunk.count, chunk.status, step_count_,
-                          place(f.point[bad].at), f.point[bad].a, f.point[bad].b, f.normal_jump[bad]));
+  const std::string law = f.material->api().id, family = assembly_.families[size_t(chunk.family)].name;
+  if (chunk.status != QUOIN_OK) {
+    throw Error(Exit::numerical, fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}",
+                                             law, family, chunk.status, step_count_));
+  }
+  // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
+  std::vector<uint32_t> status(chunk.count, QUOIN_POINT_OK);
+  quoin_batch batch = chunk.batch;
+  batch.status = {status.data(), 1};
+  f.material->api().evaluate(f.material->handle(), &batch);
+  const auto first = std::find(status.begin(), status.end(), uint32_t(QUOIN_POINT_FAILED));
+  const size_t i = chunk.first + std::min(size_t(first - status.begin()), size_t(chunk.count - 1));
+  const Point& p = f.point[i];
+  throw Error(
+      Exit::numerical,
+      fmt::format(
+          "law '{}' failed at {} of {} points at step {}, time {:.6g} s: joint family '{}', blocks {} and {}, "
+          "contact point at {}, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, traction ({:.6g}, {:.6g}, "
+          "{:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
+          law, chunk.batch.failed_count, chunk.count, step_count_, time_, family, label(assembly_, p.a),
+          label(assembly_, p.b), place(p.at), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
+          f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
 void Model::contact_forces(Family& f, Chunk& chunk) {
@@ -542,7 +555,7 @@ void Model::bind(Family& f, Chunk& chunk) const {
     chunk.state_new.push_back({column.data() + chunk.first, 1});
   }
   batch.state_old = chunk.state_old.data(), batch.state_new = chunk.state_new.data();
-  if (!energy_ || f.stored.empty()) return;
+  if (!energy_ || f.stored.empty() || !(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return;
   batch.energy_stored = {f.stored.data() + chunk.first, 1};
   for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {f.dissipated[k].data() + chunk.first, 1};
 }

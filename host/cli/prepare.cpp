@@ -10,6 +10,7 @@
 #include "law/property_text.h"
 #include "scene/error.h"
 #include "scene/read_scene.h"
+#include "step/law_swap.h"
 
 namespace quoin {
 
@@ -59,6 +60,16 @@ Scene prepare_scene(const SceneOptions& options) {
     }
   }
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
+  // A law that a late stage asks for is not to be missed after hours.
+  for (const Stage& stage : scene.stages) {
+    for (const auto& [family, law] : stage.law_swaps) {
+      try {
+        successor(scene.joints.at(family), law);
+      } catch (const Error& error) {
+        throw Error(error.exit_code, fmt::format("{}: stage '{}': {}", stage.source.text, stage.name, error.what()));
+      }
+    }
+  }
   return scene;
 }
 

@@ -38,10 +38,16 @@ double softened(const JointFamily& family, double xi) {
   return 1.0;
 }
 
+// A dry joint has no strength to lose: what has come of it is what it does now and how far it has slid.
+Crack classify_dry(const JointPoint& p, bool slip_known) {
+  constexpr double kVisible = 1e-5;  // m: a hair is 5 times as wide, and what stands still creeps less as it settles
+  if ((p.contact.flags & QUOIN_FLAG_OPEN) != 0 && p.opening > kVisible) return Crack::open;
+  const bool slipped = slip_known ? p.slip > kVisible : (p.contact.flags & QUOIN_FLAG_SLIPPING) != 0;
+  return slipped ? Crack::slipped : Crack::intact;
+}
+
 Crack classify(const JointPoint& p) {
   constexpr double kVisible = 0.02;  // less damage than this is no crack that one could see
-  if (p.contact.condition == Condition::crushed_out || p.contact.condition == Condition::crushing)
-    return Crack::crushed;
   const double damage = std::max(p.damage_tension, p.damage_shear);
   if (damage < kVisible) return Crack::intact;
   const bool opening = p.opening > p.slip;
@@ -140,7 +146,14 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
     p.damage_tension = damage(QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE, xi_t[i]);
     p.damage_shear = damage(QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE, xi_s[i]);
     p.closure = or_zero(closure[i]);
-    p.crack = classify(p);
+    // Points of blocks in large motion are placed anew: how far they have slid only their law can know.
+    const bool slip_known = std::isfinite(slip[i]) || !simulation.riding();
+    if (c.condition == Condition::crushed_out || c.condition == Condition::crushing)
+      p.crack = Crack::crushed;
+    else if (families[static_cast<size_t>(c.family)].initial_state == "dry")
+      p.crack = classify_dry(p, slip_known);
+    else
+      p.crack = classify(p);
     points.push_back(p);
   }
   return points;

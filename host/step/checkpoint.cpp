@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include "step/archive.h"
+#include "step/law_swap.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -55,7 +56,7 @@ std::shared_ptr<const Material> Simulation::Impl::material_in_stage(std::size_t 
   for (int i = 0; i <= of_stage; ++i) {
     const auto& swapped = scene.stages[at(i)].law_swaps;
     if (const auto found = swapped.find(model.families[family].name); found != swapped.end())
-      material = swapped_in(family, found->second);
+      material = successor(model.assembly.families[family], found->second);
   }
   return material;
 }
@@ -100,6 +101,7 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     ContactFamily& family = model.families[f];
     family.material = material_in_stage(f, stage);
+    if (riding) riding->take_law(static_cast<int>(f), family.material);
     const quoin_law& api = family.material->api();
     expected.push_back(api.state_count * at(family.point_count));
     std::string law;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "blocks/generate.h"
+#include "step/law_swap.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -43,8 +44,7 @@ void Simulation::Impl::build_riding(std::vector<std::shared_ptr<const Material>>
                               "output.monitor, the name of a block",
                               s.source.text, s.name));
   }
-  time_step.critical.value = riding->critical_time_step();
-  time_step.time_step = riding->time_step();
+  follow_time_step();
   time_step.model_mass = riding->mass();
 }
 
@@ -89,6 +89,23 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
   } else if (previous && previous->ground) {
     of_fixed_blocks([&](int i) { m.prescribe(i, {}); });
   }
+}
+
+void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const Material> material) {
+  const blocks::Family& f = riding->families()[index];
+  std::vector<double> area;
+  for (const blocks::Point& p : f.point) area.push_back(p.area);
+  FamilyColumns points;
+  points.count = f.size();
+  points.opening = f.normal_jump.data();  // of the last law call, as the tractions
+  points.area = area.data();
+  for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
+  for (const auto& column : f.state) points.state.push_back(column.data());
+  const MigratedFamily migrated = migrate(riding->assembly().families[index], *f.material, std::move(material), points);
+  riding->replace_law(static_cast<int>(index), migrated.material, migrated.state, migrated.opening_shift);
+  model.families[index].material = migrated.material;
+  swaps.push_back(migrated.report);
+  follow_time_step();
 }
 
 // Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
@@ -227,6 +244,11 @@ void Simulation::Impl::end_riding_step() {
   riding->end_step();
   if (riding->detections() == detections) return;
   partition_work();
+  follow_time_step();
+}
+
+void Simulation::Impl::follow_time_step() {
+  time_step.critical.value = riding->critical_time_step();
   time_step.time_step = data.time_step = riding->time_step();
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "scene/generate.h"
+#include "step/law_swap.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -639,99 +640,36 @@ bool Simulation::Impl::equilibrium_reached(const Stage& settings) {
   return calm_checks >= kCalmChecks;
 }
 
-std::shared_ptr<const Material> Simulation::Impl::swapped_in(std::size_t family, const std::string& law_name) const {
-  const Law law = Law::find(law_name);
-  std::vector<PropertySetting> properties;
-  for (const PropertySetting& setting : model.assembly.families[family].properties) {
-    for (std::uint64_t i = 0; i < law.law->property_count; ++i) {
-      if (setting.id == law.law->properties[i]->id) properties.push_back(setting);
-    }
-  }
-  return std::make_shared<const Material>(law, properties);
-}
-
-void Simulation::Impl::swap_law(const std::string& name, const std::string& law_name) {
-  const auto found =
-      std::find_if(model.families.begin(), model.families.end(), [&](const auto& f) { return f.name == name; });
-  if (found == model.families.end()) {
+void Simulation::Impl::swap_law(const std::string& name, const std::string& law) {
+  const auto& families = model.assembly.families;
+  const auto found = std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.name == name; });
+  if (found == families.end()) {
     throw Error(Exit::bad_input, fmt::format("stage '{}' swaps the law of joint family '{}', which does not exist",
                                              scene.stages[static_cast<std::size_t>(stage)].name, name));
   }
-  ContactFamily& family = *found;
-  const auto f = static_cast<std::size_t>(found - model.families.begin());
-  const auto material = swapped_in(f, law_name);
-  const Law& law = material->law();
-  const quoin_law& old_api = family.material->api();
-  if (!(law.law->capabilities & QUOIN_CAN_MIGRATE) || !law.law->migrate_state) {
-    throw Error(Exit::law_refused,
-                fmt::format("law '{}' cannot take over the state of law '{}'", law.law->id, old_api.id));
-  }
+  const auto f = static_cast<std::size_t>(found - families.begin());
+  auto material = successor(*found, law);
+  if (riding) return swap_riding_law(f, std::move(material));
 
+  ContactFamily& family = model.families[f];
   const auto count = static_cast<std::size_t>(family.point_count), first = static_cast<std::size_t>(family.first_point);
-  if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
   // The opening that belongs to the standing tractions: displacements have moved on by one step since.
-  std::vector<double> jump(count), shift(count, 0.0), stored(count, 0.0), energy_jump(count, 0.0), zero(count, 0.0);
-  for (std::size_t i = 0; i < count; ++i) jump[i] = opening_at_traction(static_cast<std::int32_t>(first + i));
-  LaneVector<double> new_state(law.law->state_count * count, 0.0);
-  std::vector<const char*> ids;
-  std::vector<quoin_in> from;
-  std::vector<quoin_out> to, unused;
-  std::vector<double> scratch_columns((3 + old_api.state_count) * count);
-  for (std::uint64_t k = 0; k < old_api.state_count; ++k) {
-    ids.push_back(old_api.states[k]->id);
-    from.push_back({law_state[f].data() + k * count, 1});
-    unused.push_back({scratch_columns.data() + (3 + k) * count, 1});
-  }
-  if (old_api.capabilities & QUOIN_CAN_ENERGY) {  // a step that moves nothing gives the stored energy
-    quoin_batch batch{};
-    batch.struct_size = sizeof batch;
-    batch.count = count;
-    batch.normal_jump = {jump.data(), 1};
-    for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-    for (std::size_t k = 0; k < 3; ++k) {
-      batch.traction_old[k] = {traction[k].data() + first, 1};
-      batch.traction_new[k] = {scratch_columns.data() + k * count, 1};
-    }
-    batch.state_old = from.data();
-    batch.state_new = unused.data();
-    batch.energy_stored = {stored.data(), 1};
-    old_api.evaluate(family.material->handle(), &batch);
-  }
-  for (std::uint64_t k = 0; k < law.law->state_count; ++k) to.push_back({new_state.data() + k * count, 1});
-  char message[1024] = "";
-  quoin_text text{sizeof(quoin_text), message, sizeof message, 0};
-  quoin_migration migration{};
-  migration.struct_size = sizeof migration;
-  migration.count = count;
-  migration.from_law = old_api.id;
-  migration.from_schema = old_api.state_schema;
-  migration.from_state_count = old_api.state_count;
-  migration.from_state_ids = ids.data();
-  migration.from_states = from.data();
-  migration.normal_jump = {jump.data(), 1};
-  for (std::size_t k = 0; k < 3; ++k) migration.traction[k] = {traction[k].data() + first, 1};
-  migration.energy_stored = {stored.data(), 1};
-  migration.normal_shift = {shift.data(), 1};
-  migration.energy_jump = {energy_jump.data(), 1};
-  std::vector<std::uint32_t> point_status(count, QUOIN_POINT_OK);
-  migration.status = {point_status.data(), 1};
-  migration.state_new = to.data();
-  const quoin_status status = law.law->migrate_state(material->handle(), &migration, &text);
-  if (status != QUOIN_OK || migration.failed_count > 0) {
-    throw Error(Exit::law_refused,
-                fmt::format("law '{}' did not take over the state of law '{}' ({} of {} points refused): {}",
-                            law.law->id, old_api.id, migration.failed_count, count, message));
-  }
-  LawSwap swap{name, old_api.id, law.law->id, static_cast<long>(count), 0, 0.0, 0.0};
-  for (std::size_t i = 0; i < count; ++i) {
-    normal_shift[first + i] += shift[i];
-    swap.limited += point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0;
-    swap.stored_before += model.area[first + i] * stored[i];
-    swap.energy_jump += model.area[first + i] * energy_jump[i];
-  }
-  swaps.push_back(swap);
-  family.material = material;
-  law_state[f] = std::move(new_state);
+  std::vector<double> opening(count);
+  for (std::size_t i = 0; i < count; ++i) opening[i] = opening_at_traction(static_cast<std::int32_t>(first + i));
+  FamilyColumns points;
+  points.count = count;
+  points.opening = opening.data();
+  points.area = model.area.data() + first;
+  for (std::size_t k = 0; k < 3; ++k) points.traction[k] = traction[k].data() + first;
+  for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)
+    points.state.push_back(law_state[f].data() + k * count);
+  MigratedFamily migrated = migrate(*found, *family.material, std::move(material), points);
+
+  if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
+  for (std::size_t i = 0; i < count; ++i) normal_shift[first + i] += migrated.opening_shift[i];
+  swaps.push_back(migrated.report);
+  family.material = std::move(migrated.material);
+  law_state[f].assign(migrated.state.begin(), migrated.state.end());
   bind_columns();
 }
 

@@ -112,7 +112,6 @@ struct Simulation::Impl {
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   // The law's material for a joint family: with the properties that it knows, as the scene gives them.
-  std::shared_ptr<const Material> swapped_in(std::size_t family, const std::string& law) const;
   HistoryRow measure() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
@@ -133,6 +132,8 @@ struct Simulation::Impl {
   void build_riding(std::vector<std::shared_ptr<const Material>> materials);
   int block_named(const std::string& name, const std::string& where) const;
   void begin_riding_stage(const Stage& settings, const Stage* previous);
+  void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
+  void follow_time_step();  // of the riding model, which may have chosen a new one
   void bind_drives(const Stage& settings);
   void add_loads(const Stage& settings);
   void drive_blocks(double ramp);

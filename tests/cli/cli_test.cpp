@@ -70,6 +70,39 @@ TEST_F(Cli, LibrariesThatAreNoLaws) {
   EXPECT_EQ(quoin({"models", small_}), 4);
 }
 
+// Dry joints are the same to both laws that can slip, so the arch falls at the same multiplier.
+TEST_F(Cli, LawOfABlockSceneIsReplaced) {
+  const std::string arch = QUOIN_SCENES "/arch.toml";
+  EXPECT_EQ(quoin({"run", arch, "--out", out(), "--law", "no_such_law"}), 4);
+  EXPECT_FALSE(fs::exists(out()));
+  const auto multiplier_with = [&](const std::string& law) {
+    fs::remove_all(out());
+    EXPECT_EQ(quoin({"run", arch, "--out", out(), "--threads", "1", "--law", law, "--set", "output.picture=false",
+                     "--set", "output.frames=0"}),
+              0)
+        << error_;
+    EXPECT_EQ(summary()["law"], law);
+    return summary()["collapse_multiplier"].get<double>();
+  };
+  EXPECT_NEAR(multiplier_with("fracture_energy"), multiplier_with("coulomb_slip"), 1e-4);
+}
+
+// Laws of later stages are looked up before anything runs, on walls and on blocks of any shape.
+TEST_F(Cli, LawsOfLaterStagesAreCheckedFirst) {
+  const auto with_law = [&](const std::string& from, const std::string& law) {
+    std::string text = read_all(from);
+    text.insert(text.find('\n', text.rfind("[[stage]]")) + 1, "law = " + law + "\n");
+    const std::string file = (folder_ / "swap.toml").string();
+    std::ofstream(file) << text;
+    return file;
+  };
+  for (const std::string& scene : {small_, std::string(QUOIN_SCENES "/arch.toml")}) {
+    EXPECT_EQ(quoin({"check", with_law(scene, "\"no_such_law\"")}), 4) << scene;
+    EXPECT_THAT(error_, AllOf(HasSubstr("no_such_law"), HasSubstr("stage '"))) << scene;
+    EXPECT_EQ(quoin({"check", with_law(scene, "\"coulomb_slip\"")}), 0) << error_;
+  }
+}
+
 TEST_F(Cli, Models) {
   EXPECT_EQ(quoin({"models"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("elastic"), HasSubstr("coulomb_slip"), HasSubstr("fracture_energy")));

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
+#include "scene/read_scene.h"
 #include "support.h"
 
 namespace quoin {
@@ -27,6 +30,57 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
       EXPECT_LT(p.damage_tension, 0.9);
     }
   }
+}
+
+// A dry joint has lost all strength from the start: pictures go by what it does.
+TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
+  JointFamily family = mortar_family();
+  family.initial_state = "dry";
+  const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, family);
+  const auto moved = [&](double opening, double slide) {
+    Simulation simulation(bare_scene(), assembly);
+    for (int n = 0; n < 12; ++n) {
+      simulation.displacement()[dof(simulation.model(), 1, n, 0)] = opening;
+      simulation.displacement()[dof(simulation.model(), 1, n, 1)] = slide;
+      simulation.velocity()[dof(simulation.model(), 1, n, 1)] = slide / simulation.time_step_report().time_step;
+    }
+    simulation.advance(1);
+    std::vector<Crack> cracks;
+    for (const JointPoint& p : Surfaces(simulation).joint_points(simulation)) cracks.push_back(p.crack);
+    return cracks;
+  };
+  for (const Crack crack : moved(0.0, 0.0)) EXPECT_EQ(crack, Crack::intact);
+  for (const Crack crack : moved(-1e-6, 0.0)) EXPECT_EQ(crack, Crack::intact);
+  for (const Crack crack : moved(-1e-6, 50e-6)) EXPECT_EQ(crack, Crack::slipped);
+  for (const Crack crack : moved(1e-6, 0.0)) EXPECT_EQ(crack, Crack::intact) << "a gap that no eye sees";
+  for (const Crack crack : moved(30e-6, 0.0)) EXPECT_EQ(crack, Crack::open);
+}
+
+// The arch that is shipped stands with all its joints closed, and falls by four hinges. It is stopped before they gape
+// by more than contact points bridge.
+TEST(Surfaces, ADryArchShowsItsHinges) {
+  struct Recorder : Observer {
+    std::vector<std::map<std::pair<int, int>, Crack>> worst;  // by stage and joint
+    void on_stage_end(const Simulation& simulation, int, const HistoryRow&) override {
+      auto& joints = worst.emplace_back();
+      for (const JointPoint& p : Surfaces(simulation).joint_points(simulation)) {
+        Crack& crack = joints[std::minmax(p.contact.block_a, p.contact.block_b)];
+        crack = std::max(crack, p.crack);
+      }
+    }
+  } recorder;
+  Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
+  scene.stages[1].collapse->displacement = 0.2;
+  Simulation simulation(scene);
+  simulation.run(recorder);
+  for (const auto& [joint, crack] : recorder.worst.at(0)) EXPECT_EQ(crack, Crack::intact);
+  long open = 0, slipped = 0;
+  for (const auto& [joint, crack] : recorder.worst.at(1)) {
+    open += crack == Crack::open ? 1 : 0;
+    slipped += crack == Crack::slipped ? 1 : 0;
+  }
+  EXPECT_EQ(open, 4);
+  EXPECT_EQ(slipped, 0);
 }
 
 }  // namespace

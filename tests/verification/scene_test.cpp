@@ -222,6 +222,27 @@ omega = [0, 1e300, 0]
   expect_words(failure([&] { m.step(); }, Exit::numerical), {"block #1 'there'", "no finite number at step 4"});
 }
 
+// The point is the one that the law names: its jumps are finite, only the traction that follows from them is not.
+TEST(BlockScenes, AFailedContactPointIsNamedWithItsPlace) {
+  std::string three = R"(
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1, -1, 0], size = [9, 1, 1] }
+)";
+  for (const char* x : {"0", "2", "4"})
+    three += std::string("[[block]]\nname = \"at ") + x + "\"\nmaterial = \"stone\"\nbox = { lower = [" + x +
+             ", 0, 0], size = [1, 1, 1] }\n";
+  const quoin::Scene scene = read_scene(scene_file(three + rest_stage));
+  blocks::Model m(blocks::assemble(scene), scene.solver);
+  m.run_steps(3);
+  m.body(2).x.y = -1e300;
+  expect_words(failure([&] { m.step(); }, Exit::numerical),
+               {"law 'coulomb_slip' failed at 4 of 12 points at step 3", "joint family 'dry'", "#0 'ground'",
+                "#2 'at 2'", "opening -1e+300 m", "time_step_fraction than"});
+}
+
 TEST(BlockScenes, HistoriesHoldFiniteNumbers) {
   // Positions stay finite, but the square of the velocity does not.
   std::string stage = rest_stage;

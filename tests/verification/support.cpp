@@ -1,7 +1,12 @@
 #include "support.h"
 
+#include <unistd.h>
+
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+
+#include "scene/read_scene.h"
 
 namespace quoin::verification {
 
@@ -93,6 +98,14 @@ int Scene::soft(const Vector& lower, const Vector& size, std::array<int, 3> divi
   Block b;
   b.rigid = false, b.divisions = divisions;
   return assembly.add(box(lower, size), b);
+}
+
+quoin::Scene scene_of(const std::string& toml) {
+  const std::string path = ::testing::TempDir() + "scene_of_" + std::to_string(getpid()) + ".toml";
+  std::ofstream(path) << toml;
+  quoin::Scene scene = read_scene(path);
+  std::filesystem::remove(path);
+  return scene;
 }
 
 void settle(Model& m, double ratio, long most) {

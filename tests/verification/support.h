@@ -51,6 +51,9 @@ struct Scene {
   std::unique_ptr<Model> model(const SolverSettings& solver) const { return std::make_unique<Model>(assembly, solver); }
 };
 
+// A scene file with this content, read. Throws Error as read_scene does.
+quoin::Scene scene_of(const std::string& toml);
+
 // Kinetic energy seen so far fell below `ratio` of its largest value: at rest.
 void settle(Model& m, double ratio = 1e-10, long most = 200000);
 

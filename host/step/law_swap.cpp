@@ -1,0 +1,115 @@
+#include "step/law_swap.h"
+
+#include <fmt/core.h>
+
+#include "scene/error.h"
+
+namespace quoin {
+
+namespace {
+
+// Energy that the old law has stored, J/m2: of a step that moves nothing. Zeros where it cannot tell.
+std::vector<double> stored_energy(const Material& material, const FamilyColumns& points) {
+  const quoin_law& law = material.api();
+  std::vector<double> stored(points.count, 0.0);
+  if (!(law.capabilities & QUOIN_CAN_ENERGY)) return stored;
+  const std::vector<double> zero(points.count, 0.0);
+  std::vector<double> unused((3 + law.state_count) * points.count);
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::uint64_t k = 0; k < law.state_count; ++k) {
+    old.push_back({points.state[k], 1});
+    fresh.push_back({unused.data() + (3 + k) * points.count, 1});
+  }
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = points.count;
+  batch.normal_jump = {points.opening, 1};
+  for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {points.traction[k], 1};
+    batch.traction_new[k] = {unused.data() + k * points.count, 1};
+  }
+  batch.state_old = old.data();
+  batch.state_new = fresh.data();
+  batch.energy_stored = {stored.data(), 1};
+  law.evaluate(material.handle(), &batch);
+  return stored;
+}
+
+}  // namespace
+
+std::shared_ptr<const Material> successor(const JointFamily& family, const std::string& name) {
+  const Law law = Law::find(name);
+  std::vector<PropertySetting> properties;
+  for (const PropertySetting& setting : family.properties) {
+    for (std::uint64_t i = 0; i < law.law->property_count; ++i) {
+      if (setting.id == law.law->properties[i]->id) properties.push_back(setting);
+    }
+  }
+  auto material = std::make_shared<const Material>(law, properties);
+  if (!(law.law->capabilities & QUOIN_CAN_MIGRATE) || !law.law->migrate_state) {
+    throw Error(Exit::law_refused, fmt::format("joint family '{}': law '{}' cannot take over the state of another law",
+                                               family.name, law.law->id));
+  }
+  return material;
+}
+
+MigratedFamily migrate(const JointFamily& family, const Material& from, std::shared_ptr<const Material> to,
+                       const FamilyColumns& points) {
+  const quoin_law &old_law = from.api(), &new_law = to->api();
+  MigratedFamily result;
+  result.report = {family.name, old_law.id, new_law.id, static_cast<long>(points.count), 0, 0.0, 0.0};
+  result.state.assign(new_law.state_count * points.count, 0.0);
+  result.opening_shift.assign(points.count, 0.0);
+  if (points.count == 0) {
+    result.material = std::move(to);
+    return result;
+  }
+
+  const std::vector<double> stored = stored_energy(from, points);
+  std::vector<double> energy_jump(points.count, 0.0);
+  std::vector<std::uint32_t> point_status(points.count, QUOIN_POINT_OK);
+  std::vector<const char*> ids;
+  std::vector<quoin_in> old_state;
+  std::vector<quoin_out> new_state;
+  for (std::uint64_t k = 0; k < old_law.state_count; ++k) {
+    ids.push_back(old_law.states[k]->id);
+    old_state.push_back({points.state[k], 1});
+  }
+  for (std::uint64_t k = 0; k < new_law.state_count; ++k)
+    new_state.push_back({result.state.data() + k * points.count, 1});
+  char message[1024] = "";
+  quoin_text text{sizeof(quoin_text), message, sizeof message, 0};
+  quoin_migration migration{};
+  migration.struct_size = sizeof migration;
+  migration.count = points.count;
+  migration.from_law = old_law.id;
+  migration.from_schema = old_law.state_schema;
+  migration.from_state_count = old_law.state_count;
+  migration.from_state_ids = ids.data();
+  migration.from_states = old_state.data();
+  migration.normal_jump = {points.opening, 1};
+  for (std::size_t k = 0; k < 3; ++k) migration.traction[k] = {points.traction[k], 1};
+  migration.energy_stored = {stored.data(), 1};
+  migration.normal_shift = {result.opening_shift.data(), 1};
+  migration.energy_jump = {energy_jump.data(), 1};
+  migration.status = {point_status.data(), 1};
+  migration.state_new = new_state.data();
+  const quoin_status status = new_law.migrate_state(to->handle(), &migration, &text);
+  if (status != QUOIN_OK || migration.failed_count > 0) {
+    throw Error(Exit::law_refused,
+                fmt::format("joint family '{}': law '{}' did not take over the state of law '{}' ({} of {} points "
+                            "refused): {}",
+                            family.name, new_law.id, old_law.id, migration.failed_count, points.count, message));
+  }
+  for (std::size_t i = 0; i < points.count; ++i) {
+    result.report.limited += point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0;
+    result.report.stored_before += points.area[i] * stored[i];
+    result.report.energy_jump += points.area[i] * energy_jump[i];
+  }
+  result.material = std::move(to);
+  return result;
+}
+
+}  // namespace quoin

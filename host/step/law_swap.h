@@ -1,0 +1,42 @@
+// A law replaced by another one in mid-run, with the traction of every contact point kept.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "law/law_library.h"
+#include "scene/scene.h"
+#include "step/simulation.h"
+
+namespace quoin {
+
+// Contact points of one joint family as their law has left them; borrowed. Lattice and blocks of any shape keep them in
+// different places, but both as plain columns.
+struct FamilyColumns {
+  std::size_t count = 0;
+  const double* opening = nullptr;          // that belongs to the tractions, m
+  std::array<const double*, 3> traction{};  // Pa
+  std::vector<const double*> state;         // of the old law, in its order
+  const double* area = nullptr;             // m2
+};
+
+// What the new law makes of them.
+struct MigratedFamily {
+  std::shared_ptr<const Material> material;
+  std::vector<double> state;          // columns of the new law, one after the other
+  std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
+  LawSwap report;
+};
+
+// The material of the law that takes over a family: with those of the family's properties that the law knows. Throws
+// Error(law_refused): no such law, properties that it refuses, or a law that cannot take over the state of another one.
+std::shared_ptr<const Material> successor(const JointFamily& family, const std::string& law);
+
+// Hands the points of a family over. Throws Error(law_refused) with the law's reason and the number of points that it
+// refuses; nothing has changed then.
+MigratedFamily migrate(const JointFamily& family, const Material& from, std::shared_ptr<const Material> to,
+                       const FamilyColumns& points);
+
+}  // namespace quoin

@@ -1,0 +1,119 @@
+// Blocks of any shape have the same bits at any number of threads, and in whichever loop their steps are taken.
+#include "blocks/generate.h"
+#include "scene/read_scene.h"
+#include "step/simulation.h"
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+const char* const stone_and_ground = R"(
+[materials.stone]
+young_modulus = 5e8
+poisson_ratio = 0.2
+density = 1800.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 2e9
+shear_stiffness = 1e9
+friction_angle = 33.0
+[solver]
+damping = "viscous"
+mass_damping = 0.3
+stiffness_damping = 4e-5
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-20, -0.2, -20], size = [60, 0.2, 60] }
+)";
+// No ramp: the forces of the first step are those of every step.
+const char* const pushed = R"(
+[[stage]]
+gravity = [3.4, -9.81, 5.9]
+duration = 0.3
+)";
+
+quoin::Scene collapse() {
+  return scene_of(std::string(stone_and_ground) + R"(
+[[dry_wall]]
+name = "wall"
+material = "stone"
+courses = 8
+units_per_course = 5
+unit = [0.4, 0.2, 0.2]
+)" + pushed);
+}
+
+quoin::Scene deformable() {
+  std::string text = stone_and_ground;
+  for (int column = 0; column < 4; ++column) {
+    for (int course = 0; course < 3; ++course) {
+      const std::string x = std::to_string(0.4 * column), y = std::to_string(0.2 * course);
+      text += "[[block]]\nname = \"b" + std::to_string(column) + "/" + std::to_string(course) +
+              "\"\nmaterial = \"stone\"\nrigid = false\ndivisions = [2, 1, 1]\nbox = { lower = [" + x + ", " + y +
+              ", 0], size = [0.4, 0.2, 0.2] }\n";
+    }
+  }
+  quoin::Scene scene = scene_of(text + pushed);
+  scene.stages[0].duration = 0.05;
+  return scene;
+}
+
+quoin::Scene arch() {
+  quoin::Scene scene = read_scene(QUOIN_SCENES "/arch.toml");
+  scene.stages[0].duration = 0.3;
+  scene.stages[1].collapse->start = 0.5;  // falls at once
+  scene.stages[1].ramp_time = 0.1;
+  return scene;
+}
+
+void same_at_any_number_of_threads(const quoin::Scene& scene, bool detects) {
+  Observer nobody;
+  Simulation alone(scene, 1);
+  const long at_start = alone.riding()->detections();
+  alone.run(nobody);
+  if (detects) {
+    EXPECT_GT(alone.riding()->detections(), at_start + 5) << "nothing moves: nothing is tested";
+  }
+  for (int threads = 2; threads <= 4; ++threads) {
+    Simulation shared(scene, threads);
+    ASSERT_EQ(shared.thread_count(), threads);
+    shared.run(nobody);
+    EXPECT_EQ(shared.step(), alone.step()) << threads;
+    EXPECT_EQ(shared.hash(), alone.hash()) << threads;
+  }
+}
+
+TEST(BlockThreads, CollapseWithDetection) { same_at_any_number_of_threads(collapse(), true); }
+TEST(BlockThreads, DeformableBlocks) {
+  const quoin::Scene scene = deformable();
+  EXPECT_GT(Simulation(scene).zone_count(), 0);
+  same_at_any_number_of_threads(scene, false);
+}
+TEST(BlockThreads, Arch) { same_at_any_number_of_threads(arch(), true); }
+
+// The model's own loop, alone and with threads of its own, and the loop of a simulation.
+TEST(BlockThreads, TheModelsLoopIsThatOfASimulation) {
+  constexpr long kSteps = 1000;
+  for (const quoin::Scene& scene : {collapse(), deformable()}) {
+    Simulation simulation(scene, 2);
+    simulation.advance(kSteps);
+    Model model(blocks::assemble(scene), scene.solver);
+    model.set_gravity(geometry::vector(scene.stages[0].gravity));
+    model.run_steps(kSteps);
+    EXPECT_EQ(model.hash(), simulation.hash());
+    EXPECT_EQ(model.time(), simulation.time());
+
+    ThreadPool pool(3);
+    Model threaded(blocks::assemble(scene), scene.solver);
+    threaded.use(&pool);
+    threaded.set_gravity(geometry::vector(scene.stages[0].gravity));
+    threaded.run_steps(kSteps);
+    EXPECT_EQ(threaded.hash(), model.hash());
+  }
+}
+
+}  // namespace
+}  // namespace quoin::verification
