@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "scene/error.h"
+#include "scene/number_text.h"
 
 namespace quoin::reproduce {
 
@@ -105,12 +106,20 @@ Curve read_history(const std::filesystem::path& file, int first_stage) {
   Curve curve;
   while (std::getline(stream, line)) {
     const std::vector<std::string> fields = fields_of(line);
-    if (fields.size() < header.size() || std::stoi(fields[stage]) < first_stage) continue;
-    curve.stage.push_back(std::stoi(fields[stage]));
-    curve.displacement.push_back(1e3 * std::stod(fields[displacement]));
-    curve.force.push_back(1e-3 * std::stod(fields[horizontal]));
-    curve.vertical.push_back(1e-3 * std::stod(fields[vertical]));
-    curve.unbalanced.push_back(std::stod(fields[unbalanced]));
+    if (fields.size() < header.size()) continue;
+    const auto number = [&]<typename Number>(std::size_t which, Number value) {
+      if (!parse_number(fields[which], value))
+        throw Error(Exit::bad_input, fmt::format("{}: {} '{}' is not a number; run the study again with --again",
+                                                 file.string(), header[which], fields[which]));
+      return value;
+    };
+    const int of_stage = number(stage, 0);
+    if (of_stage < first_stage) continue;
+    curve.stage.push_back(of_stage);
+    curve.displacement.push_back(1e3 * number(displacement, 0.0));
+    curve.force.push_back(1e-3 * number(horizontal, 0.0));
+    curve.vertical.push_back(1e-3 * number(vertical, 0.0));
+    curve.unbalanced.push_back(number(unbalanced, 0.0));
   }
   return curve;
 }

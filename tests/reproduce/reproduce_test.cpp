@@ -18,6 +18,7 @@
 #include "reproduce/page.h"
 #include "reproduce/study.h"
 #include "results/result_folder.h"
+#include "scene/error.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
 
@@ -250,6 +251,20 @@ TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
     EXPECT_EQ(zones, kZonesPerHalfUnit * (count.half_units - 2 * besides - 40)) << layout.name();
   }
   EXPECT_EQ(fitting, 3);
+}
+
+TEST(Curve, KeptRunsWithRowsThatAreNoNumbersAreRefused) {
+  const fs::path file = fs::temp_directory_path() / ("quoin_torn_" + std::to_string(getpid()) + ".csv");
+  std::ofstream(file) << "stage,displacement_m,horizontal_force_N,vertical_force_N,unbalanced_ratio\n2,1e-3,5e3,1e3,0\n"
+                         "2,1e-3,5e3x,1e3,0\n";
+  try {
+    quoin::reproduce::read_history(file, 2);
+    ADD_FAILURE() << "accepted";
+  } catch (const quoin::Error& error) {
+    EXPECT_EQ(error.exit_code, quoin::Exit::bad_input);
+    EXPECT_THAT(error.what(), ::testing::AllOf(HasSubstr("horizontal_force_N '5e3x'"), HasSubstr("--again")));
+  }
+  fs::remove(file);
 }
 
 TEST(Curve, DistanceIsTheLargestGapOverThePeakOfTheSecond) {
