@@ -151,8 +151,8 @@ density = 2000.0
 [joints.dry]
 law = "coulomb_slip"
 initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 0.5e9
+normal_stiffness = 2e10
+shear_stiffness = 1e10
 friction_angle = 35.0
 [[block]]
 name = "ground"
