@@ -158,20 +158,28 @@ class Recorder : public Observer {
   Response last_;
 };
 
+// Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
+std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scene) {
+  if (!fs::is_directory(folder))
+    throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
+  if (is_done(folder)) return nullptr;
+  auto lock = std::make_shared<FolderLock>(folder);
+  if (is_done(folder)) return nullptr;  // by now: another process has just finished it
+  *scene = read_run_record(folder);
+  return lock;
+}
+
 void run(RunOptions options, int& exit_code) {
   fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
   std::shared_ptr<FolderLock> lock;
   if (!options.resume.empty()) {
     folder = fs::absolute(options.resume);
-    if (!fs::is_directory(folder))
-      throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", options.resume));
-    lock = std::make_shared<FolderLock>(folder);
-    if (is_done(folder)) {
+    lock = take_over(folder, &options.scene);
+    if (!lock) {
       fmt::print("{}: the run is done; nothing to resume\n", options.resume);
       return;
     }
-    options.scene = read_run_record(folder);
   }
   Simulation simulation(prepare_scene(options.scene), options.threads);
   Identity identity = identity_of(simulation, options.scene.overrides, options.scene.law);

@@ -19,13 +19,14 @@ struct Saved {
   long step;
 };
 
-// Saves at moments 1, 2, 3, 5, 8, ... of those offered, at the first of each stage, and at the first few after contacts
-// were detected anew.
+// Saves at moments 1, 2, 3, 5, 8, ... of those offered and some further on, at the first and the last of each stage,
+// and at the first few after contacts were detected anew.
 struct Saver : Observer {
   std::vector<HistoryRow> rows;
   std::vector<Saved> saved;
   long pauses = 0, next = 1, before_next = 1, detections = -1;
-  int stage = -1, seen_stage = -1, after_detection = 0;
+  int stage = -1, seen_stage = -1, after_detection = 0, further = 0;
+  Saved latest;
   void on_row(const HistoryRow& row) override { rows.push_back(row); }
   void on_stage_begin(const Simulation&, int index) override { stage = index; }
   void on_pause(const Simulation& simulation, bool) override {
@@ -36,8 +37,11 @@ struct Saver : Observer {
       if (detections >= 0 && m->detections() != detections && after_detection++ < 4) take = true;
       detections = m->detections();
     }
-    if (take) saved.push_back({simulation.save(), rows.size(), simulation.step()});
+    if (pauses % 61 == 0 && further++ < 8) take = true;
+    latest = {simulation.save(), rows.size(), simulation.step()};
+    if (take) saved.push_back(latest);
   }
+  void on_stage_end(const Simulation&, int, const HistoryRow&) override { saved.push_back(latest); }
 };
 
 struct Rows : Observer {
@@ -147,8 +151,8 @@ density = 2000.0
 [joints.dry]
 law = "coulomb_slip"
 initial_state = "dry"
-normal_stiffness = 1e9
-shear_stiffness = 0.5e9
+normal_stiffness = 2e10
+shear_stiffness = 1e10
 friction_angle = 35.0
 [[block]]
 name = "ground"
