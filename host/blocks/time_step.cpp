@@ -2,36 +2,12 @@
 #include <fmt/format.h>
 
 #include "blocks/model.h"
+#include "model/lanczos.h"
 #include "scene/error.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
-
-namespace {
-
-// Largest eigenvalue of the symmetric tridiagonal matrix (a on the diagonal, b beside it), by bisection on Sturm
-// counts.
-double largest_eigenvalue(const std::vector<double>& a, const std::vector<double>& b) {
-  double low = 0.0, high = 0.0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    high = std::max(high, a[i] + (i > 0 ? std::abs(b[i - 1]) : 0.0) + (i + 1 < a.size() ? std::abs(b[i]) : 0.0));
-  }
-  for (int k = 0; k < 100; ++k) {
-    const double x = 0.5 * (low + high);
-    bool above = false;  // some eigenvalue > x
-    double d = 1.0;
-    for (size_t i = 0; i < a.size(); ++i) {
-      d = a[i] - x - (i > 0 ? b[i - 1] * b[i - 1] / d : 0.0);
-      if (d == 0) d = 1e-300;
-      above |= d > 0;
-    }
-    (above ? low : high) = x;
-  }
-  return high;
-}
-
-}  // namespace
 
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
 // only compared with its own earlier value, to learn whether the frequency must be computed anew.
@@ -81,7 +57,8 @@ double Model::highest_frequency() const {
     for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
   }
   std::vector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
-  const auto apply = [&](const std::vector<double>& x, std::vector<double>& y) {
+  const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
+    LaneVector<double>& y = *result;
     for (size_t i = 0; i < nb; ++i) {
       const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
       v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
@@ -146,38 +123,23 @@ double Model::highest_frequency() const {
     for (size_t i = 0; i < nn; ++i) {
       for (int k = 0; k < 3; ++k) y[6 * nb + 3 * i + k] = nf[i][k] * scale[6 * nb + 3 * i + k];
     }
+    double sum = 0.0;
+    for (size_t i = 0; i < n; ++i) sum += x[i] * y[i];
+    return sum;
   };
-  std::vector<double> q(n), before(n, 0.0), y(n), alpha, beta;
+  LaneVector<double> start(n);
   uint64_t random = 88172645463325252u;  // fixed seed: the same step in every run
-  double length = 0.0;
   for (size_t i = 0; i < n; ++i) {
     random ^= random << 13, random ^= random >> 7, random ^= random << 17;
-    q[i] = scale[i] == 0 ? 0.0 : double(random >> 11) / 9007199254740992.0 - 0.5;
-    length += q[i] * q[i];
+    start[i] = scale[i] == 0 ? 0.0 : double(random >> 11) / 9007199254740992.0 - 0.5;
   }
-  if (length == 0) return 0.0;
-  for (double& x : q) x /= std::sqrt(length);
-  double value = 0.0;
-  for (int k = 0; k < 80; ++k) {
-    apply(q, y);
-    double a = 0.0;
-    for (size_t i = 0; i < n; ++i) a += q[i] * y[i];
-    alpha.push_back(a);
-    double b = 0.0;
-    for (size_t i = 0; i < n; ++i) {
-      y[i] -= a * q[i] + (beta.empty() ? 0.0 : beta.back() * before[i]);
-      b += y[i] * y[i];
-    }
-    b = std::sqrt(b);
-    if (!std::isfinite(a + b)) return std::nan("");
-    const double last = value;
-    value = largest_eigenvalue(alpha, beta);
-    if (b <= 1e-10 * value || (k > 10 && value - last < 1e-6 * value)) break;
-    beta.push_back(b);
-    before = q;
-    for (size_t i = 0; i < n; ++i) q[i] = y[i] / b;
-  }
-  return std::sqrt(std::max(0.0, value));
+  // Rough beside the lattice's: the frequency is found anew each time that contacts have changed.
+  LanczosSettings settings;
+  settings.max_steps = 80;
+  settings.first_check = 11;
+  settings.settled = 1e-6;
+  const double value = largest_eigenvalue(product, std::move(start), settings).value;
+  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
 void Model::find_time_step() {

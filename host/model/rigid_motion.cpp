@@ -70,28 +70,6 @@ RigidMotion motion_of(const Model& model, const BlockGroup* groups, int count, c
   return motion;
 }
 
-struct Field {  // v(r) = linear + angular x r
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero(), angular = Eigen::Vector3d::Zero();
-};
-
-// P M^-1/2 x for one lane of some groups, x in coordinates sqrt(m) u.
-Field rigid_part(const Model& model, const RigidMotion& motion, const Eigen::Vector3d& centre, const BlockGroup* groups,
-                 int count, int lane, const LaneVector<double>& node_mass, const std::vector<double>& x) {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
-  for (const BlockGroup* group = groups; group < groups + count; ++group) {
-    for (int n = 0; n < node_count(model, *group); ++n) {
-      const double root = std::sqrt(node_mass[offset(*group, n, 0, lane)]);
-      Eigen::Vector3d f;
-      for (int c = 0; c < 3; ++c) f[c] = root * x[offset(*group, n, c, lane)];
-      force += f;
-      torque += (place_in_unit(model, *group, n) - centre).cross(f);
-    }
-  }
-  const auto inverse_inertia =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(motion.inverse_inertia.data());
-  return {vector(motion.inverse_mass).cwiseProduct(force), inverse_inertia * torque};
-}
-
 }  // namespace
 
 RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass) {
@@ -105,37 +83,6 @@ RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_ma
     motions.unit.push_back(motion_of(model, first, unit.group_count, node_mass));
   }
   return motions;
-}
-
-void scale_motion(const Model& model, const RigidMotions& motions, const LaneVector<double>& node_mass,
-                  double deformation_inertia, double unit_inertia, std::vector<double>* x) {
-  const double of_deformation = 1.0 / std::sqrt(deformation_inertia), of_unit = 1.0 / std::sqrt(unit_inertia);
-  for (std::size_t u = 0; u < model.unit_groups.size(); ++u) {
-    const UnitGroup& unit = model.unit_groups[u];
-    const auto first = static_cast<std::size_t>(unit.first_group);
-    const BlockGroup* groups = &model.groups[first];
-    for (int lane = 0; lane < groups->block_count; ++lane) {
-      const Eigen::Vector3d unit_centre = vector(motions.unit[u].centre);
-      const Field whole =
-          rigid_part(model, motions.unit[u], unit_centre, groups, unit.group_count, lane, node_mass, *x);
-      for (int b = 0; b < unit.group_count; ++b) {
-        const BlockGroup& group = groups[b];
-        const RigidMotion& motion = motions.block[first + static_cast<std::size_t>(b)];
-        const Eigen::Vector3d centre = vector(motion.centre) + vector(group.offset);
-        const Field part = rigid_part(model, motion, centre, &group, 1, lane, node_mass, *x);
-        for (int n = 0; n < node_count(model, group); ++n) {
-          const double root = std::sqrt(node_mass[offset(group, n, 0, lane)]);
-          const Eigen::Vector3d r = place_in_unit(model, group, n);
-          const Eigen::Vector3d of_block = root * (part.linear + part.angular.cross(r - centre));
-          const Eigen::Vector3d of_whole = root * (whole.linear + whole.angular.cross(r - unit_centre));
-          for (int c = 0; c < 3; ++c) {
-            double& value = (*x)[offset(group, n, c, lane)];
-            value = of_deformation * value + (of_unit - of_deformation) * of_block[c] + (1.0 - of_unit) * of_whole[c];
-          }
-        }
-      }
-    }
-  }
 }
 
 }  // namespace quoin

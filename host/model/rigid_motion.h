@@ -36,9 +36,4 @@ struct RigidMotions {
 // node_mass: in lane layout, kg.
 RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass);
 
-// In coordinates sqrt(m) u: x -> (P_u + (P_b - P_u)/sqrt(s_u) + (1 - P_b)/sqrt(s_b)) x, the square root of the inverse
-// inertia.
-void scale_motion(const Model& model, const RigidMotions& motions, const LaneVector<double>& node_mass,
-                  double deformation_inertia, double unit_inertia, std::vector<double>* x);
-
 }  // namespace quoin

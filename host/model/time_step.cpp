@@ -2,11 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "model/lanczos.h"
+#include "model/undamaged_kernels.h"
 #include "scene/error.h"
 
 namespace quoin {
@@ -31,6 +32,18 @@ class UndamagedSystem {
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       for (std::size_t k = 0; k < 6; ++k) free_[at(body_base_) + 6 * b + k] = model.bodies[b].held[k] ? 0.0 : 1.0;
     }
+    for (std::int32_t i = 0; i < model.point_count; ++i) {
+      const ContactFamily& family = model.families[at(family_of(i))];
+      const int blocks_end = model.block_line_count * kLine;
+      Stretch next{{i, 1, model.point_axis[at(i)], family.normal_stiffness, family.shear_stiffness},
+                   family_of(i),
+                   model.node_a[at(i)] >= blocks_end || model.node_b[at(i)] >= blocks_end};
+      if (stretches_.empty() || !stretches_.back().goes_on_with(next)) {
+        stretches_.push_back(next);
+      } else {
+        ++stretches_.back().point_count;
+      }
+    }
   }
 
   int size() const { return body_base_ + 6 * static_cast<int>(model_.bodies.size()); }
@@ -40,28 +53,25 @@ class UndamagedSystem {
   // f = K u, free degrees of freedom only.
   void apply(const std::vector<double>& u, std::vector<double>* f) const {
     f->assign(at(size()), 0.0);
-    for (const BlockGroup& group : model_.groups) {
-      const BrickTemplate& shape = model_.templates[at(group.brick_template)];
-      const double* u_group = u.data() + group.first_line * kLine;
-      double* f_group = f->data() + group.first_line * kLine;
-      std::int32_t column = 0;
-      for (int n = 0; n < shape.node_count; ++n) {
-        for (; column < shape.column_end[at(n)]; ++column) {
-          const double* from = u_group + shape.column[at(column)];
-          for (int c = 0; c < 3; ++c) {
-            const double k = shape.coefficient[at(3 * column + c)];
-            double* to = f_group + n * kLine + c * kLanes;
-            for (int lane = 0; lane < kLanes; ++lane) to[lane] += k * from[lane];
-          }
-        }
-      }
-    }
-    for_each_spring([&](const Participants& p, double stiffness, std::int32_t) {
+    for (const UnitGroup& unit : model_.unit_groups) zone_stiffness(model_, unit, u.data(), f->data());
+    add_contacts(u.data(), f->data());
+    for (std::size_t i = 0; i < f->size(); ++i) (*f)[i] *= free_[i];
+  }
+
+  // f += K u of the contact points, in their order.
+  void add_contacts(const double* u, double* f) const {
+    const auto add = [&](const Participants& p, double stiffness, std::int32_t) {
       double jump = 0.0;
       for (int i = 0; i < p.count; ++i) jump += p.coefficient[i] * u[at(p.dof[i])];
-      for (int i = 0; i < p.count; ++i) (*f)[at(p.dof[i])] += p.coefficient[i] * stiffness * jump;
-    });
-    for (std::size_t i = 0; i < f->size(); ++i) (*f)[i] *= free_[i];
+      for (int i = 0; i < p.count; ++i) f[at(p.dof[i])] += p.coefficient[i] * stiffness * jump;
+    };
+    for (const Stretch& stretch : stretches_) {
+      if (!stretch.of_bodies) {
+        add_springs(model_, stretch, u, f);
+        continue;
+      }
+      for (std::int32_t i = 0; i < stretch.point_count; ++i) visit_springs(stretch.first_point + i, add);
+    }
   }
 
   // Row sums of |K|, the diagonal of K and the part of it that contact points bring. Rotations are measured in units of
@@ -114,11 +124,6 @@ class UndamagedSystem {
     return rows;
   }
 
-  void slow_motion(const Inertia& inertia, std::vector<double>* x) const {
-    if (inertia.deformation == 1.0 && inertia.unit == 1.0) return;
-    scale_motion(model_, inertia.rigid, inertia.node, inertia.deformation, inertia.unit, x);
-  }
-
   // Inertia of a degree of freedom; with `scaled`, rotations in units of the radius of gyration.
   double inertia_of(int dof, const Inertia& inertia, bool scaled) const {
     if (dof < body_base_) return inertia.node[at(dof)];
@@ -156,6 +161,15 @@ class UndamagedSystem {
     }
   };
 
+  // Contact points in a row that the same loop takes.
+  struct Stretch : SpringRun {
+    int family = 0;
+    bool of_bodies = false;  // a rigid body on one side or both
+    bool goes_on_with(const Stretch& next) const {
+      return family == next.family && axis == next.axis && of_bodies == next.of_bodies;
+    }
+  };
+
   std::size_t slave_index(int offset) const {
     return at((offset / kLine - model_.block_line_count) * kLanes + offset % kLanes);
   }
@@ -183,18 +197,22 @@ class UndamagedSystem {
     p->add(base + 3 + last, -sign * r[at(next)]);
   }
 
+  // Visits the three springs of a contact point: visit(participants, stiffness in N/m, point).
+  template <class Visit>
+  void visit_springs(std::int32_t point, Visit visit) const {
+    const ContactFamily& family = model_.families[at(family_of(point))];
+    for (int c = 0; c < 3; ++c) {
+      Participants p;
+      add_gridpoint(model_.node_a[at(point)], c, -1.0, &p);
+      add_gridpoint(model_.node_b[at(point)], c, +1.0, &p);
+      const bool normal = c == model_.point_axis[at(point)];
+      visit(p, (normal ? family.normal_stiffness : family.shear_stiffness) * model_.area[at(point)], point);
+    }
+  }
+
   template <class Visit>
   void for_each_spring(Visit visit) const {
-    for (std::int32_t i = 0; i < model_.point_count; ++i) {
-      const ContactFamily& family = model_.families[at(family_of(i))];
-      for (int c = 0; c < 3; ++c) {
-        Participants p;
-        add_gridpoint(model_.node_a[at(i)], c, -1.0, &p);
-        add_gridpoint(model_.node_b[at(i)], c, +1.0, &p);
-        const bool normal = c == model_.point_axis[at(i)];
-        visit(p, (normal ? family.normal_stiffness : family.shear_stiffness) * model_.area[at(i)], i);
-      }
-    }
+    for (std::int32_t i = 0; i < model_.point_count; ++i) visit_springs(i, visit);
   }
 
   const Model& model_;
@@ -202,94 +220,79 @@ class UndamagedSystem {
   std::vector<int> slave_body_;
   std::vector<Vec3> slave_arm_;
   std::vector<double> free_;
+  std::vector<Stretch> stretches_;
 };
 
-struct Lanczos {
-  double largest = 0.0;        // eigenvalue of M^-1/2 K M^-1/2, 1/s2
-  std::vector<double> vector;  // its eigenvector, in the scaled coordinates
-  int steps = 0;
-};
-
-// Lanczos without reorthogonalisation: the largest Ritz value converges all the same, lost orthogonality only makes
-// copies of it. A second sweep with the same recurrence gives the vector without storing a basis.
-Lanczos largest_eigenvalue(const UndamagedSystem& system, const Inertia& inertia, bool with_vector) {
-  const std::size_t n = at(system.size());
-  std::vector<double> scale(n, 0.0);
-  std::size_t free_count = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double m = system.inertia_of(static_cast<int>(i), inertia, false);
-    if (system.free(static_cast<int>(i)) == 0.0 || m <= 0.0) continue;
-    scale[i] = 1.0 / std::sqrt(m);
-    ++free_count;
-  }
-  std::vector<double> start(n, 0.0);
-  std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
-  double norm = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    random = random * 6364136223846793005u + 1442695040888963407u;
-    if (scale[i] > 0.0) start[i] = static_cast<double>(random >> 11) * 0x1p-53 - 0.5;
-    norm += start[i] * start[i];
-  }
-  for (double& x : start) x /= std::sqrt(norm);
-
-  constexpr int kMaxSteps = 600;  // enough for walls of 1000 blocks by a factor of 3
-  // Relative growth of the eigenvalue over ten steps. Its residual is no measure: walls have clusters of equal modes,
-  // between which the vector wanders long after the value stands.
-  constexpr double kSettled = 1e-7;
-  std::vector<double> alpha, beta, product(n), scaled(n);
-  Lanczos result;
-  Eigen::VectorXd ritz;
-  const auto sweep = [&](int steps, const Eigen::VectorXd* weights) {
-    std::vector<double> q = start, previous(n, 0.0);
-    for (int j = 0; j < steps; ++j) {
-      if (weights) {
-        for (std::size_t i = 0; i < n; ++i) result.vector[i] += (*weights)[j] * q[i];
-        if (j + 1 == steps) return;
-      }
-      scaled = q;
-      system.slow_motion(inertia, &scaled);
-      for (std::size_t i = 0; i < n; ++i) scaled[i] *= scale[i];
-      system.apply(scaled, &product);
-      for (std::size_t i = 0; i < n; ++i) product[i] *= scale[i];
-      system.slow_motion(inertia, &product);
-      double a = 0.0, b = 0.0;
-      for (std::size_t i = 0; i < n; ++i) a += product[i] * q[i];
-      const double old_beta = j > 0 ? beta[at(j - 1)] : 0.0;
-      for (std::size_t i = 0; i < n; ++i) {
-        product[i] -= a * q[i] + old_beta * previous[i];
-        b += product[i] * product[i];
-      }
-      b = std::sqrt(b);
-      if (!weights) {
-        alpha.push_back(a);
-        beta.push_back(b);
-        const bool exhausted = b <= 1e-14 * std::abs(a) || static_cast<std::size_t>(j) + 1 >= free_count;
-        if (exhausted || j % 10 == 9 || j + 1 == steps) {
-          const auto diagonal = Eigen::Map<Eigen::VectorXd>(alpha.data(), j + 1);
-          const auto beside = Eigen::Map<Eigen::VectorXd>(beta.data(), j);
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-          solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
-          const bool settled = solver.eigenvalues()[j] - result.largest < kSettled * solver.eigenvalues()[j];
-          result.largest = solver.eigenvalues()[j];
-          result.steps = j + 1;
-          if (exhausted || settled || j + 1 == steps) {
-            if (!with_vector) return;
-            solver.computeFromTridiagonal(diagonal, beside);  // vectors cost far more than values
-            ritz = solver.eigenvectors().col(j);
-            return;
-          }
-        }
-      }
-      previous.swap(q);
-      for (std::size_t i = 0; i < n; ++i) q[i] = product[i] / b;
+// M'^-1/2 K M'^-1/2 of the free degrees of freedom, M' the inertia in use.
+class ScaledSystem {
+ public:
+  ScaledSystem(const Model& model, const UndamagedSystem& system, const Inertia& inertia)
+      : model_(model), system_(system), scale_(at(system.size()), 0.0), scaled_(scale_) {
+    for (int i = 0; i < system.size(); ++i) {
+      const double m = system.inertia_of(i, inertia, false);
+      if (system.free(i) != 0.0 && m > 0.0) scale_[at(i)] = 1.0 / std::sqrt(m);
     }
-  };
-  if (free_count == 0) return result;
-  sweep(kMaxSteps, nullptr);
-  if (!with_vector) return result;
-  result.vector.assign(n, 0.0);
-  sweep(result.steps, &ritz);
-  return result;
+    if (inertia.deformation == 1.0 && inertia.unit == 1.0) return;
+    root_mass_.resize(at(model.block_line_count * kLanes));
+    for (std::size_t i = 0; i < root_mass_.size(); ++i)
+      root_mass_[i] = std::sqrt(inertia.node[i / kLanes * kLine + i % kLanes]);
+    scaling_ = {&inertia.rigid, 1.0 / std::sqrt(inertia.deformation), 1.0 / std::sqrt(inertia.unit), root_mass_.data()};
+  }
+
+  // Of no length where nothing can move.
+  LaneVector<double> start() const {
+    LaneVector<double> start(scale_.size(), 0.0);
+    std::uint64_t random = 0x9e3779b97f4a7c15u;  // any seed serves; a fixed one makes the time step reproducible
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      random = random * 6364136223846793005u + 1442695040888963407u;
+      if (scale_[i] > 0.0) start[i] = static_cast<double>(random >> 11) * 0x1p-53 - 0.5;
+    }
+    return start;
+  }
+
+  // y = A x; returns x . y.
+  double product(const LaneVector<double>& x, LaneVector<double>* y) {
+    for (const UnitGroup& unit : model_.unit_groups) {
+      scale_motion_then(model_, unit, scaling_, scale_.data(), x.data(), scaled_.data());
+      zone_stiffness(model_, unit, scaled_.data(), y->data());
+    }
+    const auto bodies = at(system_.body_base());
+    for (std::size_t i = bodies; i < x.size(); ++i) {
+      scaled_[i] = x[i] * scale_[i];
+      (*y)[i] = 0.0;
+    }
+    system_.add_contacts(scaled_.data(), y->data());
+    double sum = 0.0;
+    for (const UnitGroup& unit : model_.unit_groups)
+      sum = scale_motion_after(model_, unit, scaling_, scale_.data(), sum, x.data(), y->data());
+    for (std::size_t i = bodies; i < x.size(); ++i) {
+      (*y)[i] *= scale_[i];
+      sum += (*y)[i] * x[i];
+    }
+    return sum;
+  }
+
+ private:
+  const Model& model_;
+  const UndamagedSystem& system_;
+  LaneVector<double> scale_;  // 1/sqrt(m); 0: does not move
+  LaneVector<double> scaled_;
+  LaneVector<double> root_mass_;
+  MotionScaling scaling_;
+};
+
+LargestEigenvalue largest_eigenvalue(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
+                                     bool with_vector) {
+  LanczosSettings settings;
+  settings.max_steps = 600;
+  settings.check_interval = 10;
+  // The residual is no measure: walls have clusters of equal modes, between which the vector wanders long after the
+  // value stands.
+  settings.settled = 1e-7;
+  settings.with_vector = with_vector;
+  ScaledSystem scaled(model, system, inertia);
+  const auto product = [&](const LaneVector<double>& x, LaneVector<double>* y) { return scaled.product(x, y); };
+  return largest_eigenvalue(product, scaled.start(), settings);
 }
 
 std::string with_contact_share(const Model& model, const UndamagedSystem& system, const UndamagedSystem::Rows& rows,
@@ -346,8 +349,8 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
   };
-  const Lanczos lanczos = largest_eigenvalue(system, inertia, wanted == Limits::all);
-  report.critical.value = step_of(lanczos.largest);
+  const LargestEigenvalue lanczos = largest_eigenvalue(model, system, inertia, wanted == Limits::all);
+  report.critical.value = step_of(lanczos.value);
   report.lanczos_steps = lanczos.steps;
   if (wanted == Limits::critical) return report;
 

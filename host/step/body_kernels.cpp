@@ -6,7 +6,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "step/vectors-inl.h"
+#include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin {

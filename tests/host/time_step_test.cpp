@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <vector>
 
+#include "hwy/highway.h"
+#include "hwy/targets.h"
 #include "support.h"
 
 namespace quoin {
@@ -130,6 +133,44 @@ TEST(TimeStep, NodalStepIsUnstableForBricksOfSeveralZones) {
   EXPECT_LT(largest_after(bare_scene(0.98), sandwich(), 3000), 1e-3);
   scene.solver.critical_time_step = CriticalTimeStep::nodal;
   EXPECT_GT(largest_after(scene, sandwich(), 3000), 1e3);
+}
+
+TimeStepReport step_of_a_wall(int courses, double units) {
+  SolverSettings settings;  // the inertia of quality standard
+  settings.deformation_inertia = 64.0;
+  settings.unit_inertia = 16.0;
+  Assembly assembly = assemble(wall_scene(courses, units));
+  auto materials = make_materials(assembly);
+  const Model model(std::move(assembly), std::move(materials));
+  Inertia inertia;
+  return choose_time_step(model, settings, &inertia, Limits::critical);
+}
+
+// A product costs the same a block (one pass over it and its points); what may grow with the wall is their number: at
+// most like its length, which is what modes 1/length^2 apart ask for, until the value stands to 1e-7 without that.
+TEST(TimeStep, StepsOfLanczosGrowSlowerThanTheLengthOfTheWall) {
+  const TimeStepReport small = step_of_a_wall(16, 5), large = step_of_a_wall(32, 10), larger = step_of_a_wall(64, 20);
+  std::printf("Lanczos steps %d, %d, %d, critical step %.10g, %.10g, %.10g s\n", small.lanczos_steps,
+              large.lanczos_steps, larger.lanczos_steps, small.critical.value, large.critical.value,
+              larger.critical.value);
+  EXPECT_LT(larger.lanczos_steps, 4 * small.lanczos_steps) << "16 times the blocks, 4 times as long";
+  EXPECT_LT(larger.lanczos_steps, 600) << "stopped by the limit, not settled";
+  // Held edges raise the wave number of a mode: 1/length^2, a quarter of the difference at twice the length.
+  EXPECT_LE(larger.critical.value, large.critical.value * (1 + 1e-6));
+  EXPECT_LT(large.critical.value - larger.critical.value, 0.5 * (small.critical.value - large.critical.value));
+}
+
+TEST(TimeStep, HasTheSameBitsOnEveryInstructionSet) {
+  const TimeStepReport usual = step_of_a_wall(4, 2.5);
+  const std::int64_t supported = hwy::SupportedTargets();
+  for (std::int64_t target = 1; target != 0 && target <= supported; target <<= 1) {
+    if ((supported & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    EXPECT_EQ(step_of_a_wall(4, 2.5).critical.value, usual.critical.value) << hwy::TargetName(target);
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
 }
 
 TEST(TimeStep, MassScalingIsReported) {

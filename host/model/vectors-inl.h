@@ -1,9 +1,9 @@
-// The vectors that all kernels of the step compute with; included once for every instruction set.
-#if defined(QUOIN_STEP_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef QUOIN_STEP_VECTORS_INL_H
-#undef QUOIN_STEP_VECTORS_INL_H
+// The vectors that all kernels over lanes compute with; included once for every instruction set.
+#if defined(QUOIN_MODEL_VECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_MODEL_VECTORS_INL_H
+#undef QUOIN_MODEL_VECTORS_INL_H
 #else
-#define QUOIN_STEP_VECTORS_INL_H
+#define QUOIN_MODEL_VECTORS_INL_H
 #endif
 
 #include <hwy/highway.h>

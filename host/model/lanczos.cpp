@@ -1,0 +1,112 @@
+#include "model/lanczos.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace quoin {
+namespace {
+
+// The tridiagonal matrix so far, and whether its largest eigenvalue stands.
+class RitzValue {
+ public:
+  RitzValue(const LanczosSettings& settings, std::size_t dimension) : settings_(settings), dimension_(dimension) {}
+
+  // True when no more steps are needed. a: of the diagonal, b: beside it, below.
+  bool add(double a, double b) {
+    diagonal_.push_back(a);
+    beside_.push_back(b);
+    const int steps = this->steps();
+    // Nothing is left outside the subspace.
+    const bool exhausted = b <= 1e-14 * std::abs(a) || diagonal_.size() >= dimension_;
+    const bool last = exhausted || steps == settings_.max_steps;
+    if (!last && steps % settings_.check_interval != 0) return false;
+    solver_.computeFromTridiagonal(diagonal(), beside(), Eigen::EigenvaluesOnly);
+    const double before = value_;
+    value_ = solver_.eigenvalues()[steps - 1];
+    return last || (steps > settings_.first_check && value_ - before < settings_.settled * value_);
+  }
+  Eigen::VectorXd vector() {
+    solver_.computeFromTridiagonal(diagonal(), beside());  // costs far more than the values
+    return solver_.eigenvectors().col(steps() - 1);
+  }
+  int steps() const { return static_cast<int>(diagonal_.size()); }
+  double value() const { return value_; }
+  double last_beside() const { return beside_.empty() ? 0.0 : beside_.back(); }
+  double beside(int step) const { return beside_[static_cast<std::size_t>(step)]; }
+  double diagonal(int step) const { return diagonal_[static_cast<std::size_t>(step)]; }
+
+ private:
+  Eigen::VectorXd diagonal() const { return Eigen::Map<const Eigen::VectorXd>(diagonal_.data(), steps()); }
+  Eigen::VectorXd beside() const { return Eigen::Map<const Eigen::VectorXd>(beside_.data(), steps() - 1); }
+
+  const LanczosSettings& settings_;
+  std::size_t dimension_;
+  std::vector<double> diagonal_, beside_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver_;
+  double value_ = 0.0;
+};
+
+}  // namespace
+
+LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector<double> start,
+                                     const LanczosSettings& settings) {
+  const std::size_t n = start.size();
+  double squared = 0.0;
+  for (const double x : start) squared += x * x;
+  LargestEigenvalue result;
+  if (squared == 0.0) return result;
+  const double length = std::sqrt(squared);
+  for (double& x : start) x /= length;
+
+  const auto moving =
+      static_cast<std::size_t>(std::count_if(start.begin(), start.end(), [](double x) { return x != 0.0; }));
+  RitzValue ritz(settings, moving);
+  LaneVector<double> q = start, previous(n, 0.0), y(n);
+  // y - a q - old_b previous, whose squared length comes back; then the next q is that over its length.
+  const auto orthogonalise = [&](double a, double old_b) {
+    double b = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      y[i] -= a * q[i] + old_b * previous[i];
+      b += y[i] * y[i];
+    }
+    return std::sqrt(b);
+  };
+  const auto go_on = [&](double b) {
+    previous.swap(q);
+    for (std::size_t i = 0; i < n; ++i) q[i] = y[i] / b;
+  };
+  for (bool done = false; !done;) {
+    const double a = product(q, &y);
+    ++result.products;
+    const double b = orthogonalise(a, ritz.last_beside());
+    if (!std::isfinite(a + b)) {
+      result.value = std::numeric_limits<double>::quiet_NaN();
+      return result;
+    }
+    done = ritz.add(a, b);
+    if (!done) go_on(b);
+  }
+  result.value = ritz.value();
+  result.steps = ritz.steps();
+  if (!settings.with_vector) return result;
+
+  // The same recurrence again: a basis to keep would fill the memory.
+  const Eigen::VectorXd weight = ritz.vector();
+  result.vector.assign(n, 0.0);
+  q = std::move(start);
+  std::fill(previous.begin(), previous.end(), 0.0);
+  for (int j = 0;; ++j) {
+    for (std::size_t i = 0; i < n; ++i) result.vector[i] += weight[j] * q[i];
+    if (j + 1 == result.steps) break;
+    product(q, &y);
+    ++result.products;
+    orthogonalise(ritz.diagonal(j), j > 0 ? ritz.beside(j - 1) : 0.0);
+    go_on(ritz.beside(j));
+  }
+  return result;
+}
+
+}  // namespace quoin
