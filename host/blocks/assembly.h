@@ -26,6 +26,7 @@ struct Block {
   double zone_edge = 0.0;  // deformable: target edge length of the zones, m
   std::array<int, 3> divisions{0, 0,
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
+  int parity = 0;                   // of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
   bool fixed = false;               // held in all six degrees of freedom (prescribe() may drive it later)
   int unit = -1, course = -1;       // for pictures
 };

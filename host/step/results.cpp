@@ -96,6 +96,7 @@ void transfer(Archive&& archive, Simulation::Impl& s) {
   archive.value(s.next_frame);
   archive.value(s.next_row);
   archive.value(s.in_stage);
+  archive.value(s.motion_seen);
 }
 
 constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '3'};

@@ -10,6 +10,7 @@
 
 #include "blocks/model.h"
 #include "step/kernels.h"
+#include "step/motion_bound.h"
 #include "step/simulation.h"
 #include "step/thread_pool.h"
 
@@ -83,7 +84,8 @@ void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupI
                     BodyLanes* state, Measured* measured);
 
 struct Simulation::Impl {
-  Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
+  Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials,
+       const blocks::Assembly* shapes);
 
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
@@ -112,6 +114,8 @@ struct Simulation::Impl {
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   HistoryRow measure() const;
+  void look_at_motion();
+  std::string past_motion_bound() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
@@ -128,7 +132,7 @@ struct Simulation::Impl {
   void sum_measurements();
 
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
-  void build_riding(std::vector<std::shared_ptr<const Material>> materials);
+  void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   int block_named(const std::string& name, const std::string& where) const;
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void bind_drives(const Stage& settings);
@@ -139,6 +143,7 @@ struct Simulation::Impl {
   Vec3 riding_displacement(int block) const;  // of the centre of mass since the start, m
   double largest_displacement() const;        // of any block that is not fixed, m
   void measure_riding(HistoryRow& row) const;
+  void look_at_riding_motion();
   std::vector<ContactPoint> riding_points() const;
   std::vector<std::uint32_t> riding_flags() const;
   std::vector<double> riding_state(const std::string& id) const;
@@ -177,6 +182,7 @@ struct Simulation::Impl {
   int next_frame = 0;
   long next_row = 0;  // stage_step of the next history row
   bool in_stage = false;
+  MotionSeen motion_seen;
 
   // Blocks of any shape in large motion; null: none.
   std::unique_ptr<blocks::Model> riding;
@@ -206,6 +212,8 @@ struct Simulation::Impl {
   std::optional<Energies> energies;
   double kinetic = 0.0;
   std::vector<int> monitor;  // bodies that the history shows
+  JointSliding joint_sliding;
+  std::vector<WholeMotion> whole_motions;  // by brick
   struct Floor {
     std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
     double count() const { return static_cast<double>(bodies.size() + loaded.size()); }
