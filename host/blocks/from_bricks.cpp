@@ -15,6 +15,9 @@ namespace {
 // Above this, motion that drifts is driven by eq. 1 in one of its own periods (scene/quality.cpp).
 constexpr double kLargestFraction = 0.6;
 
+// Of the least extent of a brick: below the size of a zone, so that points still face the triangles they belong to.
+constexpr double kJointMotion = 0.05;
+
 [[noreturn]] void refuse(const Scene& scene, const std::string& why) {
   throw Error(Exit::bad_input, fmt::format("{}: solver.large_motion = \"always\": {}", scene.file, why));
 }
@@ -74,6 +77,7 @@ Assembly from_bricks(const quoin::Assembly& bricks, const Scene& scene) {
     return found == family.end() ? others : found->second;
   };
   assembly.contact.small_displacement = 0.0;
+  assembly.contact.joint_motion = kJointMotion;
   return assembly;
 }
 
