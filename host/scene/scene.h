@@ -60,9 +60,9 @@ enum class LargeMotion { automatic, never, always };
 
 // Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
 struct MotionBound {
-  double rotation = 0.02;  // of a block, rad
-  double sliding = 0.1;    // of two joined blocks on each other, over the length of their joint
-  bool stop = true;        // past it, with LargeMotion::never; else only a warning
+  double rotation = 0.004;  // of a block, rad
+  double sliding = 0.007;   // of two joined blocks on each other, over the length of their joint
+  bool stop = true;         // past it, with LargeMotion::never; else only a warning
 };
 
 struct SolverSettings {
