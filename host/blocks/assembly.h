@@ -26,6 +26,7 @@ struct Block {
   double zone_edge = 0.0;  // deformable: target edge length of the zones, m
   std::array<int, 3> divisions{0, 0,
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
+  int parity = 0;                   // of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
   bool fixed = false;               // held in all six degrees of freedom (prescribe() may drive it later)
   int unit = -1, course = -1;       // for pictures
 };
@@ -47,6 +48,10 @@ struct ContactSettings {
   // smaller one's least extent; from then on contacts are detected anew whenever a pair has moved by that much again.
   // 0: large displacement at once.
   double small_displacement = 0.005;
+  // A joint of the start keeps its contact points, which ride on their blocks, until its blocks have moved against each
+  // other by this fraction of the smaller one's least extent: points that are placed anew inherit their history from
+  // their nearest neighbours, which is good enough for friction and blurs cracks. 0: as other contacts.
+  double joint_motion = 0.0;
 };
 
 struct Assembly {

@@ -152,8 +152,9 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
             fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
                         m.name, m.young_modulus, m.poisson_ratio));
       }
-      const Zoning z = input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, 0, label(assembly_, int(i)))
-                                              : make_zones(shape, input.zone_edge, label(assembly_, int(i)));
+      const Zoning z = input.divisions[0] > 0
+                           ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, int(i)))
+                           : make_zones(shape, input.zone_edge, label(assembly_, int(i)));
       b.first_node = int32_t(node_x_.size()), b.node_count = int32_t(z.nodes.size());
       b.first_zone = int32_t(zones_.size()), b.zone_count = int32_t(z.zones.size());
       for (const Vector& p : z.nodes) {

@@ -76,9 +76,20 @@ double Model::pair_motion(const Contact& c) const {
   return norm(shift) + angle * std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, norm(xb - xa)));
 }
 
+double Model::detection_fraction() const {
+  return assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
+}
+
+double Model::allowed_motion(const Contact& c) const {
+  const double extent = std::min(blocks_[c.pair.a].least_extent, blocks_[c.pair.b].least_extent);
+  const double fraction = detection_fraction();
+  if (c.count == 0) return std::max(fraction * extent, 0.5 * c.separation.distance);
+  return (c.initial ? std::max(fraction, assembly_.contact.joint_motion) : fraction) * extent;
+}
+
 bool Model::moved_enough() {
   if (step_count_ < next_check_) return false;
-  const double fraction = assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
+  const double fraction = detection_fraction();
   double fastest = 0.0;
   for (const Body& b : bodies_) fastest = std::max(fastest, dot(b.v, b.v));
   for (const ModelBlock& b : blocks_) {
@@ -100,8 +111,7 @@ bool Model::moved_enough() {
   }
   for (size_t i = 0; i < contacts_.size() && !moved; ++i) {
     const Contact& c = contacts_[i];
-    const double touching = fraction * std::min(blocks_[c.pair.a].least_extent, blocks_[c.pair.b].least_extent);
-    moved = pair_motion(c) > std::max(touching, c.count > 0 ? 0.0 : 0.5 * c.separation.distance);
+    moved = pair_motion(c) > allowed_motion(c);
   }
   // Small displacement also means that no block has come near others that are not its neighbours, and that frozen
   // frames on deformable blocks still point the right way.
@@ -119,7 +129,6 @@ void Model::detect_contacts(bool everything) {
   const bool at_start = detections_ == 0;
   ++detections_;
   place_blocks();
-  const double fraction = assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
 
   // Broad phase, when some block has used up its part of the skin.
   bool broad = everything;
@@ -171,9 +180,7 @@ void Model::detect_contacts(bool everything) {
     if (known) {
       c = contacts_[old_index];
       source.old = long(old_index++);
-      const double touching = fraction * std::min(blocks_[pair.a].least_extent, blocks_[pair.b].least_extent);
-      const double allowed = 0.8 * std::max(touching, c.count > 0 ? 0.0 : 0.5 * c.separation.distance);
-      if (!everything && pair_motion(c) <= allowed) {
+      if (!everything && pair_motion(c) <= 0.8 * allowed_motion(c)) {
         next.push_back(c), sources.push_back(source);
         continue;
       }

@@ -335,6 +335,8 @@ class Model {
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
   double pair_motion(const Contact& c) const;
+  double detection_fraction() const;              // of a block's least extent
+  double allowed_motion(const Contact& c) const;  // of a pair until it is detected anew, m
   struct NewPoint;
   void make_points(Contact& c, bool at_start, std::vector<NewPoint>& out);
   void face_points(int owner, int owner_face, int carrier, bool at_start, std::vector<NewPoint>& out);

@@ -117,6 +117,11 @@ class Recorder : public Observer {
                     swap.family, swap.from, swap.to, swap.points, swap.stored_before, swap.energy_jump,
                     swap.limited ? fmt::format("; {} softened points come in intact", swap.limited) : ""));
   }
+  void on_motion_bound(const std::string& past) override {
+    progress_.message("quoin: warning: " + past +
+                      ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows "
+                      "large motion");
+  }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
     last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);
@@ -211,6 +216,14 @@ void run(RunOptions options, int& exit_code) {
     recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (lock)
     recorder.progress().message("resumed before its first checkpoint: from the start");
+  if (simulation.riding() && !simulation.scene().blocks) {
+    const SolverSettings& used = simulation.scene().solver;
+    recorder.progress().message(
+        fmt::format("large motion from the start: damping by eq. 1{} with true inertia, as blocks in large motion have "
+                    "no damping by "
+                    "block",
+                    used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
+  }
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 
   RunInfo info;

@@ -94,6 +94,23 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   return json;
 }
 
+Json motion_of(const Simulation& simulation) {
+  const MotionSeen& seen = simulation.motion_seen();
+  const SolverSettings& solver = simulation.scene().solver;
+  const bool large = simulation.riding() && !simulation.riding()->small_displacement();
+  const std::string past = simulation.past_motion_bound();
+  return {{"large_motion", solver.large_motion == LargeMotion::always  ? "always"
+                           : solver.large_motion == LargeMotion::never ? "never"
+                                                                       : "automatic"},
+          {"small_displacements", !large},
+          {"largest_rotation_rad", seen.rotation},
+          {"largest_sliding_over_length", simulation.riding() ? Json(nullptr) : Json(seen.sliding)},
+          {"rotation_bound_rad", solver.motion_bound.rotation},
+          {"sliding_bound", solver.motion_bound.sliding},
+          {"within_bound", large ? Json(nullptr) : Json(past.empty())},
+          {"exceeded", text_or_null(past)}};
+}
+
 }  // namespace
 
 std::string law_names(const Assembly& assembly) {
@@ -168,6 +185,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                           {"displacement_beyond_asked", check.overshoot_ratio},
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
+  json["motion"] = motion_of(simulation);
   if (simulation.riding()) json.update(of_blocks(simulation, rows));
   json["set"] = info.overrides;
   json["settings"] = settings_of(scene, info);

@@ -234,7 +234,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   s.name = "stage";
   read_stage_basics(t, s, previous);
   if (const auto* table = t.table("solver", "a table: damping of this stage"))
-    s.damping = read_solver({t.context(), *table, t.path("solver")}, nullptr);
+    s.damping = read_solver({t.context(), *table, t.path("solver")}, nullptr, true);
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
     read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
@@ -319,8 +319,11 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
     c.number("point_spacing", spec.contact.point_spacing, kPositive, "m");
     c.number("small_displacement", spec.contact.small_displacement, between(0, 0.1), "of the least extent of a block");
     c.boolean("cubic_points", spec.contact.cubic_points);
+    if (spec.contact.small_displacement == 0.0 && scene.solver.large_motion == LargeMotion::never)
+      c.refuse("small_displacement", "more than 0 with solver.large_motion = \"never\"; 0 means \"always\"");
     c.finish();
   }
+  if (scene.solver.large_motion == LargeMotion::always) spec.contact.small_displacement = 0.0;
   return spec;
 }
 

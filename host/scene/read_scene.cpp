@@ -56,9 +56,23 @@ DampingKind read_damping(Table& t, DampingKind damping, bool walls) {
   return kinds.contains(chosen) ? kinds.at(chosen) : damping;
 }
 
+void read_large_motion(Table& t, SolverSettings* s) {
+  const std::map<std::string, LargeMotion> kinds = {
+      {"automatic", LargeMotion::automatic}, {"never", LargeMotion::never}, {"always", LargeMotion::always}};
+  std::string chosen;
+  t.choice("large_motion", chosen, {"automatic", "never", "always"});
+  if (kinds.contains(chosen)) s->large_motion = kinds.at(chosen);
+  t.number("rotation_bound", s->motion_bound.rotation, kPositive, "rad");
+  t.number("sliding_bound", s->motion_bound.sliding, kPositive, "of the length of a joint");
+  std::string past = "stop";
+  if (t.choice("past_motion_bound", past, {"stop", "warn"}) && s->large_motion != LargeMotion::never)
+    t.refuse("past_motion_bound", "only with large_motion = \"never\"; remove it, or change large_motion");
+  s->motion_bound.stop = past == "stop";
+}
+
 }  // namespace
 
-SolverSettings read_solver(Table t, const Quality* quality) {
+SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
   const DampingKind damping = read_damping(t, usual, quality != nullptr);
@@ -85,6 +99,7 @@ SolverSettings read_solver(Table t, const Quality* quality) {
            "of the critical time step (0.6 of 2/omega_max is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  if (!of_stage) read_large_motion(t, &s);
   if (quality) {
     if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
       only_with("deformation_damping", {DampingKind::block}, "\"block\"");
@@ -512,8 +527,14 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     std::string name = quality->name;
     solver.choice("quality", name, names);
     quality = &quality_named(name);
-    scene.quality_as_is = table->size() == (solver.has("quality") ? 1u : 0u);
+    // What a run does past the bound of small displacements changes no number before it.
+    scene.quality_as_is = std::all_of(table->begin(), table->end(), [](const auto& entry) {
+      const std::string_view key = entry.first.str();
+      return key == "quality" || key == "large_motion" || key == "past_motion_bound" || key == "rotation_bound" ||
+             key == "sliding_bound";
+    });
     scene.solver = read_solver(std::move(solver), quality);
+    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;  // eq. 1 takes its place
   }
   if (!of_blocks) scene.quality = quality->name;
 
@@ -536,6 +557,7 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     scene.building = read_building({context, *table, "building"}, scene);
   if (scene.building) scene.quality_as_is = false;  // its errors were measured on walls
   if (of_blocks) scene.blocks = read_blocks(t, scene, folder);
+  if (of_blocks && scene.blocks->contact.small_displacement == 0.0) scene.solver.large_motion = LargeMotion::always;
   if (const auto* table = t.table("wall", "a table [wall]", !scene.building && !scene.blocks))
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");

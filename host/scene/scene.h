@@ -53,6 +53,18 @@ enum class InternalForces { automatic, assembled, zones };
 // 2 sqrt(m/k) with the diagonal stiffness of a gridpoint, which blocks of several zones do not survive.
 enum class CriticalTimeStep { assembled, nodal };
 
+// What a run does about large motion. automatic: walls and buildings with small displacements, and a warning past the
+// bound; blocks of any shape as they move. never: small displacements, and a stop past the bound. always: large motion
+// from the start.
+enum class LargeMotion { automatic, never, always };
+
+// Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
+struct MotionBound {
+  double rotation = 0.004;  // of a block, rad
+  double sliding = 0.007;   // of two joined blocks on each other, over the length of their joint
+  bool stop = true;         // past it, with LargeMotion::never; else only a warning
+};
+
 struct SolverSettings {
   double time_step_fraction = 0.6;  // of the critical time step of the undamaged assembled system
   CriticalTimeStep critical_time_step = CriticalTimeStep::assembled;
@@ -69,6 +81,8 @@ struct SolverSettings {
   double deformation_damping = 0.2;  // block: damping ratio at omega_max, less at lower frequencies in proportion
   double mass_damping = 0.0;         // viscous: alpha, 1/s
   double stiffness_damping = 0.0;    // viscous: beta, s
+  LargeMotion large_motion = LargeMotion::automatic;
+  MotionBound motion_bound;
 };
 
 enum class DofKind { free, velocity };

@@ -38,6 +38,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.next_row);
   archive.value(s.row_interval);
   archive.value(s.in_stage);
+  archive.value(s.motion_seen);
   if (!s.riding) return;
   archive.array(s.drives);
   archive.value(s.fading_loads);

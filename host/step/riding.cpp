@@ -20,8 +20,9 @@ constexpr double kBed = 0.7;      // cosine of the normal to the vertical from w
 
 }  // namespace
 
-void Simulation::Impl::build_riding(std::vector<std::shared_ptr<const Material>> materials) {
-  riding = std::make_unique<blocks::Model>(blocks::assemble(scene), scene.solver, std::move(materials));
+void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
+                                    std::vector<std::shared_ptr<const Material>> materials) {
+  riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials));
   riding->track_energy(want_energy);
   for (int i = 0; i < riding->block_count(); ++i) riding_start.push_back(riding->position(i));
   const auto& blocks = riding->assembly().blocks;
@@ -288,6 +289,23 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
   row.vertical_force = row.joint_force[1];
+}
+
+// Rotations only: blocks that ride may leave their joints altogether.
+void Simulation::Impl::look_at_riding_motion() {
+  for (int i = 0; i < riding->block_count(); ++i) {
+    const geometry::Matrix r = transposed(riding->orientation(i));
+    // |R - 1|^2 = 8 sin^2(angle / 2), which keeps its digits at small angles.
+    double squares = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      for (int c = 0; c < 3; ++c) {
+        const double d = r.row[k][c] - (k == c ? 1.0 : 0.0);
+        squares += d * d;
+      }
+    }
+    const double angle = 2.0 * std::asin(std::min(1.0, std::sqrt(squares / 8.0)));
+    if (!(angle <= motion_seen.rotation)) motion_seen.rotation = angle, motion_seen.turned_block = i;
+  }
 }
 
 // Flags of a step that moves nothing, family after family.

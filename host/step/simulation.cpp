@@ -7,6 +7,8 @@
 #include <cstring>
 #include <limits>
 
+#include "blocks/from_bricks.h"
+#include "blocks/generate.h"
 #include "scene/generate.h"
 #include "step/law_swap.h"
 #include "step/state.h"
@@ -323,6 +325,37 @@ HistoryRow Simulation::Impl::measure() const {
   for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
   row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
   return row;
+}
+
+// Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+void Simulation::Impl::look_at_motion() {
+  if (riding) return look_at_riding_motion();
+  whole_motions.resize(model.assembly.bricks.size());
+  for (std::size_t i = 0; i < whole_motions.size(); ++i) {
+    const Model::BlockPlace& where = model.place[i];
+    if (where.body >= 0) {
+      whole_motions[i] = {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
+      continue;
+    }
+    const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
+    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+    std::array<Vec3, 8> corner;
+    for (int k = 0; k < 8; ++k) {
+      const int node =
+          shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
+      const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
+      corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
+    }
+    whole_motions[i] = whole_motion(shape.size, corner);
+  }
+  joint_sliding.look(whole_motions, &motion_seen);
+}
+
+std::string Simulation::Impl::past_motion_bound() const {
+  if (!riding) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
+  // Blocks of any shape leave small displacements by themselves.
+  if (scene.solver.large_motion != LargeMotion::never || riding->small_displacement()) return "";
+  return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }
 
 // What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
@@ -676,16 +709,17 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law)
 // ---- Set-up --------------------------------------------------------------------------------------------------------
 
 Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
-                       std::vector<std::shared_ptr<const Material>> materials)
+                       std::vector<std::shared_ptr<const Material>> materials, const blocks::Assembly* shapes)
     : scene(std::move(scene_in)),
       model(std::move(assembly), materials),
       time_step(model.assembly.bricks.empty()
                     ? TimeStepReport{}
                     : choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+      joint_sliding(model.assembly),
       want_energy(scene.output.energy),
       keep_diagnostics(scene.output.energy) {
-  if (scene.blocks) build_riding(std::move(materials));
+  if (shapes) build_riding(*shapes, std::move(materials));
   const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(model.point_count);
   displacement.assign(doubles, 0.0);
@@ -841,17 +875,31 @@ Simulation::Simulation(Scene scene, int threads) {
     assembly = assemble(scene);
   }
   auto materials = make_materials(assembly);
-  impl_ = std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials));
+  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
   auto materials = make_materials(assembly);
-  impl_ = std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials));
+  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
-    : impl_(std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials))) {}
+    : impl_(make_impl(std::move(scene), std::move(assembly), threads, std::move(materials))) {}
+
+std::unique_ptr<Simulation::Impl> Simulation::make_impl(Scene scene, Assembly assembly, int threads,
+                                                        std::vector<std::shared_ptr<const Material>> materials) {
+  std::optional<blocks::Assembly> shapes;
+  if (scene.blocks) {
+    shapes = blocks::assemble(scene);
+  } else if (scene.solver.large_motion == LargeMotion::always) {
+    shapes = blocks::from_bricks(assembly, scene);
+    scene.solver = blocks::for_large_motion(scene.solver);
+    assembly.bricks.clear(), assembly.joints.clear();
+  }
+  return std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials),
+                                shapes ? &*shapes : nullptr);
+}
 
 Simulation::~Simulation() = default;
 
@@ -894,6 +942,18 @@ void Simulation::run(Observer& observer) {
         const HistoryRow now = s.measure();
         s.require_finite(now);
         observer.on_row(now);
+        const bool was_past = !s.past_motion_bound().empty();
+        s.look_at_motion();
+        const std::string past = s.past_motion_bound();
+        const SolverSettings& solver = s.scene.solver;
+        if (!past.empty() && solver.large_motion == LargeMotion::never && solver.motion_bound.stop) {
+          throw Error(
+              Exit::numerical,
+              fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, "
+                          "or solver.past_motion_bound = \"warn\" to go on all the same",
+                          s.stage_step, settings.name, past));
+        }
+        if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) observer.on_motion_bound(past);
         while (s.next_row < s.stage_step) s.next_row += s.row_interval;
       }
       if (frame) observer.on_frame(*this, index, s.next_frame++);
@@ -958,6 +1018,8 @@ const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
 HistoryRow Simulation::measure() const { return impl_->measure(); }
+const MotionSeen& Simulation::motion_seen() const { return impl_->motion_seen; }
+std::string Simulation::past_motion_bound() const { return impl_->past_motion_bound(); }
 LaneVector<double>& Simulation::displacement() { return impl_->displacement; }
 LaneVector<double>& Simulation::velocity() { return impl_->velocity; }
 

@@ -15,6 +15,7 @@
 #include "scene/assembly.h"
 #include "scene/error.h"
 #include "scene/scene.h"
+#include "step/motion_bound.h"
 
 namespace quoin::blocks {
 class Model;
@@ -92,6 +93,7 @@ struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
+  virtual void on_motion_bound(const std::string& /*what is exceeded, where*/) {}  // once, when the run goes on
   virtual void on_row(const HistoryRow&) {}
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -172,9 +174,11 @@ class Simulation {
   long step() const;
   double time() const;
   int thread_count() const;
-  const char* instruction_set() const;  // chosen at run time: "AVX2"
-  std::uint64_t hash() const;           // of gridpoints, bodies, tractions and states: equal hashes, equal bits
-  HistoryRow measure() const;           // as it stands
+  const char* instruction_set() const;    // chosen at run time: "AVX2"
+  std::uint64_t hash() const;             // of gridpoints, bodies, tractions and states: equal hashes, equal bits
+  HistoryRow measure() const;             // as it stands
+  const MotionSeen& motion_seen() const;  // looked at whenever run() writes a row
+  std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
 
   // Results by block (index into Assembly::bricks). Cold.
   struct BlockMesh {
@@ -204,6 +208,8 @@ class Simulation {
   struct Impl;  // state.h
 
  private:
+  static std::unique_ptr<Impl> make_impl(Scene scene, Assembly assembly, int threads,
+                                         std::vector<std::shared_ptr<const Material>> materials);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};
 };

@@ -10,6 +10,7 @@
 
 #include "blocks/model.h"
 #include "step/kernels.h"
+#include "step/motion_bound.h"
 #include "step/simulation.h"
 #include "step/thread_pool.h"
 
@@ -83,7 +84,8 @@ void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupI
                     BodyLanes* state, Measured* measured);
 
 struct Simulation::Impl {
-  Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
+  Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials,
+       const blocks::Assembly* shapes);
 
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
@@ -113,6 +115,8 @@ struct Simulation::Impl {
   void swap_law(const std::string& family, const std::string& law);
   // The law's material for a joint family: with the properties that it knows, as the scene gives them.
   HistoryRow measure() const;
+  void look_at_motion();
+  std::string past_motion_bound() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
@@ -129,7 +133,7 @@ struct Simulation::Impl {
   void sum_measurements();
 
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
-  void build_riding(std::vector<std::shared_ptr<const Material>> materials);
+  void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   int block_named(const std::string& name, const std::string& where) const;
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
@@ -142,6 +146,7 @@ struct Simulation::Impl {
   Vec3 riding_displacement(int block) const;  // of the centre of mass since the start, m
   double largest_displacement() const;        // of any block that is not fixed, m
   void measure_riding(HistoryRow& row) const;
+  void look_at_riding_motion();
   std::vector<ContactPoint> riding_points() const;
   std::vector<std::uint32_t> riding_flags() const;
   std::vector<double> riding_state(const std::string& id) const;
@@ -185,6 +190,7 @@ struct Simulation::Impl {
   long next_row = 0;      // stage_step of the next history row
   long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
+  MotionSeen motion_seen;
 
   // Blocks of any shape in large motion; null: none.
   std::unique_ptr<blocks::Model> riding;
@@ -215,6 +221,8 @@ struct Simulation::Impl {
   std::optional<Energies> energies;
   double kinetic = 0.0;
   std::vector<int> monitor;  // bodies that the history shows
+  JointSliding joint_sliding;
+  std::vector<WholeMotion> whole_motions;  // by brick
   struct Floor {
     std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
     double count() const { return static_cast<double>(bodies.size() + loaded.size()); }

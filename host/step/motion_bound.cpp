@@ -1,0 +1,114 @@
+#include "step/motion_bound.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace quoin {
+namespace {
+
+constexpr std::size_t kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
+
+Vec3 centre_of(const Brick& brick) {
+  Vec3 centre;
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = brick.origin[c] + 0.5 * brick.size[c];
+  return centre;
+}
+
+Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {
+  Vec3 u = m.translation;
+  for (std::size_t c = 0; c < 3; ++c)
+    u[c] += m.rotation[kNext[c]] * arm[kLast[c]] - m.rotation[kLast[c]] * arm[kNext[c]];
+  return u;
+}
+
+// Not a number is kept: what is nowhere is past every bound.
+bool exceeds(double value, double largest) { return !(value <= largest); }
+
+std::string describe(const Assembly& assembly, int block) {
+  const Brick& brick = assembly.bricks[static_cast<std::size_t>(block)];
+  const Vec3 at = centre_of(brick);
+  return fmt::format("block {}{} at ({:.3f}, {:.3f}, {:.3f}) m", block,
+                     brick.body.empty() ? "" : fmt::format(" '{}'", brick.body), at[0], at[1], at[2]);
+}
+
+}  // namespace
+
+WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
+  WholeMotion m;
+  double gradient[3][3];  // of component c along axis k
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      double difference = 0.0;
+      for (std::size_t i = 0; i < 8; ++i) difference += (i >> k & 1 ? 0.25 : -0.25) * corner[i][c];
+      gradient[c][k] = difference / size[k];
+    }
+    for (const Vec3& u : corner) m.translation[c] += 0.125 * u[c];
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    m.rotation[c] = 0.5 * (gradient[kLast[c]][kNext[c]] - gradient[kNext[c]][kLast[c]]);
+  return m;
+}
+
+JointSliding::JointSliding(const Assembly& assembly) {
+  for (const Joint& joint : assembly.joints) {
+    Place place{};
+    place.a = joint.block_a, place.b = joint.block_b;
+    const Brick& a = assembly.bricks[static_cast<std::size_t>(joint.block_a)];
+    const Brick& b = assembly.bricks[static_cast<std::size_t>(joint.block_b)];
+    const auto normal = static_cast<std::size_t>(joint.face_a / 2);
+    place.centre[normal] = a.origin[normal] + (joint.face_a % 2 == 1 ? a.size[normal] : 0.0);
+    int i = 0;
+    for (const std::size_t c : {kNext[normal], kLast[normal]}) {
+      const double from = std::max(a.origin[c], b.origin[c]);
+      const double to = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
+      place.centre[c] = 0.5 * (from + to);
+      place.along[static_cast<std::size_t>(i)] = static_cast<int>(c);
+      place.length[static_cast<std::size_t>(i++)] = to - from;
+    }
+    const Vec3 centre_a = centre_of(a), centre_b = centre_of(b);
+    for (std::size_t c = 0; c < 3; ++c) {
+      place.arm_a[c] = place.centre[c] - centre_a[c];
+      place.arm_b[c] = place.centre[c] - centre_b[c];
+    }
+    joints_.push_back(place);
+  }
+}
+
+void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const {
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const Vec3& r = motion[i].rotation;
+    const double angle = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    if (exceeds(angle, seen->rotation)) seen->rotation = angle, seen->turned_block = static_cast<int>(i);
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Place& p = joints_[j];
+    const Vec3 a = at_arm(motion[static_cast<std::size_t>(p.a)], p.arm_a);
+    const Vec3 b = at_arm(motion[static_cast<std::size_t>(p.b)], p.arm_b);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto c = static_cast<std::size_t>(p.along[k]);
+      const double sliding = std::abs(b[c] - a[c]) / p.length[k];
+      if (exceeds(sliding, seen->sliding)) seen->sliding = sliding, seen->slid_joint = static_cast<int>(j);
+    }
+  }
+}
+
+std::string past_bound(const MotionSeen& seen, const MotionBound& bound, const Assembly& assembly) {
+  if (exceeds(seen.rotation, bound.rotation)) {
+    return fmt::format(
+        "{} has turned by {:.3g} rad, more than solver.rotation_bound = {:g}: displacements are no "
+        "longer small",
+        describe(assembly, seen.turned_block), seen.rotation, bound.rotation);
+  }
+  if (exceeds(seen.sliding, bound.sliding)) {
+    const Joint& joint = assembly.joints[static_cast<std::size_t>(seen.slid_joint)];
+    return fmt::format(
+        "{} and {} have slid on each other by {:.3g} of the length of their joint, more than "
+        "solver.sliding_bound = {:g}: displacements are no longer small",
+        describe(assembly, joint.block_a), describe(assembly, joint.block_b), seen.sliding, bound.sliding);
+  }
+  return "";
+}
+
+}  // namespace quoin

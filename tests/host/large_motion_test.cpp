@@ -1,0 +1,203 @@
+// Where small displacements end, and the same walls in large motion.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "blocks/model.h"
+#include "scene/read_scene.h"
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::array<Vec3, 8> corners_of(const Vec3& size) {
+  std::array<Vec3, 8> corner;
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) corner[i][c] = (i >> c & 1 ? 0.5 : -0.5) * size[c];
+  }
+  return corner;
+}
+
+// u = t + w x r + E r with a symmetric E: t and w come back, E does not count.
+TEST(LargeMotion, WholeMotionIsTranslationAndRotationWithoutStrain) {
+  const Vec3 size = {0.22, 0.0625, 0.1}, t = {1e-3, -2e-3, 3e-3}, w = {0.01, -0.02, 0.03};
+  const double e[3][3] = {{1e-3, 4e-3, -2e-3}, {4e-3, -3e-3, 5e-3}, {-2e-3, 5e-3, 2e-3}};
+  std::array<Vec3, 8> u = corners_of(size);
+  for (Vec3& r : u) {
+    const Vec3 x = r;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t n = (c + 1) % 3, l = (c + 2) % 3;
+      r[c] = t[c] + w[n] * x[l] - w[l] * x[n] + e[c][0] * x[0] + e[c][1] * x[1] + e[c][2] * x[2];
+    }
+  }
+  const WholeMotion m = whole_motion(size, u);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(m.translation[c], t[c], 1e-15);
+    EXPECT_NEAR(m.rotation[c], w[c], 1e-15);
+  }
+}
+
+// Two bricks 0.2 x 0.1 x 0.05 m side by side: the joint is a face of 0.1 x 0.05 m.
+TEST(LargeMotion, SlidingIsOverTheLengthOfTheJoint) {
+  const Assembly assembly = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {1, 1, 1});
+  const JointSliding joints(assembly);
+  std::vector<WholeMotion> motion(2);
+  motion[1].translation = {7e-3, 2e-3, 0.0};  // opening does not count
+  MotionSeen seen;
+  joints.look(motion, &seen);
+  EXPECT_NEAR(seen.sliding, 2e-3 / 0.1, 1e-15);
+  EXPECT_EQ(seen.slid_joint, 0);
+  EXPECT_EQ(seen.rotation, 0.0);
+  // Both turned together about the joint's centre: no sliding there, though both centres move.
+  motion[0] = {{0.0, -0.1 * 0.02, 0.0}, {0.0, 0.0, 0.02}};
+  motion[1] = {{0.0, 0.1 * 0.02, 0.0}, {0.0, 0.0, 0.02}};
+  MotionSeen turned;
+  joints.look(motion, &turned);
+  EXPECT_NEAR(turned.sliding, 0.0, 1e-15);
+  EXPECT_NEAR(turned.rotation, 0.02, 1e-15);
+
+  MotionBound bound;
+  bound.rotation = 0.03, bound.sliding = 0.03;
+  EXPECT_EQ(past_bound(turned, bound, assembly), "");
+  bound.rotation = 0.01;
+  EXPECT_THAT(past_bound(turned, bound, assembly), HasSubstr("block 0 at (0.100, 0.050, 0.025) m has turned by 0.02 "));
+  bound = {0.1, 0.01, true};
+  EXPECT_THAT(past_bound(seen, bound, assembly), HasSubstr("have slid on each other by 0.02 "));
+}
+
+Scene small_wall(const std::string& large_motion, std::vector<std::string> more = {}) {
+  more.insert(more.end(), {"solver.damping=local", "solver.large_motion=" + large_motion, "wall.units_per_course=3",
+                           "output.frames=0"});
+  return read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", more);
+}
+
+struct Rows : Observer {
+  std::vector<HistoryRow> rows;
+  int warnings = 0;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  void on_motion_bound(const std::string&) override { ++warnings; }
+};
+
+// The same gridpoints, contact points and masses: zones have the same pattern, so triangles of joined faces coincide.
+TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
+  for (const bool units_in_halves : {false, true}) {
+    std::vector<std::string> more;
+    if (units_in_halves) more = {"wall.mid_unit_joints=true", "wall.unit_joint=mortar", "wall.zones=[4,2,2]"};
+    Simulation small(small_wall("never", more)), large(small_wall("always", more));
+    ASSERT_TRUE(large.riding());
+    EXPECT_EQ(large.block_count(), small.block_count());
+    EXPECT_EQ(large.zone_count(), small.zone_count());
+    EXPECT_NEAR(large.time_step_report().model_mass, small.time_step_report().model_mass,
+                1e-12 * small.time_step_report().model_mass);
+    const auto by_place = [](std::vector<ContactPoint> points) {
+      const auto key = [](const ContactPoint& p) {
+        const auto mm = [](double x) { return std::lround(1e6 * x); };
+        return std::array{mm(p.position[0]), mm(p.position[1]), mm(p.position[2]),
+                          static_cast<long>(std::min(p.block_a, p.block_b)),
+                          static_cast<long>(std::max(p.block_a, p.block_b))};
+      };
+      std::sort(points.begin(), points.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+      return points;
+    };
+    const auto a = by_place(small.contact_points());
+    large.advance(1);  // places points
+    const auto b = by_place(large.contact_points());
+    ASSERT_GT(a.size(), 0u);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a[i].position[c], b[i].position[c], 1e-9);
+      EXPECT_NEAR(a[i].area, b[i].area, 1e-9 * a[i].area);
+      EXPECT_EQ(a[i].family, b[i].family);
+    }
+  }
+}
+
+// Turning of a part of a millimetre over the wall's height: both are the same wall up to what small displacements leave
+// out. 0.5 mm over 125 mm is a drift of 0.004, of which the peak takes about a fifth; so 0.5 % at the peak, and 2 % of
+// it along the curve, where cracks may run a step sooner or later.
+TEST(LargeMotion, CurveIsThatOfSmallDisplacements) {
+  Rows of_small, of_large;
+  Simulation small(small_wall("never")), large(small_wall("always"));
+  small.run(of_small);
+  large.run(of_large);
+  const auto shear = [](const Rows& from) {
+    std::vector<std::pair<double, double>> curve;
+    for (const HistoryRow& row : from.rows) {
+      if (row.stage == 1) curve.push_back({row.displacement, row.resistance});
+    }
+    return curve;
+  };
+  const auto a = shear(of_small), b = shear(of_large);
+  const auto peak = [](const auto& curve) {
+    double largest = 0.0;
+    for (const auto& [u, f] : curve) largest = std::max(largest, f);
+    return largest;
+  };
+  ASSERT_GT(peak(a), 1e3);
+  EXPECT_NEAR(peak(b), peak(a), 0.005 * peak(a));
+  const auto at = [](const auto& curve, double u) {
+    const auto next = std::find_if(curve.begin(), curve.end(), [u](const auto& p) { return p.first >= u; });
+    if (next == curve.begin()) return curve.front().second;
+    if (next == curve.end()) return curve.back().second;
+    const auto before = next - 1;
+    return before->second + (u - before->first) / (next->first - before->first) * (next->second - before->second);
+  };
+  double squares = 0.0;
+  for (int i = 1; i <= 100; ++i) {
+    const double difference = at(b, i * 5e-6) - at(a, i * 5e-6);
+    squares += 0.01 * difference * difference;
+  }
+  EXPECT_LT(std::sqrt(squares), 0.02 * peak(a));
+  EXPECT_GT(small.motion_seen().rotation, 1e-4);
+  EXPECT_GT(large.motion_seen().rotation, 1e-4);
+}
+
+TEST(LargeMotion, PastTheBoundARunStopsOrWarnsOnce) {
+  Rows rows;
+  Simulation stops(small_wall("never", {"solver.rotation_bound=1e-5"}));
+  try {
+    stops.run(rows);
+    FAIL() << "went on";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.exit_code, Exit::numerical);
+    EXPECT_THAT(e.what(), HasSubstr("more than solver.rotation_bound = 1e-05"));
+  }
+  for (const bool automatic : {true, false}) {
+    Rows all;
+    Scene scene = small_wall(automatic ? "automatic" : "never", {"solver.sliding_bound=1e-6"});
+    if (!automatic) scene.solver.motion_bound.stop = false;
+    Simulation goes_on(scene);
+    goes_on.run(all);
+    EXPECT_EQ(all.warnings, 1);
+    EXPECT_THAT(goes_on.past_motion_bound(), HasSubstr("have slid on each other"));
+  }
+}
+
+TEST(LargeMotion, WhatCannotRideIsRefused) {
+  const auto refused = [](const std::function<void()>& make) {
+    try {
+      make();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.exit_code, Exit::bad_input);
+      return std::string(e.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_THAT(refused([] {
+                Simulation s(small_wall("always", {"wall.zones=[2,1,2]", "wall.half_thickness=true"}));
+              }),
+              HasSubstr("set wall.half_thickness = false"));
+  Scene scene = small_wall("always");
+  Assembly row = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {1, 1, 1});
+  for (Brick& brick : row.bricks) brick.rigid = true, brick.body = "row";
+  EXPECT_THAT(refused([&] { Simulation s(scene, row); }), HasSubstr("'row' names several rigid blocks"));
+  row.bricks[1].rigid = false, row.bricks[1].body = "loaded";
+  EXPECT_THAT(refused([&] { Simulation s(scene, row); }), HasSubstr("'loaded' is a deformable block"));
+}
+
+}  // namespace
+}  // namespace quoin
