@@ -1,4 +1,4 @@
-// The elastic joint: sigma = kn d_n, tau = tau_old + ks dd_s. LAW.md, "The other laws that ship".
+// The elastic joint: sigma = kn d_n, tau = tau_old + ks dd_s. fracture_energy/LAW.md, "The other laws that ship".
 #if defined(QUOIN_ELASTIC_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_ELASTIC_EQUATIONS_H
 #undef QUOIN_ELASTIC_EQUATIONS_H
