@@ -53,7 +53,9 @@ HWY_INLINE void evaluate_columns(const Parameters& material, const Columns& c, s
     const V stored = hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)));
     const Energies energies{stored, zero(), zero(), zero(), zero()};
     const Tangent tangent{{kn, zero(), zero(), zero(), ks, zero(), zero(), zero(), ks}};
-    put_extras(c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); });
+    put_extras(
+        c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); },
+        [](int) { return zero(); });
   }
 }
 

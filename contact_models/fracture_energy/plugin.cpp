@@ -218,8 +218,8 @@ struct FractureEnergyLaw {
       "masonry walls and buildings using DEM, section 2 and Figure 3";
   static constexpr const char* description =
       "Softening in tension, shear and compression with fracture energies; Coulomb friction, residuals, dilation.";
-  static constexpr std::uint64_t capabilities =
-      QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS | QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE;
+  static constexpr std::uint64_t capabilities = QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS |
+                                                QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE | QUOIN_CAN_DAMAGE;
   // The first kPropertyColumnCount in the order of PropertyColumn.
   static constexpr std::array<const quoin_property_info*, 16> properties = {
       &kKn, &kKs,  &kFt, &kC0, &kCr, &kPhi0,      &kPhir,  &kPsi0,
