@@ -1,5 +1,6 @@
-// The standard brittle joint law that the paper compares with (Figure 8): LAW.md, "The other laws that ship". At the
-// first failure in tension or in shear the strengths drop at once to their residuals; compression is elastic.
+// The standard brittle joint law that the paper compares with (Figure 8): fracture_energy/LAW.md, "The other laws that
+// ship". At the first failure in tension or in shear the strengths drop at once to their residuals; compression is
+// elastic.
 #if defined(QUOIN_COULOMB_SLIP_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_COULOMB_SLIP_EQUATIONS_H
 #undef QUOIN_COULOMB_SLIP_EQUATIONS_H
@@ -34,7 +35,8 @@ struct Result {
   M open, fails, slips;
 };
 
-// Yield only beyond this many roundings of the largest stress that entered the comparison: LAW.md, statement 5.
+// Yield only beyond this many roundings of the largest stress that entered the comparison: fracture_energy/LAW.md,
+// statement 5.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
 struct Equations {

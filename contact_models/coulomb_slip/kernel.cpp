@@ -90,14 +90,17 @@ HWY_INLINE void run(const Parameters& material, const Columns& c, std::size_t co
     summary.yielding |= !none(hn::And(moved, hn::FirstN(d, count - i)));
 
     if constexpr (kFull) {
-      put_extras(c, i, sound, energies, tangent, [&] {
-        const M damaged = hn::Gt(failed, zero());
-        V flags = flag_if(r.open, QUOIN_FLAG_OPEN);
-        flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
-        flags = hn::Add(flags, flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_TENSION_COMPLETE |
-                                                    QUOIN_FLAG_SHEAR_DAMAGED | QUOIN_FLAG_SHEAR_COMPLETE));
-        return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
-      });
+      put_extras(
+          c, i, sound, energies, tangent,
+          [&] {
+            const M damaged = hn::Gt(failed, zero());
+            V flags = flag_if(r.open, QUOIN_FLAG_OPEN);
+            flags = hn::Add(flags, flag_if(r.slips, QUOIN_FLAG_SLIPPING));
+            flags = hn::Add(flags, flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_TENSION_COMPLETE |
+                                                        QUOIN_FLAG_SHEAR_DAMAGED | QUOIN_FLAG_SHEAR_COMPLETE));
+            return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
+          },
+          [&](int mode) { return mode == QUOIN_DAMAGE_CRUSHING ? zero() : failed; });
     }
   }
 }

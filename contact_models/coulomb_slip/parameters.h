@@ -1,4 +1,4 @@
-// Parameters of the brittle Coulomb-slip law. Symbols as in LAW.md, "The other laws that ship".
+// Parameters of the brittle Coulomb-slip law. Symbols as in fracture_energy/LAW.md, "The other laws that ship".
 #pragma once
 
 namespace quoin::coulomb_slip {

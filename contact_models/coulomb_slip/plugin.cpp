@@ -43,8 +43,8 @@ struct CoulombSlipLaw {
       "Pulatsu et al. (2020), section 3 and Figure 8: the standard joint law of 3DEC";
   static constexpr const char* description =
       "Coulomb friction with cohesion and tension cut-off that drop at once to residuals; elastic in compression.";
-  static constexpr std::uint64_t capabilities =
-      QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS | QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE;
+  static constexpr std::uint64_t capabilities = QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS |
+                                                QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE | QUOIN_CAN_DAMAGE;
   // In the order of PropertyColumn.
   static constexpr std::array<const quoin_property_info*, kPropertyColumnCount> properties = {
       &kKn, &kKs, &kFt, &kFtr, &kC0, &kCr, &kPhi0, &kPhir};

@@ -1,4 +1,4 @@
-// The elastic joint: sigma = kn d_n, tau = tau_old + ks dd_s. LAW.md, "The other laws that ship".
+// The elastic joint: sigma = kn d_n, tau = tau_old + ks dd_s. fracture_energy/LAW.md, "The other laws that ship".
 #if defined(QUOIN_ELASTIC_EQUATIONS_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef QUOIN_ELASTIC_EQUATIONS_H
 #undef QUOIN_ELASTIC_EQUATIONS_H
@@ -53,7 +53,9 @@ HWY_INLINE void evaluate_columns(const Parameters& material, const Columns& c, s
     const V stored = hn::Mul(half, hn::MulAdd(sigma, d_n, hn::Div(shear, ks)));
     const Energies energies{stored, zero(), zero(), zero(), zero()};
     const Tangent tangent{{kn, zero(), zero(), zero(), ks, zero(), zero(), zero(), ks}};
-    put_extras(c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); });
+    put_extras(
+        c, i, sound, energies, tangent, [&] { return flag_if(hn::Gt(d_n, zero()), QUOIN_FLAG_OPEN); },
+        [](int) { return zero(); });
   }
 }
 

@@ -20,8 +20,8 @@ struct ElasticLaw {
   static constexpr const char* name = "Elastic joint";
   static constexpr const char* citation = "Pulatsu et al. (2020), eq. 4";
   static constexpr const char* description = "Linear elastic in tension, compression and shear; never fails.";
-  static constexpr std::uint64_t capabilities =
-      QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS | QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE;
+  static constexpr std::uint64_t capabilities = QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS |
+                                                QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE | QUOIN_CAN_DAMAGE;
   static constexpr std::array<const quoin_property_info*, 2> properties = {&kNormal, &kShear};
   static constexpr std::array<const quoin_state_info*, 0> states = {};
   static constexpr std::array<const char*, 2> initial_states = {"bonded", "dry"};

@@ -57,9 +57,12 @@ struct Lanes {
     xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
     const V P = hn::IfThenElseZero(finite_fc, fc);
     const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, mu_drop, c_drop)));
+    // Uplift crushes the joint further, and S falls with the pressure: by no more than this along the slip, Pa/m.
+    const V q = hn::IfThenElseZero(drops_c, hn::Div(hn::Mul(m, fc_drop), hn::Mul(wu, kn)));
+    const V by_uplift = hn::Mul(hn::Mul(kn, hn::Mul(mu0, tan_psi)), hn::Div(q, hn::Sub(one, q)));
     admissible = hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero()));
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
-    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, ks), steepest), hn::Not(drops_s)));
+    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, hn::Sub(ks, by_uplift)), steepest), hn::Not(drops_s)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c)));
     // One by one: a minimum may lose a value that is not a number. Fracture energies too, whether or not their mode has
     // a strength to lose: what a material refuses fails its point. fc alone may be infinite.
@@ -153,10 +156,12 @@ struct Equations {
   struct Closed {
     V sigma, w;
     M crushes;
+    M crushed_out;  // F(w) = 0: the point carries nothing
   };
   // sigma = kn (d_n + w - v), never below -F(w); w grows from w_old until it is not.
   HWY_INLINE Closed closed(M where, V d_n_less_v, V w_old, V tolerance) const {
-    Closed c{hn::Mul(p.kn, hn::Add(d_n_less_v, w_old)), w_old, hn::MaskFromVec(zero())};
+    const M nowhere = hn::MaskFromVec(zero());
+    Closed c{hn::Mul(p.kn, hn::Add(d_n_less_v, w_old)), w_old, nowhere, nowhere};
     if constexpr (kCrushing) {
       // 0 - F, not -F: which zero the larger of 0 and -0 is depends on the instruction set.
       V lowest = hn::Sub(zero(), crushing_strength(w_old));
@@ -167,6 +172,7 @@ struct Equations {
         lowest = hn::Sub(zero(), crushing_strength(c.w));
       }
       c.sigma = hn::Max(c.sigma, lowest);
+      c.crushed_out = hn::Eq(lowest, zero());
     }
     return c;
   }
@@ -182,7 +188,7 @@ struct Equations {
   struct AtSlip {
     V xi_s, factor, v, w, sigma, S;  // factor: f(xi_s)
     V S_end, S_drop;                 // c - sigma mu = S_end + S_drop f, at this sigma
-    M crushes;
+    M crushes, crushed_out;
     // Derivatives: of sigma by slip and by d_n, of S by slip and by d_n (both totals at fixed d_n and fixed slip).
     V sigma_slip, sigma_n, S_slip, S_n;
   };
@@ -223,6 +229,7 @@ struct Equations {
     const V xi = kShared ? a.xi_s : step.xi_t;
     a.w = c.w;
     a.crushes = c.crushes;
+    a.crushed_out = c.crushed_out;
     a.sigma = c.sigma;
     V K = zero(), K_xi = zero();
     if (step.any_open) {
@@ -235,6 +242,11 @@ struct Equations {
     }
     a.S_end = hn::NegMulAdd(a.sigma, p.mur, step.c_end);
     a.S_drop = hn::NegMulAdd(a.sigma, p.mu_drop, step.c_drop);
+    if constexpr (kCrushing) {
+      // Whichever side of e = 0 the rounding of w has put the point.
+      a.S_end = hn::IfThenZeroElse(a.crushed_out, a.S_end);
+      a.S_drop = hn::IfThenZeroElse(a.crushed_out, a.S_drop);
+    }
     const V S = coulomb(a, factor);  // tension reduces S: Coulomb's line continues to its apex
     a.S = positive_part(S);
 
@@ -389,7 +401,8 @@ struct Equations {
     // Less, not equal: two squares that overflow take the long path. So does what is not a number, or infinite.
     const M held = hn::Lt(trial_squared, hn::Mul(S, hn::Abs(S)));
     M uncrushed = hn::Ge(sigma, splat(std::numeric_limits<double>::lowest()));
-    if constexpr (kCrushing) uncrushed = hn::Ge(hn::Add(sigma, crushing_strength(old.w)), zero());
+    // Greater, not equal: what is crushed out has no strength left, whatever sigma.
+    if constexpr (kCrushing) uncrushed = hn::Gt(crushing_strength(old.w), hn::Max(hn::Neg(sigma), zero()));
     if (!all(hn::And(held, hn::And(full_stiffness, uncrushed)))) return false;
     r.sigma = sigma;
     r.state = old;
@@ -513,9 +526,9 @@ struct Equations {
     } else {
       cohesion_open = hn::NegMulAdd(r.sigma, friction_path, hn::Mul(p.c0, softened));
     }
-    // A cohesion that is lost at once (the residual when a joint opens, a mode that completes at its first movement)
-    // frees what the old tau stored above the strength. Not so a change of pressure: it comes gradually, whatever the
-    // step.
+    // A cohesion that is lost at once (the residual when a joint opens, a mode that completes at its first movement, a
+    // point that is crushed out) frees what the old tau stored above the strength. Not so a change of pressure: it
+    // comes gradually, whatever the step.
     V start = S_before_slip;
     V lost = hn::IfThenElseZero(
         r.open, hn::Sub(hn::MulAdd(p.c_drop, f.factor(old.xi_s), p.cr), hn::Mul(p.c0, f.factor(step.xi_s))));
@@ -526,11 +539,14 @@ struct Equations {
     }
     const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
     const V before = hn::Min(trial, hn::Max(held, S_before_slip));
+    if constexpr (kCrushing) lost = select(a.crushed_out, before, lost);
     const V excess = positive_part(hn::Min(hn::Sub(before, start), lost));
     // tau goes down the elastic line until it meets S, which itself falls with the slip.
     const V fall = hn::IfThenElseZero(hn::Gt(r.slip, zero()), hn::Div(hn::Sub(tau, start), r.slip));
     const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), hn::Add(p.ks, hn::Min(fall, zero())));
-    E.cohesion = hn::Add(positive_part(select(r.open, cohesion_open, cohesion_closed)), freed_at_once);
+    V along_slip = positive_part(select(r.open, cohesion_open, cohesion_closed));
+    if constexpr (kCrushing) along_slip = hn::IfThenZeroElse(a.crushed_out, along_slip);
+    E.cohesion = hn::Add(along_slip, freed_at_once);
     // With no sliding from outside the whole slip is on that line.
     const M standing = hn::And(hn::And(r.open, hn::Gt(excess, zero())), hn::Le(trial, held));
     E.cohesion = select(standing, hn::Mul(hn::Mul(half, hn::Add(trial, tau)), r.slip), E.cohesion);

@@ -56,6 +56,15 @@ HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   return hn::Add(flags, flag_if(moved, QUOIN_FLAG_YIELDING));
 }
 
+// D = 1 - f of each mode: the share of ft, of c0 - cr and of fc - fcr that is lost.
+template <class Law>
+HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
+  const V xi = mode == QUOIN_DAMAGE_TENSION    ? s.xi_t
+               : mode == QUOIN_DAMAGE_COHESION ? s.xi_s
+                                               : hn::Mul(s.w, law.p.inv_wu);
+  return positive_part(hn::Sub(splat(1.0), law.f.factor(xi)));
+}
+
 // The points from i on in the columns, as Access reaches them.
 template <class Access>
 struct At {
@@ -125,7 +134,9 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   if (!summary.yielding) summary.yielding = !none(hn::And(sound, hn::Or(hn::Or(r.opens, r.slips), r.crushes)));
   at.put_slip(r.slip);
   if constexpr (kFull) {
-    put_extras(c, i, sound, energies, tangent, [&] { return flags_of(p, r, old); });
+    put_extras(
+        c, i, sound, energies, tangent, [&] { return flags_of(p, r, old); },
+        [&](int mode) { return damage_of(law, r.state, mode); });
   }
   at.put_traction(r);
   at.put_history(r.state);

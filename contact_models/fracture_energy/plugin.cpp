@@ -81,7 +81,8 @@ constexpr quoin_property_info kCoupling = {sizeof(quoin_property_info),
                                            "coupling",
                                            "-",
                                            "-",
-                                           "shared: one damage for tension and shear; none: one each",
+                                           "shared: one damage for tension and shear, so that opening with slip spends "
+                                           "neither G1 nor G2 exactly; none: one each",
                                            QUOIN_PROPERTY_CHOICE,
                                            0,
                                            0.0,
@@ -172,10 +173,25 @@ void check_admissible(const Parameters& m, const PropertyValues& values, Report&
   const double P = crushes ? g.fc : 0.0;
   const double drop = g.c0 - g.cr;
   const double friction_drop = g.mu0 - g.mur;
+  // Uplift crushes the joint further, and S falls with the pressure: by no more than this along the slip, Pa/m.
+  const double q = crushes && g.fc > g.fcr ? m.slope * (g.fc - g.fcr) * (g.fc - g.fcr) * m.A / (g.Gc * g.kn) : 0.0;
+  const double by_uplift =
+      q > 0.0 && q < 1.0 ? g.kn * g.mu0 * g.tan_psi * q / (1.0 - q) : 0.0;  // q >= 1: Gc is refused
   if (drop > 0.0) {
-    const double lowest_G2 = m.slope * std::max(g.c0, drop + P * friction_drop) * drop * m.A / g.ks;
-    if (!(g.G2 > lowest_G2)) {
-      snaps_back("fracture_energy_shear", g.G2, lowest_G2, "m max(c0, c0 - cr + P (mu0 - mur)) (c0 - cr) A/ks, P = fc");
+    const double lowest_G2 =
+        m.slope * std::max(g.c0, drop + P * friction_drop) * drop * m.A / std::max(0.0, g.ks - by_uplift);
+    if (by_uplift >= g.ks) {
+      report.faults.push_back("dilation_angle: with it and fracture_energy_compression = " + to_text(g.Gc) +
+                              " J/m2 the joint would snap back whatever fracture_energy_shear: kn mu0 tan(psi0) q/(1 - "
+                              "q) = " +
+                              to_text(by_uplift) + " Pa/m must be below shear_stiffness = " + to_text(g.ks) +
+                              " Pa/m, q = m (fc - fcr)^2 A/(Gc kn); raise fracture_energy_compression, or lower the "
+                              "dilation_angle or the compressive_strength");
+    } else if (!(g.G2 > lowest_G2)) {
+      snaps_back("fracture_energy_shear", g.G2, lowest_G2,
+                 by_uplift > 0.0 ? "m max(c0, c0 - cr + P (mu0 - mur)) (c0 - cr) A/(ks - kn mu0 tan(psi0) q/(1 - q)), "
+                                   "P = fc, q = m (fc - fcr)^2 A/(Gc kn)"
+                                 : "m max(c0, c0 - cr + P (mu0 - mur)) (c0 - cr) A/ks, P = fc");
     } else if (!crushes && friction_drop > 0.0) {
       const double confinement = (g.G2 * g.ks / (drop * m.A) / m.slope - drop) / friction_drop;
       report.warnings.push_back("friction_angle_residual: softening of friction is unstable beyond a confinement of " +
@@ -202,8 +218,8 @@ struct FractureEnergyLaw {
       "masonry walls and buildings using DEM, section 2 and Figure 3";
   static constexpr const char* description =
       "Softening in tension, shear and compression with fracture energies; Coulomb friction, residuals, dilation.";
-  static constexpr std::uint64_t capabilities =
-      QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS | QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE;
+  static constexpr std::uint64_t capabilities = QUOIN_CAN_ENERGY | QUOIN_CAN_TANGENT | QUOIN_CAN_PROPERTY_COLUMNS |
+                                                QUOIN_CAN_FLAGS | QUOIN_CAN_MIGRATE | QUOIN_CAN_DAMAGE;
   // The first kPropertyColumnCount in the order of PropertyColumn.
   static constexpr std::array<const quoin_property_info*, 16> properties = {
       &kKn, &kKs,  &kFt, &kC0, &kCr, &kPhi0,      &kPhir,  &kPsi0,
@@ -296,7 +312,8 @@ struct FractureEnergyLaw {
     const double mu = g.mu0 + (g.mur - g.mu0) * (1.0 - f_s);
     const double cohesion = e > 0.0 ? g.c0 * f_s : g.cr + (g.c0 - g.cr) * f_s;
     const double tau = std::hypot(from.tau_s, from.tau_t);
-    inside = inside && tau <= std::max(0.0, cohesion - from.sigma * mu) + slack;
+    const double S = F > 0.0 ? std::max(0.0, cohesion - from.sigma * mu) : 0.0;
+    inside = inside && tau <= S + slack;
     to.energy_stored = 0.5 * from.sigma * e + 0.5 * tau * tau / g.ks;
     to.status = inside && std::isfinite(e) ? QUOIN_POINT_OK : QUOIN_POINT_FAILED;
   }

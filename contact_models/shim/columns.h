@@ -26,7 +26,8 @@ inline constexpr int kStateNew = 3;     // kMaxStates
 inline constexpr int kEnergyStored = kStateNew + kMaxStates;
 inline constexpr int kDissipated = kEnergyStored + 1;  // 4
 inline constexpr int kTangent = kDissipated + 4;       // 9
-inline constexpr int kFlags = kTangent + 9;            // as doubles; the shim converts
+inline constexpr int kDamage = kTangent + 9;           // 3
+inline constexpr int kFlags = kDamage + 3;             // as doubles; the shim converts
 inline constexpr int kStatus = kFlags + 1;
 inline constexpr int kOutCount = kStatus + 1;
 

@@ -173,7 +173,7 @@ class Plugin {
   }
 
   static quoin_status evaluate(const quoin_material* material, quoin_batch* batch) {
-    if (material == nullptr || batch == nullptr || batch->struct_size < sizeof(quoin_batch))
+    if (material == nullptr || batch == nullptr || batch->struct_size < QUOIN_BATCH_SIZE_1_0)
       return QUOIN_ERROR_ARGUMENT;
     if (kStates > 0 && (batch->state_old == nullptr || batch->state_new == nullptr)) return QUOIN_ERROR_ARGUMENT;
     if (batch->count == 1 && !asks_for_more(*batch)) return run_one(get(material).material, *batch);
@@ -292,6 +292,8 @@ class Plugin {
       views.out[kEnergyStored] = batch.energy_stored;
       for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
       for (int k = 0; k < 9; ++k) views.out[kTangent + k] = batch.tangent[k];
+      for (int k = 0; k < QUOIN_DAMAGE_COUNT; ++k)
+        views.out[kDamage + k] = knows_damage(batch) ? batch.damage[k] : quoin_out{};
     }
 
     // Without branches: short calls spend their time here.
@@ -313,8 +315,13 @@ class Plugin {
                 (batch.energy_stored.data != nullptr);
     for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
     for (const quoin_out& view : batch.tangent) more |= view.data != nullptr;
+    if (knows_damage(batch)) {
+      for (const quoin_out& view : batch.damage) more |= view.data != nullptr;
+    }
     return more;
   }
+  // Hosts of version 1.0 do not reach so far.
+  static bool knows_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
 
   // A call of one point, as programs that know no batches make it for every contact and step: no look at strides, no
   // copies.

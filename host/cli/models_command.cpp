@@ -74,7 +74,8 @@ void print_law(const Law& law) {
                                   {QUOIN_CAN_TANGENT, "tangent"},
                                   {QUOIN_CAN_PROPERTY_COLUMNS, "properties by point"},
                                   {QUOIN_CAN_FLAGS, "flags"},
-                                  {QUOIN_CAN_MIGRATE, "taking over from another law"}}) {
+                                  {QUOIN_CAN_MIGRATE, "taking over from another law"},
+                                  {QUOIN_CAN_DAMAGE, "damage by mode"}}) {
     if ((l.capabilities & bit) != 0) can.push_back(name);
   }
   fmt::print("capabilities: {}\n", can.empty() ? "none" : fmt::format("{}", fmt::join(can, ", ")));

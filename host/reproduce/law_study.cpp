@@ -129,7 +129,7 @@ StudyReport report_law(const Findings& findings) {
   report.notes = {
       "The paper's figure is a sketch without numbers. Its words leave open how the modes act on each other: here "
       "tension and "
-      "shear share one softening variable (LAW.md), which the walls show to matter."};
+      "shear share one softening variable (contact_models/fracture_energy/LAW.md), which the walls show to matter."};
   return report;
 }
 

@@ -94,7 +94,8 @@ StudyReport report_walls(const Findings& findings) {
                    "crushed toes where the diagonal strut lands. (The order in which they come is not measured.)",
                    "At 2.12 MPa the diagonal runs straight through cracked bricks; at 0.30 MPa it steps round them."};
   report.differs = {
-      "All three peaks are above the tests, by 5 to 10 %. An independent trial of the same law (REFERENCE_DATA.md) has "
+      "All three peaks are above the tests, by 5 to 10 %. An independent trial of the same law "
+      "(host/reproduce/REFERENCE_DATA.md) has "
       "the same excess "
       "(+6, +9, +9 %), so it belongs to the model, not to this host. Of what was varied, finer blocks lower the peak "
       "most (-3 %; see "

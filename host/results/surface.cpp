@@ -19,25 +19,6 @@ std::uint64_t key_of(const Vec3& p, const Vec3& origin) {
   return key;
 }
 
-// Share of its strength that a joint has lost at the internal variable xi: 1 - f(xi), with the softening function f
-// that the properties of its law name; without one the linear function of the paper.
-double softened(const JointFamily& family, double xi) {
-  const auto setting = [&](const char* id) {
-    const auto found = std::find_if(family.properties.begin(), family.properties.end(),
-                                    [id](const PropertySetting& p) { return p.id == id; });
-    return found == family.properties.end() ? PropertySetting{} : *found;
-  };
-  const std::string shape = setting("softening").text;
-  if (shape == "exponential") return 1.0 - std::exp(-xi);
-  if (shape != "table") return std::min(1.0, xi);
-  const std::vector<double> pairs = setting("softening_table").numbers;  // xi, f
-  for (size_t i = 2; i + 1 < pairs.size(); i += 2) {
-    const double from = pairs[i - 2], to = pairs[i];
-    if (xi < to) return 1.0 - std::lerp(pairs[i - 1], pairs[i + 1], (xi - from) / (to - from));
-  }
-  return 1.0;
-}
-
 // A dry joint has no strength to lose: what has come of it is what it does now and how far it has slid.
 Crack classify_dry(const JointPoint& p, bool slip_known) {
   constexpr double kVisible = 1e-5;  // m: a hair is 5 times as wide, and what stands still creeps less as it settles
@@ -119,9 +100,8 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
   for (size_t b = 0; b < bricks_.size(); ++b)
     displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
   const auto contacts = simulation.contact_points();
-  const auto xi_t = simulation.state("xi_t"), xi_s = simulation.state("xi_s");
+  const auto told = simulation.damage();
   const auto slip = simulation.state("slip"), closure = simulation.state("w");
-  const auto& families = simulation.assembly().families;
   auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };
 
   std::vector<JointPoint> points;
@@ -137,14 +117,13 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
     }
     p.opening = std::max(0.0, c.jump[0]);
     p.slip = std::isfinite(slip[i]) ? slip[i] : std::hypot(c.jump[1], c.jump[2]);
-    // The flags say what is certain for every law; what lies between them only laws with an internal variable know.
-    auto damage = [&](std::uint32_t begun, std::uint32_t complete, double xi) {
-      if ((c.flags & complete) != 0) return 1.0;
-      if ((c.flags & begun) == 0) return 0.0;
-      return std::isfinite(xi) ? softened(families[static_cast<size_t>(c.family)], xi) : 0.5;
+    // Where the law does not tell, its flags say whether damage has begun and whether it is complete.
+    auto damage = [&](std::size_t mode, std::uint32_t begun, std::uint32_t complete) {
+      if (std::isfinite(told[mode][i])) return told[mode][i];
+      return (c.flags & complete) != 0 ? 1.0 : (c.flags & begun) != 0 ? 0.5 : 0.0;
     };
-    p.damage_tension = damage(QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE, xi_t[i]);
-    p.damage_shear = damage(QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE, xi_s[i]);
+    p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
+    p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
     p.closure = or_zero(closure[i]);
     // Points of blocks in large motion are placed anew: how far they have slid only their law can know.
     const bool slip_known = std::isfinite(slip[i]) || !simulation.riding();

@@ -85,9 +85,10 @@ long Simulation::block_count() const {
 long Simulation::zone_count() const {
   return static_cast<long>(impl_->riding ? impl_->riding->zones().size() : impl_->model.zone_count());
 }
-long Simulation::point_count() const {
-  return impl_->riding ? static_cast<long>(impl_->riding->point_count()) : impl_->model.point_count;
+std::size_t Simulation::Impl::contact_point_count() const {
+  return riding ? static_cast<std::size_t>(riding->point_count()) : at(model.point_count);
 }
+long Simulation::point_count() const { return static_cast<long>(impl_->contact_point_count()); }
 
 const char* condition_name(Condition condition) {
   constexpr const char* names[kConditionCount] = {"crushed_out", "crushing",  "open",
@@ -161,16 +162,13 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
   return result;
 }
 
-// Flags of the last step when it reported them, otherwise those of a step that moves nothing.
-std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
-  if (riding) return riding_flags();
-  if (flags_step == step_count - 1) return flags;
-  std::vector<std::uint32_t> result(flags.size(), 0);
+void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
+  if (riding) return ask_riding_at_rest(capability, outputs);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
   for (std::size_t c = 0; c < model.chunks.size(); ++c) {
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
-    if (!(material.api().capabilities & QUOIN_CAN_FLAGS)) continue;
+    if (!(material.api().capabilities & capability)) continue;
     for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(chunk.first_point + i);
     const LawCall& call = calls[c];
     scratch_columns.assign((3 + call.state_new.size()) * kChunk, 0.0);
@@ -185,9 +183,28 @@ std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
       if (states[k].data) states[k] = {scratch_columns.data() + (3 + k) * kChunk, 1};
     }
     batch.state_new = states.data();
-    batch.flags = {result.data() + chunk.first_point, 1};
+    batch.flags = {};
+    outputs(batch, at(chunk.first_point));
     material.api().evaluate(material.handle(), &batch);
   }
+}
+
+// Flags of the last step when it reported them, otherwise those of a step that moves nothing.
+std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
+  if (!riding && flags_step == step_count - 1) return flags;
+  std::vector<std::uint32_t> result(contact_point_count(), 0);
+  ask_at_rest(QUOIN_CAN_FLAGS, [&](quoin_batch& batch, std::size_t first) {
+    batch.flags = {result.data() + first, 1};
+  });
+  return result;
+}
+
+std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> Simulation::damage() const {
+  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> result;
+  for (auto& column : result) column.assign(impl_->contact_point_count(), std::numeric_limits<double>::quiet_NaN());
+  impl_->ask_at_rest(QUOIN_CAN_DAMAGE, [&](quoin_batch& batch, std::size_t first) {
+    for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first, 1};
+  });
   return result;
 }
 

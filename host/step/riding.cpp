@@ -308,13 +308,13 @@ void Simulation::Impl::look_at_riding_motion() {
   }
 }
 
-// Flags of a step that moves nothing, family after family.
-std::vector<std::uint32_t> Simulation::Impl::riding_flags() const {
-  std::vector<std::uint32_t> flags_of_points;
+// Family after family.
+void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
+  std::size_t first = 0;
   for (const blocks::Family& f : riding->families()) {
-    const std::size_t first = flags_of_points.size(), n = f.size();
-    flags_of_points.resize(first + n, 0);
-    if (n == 0 || !(f.material->api().capabilities & QUOIN_CAN_FLAGS)) continue;
+    const std::size_t n = f.size(), first_of_family = first;
+    first += n;
+    if (n == 0 || !(f.material->api().capabilities & capability)) continue;
     std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
     std::vector<quoin_in> old;
     std::vector<quoin_out> fresh;
@@ -332,14 +332,13 @@ std::vector<std::uint32_t> Simulation::Impl::riding_flags() const {
       batch.traction_new[k] = {unused.data() + k * n, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
-    batch.flags = {flags_of_points.data() + first, 1};
+    outputs(batch, first_of_family);
     f.material->api().evaluate(f.material->handle(), &batch);
   }
-  return flags_of_points;
 }
 
 std::vector<ContactPoint> Simulation::Impl::riding_points() const {
-  const std::vector<std::uint32_t> all_flags = riding_flags();
+  const std::vector<std::uint32_t> all_flags = current_flags();
   std::vector<ContactPoint> points;
   for (std::size_t k = 0; k < riding->families().size(); ++k) {
     const blocks::Family& f = riding->families()[k];

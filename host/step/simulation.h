@@ -194,6 +194,9 @@ class Simulation {
   std::vector<ContactPoint> contact_points() const;
   // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id) const;
+  // Share of what tensile strength, cohesion and compressive strength can lose that is lost, over all points; NaN where
+  // the law of a point does not tell. Cold, as contact_points.
+  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage() const;
   std::array<long, kConditionCount> condition_counts() const;
 
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come

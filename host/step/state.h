@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -148,7 +149,6 @@ struct Simulation::Impl {
   void measure_riding(HistoryRow& row) const;
   void look_at_riding_motion();
   std::vector<ContactPoint> riding_points() const;
-  std::vector<std::uint32_t> riding_flags() const;
   std::vector<double> riding_state(const std::string& id) const;
   void end_riding_step();
   void measure_riding_step();
@@ -163,6 +163,12 @@ struct Simulation::Impl {
   void share_inertia();  // where the blocks of a group are alike
   void partition_work();
   std::vector<std::uint32_t> current_flags() const;
+  // Fills the optional outputs of a batch with columns that begin at this contact point.
+  using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
+  // A step that moves nothing, into scratch but for these outputs: of the points whose law has the capability.
+  void ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
+  void ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
+  std::size_t contact_point_count() const;
 
   Scene scene;
   Model model;

@@ -344,9 +344,10 @@ void check_optional(Report& report, const Subject& subject) {
   for (unsigned wanted = 0; wanted < kAll; ++wanted) {
     const Result some = evaluate(law, material, points, wanted);
     const std::string what = difference(law, all, some);
-    report.expect(some.status == QUOIN_OK && what.empty(), "wanted only %s%s%s%s: %s",
+    report.expect(some.status == QUOIN_OK && what.empty(), "wanted only %s%s%s%s%s: %s",
                   wanted & kEnergy ? "energy " : "", wanted & kTangent ? "tangent " : "",
-                  wanted & kFlags ? "flags " : "", wanted & kStatus ? "status" : "", what.c_str());
+                  wanted & kFlags ? "flags " : "", wanted & kStatus ? "status " : "", wanted & kDamage ? "damage" : "",
+                  what.c_str());
   }
   const auto finite = [&](const std::vector<double>& column) {
     return std::all_of(column.begin(), column.end(), [](double value) { return std::isfinite(value); });
@@ -399,6 +400,23 @@ void check_optional(Report& report, const Subject& subject) {
     }
     report.expect(law.evaluate(material.handle, &columns.batch) == QUOIN_ERROR_UNSUPPORTED,
                   "an output that the capabilities do not offer is accepted");
+  }
+
+  for (size_t one = 0; one < QUOIN_DAMAGE_COUNT; ++one) {  // each damage alone
+    Columns columns(law);
+    Result result;
+    columns_of(columns, result);
+    std::vector<double> damage(points.size(), kNan);
+    columns.batch.damage[one] = {damage.data(), 1};
+    result.status = law.evaluate(material.handle, &columns.batch);
+    if (law.capabilities & QUOIN_CAN_DAMAGE) {
+      result.damage[one] = damage;
+      const std::string what = difference(law, all, result);
+      report.expect(what.empty(), "one damage output alone: %s", what.c_str());
+    } else {  // a law of version 1.0 does not see that it is asked
+      report.expect(result.status == QUOIN_ERROR_UNSUPPORTED || std::isnan(damage[0]),
+                    "damage, which the capabilities do not offer, is written");
+    }
   }
 
   report.clause("C6.8");
@@ -510,6 +528,12 @@ void check_refusals(Report& report, const Subject& subject) {
   batch.property_column_count = 1;
   batch.property_columns = &unknown;
   expect_refused("a property column of an unknown property");
+  batch.struct_size = QUOIN_BATCH_SIZE_1_0;  // a host of version 1.0, in whose memory anything may follow
+  double behind = 77;
+  for (auto& column : batch.damage) column = {&behind, 0};
+  report.expect(law.evaluate(material.handle, &batch) == QUOIN_OK && behind == 77,
+                "a batch of version 1.0 is refused, or read beyond its end");
+  reset();
   batch.struct_size = sizeof batch + 64;  // a newer host
   report.expect(law.evaluate(material.handle, &batch) == QUOIN_OK, "a longer batch of a newer host is refused");
 }
@@ -660,8 +684,9 @@ void check_failed_points(Report& report, const Subject& subject) {
         bool nothing = result.stored.empty() || result.stored[i] == 0;
         for (const auto& mode : result.dissipated) nothing = nothing && (mode.empty() || mode[i] == 0);
         for (const auto& entry : result.tangent) nothing = nothing && (entry.empty() || entry[i] == 0);
+        for (const auto& mode : result.damage) nothing = nothing && (mode.empty() || mode[i] == 0);
         report.expect(nothing && (result.flags.empty() || result.flags[i] == 0),
-                      "%s = %g: energy, dissipation, tangent or flags are not 0", name.c_str(), column[i]);
+                      "%s = %g: energy, dissipation, tangent, damage or flags are not 0", name.c_str(), column[i]);
       } else {
         report.clause("C7.2");
         const std::string what = difference(law, expected.take({i}), result.take({i}));

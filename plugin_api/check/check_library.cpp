@@ -255,7 +255,7 @@ void check_metadata(Report& report, const quoin_law& law) {
     report.expect(good_id(law.initial_states[i]) && ids.insert(law.initial_states[i]).second, "initial state %s",
                   shown(law.initial_states[i]));
   }
-  report.expect((law.capabilities & ~UINT64_C(31)) == 0, "unknown capability bits");
+  report.expect((law.capabilities & ~UINT64_C(63)) == 0, "unknown capability bits");
   report.expect(((law.capabilities & QUOIN_CAN_MIGRATE) != 0) == (law.migrate_state != nullptr),
                 "QUOIN_CAN_MIGRATE and migrate_state disagree");
 }

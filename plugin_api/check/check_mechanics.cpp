@@ -209,6 +209,50 @@ void check_energy(Report& report, const Subject& subject) {
   }
 }
 
+void check_damage(Report& report, const Subject& subject) {
+  const quoin_law& law = subject.law;
+  report.clause("C8.7");
+  if (!(law.capabilities & QUOIN_CAN_DAMAGE)) {
+    report.skip("the law does not offer damage");
+    return;
+  }
+  struct Mode {
+    const char* name;
+    uint32_t begun, complete;
+  };
+  constexpr Mode kModes[QUOIN_DAMAGE_COUNT] = {{"tension", QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE},
+                                               {"cohesion", QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE},
+                                               {"crushing", QUOIN_FLAG_CRUSHED, QUOIN_FLAG_CRUSHING_COMPLETE}};
+  constexpr size_t kCount = 100;
+  for (const Settings& settings : subject.varied) {
+    const Material material(law, settings);
+    Walk walk(law, material, kCount, 5000, 20);
+    std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> before;
+    before.fill(std::vector<double>(kCount, 0.0));
+    for (int step = 0; step < 200; ++step) {
+      walk.aim();
+      const Result result = evaluate(law, material, walk.points, kDamage | kFlags);
+      for (size_t k = 0; k < QUOIN_DAMAGE_COUNT; ++k) {
+        const Mode& mode = kModes[k];
+        for (size_t i = 0; i < kCount; ++i) {
+          const double damage = result.damage[k][i];
+          report.expect(damage >= 0 && damage <= 1, "damage in %s is %.17g", mode.name, damage);
+          report.expect(damage >= before[k][i], "damage in %s falls from %.17g to %.17g", mode.name, before[k][i],
+                        damage);
+          before[k][i] = damage;
+          if (result.flags.empty()) continue;
+          const uint32_t flags = result.flags[i];
+          report.expect(damage == 0 || (flags & mode.begun), "damage in %s is %g, and its flag is not set", mode.name,
+                        damage);
+          report.expect(damage == 1 || !(flags & mode.complete), "damage in %s is %g, and its flag says complete",
+                        mode.name, damage);
+        }
+      }
+      walk.advance(result);
+    }
+  }
+}
+
 void check_stiffness(Report& report, const Subject& subject) {
   const quoin_law& law = subject.law;
   for (const Settings& settings : subject.varied) {

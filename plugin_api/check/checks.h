@@ -28,6 +28,7 @@ void check_property_columns(Report& report, const Subject& subject);
 void check_failed_points(Report& report, const Subject& subject);
 void check_paths(Report& report, const Subject& subject);
 void check_energy(Report& report, const Subject& subject);
+void check_damage(Report& report, const Subject& subject);
 void check_stiffness(Report& report, const Subject& subject);
 void check_zero_strengths(Report& report, const Subject& subject);
 void check_migration(Report& report, const Subject& subject);

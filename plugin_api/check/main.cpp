@@ -123,6 +123,7 @@ Report check_law(const Report& library_report, const quoin_law& law, const check
       {"failed points", check::check_failed_points},
       {"paths", check::check_paths},
       {"energy", check::check_energy},
+      {"damage", check::check_damage},
       {"stiffness", check::check_stiffness},
       {"migration", check::check_migration},
   };

@@ -93,6 +93,7 @@ const std::vector<Clause>& clauses() {
       {"C8.4", "dissipation is never negative"},
       {"C8.5", "stiffness bounds are never below an observed d sigma/d d_n or d tau/d d_s"},
       {"C8.6", "the tangent is consistent with finite differences of the step"},
+      {"C8.7", "damage is in [0, 1], never decreases and agrees with the flags"},
       {"C9.1", "migrated points keep their traction; the law's own states are taken over exactly"},
   };
   return all;

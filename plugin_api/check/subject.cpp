@@ -145,6 +145,7 @@ Result Result::take(const std::vector<size_t>& indices) const {
   out.stored = pick(stored);
   for (size_t k = 0; k < dissipated.size(); ++k) out.dissipated[k] = pick(dissipated[k]);
   for (size_t k = 0; k < 9; ++k) out.tangent[k] = pick(tangent[k]);
+  for (size_t k = 0; k < damage.size(); ++k) out.damage[k] = pick(damage[k]);
   out.flags = pick(flags);
   out.point_status = pick(point_status);
   return out;
@@ -199,6 +200,9 @@ Result evaluate(const quoin_law& law, const Material& material, const Points& po
   if ((wanted & kTangent) && (law.capabilities & QUOIN_CAN_TANGENT)) {
     for (size_t k = 0; k < 9; ++k) batch.tangent[k] = column(result.tangent[k]);
   }
+  if ((wanted & kDamage) && (law.capabilities & QUOIN_CAN_DAMAGE)) {
+    for (size_t k = 0; k < result.damage.size(); ++k) batch.damage[k] = column(result.damage[k]);
+  }
   if ((wanted & kFlags) && (law.capabilities & QUOIN_CAN_FLAGS)) {
     result.flags.assign(n, 0xdeadbeefu);
     batch.flags = {result.flags.data(), 1};
@@ -247,6 +251,9 @@ std::string difference(const quoin_law& law, const Result& a, const Result& b) {
   }
   for (size_t k = 0; k < 9 && text.empty(); ++k) {
     text = compare("tangent[" + std::to_string(k) + "]", a.tangent[k], b.tangent[k]);
+  }
+  for (size_t k = 0; k < a.damage.size() && text.empty(); ++k) {
+    text = compare("damage[" + std::to_string(k) + "]", a.damage[k], b.damage[k]);
   }
   if (text.empty()) text = compare("flags", a.flags, b.flags);
   if (text.empty()) text = compare("status", a.point_status, b.point_status);

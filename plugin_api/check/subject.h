@@ -77,6 +77,7 @@ struct Result {
   std::vector<double> stored;
   std::array<std::vector<double>, QUOIN_DISSIPATED_COUNT> dissipated;
   std::array<std::vector<double>, 9> tangent;
+  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage;
   std::vector<uint32_t> flags, point_status;
   uint64_t clamped = 0, failed = 0;
   uint32_t worst = 0, any_yielding = 0;
@@ -84,7 +85,7 @@ struct Result {
   Result take(const std::vector<size_t>& indices) const;
 };
 
-constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kAll = 15;
+constexpr unsigned kEnergy = 1, kTangent = 2, kFlags = 4, kStatus = 8, kDamage = 16, kAll = 31;
 
 Result evaluate(const quoin_law& law, const Material& material, const Points& points, unsigned wanted = kAll);
 

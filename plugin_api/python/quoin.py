@@ -16,9 +16,9 @@ import os
 
 import numpy as np
 
-ABI_MAJOR, ABI_MINOR = 1, 0
+ABI_MAJOR, ABI_MINOR = 1, 1
 OK, FAILED = 0, 2
-ENERGY, TANGENT, PROPERTY_COLUMNS, FLAGS, MIGRATE = 1, 2, 4, 8, 16
+ENERGY, TANGENT, PROPERTY_COLUMNS, FLAGS, MIGRATE, DAMAGE = 1, 2, 4, 8, 16, 32
 DISSIPATED = ("tension", "cohesion", "friction", "crushing")
 
 
@@ -46,7 +46,7 @@ _Batch = _struct(
     ("state_new", c.POINTER(_Column)), ("property_column_count", _u64), ("property_columns", c.POINTER(_PropertyColumn)),
     ("energy_stored", _Column), ("dissipated", _Column * 4), ("tangent", _Column * 9), ("flags", _Column),
     ("status", _Column), ("clamped_count", _u64), ("failed_count", _u64), ("worst_status", _u32),
-    ("any_yielding", _u32))
+    ("any_yielding", _u32), ("damage", _Column * 3))
 _Migration = _struct(
     "quoin_migration", ("struct_size", _u64), ("count", _u64), ("from_law", _str), ("from_schema", _u64),
     ("from_state_count", _u64), ("from_state_ids", c.POINTER(_str)), ("from_states", c.POINTER(_Column)),
@@ -200,7 +200,7 @@ class Material:
         return self.prepare(*arrays, **outputs)()
 
     def prepare(self, normal_jump, slip, traction, state, *, traction_new=None, state_new=None, energy_stored=None,
-                dissipated=None, tangent=None, flags=None, status=None, columns=None):
+                dissipated=None, tangent=None, flags=None, status=None, columns=None, damage=None):
         """A step of N points that can be taken again and again on the same arrays by calling it: describing them costs
         more than a small batch. Outputs that are not given are not computed; without traction_new and state_new the old
         arrays are overwritten. A point whose inputs are not finite keeps its stress and state: the batch that each call
@@ -221,11 +221,12 @@ class Material:
         batch.tangent = _columns("tangent", tangent, 9, count, writable=True)
         batch.flags = _column("flags", flags, count, np.uint32, True)
         batch.status = _column("status", status, count, np.uint32, True)
+        batch.damage = _columns("damage", damage, 3, count, writable=True)
         given = [_PropertyColumn(name.encode(), _column(name, a, count)) for name, a in (columns or {}).items()]
         property_columns = (_PropertyColumn * max(1, len(given)))(*given)
         batch.property_column_count, batch.property_columns = len(given), property_columns
         arrays = [normal_jump, *slip, *traction, *traction_new, *state, *state_new, energy_stored, dissipated, tangent,
-                  flags, status, columns]
+                  flags, status, columns, damage]
         return _Step(self, batch, arrays)
 
     def take_over(self, old, normal_jump, traction, state):

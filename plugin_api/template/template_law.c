@@ -169,11 +169,20 @@ static int well_formed(const quoin_batch* batch) { /* C6.11 */
          (batch->status.data == NULL || batch->status.stride != 0);
 }
 
+static int asks_for_damage(const quoin_batch* batch) {
+  int k, asked = 0;
+  if (batch->struct_size < sizeof *batch) return 0;
+  for (k = 0; k < QUOIN_DAMAGE_COUNT; ++k) asked = asked || batch->damage[k].data != NULL;
+  return asked;
+}
+
 static quoin_status evaluate(const quoin_material* material, quoin_batch* batch) {
   uint64_t i;
   int k;
-  if (material == NULL || batch == NULL || batch->struct_size < sizeof *batch || !well_formed(batch))
+  /* Hosts of version 1.0 send shorter batches: what came later may not be touched then (C1.4). */
+  if (material == NULL || batch == NULL || batch->struct_size < QUOIN_BATCH_SIZE_1_0 || !well_formed(batch))
     return QUOIN_ERROR_ARGUMENT;
+  if (asks_for_damage(batch)) return QUOIN_ERROR_UNSUPPORTED; /* not in our capabilities (C6.7) */
   batch->clamped_count = 0;
   batch->failed_count = 0;
   batch->worst_status = QUOIN_POINT_OK;

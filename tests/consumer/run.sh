@@ -14,6 +14,7 @@ case $1 in
     done
     # In another place than it was configured for: the tree is relocatable.
     mv "$work/usr" "$work/elsewhere"
+    [ -s "$work/elsewhere/share/quoin/laws/fracture_energy/LAW.md" ] || { echo "the law in words is not installed"; exit 1; }
     cmake -S "$source/tests/consumer/find_package" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/elsewhere" >"$work/log"
     cmake --build "$work/build" >>"$work/log"
     (cd "$work/build" && ctest --output-on-failure)

@@ -83,5 +83,29 @@ TEST(Surfaces, ADryArchShowsItsHinges) {
   EXPECT_EQ(slipped, 0);
 }
 
+// The brittle law has lost all at once, or nothing; a law that never fails loses nothing.
+TEST(Surfaces, DamageOfLawsWithoutSofteningIsAllOrNothing) {
+  for (const char* law : {"coulomb_slip", "elastic"}) {
+    JointFamily family = elastic_family();
+    family.law = law;
+    if (family.law == "coulomb_slip") {
+      for (const auto& [id, value] : {std::pair{"tensile_strength", 0.2e6}, {"cohesion", 0.3e6}})
+        family.properties.push_back({id, {value}, "", {}});
+    }
+    const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, family);
+    Simulation simulation(bare_scene(), assembly);
+    for (int n = 0; n < 12; ++n) simulation.displacement()[dof(simulation.model(), 1, n, 0)] = 30e-6;
+    simulation.advance(1);
+    const auto damage = simulation.damage();
+    const double expected = family.law == "coulomb_slip" ? 1.0 : 0.0;
+    ASSERT_GT(simulation.point_count(), 0);
+    for (std::size_t i = 0; i < damage[0].size(); ++i) {
+      EXPECT_EQ(damage[QUOIN_DAMAGE_TENSION][i], expected) << law;
+      EXPECT_EQ(damage[QUOIN_DAMAGE_COHESION][i], expected) << law;
+      EXPECT_EQ(damage[QUOIN_DAMAGE_CRUSHING][i], 0.0) << law;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace quoin

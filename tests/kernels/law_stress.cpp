@@ -1,7 +1,8 @@
-// Stress run of the fracture-energy law (LAW.md, statements 3 and 5): random steps with extreme admissible parameters,
-// jumps from 1e-15 to 1 m, not a number and infinity among the inputs. For finite input nothing but finite numbers may
-// come out, no traction outside the current strength, no negative dissipation; bad input must fail its point and return
-// the old state. The strengths are computed here from the states that come back, not by the law.
+// Stress run of the fracture-energy law (contact_models/fracture_energy/LAW.md, statements 3 and 5): random steps with
+// extreme admissible parameters, jumps from 1e-15 to 1 m, not a number and infinity among the inputs. For finite input
+// nothing but finite numbers may come out, no traction outside the current strength, no negative dissipation; bad input
+// must fail its point and return the old state. The strengths are computed here from the states that come back, not by
+// the law.
 //
 //   law_stress [--steps 1e8] [--seed 20261121]
 #include <fmt/format.h>
@@ -48,7 +49,7 @@ double log_uniform(Random& random, double low, double high) {
 }
 bool chance(Random& random, double probability) { return uniform(random, 0.0, 1.0) < probability; }
 
-// Admissible by LAW.md, statement 6, with energies from 1.001 times their bound.
+// Admissible by statement 6 there, with energies from 1.001 times their bound.
 Values draw(Random& random, Drawn& d) {
   const auto tangent = [](double degrees) { return std::tan(degrees * (M_PI / 180.0)); };
   d.kn = log_uniform(random, 1e6, 1e14);
@@ -58,7 +59,7 @@ Values draw(Random& random, Drawn& d) {
   d.cr = chance(random, 0.5) ? 0.0 : chance(random, 0.2) ? d.c0 : d.c0 * uniform(random, 0.0, 0.99);
   const double phi0 = chance(random, 0.2) ? 0.0 : uniform(random, 0.0, 80.0);
   const double phir = chance(random, 0.5) ? phi0 : phi0 * uniform(random, 0.0, 1.0);
-  const double psi0 = chance(random, 0.6) ? 0.0 : phi0 * uniform(random, 0.0, 0.5);
+  double psi0 = chance(random, 0.6) ? 0.0 : phi0 * uniform(random, 0.0, 0.5);
   d.mu0 = tangent(phi0), d.mur = tangent(phir);
   const bool crushes = chance(random, 0.6);
   d.fc = crushes ? log_uniform(random, 1.0, 1e9) : std::numeric_limits<double>::infinity();
@@ -80,7 +81,16 @@ Values draw(Random& random, Drawn& d) {
   const double P = crushes ? d.fc : 0.0;
   d.G1 = energy(0.5 * d.ft * d.ft / d.kn);
   d.G2 = energy(d.m * std::max(d.c0, d.c0 - d.cr + P * (d.mu0 - d.mur)) * (d.c0 - d.cr) * d.A / d.ks);
-  d.Gc = crushes ? energy(d.m * (d.fc - d.fcr) * (d.fc - d.fcr) * d.A / d.kn) : 0.0;
+  const double lowest_Gc = crushes ? d.m * (d.fc - d.fcr) * (d.fc - d.fcr) * d.A / d.kn : 0.0;
+  d.Gc = energy(lowest_Gc);
+  // Uplift that crushes the joint takes from ks: kn mu0 tan(psi0) q/(1 - q), with q as large as Gc is close to its
+  // bound.
+  const double by_uplift = lowest_Gc > 0.0 ? d.kn * d.mu0 * tangent(psi0) * lowest_Gc / (d.Gc - lowest_Gc) : 0.0;
+  if (by_uplift < 0.999 * d.ks) {
+    d.G2 *= d.ks / (d.ks - by_uplift) * 1.000001;
+  } else {
+    psi0 = 0.0;
+  }
   Values v;
   v.numbers = {{"normal_stiffness", d.kn},           {"shear_stiffness", d.ks},
                {"tensile_strength", d.ft},           {"cohesion", d.c0},

@@ -163,6 +163,12 @@ double Case::normal_scale() const {
   return std::max(static_cast<double>(p.ft), crushing);
 }
 double Case::shear_scale() const { return static_cast<double>(p.c0) + mu0() * normal_scale(); }
+double Case::fall_by_uplift() const {
+  if (!(p.fc > p.fcr) || !std::isfinite(p.fc)) return 0.0;
+  const double loss = static_cast<double>(p.fc - p.fcr), kn = static_cast<double>(p.kn);
+  const double q = max_slope() * loss / (wu() * kn);
+  return kn * mu0() * std::tan(static_cast<double>(p.psi0) * (std::numbers::pi / 180.0)) * q / (1.0 - q);
+}
 double Case::shear_strength(double e, double sigma, double xi) const {
   const double D = 1.0 - f(xi);
   const double c0 = static_cast<double>(p.c0), cr = static_cast<double>(p.cr);
@@ -205,9 +211,6 @@ Case any_case(Random& random, double margin) {
     c.p.fc = strength * log_uniform(random, 2.0, 30.0);
     c.p.fcr = chance(0.3) ? 0.0L : c.p.fc * uniform(random, 0.02, 0.7);
     if (chance(0.1)) c.p.fcr = c.p.fc;
-    // Fully crushed to nothing the point stands at e = 0 exactly, where rounding decides between closed (cohesion cr)
-    // and open (none): no two implementations need agree there.
-    if (c.p.cr > 0) c.p.fcr = std::max(c.p.fcr, 0.02L * c.p.fc);
   }
   const double shape = uniform(random, 0.0, 1.0);
   c.p.shape = shape < 0.4   ? reference::Shape::linear
@@ -237,6 +240,9 @@ Case any_case(Random& random, double margin) {
   if (std::isfinite(c.p.fc)) {
     const double loss = static_cast<double>(c.p.fc - c.p.fcr);
     c.p.Gc = above(m * loss * loss * A / static_cast<double>(c.p.kn));
+    // Beside ks, so that the margin of G2 stays one.
+    while (c.fall_by_uplift() > 0.5 * static_cast<double>(c.p.ks)) c.p.Gc *= 2;
+    c.p.G2 /= 1.0 - c.fall_by_uplift() / static_cast<double>(c.p.ks);
   }
   return c;
 }

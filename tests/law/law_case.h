@@ -28,7 +28,7 @@ struct Case {
   reference::Point reference_point() const { return reference::Point(p, dry); }
   std::string text() const;
 
-  // Lengths of LAW.md, computed here from its text
+  // Lengths of contact_models/fracture_energy/LAW.md, computed here from its text
   double area() const, max_slope() const;
   double u0() const, lt() const, su() const, wu() const;
   double end() const;  // xi at which f is 0, or where an exponential has become negligible (e^-8)
@@ -39,7 +39,9 @@ struct Case {
   // Largest d_n and slip that a random path should reach
   double opening_range() const, closing_range() const, sliding_range() const;
   double shear_scale() const, normal_scale() const;  // strengths that errors are measured against
-  // Shear strength at a state, from LAW.md's words
+  // Most by which S falls along the slip where uplift crushes the joint, kn mu0 tan(psi0) q/(1 - q), Pa/m
+  double fall_by_uplift() const;
+  // Shear strength at a state, from the words of that page
   double shear_strength(double e, double sigma, double xi) const;
 };
 

@@ -99,7 +99,11 @@ Real Point::sigma() const {
   return std::max(p_.kn * e, -crushing_strength());
 }
 
+// Nothing is left of the joint, residual cohesion included.
+bool Point::crushed_out() const { return crushing_strength() == 0; }
+
 Real Point::line() const {
+  if (crushed_out()) return 0;
   const Real factor = strength_factor_shear();
   const Real cohesion = opening() > 0 ? p_.c0 * factor : p_.cr + (p_.c0 - p_.cr) * factor;
   const Real mu = mu0_ + (mur_ - mu0_) * (1 - factor);
@@ -109,6 +113,7 @@ Real Point::line() const {
 Real Point::shear_strength() const { return std::max(Real(0), line()); }
 
 Real Point::line_slope() const {
+  if (crushed_out()) return 0;
   const Real slope = f_slope(xi_of_slip(), slip_complete());
   const bool open = opening() > 0;
   const Real factor = strength_factor_shear();

@@ -1,7 +1,7 @@
-// An independent reading of LAW.md in long double, for tests only: the rate equations of the fracture-energy law,
-// integrated explicitly in at least 1000 sub-steps an increment. No return mapping, no end-state equation, no code
-// shared with contact_models. First order in the sub-step; exact nowhere on purpose, so that it cannot repeat the law's
-// own mistakes.
+// An independent reading of contact_models/fracture_energy/LAW.md in long double, for tests only: the rate equations of
+// the fracture-energy law, integrated explicitly in at least 1000 sub-steps an increment. No return mapping, no
+// end-state equation, no code shared with contact_models. First order in the sub-step; exact nowhere on purpose, so
+// that it cannot repeat the law's own mistakes.
 #pragma once
 
 #include <array>
@@ -56,6 +56,7 @@ class Point {
   Real opening() const;       // e
   Real crushing_strength() const;
   Real crushing_slope() const;
+  bool crushed_out() const;
   bool slip_complete() const { return p_.shared ? complete_t_ : complete_s_; }
   Real xi_of_slip() const { return p_.shared ? xi_t_ : xi_s_; }
   Real line() const;        // Coulomb's line, before the max with 0

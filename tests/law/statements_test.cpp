@@ -1,5 +1,5 @@
-// The seven statements under 'What must hold' in LAW.md, one group of tests each. Every expected number is derived
-// here.
+// The seven statements under 'What must hold' in contact_models/fracture_energy/LAW.md, one group of tests each. Every
+// expected number is derived here.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -305,7 +305,7 @@ TEST(Statement3, NeverNegativeAndNeverOutside) {
         energy_scale = std::max({energy_scale, now.energy_stored,
                                  now.dissipated[0] + now.dissipated[1] + now.dissipated[2] + now.dissipated[3]});
         for (const double d : now.dissipated_now) faults += d < -1e-12 * energy_scale;
-        // LAW.md, statement 5: the overstress that is no yield, twice for this test's own rounding
+        // Statement 5: the overstress that is no yield, twice for this test's own rounding
         const double reach = real(c.p.kn) * (std::abs(now.jump[0]) + w + v);
         const double outside = 16 * kEpsilon * std::max({real(c.p.c0), real(c.p.ft), reach, tau}) * (1.0 + c.mu0());
         faults += tau > c.shear_strength(e, sigma, xi_s) + outside;
@@ -575,7 +575,7 @@ TEST(Statement6, AllFaultsInOneMessage) {
   }
 }
 
-// Just above the bound accepted, at it and below refused: the bounds computed here from LAW.md's inequalities.
+// Just above the bound accepted, at it and below refused: the bounds computed here from the statement's inequalities.
 TEST(Statement6, BoundsOfTheFractureEnergies) {
   for (const int shape : {0, 1, 2}) {
     for (const bool crushing : {true, false}) {
@@ -607,6 +607,35 @@ TEST(Statement6, BoundsOfTheFractureEnergies) {
           check("fracture_energy_compression", &reference::Parameters::Gc, m * loss * loss / real(c.p.kn) * A);
       }
     }
+  }
+}
+
+// With dilation and crushing S falls with the uplift too: at q = 0.3 by kn mu0 tan(psi0) 3/7 of ks. The bound is the
+// one at which the fastest fall of S by the slip is ks.
+TEST(Statement6, BoundOfTheShearEnergyWithDilationAndCrushing) {
+  for (const int shape : {0, 1, 2}) {
+    Case c = mortar();
+    with_shape(c, shape);
+    c.p.psi0 = 20;
+    c.p.G2 = 1000;
+    const double m = c.max_slope(), A = c.area(), loss = real(c.p.fc - c.p.fcr), kn = real(c.p.kn), ks = real(c.p.ks);
+    c.p.Gc = m * loss * loss * A / kn / 0.3;
+    const double by_uplift = kn * c.mu0() * std::tan(20 * std::numbers::pi / 180) * 0.3 / 0.7;
+    ASSERT_LT(by_uplift, ks) << "nothing to test";
+    EXPECT_NEAR(c.fall_by_uplift(), by_uplift, 1e-12 * ks);
+    const double drop = real(c.p.c0 - c.p.cr);
+    const double bound =
+        m * std::max(real(c.p.c0), drop + real(c.p.fc) * (c.mu0() - c.mur())) * drop * A / (ks - by_uplift);
+    for (const double factor : {0.5, 1 - 1e-9, 1 + 1e-9, 2.0}) {
+      c.p.G2 = bound * factor;
+      const std::string message = refused(c);
+      EXPECT_EQ(message.find("fracture_energy_shear") != std::string::npos, factor < 1.0) << factor << ": " << message;
+    }
+    // Where the uplift alone takes all of ks no fracture energy in shear helps.
+    c.p.G2 = 1e9;
+    c.p.Gc = m * loss * loss * A / kn / 0.9;
+    ASSERT_GT(c.fall_by_uplift(), ks) << "nothing to test";
+    EXPECT_NE(refused(c).find("dilation_angle"), std::string::npos) << refused(c);
   }
 }
 

@@ -23,7 +23,7 @@ extern "C" {
 /* Major: layouts or meanings changed; minor: something was appended. Hosts and laws work together when the
  * majors agree; each side uses only what the smaller minor knows. */
 #define QUOIN_ABI_MAJOR 1u
-#define QUOIN_ABI_MINOR 0u
+#define QUOIN_ABI_MINOR 1u
 
 #if defined(_WIN32)
 #define QUOIN_EXPORT __declspec(dllexport)

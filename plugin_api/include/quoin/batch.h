@@ -35,8 +35,8 @@ typedef struct quoin_property_column {
 } quoin_property_column;
 
 /* Per-point status. FAILED: an input of the point that the law uses (old traction and state included) is not finite, or
- * its own properties are refused; traction and state are copied from the old ones, energy, dissipation, tangent and
- * flags are 0. */
+ * its own properties are refused; traction and state are copied from the old ones, energy, dissipation, tangent,
+ * flags and damage are 0. */
 #define QUOIN_POINT_OK 0u
 #define QUOIN_POINT_CLAMPED 1u /* an input was outside the law's range and was limited; outputs are valid */
 #define QUOIN_POINT_FAILED 2u  /* not a number, or per-point properties refused: outputs equal the old state */
@@ -58,6 +58,12 @@ typedef struct quoin_property_column {
 #define QUOIN_DISSIPATED_FRICTION 2
 #define QUOIN_DISSIPATED_CRUSHING 3
 #define QUOIN_DISSIPATED_COUNT 4
+
+/* Damage outputs, since 1.1 */
+#define QUOIN_DAMAGE_TENSION 0  /* of the tensile strength */
+#define QUOIN_DAMAGE_COHESION 1 /* of the cohesion */
+#define QUOIN_DAMAGE_CRUSHING 2 /* of the compressive strength */
+#define QUOIN_DAMAGE_COUNT 3
 
 typedef struct quoin_batch {
   uint64_t struct_size;
@@ -89,7 +95,15 @@ typedef struct quoin_batch {
   uint64_t failed_count;
   uint32_t worst_status; /* largest per-point status */
   uint32_t any_yielding; /* 0: no internal variable of any point moved, the batch was elastic */
+
+  /* Since 1.1, and only where struct_size reaches to it. Output, optional: share of what the strength of each mode can
+   * lose, down to its residual, that is lost at the end of the step, in [0, 1]; 1 too when a mode that has nothing to
+   * lose is complete. */
+  quoin_out damage[QUOIN_DAMAGE_COUNT];
 } quoin_batch;
+
+/* What a batch of version 1.0 takes: a law refuses no batch from this size on. */
+#define QUOIN_BATCH_SIZE_1_0 ((uint64_t)(sizeof(quoin_batch) - QUOIN_DAMAGE_COUNT * sizeof(quoin_out)))
 
 #ifdef __cplusplus
 }

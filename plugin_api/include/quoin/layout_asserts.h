@@ -1,4 +1,4 @@
-/* The layout of ABI version 1.0 on 64-bit platforms, checked wherever this file is included: include it in one source
+/* The layout of ABI version 1.1 on 64-bit platforms, checked wherever this file is included: include it in one source
  * of a host or a law that must not be built with other packing or pointer sizes. Appending a field changes the size
  * line of its struct and adds a line; any other edit is a new major version. */
 #ifndef QUOIN_LAYOUT_ASSERTS_H
@@ -39,7 +39,7 @@ QUOIN_LAYOUT_SIZE(quoin_property_column, 24);
 QUOIN_LAYOUT_OFFSET(quoin_property_column, id, 0);
 QUOIN_LAYOUT_OFFSET(quoin_property_column, values, 8);
 
-QUOIN_LAYOUT_SIZE(quoin_batch, 472);
+QUOIN_LAYOUT_SIZE(quoin_batch, 520);
 QUOIN_LAYOUT_OFFSET(quoin_batch, struct_size, 0);
 QUOIN_LAYOUT_OFFSET(quoin_batch, count, 8);
 QUOIN_LAYOUT_OFFSET(quoin_batch, normal_jump, 16);
@@ -59,6 +59,8 @@ QUOIN_LAYOUT_OFFSET(quoin_batch, clamped_count, 448);
 QUOIN_LAYOUT_OFFSET(quoin_batch, failed_count, 456);
 QUOIN_LAYOUT_OFFSET(quoin_batch, worst_status, 464);
 QUOIN_LAYOUT_OFFSET(quoin_batch, any_yielding, 468);
+QUOIN_LAYOUT_OFFSET(quoin_batch, damage, 472);
+QUOIN_LAYOUT_ASSERT(QUOIN_BATCH_SIZE_1_0 == 472);
 
 QUOIN_LAYOUT_SIZE(quoin_property_info, 104);
 QUOIN_LAYOUT_OFFSET(quoin_property_info, struct_size, 0);

@@ -79,6 +79,7 @@ typedef struct quoin_convention {
 #define QUOIN_CAN_PROPERTY_COLUMNS UINT64_C(4) /* per-point properties */
 #define QUOIN_CAN_FLAGS UINT64_C(8)            /* per-point flags */
 #define QUOIN_CAN_MIGRATE UINT64_C(16)         /* migrate_state */
+#define QUOIN_CAN_DAMAGE UINT64_C(32)          /* since 1.1: damage outputs */
 
 #ifdef __cplusplus
 }

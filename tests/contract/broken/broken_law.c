@@ -28,6 +28,8 @@ static const quoin_state_info* const state_list[2] = {&state_table[0], &state_ta
 #define HAS_COLUMNS (BROKEN == 55 || BROKEN == 56 || BROKEN == 57)
 #define HAS_STRENGTH (BROKEN == 55 || BROKEN == 58 || BROKEN == 59)
 
+#define HAS_DAMAGE (BROKEN >= 61 && BROKEN <= 64)
+
 #if HAS_STRENGTH
 static const quoin_property_info strength_info = {sizeof(quoin_property_info),
                                                   "tensile_strength",
@@ -253,9 +255,12 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 #endif
   if (material == NULL || batch == NULL) return QUOIN_ERROR_ARGUMENT;
 #if BROKEN == 40
-  if (batch->struct_size < sizeof *batch) return QUOIN_OK; /* a short batch is not refused */
+  if (batch->struct_size < QUOIN_BATCH_SIZE_1_0) return QUOIN_OK; /* a short batch is not refused */
 #endif
-  if (batch->struct_size < sizeof *batch) return QUOIN_ERROR_ARGUMENT;
+#if BROKEN == 65
+  if (batch->struct_size < sizeof *batch) return QUOIN_ERROR_ARGUMENT; /* wants what came after version 1.0 */
+#endif
+  if (batch->struct_size < QUOIN_BATCH_SIZE_1_0) return QUOIN_ERROR_ARGUMENT;
 #if BROKEN == 22
   if (batch->count == 0) return QUOIN_ERROR_ARGUMENT;
 #endif
@@ -286,6 +291,9 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
   steps = malloc((size_t)(batch->count + 1) * sizeof *steps);
   bad = malloc((size_t)(batch->count + 1));
   inner = *batch;
+#if HAS_DAMAGE
+  memset(inner.damage, 0, sizeof inner.damage); /* the template knows none */
+#endif
 #if HAS_COLUMNS
   inner.property_column_count = 0; /* the template knows none */
   kn_column = stiffness_column(batch, &columns_ok);
@@ -433,6 +441,24 @@ static quoin_status step(const quoin_material* material, quoin_batch* batch) {
 #endif
     }
 #endif
+#if HAS_DAMAGE
+    if (batch->struct_size >= sizeof *batch) {
+      const double lost = slid[i] / (slid[i] + 1e-4);
+      put(batch->damage[QUOIN_DAMAGE_TENSION], i, 0.0);
+      put(batch->damage[QUOIN_DAMAGE_CRUSHING], i, 0.0);
+#if BROKEN == 62
+      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : 1 - lost); /* what is left, not what is lost */
+#elif BROKEN == 63
+      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : 100 * lost); /* per cent */
+#elif BROKEN == 64
+      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 1.0 : lost); /* a failed point is not a broken joint */
+#else
+      put(batch->damage[QUOIN_DAMAGE_COHESION], i, bad[i] ? 0.0 : lost);
+#endif
+      if (!bad[i] && lost > 0 && batch->flags.data != NULL)
+        batch->flags.data[(int64_t)i * batch->flags.stride] |= QUOIN_FLAG_SHEAR_DAMAGED;
+    }
+#endif
 #if BROKEN == 23
     /* A failed point gets zeros instead of its old values. */
     if (bad[i]) put(batch->traction_new[0], i, 0.0);
@@ -536,6 +562,9 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
 #if HAS_COLUMNS
   changed_properties[NORMAL_STIFFNESS].flags |= QUOIN_PROPERTY_PER_POINT;
   changed_law.capabilities |= QUOIN_CAN_PROPERTY_COLUMNS;
+#endif
+#if HAS_DAMAGE
+  changed_law.capabilities |= QUOIN_CAN_DAMAGE;
 #endif
 #if BROKEN == 5
   changed_properties[1].default_from = NULL;

@@ -60,4 +60,9 @@ set(faults
   "57|C6.9|a property column is not looked at"
   "58|C4.9|takes a strength of zero for a fault"
   "59|C4.9|divides by a strength of zero"
-  "60|C2.4|writes to a text that is too short")
+  "60|C2.4|writes to a text that is too short"
+  "61||nothing: the same construction with damage"
+  "62|C8.7|tells the strength that is left for the one that is lost"
+  "63|C8.7|damage in per cent"
+  "64|C7.1|failed points told as broken ones"
+  "65|C6.11|refuses a batch of version 1.0")

@@ -1,0 +1,129 @@
+// Damage by mode (ABI 1.1): the share of the strength that is lost, against the closed forms of the three shapes and
+// against the strength that the points still carry.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "law_case.h"
+
+namespace quoin::test {
+namespace {
+
+struct Outcome {
+  std::array<std::vector<double>, 3> traction, damage;
+};
+
+// One step from the initial state to each of these jumps: of one mode alone, the path does not matter.
+Outcome reach(const Case& c, const std::vector<double>& opening, const std::vector<double>& sliding) {
+  const auto material = c.material();
+  const quoin_law& law = material->api();
+  const std::size_t n = opening.size();
+  std::vector<double> initial(law.state_count), scratch(law.state_count * n), zero(n, 0.0);
+  EXPECT_EQ(law.initial_state(material->handle(), "bonded", initial.data()), QUOIN_OK);
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::size_t k = 0; k < law.state_count; ++k) {
+    old.push_back({&initial[k], 0});
+    fresh.push_back({scratch.data() + k * n, 1});
+  }
+  Outcome outcome;
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = n;
+  batch.normal_jump = {opening.data(), 1};
+  batch.slip_increment[0] = {sliding.data(), 1};
+  batch.slip_increment[1] = {zero.data(), 1};
+  batch.state_old = old.data();
+  batch.state_new = fresh.data();
+  for (std::size_t k = 0; k < 3; ++k) {
+    outcome.traction[k].assign(n, NAN);
+    outcome.damage[k].assign(n, NAN);
+    batch.traction_old[k] = {zero.data(), 1};
+    batch.traction_new[k] = {outcome.traction[k].data(), 1};
+    batch.damage[k] = {outcome.damage[k].data(), 1};
+  }
+  EXPECT_EQ(law.evaluate(material->handle(), &batch), QUOIN_OK);
+  return outcome;
+}
+
+Case shaped(reference::Shape shape) {
+  Case c = mortar();
+  c.p.shape = shape;
+  if (shape == reference::Shape::table) c.p.table = {{0.0L, 1.0L}, {0.3L, 0.5L}, {1.0L, 0.0L}};
+  return c;
+}
+
+// The softening functions, written out.
+double lost(reference::Shape shape, double xi) {
+  if (shape == reference::Shape::linear) return std::min(1.0, xi);
+  if (shape == reference::Shape::exponential) return -std::expm1(-xi);
+  return xi < 0.3 ? xi / 0.6 : std::min(1.0, 0.5 + (xi - 0.3) / 1.4);
+}
+
+std::vector<double> points(double from, double to) {
+  std::vector<double> values;
+  for (int i = 0; i < 53; ++i) values.push_back(from + (to - from) * i / 52);  // no multiple of any vector's length
+  return values;
+}
+
+// A few roundings of values of order 1, of the difference e - u0 and of the softening length.
+constexpr double kRounding = 1e-10;
+
+class Damage : public ::testing::TestWithParam<reference::Shape> {};
+
+TEST_P(Damage, InTensionIsThatOfTheClosedForm) {
+  for (const bool shared : {true, false}) {
+    Case c = shaped(GetParam());
+    c.p.shared = shared;
+    const std::vector<double> opening = points(0.0, c.u0() + 1.5 * c.lt());
+    const Outcome o = reach(c, opening, std::vector<double>(opening.size(), 0.0));
+    for (std::size_t i = 0; i < opening.size(); ++i) {
+      const double expected = lost(GetParam(), std::max(0.0, (opening[i] - c.u0()) / c.lt()));
+      EXPECT_NEAR(o.damage[QUOIN_DAMAGE_TENSION][i], expected, kRounding) << opening[i];
+      EXPECT_NEAR(o.damage[QUOIN_DAMAGE_COHESION][i], shared ? expected : 0.0, kRounding) << opening[i];
+      EXPECT_EQ(o.damage[QUOIN_DAMAGE_CRUSHING][i], 0.0);
+    }
+  }
+}
+
+TEST_P(Damage, InShearIsTheCohesionThatIsNotCarried) {
+  for (const double cr : {0.0, 0.05e6}) {
+    Case c = shaped(GetParam());
+    c.p.cr = cr;
+    const double c0 = static_cast<double>(c.p.c0);
+    // Every one slides: |tau| = c at zero pressure.
+    const std::vector<double> sliding = points(1.001 * c0 / static_cast<double>(c.p.ks), 1.5 * c.su());
+    const Outcome o = reach(c, std::vector<double>(sliding.size(), 0.0), sliding);
+    for (std::size_t i = 0; i < sliding.size(); ++i) {
+      EXPECT_NEAR(o.damage[QUOIN_DAMAGE_COHESION][i], (c0 - o.traction[1][i]) / (c0 - cr), kRounding) << sliding[i];
+      const double slip = sliding[i] - o.traction[1][i] / static_cast<double>(c.p.ks);
+      EXPECT_NEAR(o.damage[QUOIN_DAMAGE_COHESION][i], lost(GetParam(), slip / c.su()), kRounding) << sliding[i];
+    }
+    EXPECT_LT(o.damage[QUOIN_DAMAGE_COHESION].front(), 0.1);
+    EXPECT_GT(o.damage[QUOIN_DAMAGE_COHESION].back(), 0.7);
+  }
+}
+
+TEST_P(Damage, InCompressionIsTheStrengthThatIsNotCarried) {
+  for (const double share : {0.0, 0.3}) {
+    Case c = shaped(GetParam());
+    c.p.fcr = share * c.p.fc;
+    const double fc = static_cast<double>(c.p.fc), fcr = static_cast<double>(c.p.fcr);
+    const std::vector<double> closing = points(-1.001 * fc / static_cast<double>(c.p.kn), -1.5 * c.wu());
+    const Outcome o = reach(c, closing, std::vector<double>(closing.size(), 0.0));
+    for (std::size_t i = 0; i < closing.size(); ++i) {
+      EXPECT_NEAR(o.damage[QUOIN_DAMAGE_CRUSHING][i], (fc + o.traction[0][i]) / (fc - fcr), kRounding) << closing[i];
+      EXPECT_EQ(o.damage[QUOIN_DAMAGE_TENSION][i], 0.0);
+    }
+    EXPECT_GT(o.damage[QUOIN_DAMAGE_CRUSHING].back(), 0.7);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Damage,
+                         ::testing::Values(reference::Shape::linear, reference::Shape::exponential,
+                                           reference::Shape::table));
+
+}  // namespace
+}  // namespace quoin::test
