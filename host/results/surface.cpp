@@ -129,7 +129,7 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) con
     const bool slip_known = std::isfinite(slip[i]) || !simulation.riding();
     if (c.condition == Condition::crushed_out || c.condition == Condition::crushing)
       p.crack = Crack::crushed;
-    else if (families[static_cast<size_t>(c.family)].initial_state == "dry")
+    else if (simulation.assembly().families[static_cast<size_t>(c.family)].initial_state == "dry")
       p.crack = classify_dry(p, slip_known);
     else
       p.crack = classify(p);
