@@ -283,8 +283,6 @@ class Model {
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
   double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
-  double unbalanced_force() const { return unbalanced_; }    // the largest, N
-  double contact_force_sum() const { return total_force_; }  // sum of |force| over contact points, N
   size_t point_count() const;
   double mass() const;
   double mass_of(int block) const;  // that has weight, kg

@@ -37,7 +37,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
     for (const BodyControl& control : s.controls) block_named(control.body, s.source.text);
     for (const PointForce& given : s.forces) block_named(given.block, s.source.text);
     for (const FacePressure& given : s.pressures) block_named(given.block, s.source.text);
-    const std::string& watched = s.monitor.empty() ? scene.output.monitor : s.monitor;
+    const std::string& watched = watched_block(s);
     if (!watched.empty()) block_named(watched, s.source.text + ": monitor");
     if (s.displacement && watched.empty())
       throw Error(Exit::bad_input,
@@ -53,6 +53,10 @@ int Simulation::Impl::block_named(const std::string& name, const std::string& wh
   return blocks::find_block(riding->assembly(), name, where);
 }
 
+const std::string& Simulation::Impl::watched_block(const Stage& settings) const {
+  return settings.monitor.empty() ? scene.output.monitor : settings.monitor;
+}
+
 // ---- Stages --------------------------------------------------------------------------------------------------------
 
 void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
@@ -61,7 +65,7 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
   riding_stage_start = m.time();
   multiplier = 0.0;
   if (settings.damping) m.set_damping(*settings.damping);
-  const std::string& watched = settings.monitor.empty() ? scene.output.monitor : settings.monitor;
+  const std::string& watched = watched_block(settings);
   monitor_block = watched.empty() ? -1 : block_named(watched, settings.source.text);
   if (monitor_block >= 0) monitor_start = riding_displacement(monitor_block);
 

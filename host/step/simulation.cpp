@@ -159,8 +159,8 @@ void Simulation::Impl::report_failed_points() {
 void Simulation::Impl::apply_controls() {
   if (!controls_settled)
     follow_ramps();
-  else if (riding)
-    drive_blocks(1.0);
+  else if (riding && scene.stages[static_cast<std::size_t>(stage)].collapse)
+    drive_blocks(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
   else if (!rest_known)
     find_bodies_at_rest();
   if (!whiffletree.empty()) pull_whiffletree();

@@ -136,6 +136,7 @@ struct Simulation::Impl {
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
   void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   int block_named(const std::string& name, const std::string& where) const;
+  const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
   void follow_time_step();  // of the riding model, which may have chosen a new one
