@@ -1,12 +1,7 @@
 #include "blocks/from_bricks.h"
 
-#include <fmt/core.h>
-
 #include <map>
-#include <set>
 #include <utility>
-
-#include "scene/error.h"
 
 namespace quoin::blocks {
 
@@ -18,34 +13,12 @@ constexpr double kLargestFraction = 0.6;
 // Of the least extent of a brick: below the size of a zone, so that points still face the triangles they belong to.
 constexpr double kJointMotion = 0.05;
 
-[[noreturn]] void refuse(const Scene& scene, const std::string& why) {
-  throw Error(Exit::bad_input, fmt::format("{}: solver.large_motion = \"always\": {}", scene.file, why));
-}
-
-void check(const quoin::Assembly& bricks, const Scene& scene) {
-  if (bricks.symmetry_plane_z0)
-    refuse(scene, "half of the thickness cannot leave its plane of symmetry; set wall.half_thickness = false");
-  std::set<std::string> names;
-  for (const Brick& brick : bricks.bricks) {
-    if (brick.body.empty()) continue;
-    if (!brick.rigid) refuse(scene, fmt::format("'{}' is a deformable block with loads; make it rigid", brick.body));
-    if (!names.insert(brick.body).second)
-      refuse(scene, fmt::format("'{}' names several rigid blocks; only beams can be moved so far", brick.body));
-  }
-  for (const Stage& stage : scene.stages) {
-    if (stage.whiffletree)
-      refuse(scene, fmt::format("stage '{}' pushes floors through a whiffletree, which only small displacements have",
-                                stage.name));
-    if (!stage.law_swaps.empty())
-      refuse(scene, fmt::format("stage '{}' replaces laws, which only small displacements have", stage.name));
-  }
-}
-
 }  // namespace
 
-Assembly from_bricks(const quoin::Assembly& bricks, const Scene& scene) {
-  check(bricks, scene);
+Assembly from_bricks(const quoin::Assembly& bricks) {
   Assembly assembly;
+  assembly.shared_names = true;
+  assembly.symmetry_plane_z0 = bricks.symmetry_plane_z0;
   assembly.materials = bricks.materials;
   assembly.families = bricks.families;
   std::map<std::array<double, 3>, int> shape_of_size;

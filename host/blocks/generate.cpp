@@ -182,20 +182,19 @@ Assembly assemble(const Scene& scene) {
   return assembly;
 }
 
-int find_block(const Assembly& assembly, const std::string& name, const std::string& where) {
+std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where) {
   std::vector<std::string> names;
-  int found = -1;
+  std::vector<int> found;
   for (size_t i = 0; i < assembly.blocks.size(); ++i) {
     names.push_back(assembly.blocks[i].name);
-    if (assembly.blocks[i].name != name) continue;
-    if (found >= 0) {
-      throw Error(Exit::bad_input,
-                  fmt::format("{}: blocks #{} and #{} are both called '{}'; give them names of their own", where, found,
-                              i, name));
-    }
-    found = int(i);
+    if (assembly.blocks[i].name == name) found.push_back(int(i));
   }
-  if (found >= 0) return found;
+  if (found.size() > 1 && !assembly.shared_names) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: blocks #{} and #{} are both called '{}'; give them names of their own", where,
+                            found[0], found[1], name));
+  }
+  if (!found.empty()) return found;
   throw Error(Exit::bad_input, fmt::format("{}: no block is called '{}'{}", where, name, did_you_mean(name, names)));
 }
 

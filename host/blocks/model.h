@@ -45,6 +45,7 @@ struct Body {
   double weight_mass = 0.0;  // of weight, kg
   Vector inertia;            // principal, kg m2
   uint8_t held = 0;          // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
+  uint8_t support = 0;       // of these, the ones that a plane of symmetry holds for good
   Vector held_v, held_omega;
 };
 
@@ -118,6 +119,17 @@ struct BlockSums {
   Vector net;               // their sum, N
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
+};
+
+// What a contact point of the start goes on from: its law's columns in a model of small displacements.
+struct PointHistory {
+  int block_a, block_b;              // n from a to b
+  Vector position, n, s, t;          // of the start; m, unit
+  double opening = 0.0;              // that its law sees next, m
+  double opening_at_traction = 0.0;  // that it has seen last, m
+  std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m
+  std::array<double, 3> traction{};  // Pa
+  std::vector<double> state;
 };
 
 // Two blocks close to each other.
@@ -295,6 +307,14 @@ class Model {
   void save(ArchiveWriter& writer) const;
   void restore(ArchiveReader& reader);
 
+  // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of
+  // every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points. take_over keeps
+  // tractions, states and openings as they are, whatever the turning of the blocks means for the gap. Throws
+  // Error(numerical) when a history has no contact point here. Points without a history begin without load.
+  void start_at(double time, long steps) { time_ = time, step_count_ = steps; }
+  void set_pose(int block, const Vector& centre, const Quaternion& turn);  // rigid; turn: since the start
+  void take_over(const std::vector<PointHistory>& histories);
+
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
 
@@ -363,7 +383,7 @@ class Model {
 
   std::vector<Vector> node_x_, node_reference_, node_v_, node_f_;
   std::vector<double> node_mass_, node_weight_mass_;
-  std::vector<uint8_t> node_held_;
+  std::vector<uint8_t> node_held_, node_support_;  // bits 0..2; of held, what a plane of symmetry holds for good
   std::vector<Vector> node_held_v_;
   std::vector<Zone> zones_;
   std::vector<Matrix> zone_strain_;  // of the last step, when stiffness damping needs it

@@ -50,7 +50,8 @@ double Model::highest_frequency() const {
   for (size_t i = 0; i < nb; ++i) {
     for (int k = 0; k < 3; ++k) {
       scale[6 * i + k] = bodies_[i].held >> k & 1 ? 0.0 : 1 / std::sqrt(bodies_[i].mass);
-      scale[6 * i + 3 + k] = bodies_[i].held >> 3 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
+      // Held about some axes only: as if free, which a constraint can only make softer.
+      scale[6 * i + 3 + k] = bodies_[i].held >> 3 == 7 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
     }
   }
   for (size_t i = 0; i < nn; ++i) {
