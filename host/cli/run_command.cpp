@@ -219,9 +219,8 @@ void run(RunOptions options, int& exit_code) {
   if (simulation.riding() && !simulation.scene().blocks) {
     const SolverSettings& used = simulation.scene().solver;
     recorder.progress().message(
-        fmt::format("large motion from the start: damping by eq. 1{} with true inertia, as blocks in large motion have "
-                    "no damping by "
-                    "block",
+        fmt::format("{}: damping by eq. 1{} with true inertia, as blocks of any shape have no damping by block",
+                    used.large_motion == LargeMotion::always ? "large motion from the start" : "general kernels",
                     used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
   }
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());

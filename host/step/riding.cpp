@@ -274,10 +274,12 @@ Vec3 Simulation::Impl::riding_displacement(int block) const {
 
 double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
-  for (int i = 0; i < riding->block_count(); ++i) {
+  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
+  for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
+    look(norm(geometry::vector(whole_motion_of(i).translation)));
+  for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
-    const double moved = norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]);
-    largest = moved <= largest ? largest : moved;  // NaN is kept
+    look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));
   }
   return largest;
 }

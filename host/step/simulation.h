@@ -78,6 +78,7 @@ struct Outcome {
 };
 
 class Simulation;
+struct Motion;
 
 // A law that has replaced another one with the traction of every point kept.
 struct LawSwap {
@@ -211,7 +212,7 @@ class Simulation {
   struct Impl;  // state.h
 
  private:
-  static std::unique_ptr<Impl> make_impl(Scene scene, Assembly assembly, int threads,
+  static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
                                          std::vector<std::shared_ptr<const Material>> materials);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};
