@@ -230,9 +230,8 @@ void run(RunOptions options, int& exit_code) {
   if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
     const SolverSettings& used = simulation.scene().solver;
     recorder.progress().message(
-        fmt::format("large motion from the start: damping by eq. 1{} with true inertia, as blocks in large motion have "
-                    "no damping by "
-                    "block",
+        fmt::format("{}: damping by eq. 1{} with true inertia, as blocks of any shape have no damping by block",
+                    used.large_motion == LargeMotion::always ? "large motion from the start" : "general kernels",
                     used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
   }
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
@@ -263,7 +262,7 @@ void run(RunOptions options, int& exit_code) {
     // Each waits for a gnuplot of its own.
     auto curve = std::async(std::launch::async, [&] { return plot_curve(folder, rows, simulation.scene(), law); });
     std::string of_cracks, of_mechanism;
-    if (simulation.riding()) {
+    if (simulation.riding() || simulation.scene().blocks) {
       of_mechanism = plot_mechanism(folder, simulation);
       of_cracks = plot_block_cracks(folder, simulation, surfaces);
     } else {

@@ -144,7 +144,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   const Scene& scene = simulation.scene();
   const TimeStepReport& step = simulation.time_step_report();
   const Peak peak = find_peak(rows, scene);
-  const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
+  const double area = bed_area(scene);
 
   Json json;
   json["version"] = QUOIN_VERSION;

@@ -56,12 +56,15 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
     for (const Vec3& p : mesh.gridpoint) add(points, p);
     for (const Vec3& u : simulation.block_displacement(b)) add(displacement, u);
     for (const auto& zone : mesh.zone) add_cell(first, zone, kVtkTetrahedron);
-    for (const auto& face : mesh.face) add_cell(first, face, kVtkPolygon);
+    const bool rigid = mesh.zone.empty();
+    for (const auto& face : mesh.face) {
+      if (rigid) add_cell(first, face, kVtkPolygon);
+    }
     for (const auto& tensor : simulation.block_stress(b)) {
       for (const double s : tensor) stress.push_back(static_cast<float>(s));
     }
-    stress.insert(stress.end(), 6 * mesh.face.size(), 0.0F);
-    const size_t cells = mesh.zone.size() + mesh.face.size();
+    const size_t cells = rigid ? mesh.face.size() : mesh.zone.size();
+    if (rigid) stress.insert(stress.end(), 6 * cells, 0.0F);
     block.insert(block.end(), cells, b);
     unit.insert(unit.end(), cells, mesh.unit);
     course.insert(course.end(), cells, mesh.course);

@@ -45,10 +45,10 @@ namespace reader {
 
 namespace {
 
-DampingKind read_damping(Table& t, DampingKind damping, bool walls) {
+DampingKind read_damping(Table& t, DampingKind damping, bool of_stage) {
   std::map<std::string, DampingKind> kinds = {
       {"none", DampingKind::none}, {"local", DampingKind::local}, {"viscous", DampingKind::viscous}};
-  if (walls) kinds["block"] = DampingKind::block;
+  if (!of_stage) kinds["block"] = DampingKind::block;
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds) names.push_back(name);
   std::string chosen;
@@ -70,12 +70,22 @@ void read_large_motion(Table& t, SolverSettings* s) {
   s->motion_bound.stop = past == "stop";
 }
 
+void read_kernels(Table& t, SolverSettings* s) {
+  const std::map<std::string, Kernels> kinds = {
+      {"automatic", Kernels::automatic}, {"lattice", Kernels::lattice}, {"general", Kernels::general}};
+  std::string chosen;
+  t.choice("kernels", chosen, {"automatic", "lattice", "general"});
+  if (kinds.contains(chosen)) s->kernels = kinds.at(chosen);
+  if (s->kernels == Kernels::lattice && s->large_motion == LargeMotion::always)
+    t.refuse("kernels", "\"automatic\" or \"general\" with large_motion = \"always\", which the lattice does not have");
+}
+
 }  // namespace
 
 SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual, quality != nullptr);
+  const DampingKind damping = read_damping(t, usual, of_stage);
   // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
   if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
   s.damping = damping;
@@ -99,8 +109,9 @@ SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
            "of the critical time step (0.6 of 2/omega_max is sound)");
   t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
   t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
-  if (!of_stage) read_large_motion(t, &s);
-  if (quality) {
+  if (!of_stage) {
+    read_large_motion(t, &s);
+    read_kernels(t, &s);
     if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
       only_with("deformation_damping", {DampingKind::block}, "\"block\"");
     t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
@@ -511,22 +522,18 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   scene.file = path;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
-  const Quality* quality = &quality_named("standard");
-  if (of_blocks) {
-    scene.quality_as_is = false;  // its errors were measured on walls
-    scene.output.energy = true;
-    if (const auto* table = t.table("solver", "a table [solver]"))
-      scene.solver = read_solver({context, *table, "solver"}, nullptr);
-  } else {
-    scene.solver = quality->solver;
-  }
-  if (const auto* table = of_blocks ? nullptr : t.table("solver", "a table [solver]")) {
+  const Quality* quality = of_blocks ? nullptr : &quality_named("standard");
+  if (of_blocks) scene.output.energy = true;
+  if (quality) scene.solver = quality->solver;
+  if (const auto* table = t.table("solver", "a table [solver]")) {
     Table solver(context, *table, "solver");
-    std::vector<std::string> names;
-    for (const Quality& q : qualities()) names.push_back(q.name);
-    std::string name = quality->name;
-    solver.choice("quality", name, names);
-    quality = &quality_named(name);
+    if (!of_blocks || solver.has("quality")) {
+      std::vector<std::string> names;
+      for (const Quality& q : qualities()) names.push_back(q.name);
+      std::string name = "standard";
+      solver.choice("quality", name, names);
+      quality = &quality_named(name);
+    }
     // What a run does past the bound of small displacements changes no number before it.
     scene.quality_as_is = std::all_of(table->begin(), table->end(), [](const auto& entry) {
       const std::string_view key = entry.first.str();
@@ -536,7 +543,8 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
     scene.solver = read_solver(std::move(solver), quality);
     if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;  // eq. 1 takes its place
   }
-  if (!of_blocks) scene.quality = quality->name;
+  if (of_blocks) scene.quality_as_is = false;  // its errors were measured on walls
+  if (quality) scene.quality = quality->name;
 
   auto each = [&](const char* kind, bool required, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);
@@ -561,10 +569,6 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   if (const auto* table = t.table("wall", "a table [wall]", !scene.building && !scene.blocks))
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
-  for (const char* kind : {"wall", "building"}) {
-    if (of_blocks && t.has(kind))
-      t.refuse(kind, "not beside [[block]], [[dry_wall]] and [[arch]]; remove one or the other");
-  }
 
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
   int index = 0;

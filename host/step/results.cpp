@@ -102,9 +102,9 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   const Brick& brick = model.assembly.bricks[at(block)];
   const Model::BlockPlace& place = model.place[at(block)];
   BlockMesh mesh;
-  mesh.unit = brick.unit, mesh.course = brick.course;
+  mesh.unit = brick.unit, mesh.course = brick.course, mesh.fixed = brick.beam;
+  mesh.face = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   if (place.body >= 0) {
-    mesh.face = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     for (int corner = 0; corner < 8; ++corner) {
       mesh.gridpoint.push_back({brick.origin[0] + (corner & 1) * brick.size[0],
                                 brick.origin[1] + (corner >> 1 & 1) * brick.size[1],
@@ -116,6 +116,11 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   const BrickTemplate& shape = model.templates[at(group.brick_template)];
   for (int n = 0; n < shape.node_count; ++n)
     mesh.gridpoint.push_back(model.position[at((group.first_line + n) * kLanes + place.lane)]);
+  const auto& [nx, ny, nz] = shape.zones;
+  for (std::vector<int>& face : mesh.face) {
+    for (int& corner : face)
+      corner = shape.node_index(corner & 1 ? nx : 0, corner >> 1 & 1 ? ny : 0, corner >> 2 ? nz : 0);
+  }
   for (const Zone& zone : shape.zone) mesh.zone.push_back(zone.node);
   return mesh;
 }

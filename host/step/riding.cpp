@@ -304,10 +304,12 @@ Vec3 Simulation::Impl::riding_displacement(const std::vector<int>& blocks) const
 
 double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
-  for (int i = 0; i < riding->block_count(); ++i) {
+  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
+  for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
+    look(norm(geometry::vector(whole_motion_of(i).translation)));
+  for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
-    const double moved = norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]);
-    largest = moved <= largest ? largest : moved;  // NaN is kept
+    look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));
   }
   return largest;
 }
@@ -397,11 +399,11 @@ Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
   const blocks::ModelBlock& b = riding->block(block);
   const blocks::Block& input = riding->assembly().blocks[static_cast<std::size_t>(block)];
   BlockMesh mesh;
-  mesh.unit = input.unit, mesh.course = input.course;
+  mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
+  mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
   if (b.body >= 0) {
     const geometry::Matrix turned = matrix(input.orientation);
     for (const Vector& p : b.shape->vertices) mesh.gridpoint.push_back(geometry::array(input.position + turned * p));
-    mesh.face = b.shape->faces;
     return mesh;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)

@@ -7,9 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "blocks/from_bricks.h"
-#include "blocks/generate.h"
-#include "scene/generate.h"
+#include "blocks/motion.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 
@@ -299,6 +297,7 @@ HistoryRow Simulation::Impl::measure() const {
     measure_riding(row);
     return row;
   }
+  if (scene.blocks) row.largest_displacement = largest_displacement();
   if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
@@ -335,26 +334,26 @@ HistoryRow Simulation::Impl::measure() const {
 }
 
 // Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
+  const Model::BlockPlace& where = model.place[brick];
+  if (where.body >= 0)
+    return {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
+  const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
+  const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+  std::array<Vec3, 8> corner;
+  for (int k = 0; k < 8; ++k) {
+    const int node =
+        shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
+    const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
+    corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
+  }
+  return whole_motion(shape.size, corner);
+}
+
 void Simulation::Impl::look_at_motion() {
   if (riding) return look_at_riding_motion();
   whole_motions.resize(model.assembly.bricks.size());
-  for (std::size_t i = 0; i < whole_motions.size(); ++i) {
-    const Model::BlockPlace& where = model.place[i];
-    if (where.body >= 0) {
-      whole_motions[i] = {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
-      continue;
-    }
-    const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
-    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-    std::array<Vec3, 8> corner;
-    for (int k = 0; k < 8; ++k) {
-      const int node =
-          shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
-      const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
-      corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
-    }
-    whole_motions[i] = whole_motion(shape.size, corner);
-  }
+  for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   joint_sliding.look(whole_motions, &motion_seen);
 }
 
@@ -897,37 +896,24 @@ void Simulation::Impl::partition_work() {
 // ---- The public class ----------------------------------------------------------------------------------------------
 
 Simulation::Simulation(Scene scene, int threads) {
-  Assembly assembly;
-  if (scene.blocks) {
-    for (const auto& [name, family] : scene.joints) assembly.families.push_back(family);
-  } else {
-    assembly = assemble(scene);
-  }
-  auto materials = make_materials(assembly);
-  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
+  Motion motion = choose_motion(std::move(scene));
+  auto materials = make_materials(motion.bricks);
+  impl_ = make_impl(std::move(motion), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
   auto materials = make_materials(assembly);
-  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
+  impl_ = make_impl(choose_motion(std::move(scene), std::move(assembly)), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
-    : impl_(make_impl(std::move(scene), std::move(assembly), threads, std::move(materials))) {}
+    : impl_(make_impl(choose_motion(std::move(scene), std::move(assembly)), threads, std::move(materials))) {}
 
-std::unique_ptr<Simulation::Impl> Simulation::make_impl(Scene scene, Assembly assembly, int threads,
+std::unique_ptr<Simulation::Impl> Simulation::make_impl(Motion motion, int threads,
                                                         std::vector<std::shared_ptr<const Material>> materials) {
-  std::optional<blocks::Assembly> shapes;
-  if (scene.blocks) {
-    shapes = blocks::assemble(scene);
-  } else if (scene.solver.large_motion == LargeMotion::always) {
-    shapes = blocks::from_bricks(assembly);
-    scene.solver = blocks::for_large_motion(scene.solver);
-    assembly.bricks.clear(), assembly.joints.clear();
-  }
-  return std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials),
-                                shapes ? &*shapes : nullptr);
+  return std::make_unique<Impl>(std::move(motion.scene), std::move(motion.bricks), threads, std::move(materials),
+                                motion.shapes ? &*motion.shapes : nullptr);
 }
 
 Simulation::~Simulation() = default;

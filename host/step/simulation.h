@@ -89,6 +89,7 @@ struct Outcome {
 };
 
 class Simulation;
+struct Motion;
 
 // A law that has replaced another one with the traction of every point kept.
 struct LawSwap {
@@ -196,8 +197,9 @@ class Simulation {
   struct BlockMesh {
     std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
     std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
-    std::vector<std::vector<int>> face;    // of rigid blocks, counter-clockwise seen from outside
+    std::vector<std::vector<int>> face;    // of the whole block, corner by corner, counter-clockwise from outside
     int unit = -1, course = -1;            // of masonry; -1: none
+    bool fixed = false;                    // a support, or a beam beside the masonry
   };
   BlockMesh block_mesh(int block) const;
   std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
@@ -225,7 +227,7 @@ class Simulation {
   struct Impl;  // state.h
 
  private:
-  static std::unique_ptr<Impl> make_impl(Scene scene, Assembly assembly, int threads,
+  static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
                                          std::vector<std::shared_ptr<const Material>> materials);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};

@@ -116,6 +116,8 @@ struct Simulation::Impl {
   void swap_law(const std::string& family, const std::string& law);
   // The law's material for a joint family: with the properties that it knows, as the scene gives them.
   HistoryRow measure() const;
+  double largest_displacement() const;  // of any block that is not fixed, m
+  WholeMotion whole_motion_of(std::size_t brick) const;
   void look_at_motion();
   std::string past_motion_bound() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
@@ -151,7 +153,6 @@ struct Simulation::Impl {
   void watch_uplift();
   Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
   Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
-  double largest_displacement() const;                             // of any block that is not fixed, m
   void measure_riding(HistoryRow& row) const;
   void look_at_riding_motion();
   BlockMesh riding_mesh(int block) const;
