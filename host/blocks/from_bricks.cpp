@@ -12,9 +12,6 @@ namespace quoin::blocks {
 
 namespace {
 
-// Above this, motion that drifts is driven by eq. 1 in one of its own periods (scene/quality.cpp).
-constexpr double kLargestFraction = 0.6;
-
 // Of the least extent of a brick: below the size of a zone, so that points still face the triangles they belong to.
 constexpr double kJointMotion = 0.05;
 
@@ -25,6 +22,8 @@ constexpr double kJointMotion = 0.05;
 void check(const quoin::Assembly& bricks, const Scene& scene) {
   if (bricks.symmetry_plane_z0)
     refuse(scene, "half of the thickness cannot leave its plane of symmetry; set wall.half_thickness = false");
+  if (scene.solver.critical_time_step == CriticalTimeStep::nodal)
+    refuse(scene, "critical_time_step = \"nodal\" is for small displacements only; take \"assembled\"");
   std::set<std::string> names;
   for (const Brick& brick : bricks.bricks) {
     if (brick.body.empty()) continue;
@@ -79,19 +78,6 @@ Assembly from_bricks(const quoin::Assembly& bricks, const Scene& scene) {
   assembly.contact.small_displacement = 0.0;
   assembly.contact.joint_motion = kJointMotion;
   return assembly;
-}
-
-SolverSettings for_large_motion(const SolverSettings& given) {
-  SolverSettings solver = given;
-  if (solver.damping == DampingKind::block) {
-    const SolverSettings eq1;
-    solver.damping = eq1.damping;
-    solver.local_damping = eq1.local_damping;
-    solver.settling_damping.reset();
-    solver.time_step_fraction = std::min(solver.time_step_fraction, kLargestFraction);
-  }
-  solver.deformation_inertia = solver.unit_inertia = 1.0;
-  return solver;
 }
 
 }  // namespace quoin::blocks

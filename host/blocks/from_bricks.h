@@ -12,8 +12,4 @@ namespace quoin::blocks {
 // thickness, bodies of several bricks, stages with a whiffletree or on deformable bodies.
 Assembly from_bricks(const quoin::Assembly& bricks, const Scene& scene);
 
-// Damping and inertia for it: eq. 1 with true inertia where the scene has damping by block or inertia scaled apart,
-// which blocks of any shape do not have.
-SolverSettings for_large_motion(const SolverSettings& solver);
-
 }  // namespace quoin::blocks

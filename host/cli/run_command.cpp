@@ -216,14 +216,7 @@ void run(RunOptions options, int& exit_code) {
     recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (lock)
     recorder.progress().message("resumed before its first checkpoint: from the start");
-  if (simulation.riding() && !simulation.scene().blocks) {
-    const SolverSettings& used = simulation.scene().solver;
-    recorder.progress().message(
-        fmt::format("large motion from the start: damping by eq. 1{} with true inertia, as blocks in large motion have "
-                    "no damping by "
-                    "block",
-                    used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
-  }
+  if (simulation.riding() && !simulation.scene().blocks) recorder.progress().message("large motion from the start");
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 
   RunInfo info;

@@ -45,10 +45,11 @@ namespace reader {
 
 namespace {
 
-DampingKind read_damping(Table& t, DampingKind damping, bool walls) {
-  std::map<std::string, DampingKind> kinds = {
-      {"none", DampingKind::none}, {"local", DampingKind::local}, {"viscous", DampingKind::viscous}};
-  if (walls) kinds["block"] = DampingKind::block;
+DampingKind read_damping(Table& t, DampingKind damping) {
+  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
+                                                    {"local", DampingKind::local},
+                                                    {"viscous", DampingKind::viscous},
+                                                    {"block", DampingKind::block}};
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds) names.push_back(name);
   std::string chosen;
@@ -75,7 +76,7 @@ void read_large_motion(Table& t, SolverSettings* s) {
 SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual, quality != nullptr);
+  const DampingKind damping = read_damping(t, usual);
   // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
   if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
   s.damping = damping;
@@ -97,26 +98,38 @@ SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
            "of the critical time step (0.6 of 2/omega_max is sound)");
-  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
-  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
+    only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+  const auto of_inertia = [&](const char* key, double& value, const Range& range, const char* text) {
+    if (t.number(key, value, range, text) && of_stage)
+      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+  };
+  of_inertia("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  of_inertia("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  of_inertia("deformation_inertia", s.deformation_inertia, between(1, 1e6),
+             "times the true inertia against deformation");
+  if (t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
+               "times the true inertia against motion of the halves of a unit on each other") &&
+      !quality)
+    t.refuse("unit_inertia", "only for units in two halves, which walls and buildings have; remove it");
+  for (const auto& [key, factor] :
+       {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
+    if (factor == 1.0) continue;
+    if (s.selective_time_step > 0.0)
+      t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
+    if (damping == DampingKind::local)
+      t.refuse(key,
+               "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
+               "15 % too strong); use damping = \"block\"");
+  }
+  if (!quality && t.has("quality")) {
+    t.accept("quality");
+    t.refuse("quality",
+             "only for walls and buildings, on which its errors were measured; give damping = \"block\", "
+             "deformation_inertia and time_step_fraction instead");
+  }
   if (!of_stage) read_large_motion(t, &s);
   if (quality) {
-    if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
-      only_with("deformation_damping", {DampingKind::block}, "\"block\"");
-    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
-             "times the true inertia against deformation");
-    t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
-             "times the true inertia against motion of the halves of a unit on each other");
-    for (const auto& [key, factor] :
-         {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
-      if (factor == 1.0) continue;
-      if (s.selective_time_step > 0.0)
-        t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
-      if (damping == DampingKind::local)
-        t.refuse(key,
-                 "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
-                 "15 % too strong); use damping = \"block\"");
-    }
     std::string critical = "assembled";
     t.choice("critical_time_step", critical, {"assembled", "nodal"});
     if (critical == "nodal") {
@@ -534,7 +547,8 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
              key == "sliding_bound";
     });
     scene.solver = read_solver(std::move(solver), quality);
-    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;  // eq. 1 takes its place
+    // Its errors were measured with small displacements.
+    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;
   }
   if (!of_blocks) scene.quality = quality->name;
 

@@ -577,6 +577,7 @@ void Simulation::Impl::find_bodies_at_rest() {
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
   const SolverSettings& settings = scene.solver;
+  if (riding) riding->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
@@ -894,7 +895,6 @@ std::unique_ptr<Simulation::Impl> Simulation::make_impl(Scene scene, Assembly as
     shapes = blocks::assemble(scene);
   } else if (scene.solver.large_motion == LargeMotion::always) {
     shapes = blocks::from_bricks(assembly, scene);
-    scene.solver = blocks::for_large_motion(scene.solver);
     assembly.bricks.clear(), assembly.joints.clear();
   }
   return std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials),
