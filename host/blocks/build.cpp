@@ -91,13 +91,24 @@ Model::Model(const Assembly& assembly, const SolverSettings& solver,
 }
 
 void Model::set_damping(const SolverSettings& solver) {
+  const SolverSettings before = solver_;
   solver_ = solver;
+  if (critical_dt_ > 0) {  // inertia is of the whole run
+    solver_.mass_scaling = before.mass_scaling;
+    solver_.deformation_inertia = before.deformation_inertia;
+    solver_.unit_inertia = before.unit_inertia;
+  }
+  if (solver.damping == DampingKind::local && (solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0)) {
+    throw Error(
+        Exit::bad_input,
+        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
+        "brake their motion; use damping = \"block\"");
+  }
   if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0) {
     for (Family& f : families_) {
       for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
       f.old_jump.assign(f.size(), std::nan(""));
     }
-    zone_strain_.assign(zones_.size(), Matrix::zero());
   }
   bind_columns();
   if (critical_dt_ > 0) find_time_step();
@@ -215,6 +226,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   node_reference_ = node_x_;
   node_v_.resize(node_x_.size());
   node_f_.resize(node_x_.size());
+  node_viscous_f_.resize(node_x_.size());
   node_held_v_.resize(node_x_.size());
   node_weight_mass_ = node_mass_;
   for (double& m : node_mass_) {
@@ -235,6 +247,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     pose(int(i), start_x_[i], start_r_[i]);
     blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
   }
+  find_units();
   const ContactSettings& c = assembly_.contact;
   size_ = least;
   skin_ = c.skin > 0 ? c.skin : 0.05 * least;

@@ -20,12 +20,6 @@ constexpr double merge_fraction = 1e-6;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double small_rotation = 1e-3;
 
-// Angle of the rotation from r0 to r, rad; small angles: the Frobenius norm of r - r0 is sqrt(2) times it.
-double angle_between(const Matrix& r, const Matrix& r0) {
-  const Matrix d = r - r0;
-  return std::sqrt(0.5 * (dot(d.row[0], d.row[0]) + dot(d.row[1], d.row[1]) + dot(d.row[2], d.row[2])));
-}
-
 }  // namespace
 
 struct Model::NewPoint {

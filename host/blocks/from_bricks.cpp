@@ -4,13 +4,6 @@
 
 namespace quoin::blocks {
 
-namespace {
-
-// Above this, motion that drifts is driven by eq. 1 in one of its own periods (scene/quality.cpp).
-constexpr double kLargestFraction = 0.6;
-
-}  // namespace
-
 FamilyOfBricks::FamilyOfBricks(const quoin::Assembly& bricks) {
   const Joint* bed = nullptr;
   for (const Joint& joint : bricks.joints) {
@@ -58,19 +51,6 @@ Assembly from_bricks(const quoin::Assembly& bricks) {
   assembly.contact.small_displacement = 0.0;
   assembly.contact.joint_motion = kJointMotion;
   return assembly;
-}
-
-SolverSettings for_large_motion(const SolverSettings& given) {
-  SolverSettings solver = given;
-  if (solver.damping == DampingKind::block) {
-    const SolverSettings eq1;
-    solver.damping = eq1.damping;
-    solver.local_damping = eq1.local_damping;
-    solver.settling_damping.reset();
-    solver.time_step_fraction = std::min(solver.time_step_fraction, kLargestFraction);
-  }
-  solver.deformation_inertia = solver.unit_inertia = 1.0;
-  return solver;
 }
 
 }  // namespace quoin::blocks

@@ -34,8 +34,4 @@ Assembly from_bricks(const quoin::Assembly& bricks);
 // belong to.
 inline constexpr double kJointMotion = 0.05;
 
-// Damping and inertia for it: eq. 1 with true inertia where the scene has damping by block or inertia scaled apart,
-// which blocks of any shape do not have.
-SolverSettings for_large_motion(const SolverSettings& solver);
-
 }  // namespace quoin::blocks

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "blocks/from_bricks.h"
@@ -22,21 +23,20 @@ constexpr bool kRecognise = true;
 }
 
 // Settings that blocks of any shape have no meaning for.
-void refuse_settings_of_the_lattice(const Scene& scene, const std::string& why_not) {
+void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& shapes, const std::string& why_not) {
+  const bool in_units =
+      std::any_of(shapes.blocks.begin(), shapes.blocks.end(), [](const blocks::Block& b) { return b.unit >= 0; });
   const SolverSettings& s = scene.solver;
   const SolverSettings usual;
   const std::pair<const char*, bool> settings[] = {
-      {"damping = \"block\"", s.damping == DampingKind::block},
-      {"deformation_inertia", s.deformation_inertia != usual.deformation_inertia},
-      {"unit_inertia", s.unit_inertia != usual.unit_inertia},
+      {"unit_inertia", s.unit_inertia != usual.unit_inertia && scene.quality.empty() && !in_units},
       {"critical_time_step", s.critical_time_step != usual.critical_time_step},
       {"internal_forces", s.internal_forces != usual.internal_forces},
   };
   for (const auto& [name, asked] : settings) {
     if (!asked) continue;
-    refuse(scene, fmt::format("solver.{}{} is of the lattice, where these blocks do not move: {}; choose another "
-                              "damping (a quality sets it too), or remove the setting",
-                              name, scene.quality.empty() ? "" : fmt::format(" (quality {})", scene.quality), why_not));
+    refuse(scene, fmt::format("solver.{} is of the lattice, where these blocks do not move: {}; remove the setting",
+                              name, why_not));
   }
 }
 
@@ -54,8 +54,9 @@ Motion choose_motion(Scene scene, Assembly bricks) {
   const bool at_once = scene.solver.large_motion == LargeMotion::always;
   if (!at_once && scene.solver.kernels != Kernels::general) return {std::move(scene), std::move(bricks), {}, {}};
   blocks::Assembly shapes = blocks::from_bricks(bricks);
+  refuse_settings_of_the_lattice(
+      scene, shapes, at_once ? "solver.large_motion = \"always\"" : "solver.kernels = \"general\"");
   if (!at_once) shapes.contact.small_displacement = blocks::ContactSettings{}.small_displacement;
-  scene.solver = blocks::for_large_motion(scene.solver);
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.bricks.symmetry_factor = bricks.symmetry_factor;
   return motion;
@@ -77,7 +78,7 @@ Motion choose_motion(Scene scene) {
     why_not = kernels == Kernels::general ? "solver.kernels = \"general\""
                                           : "not asked for, though they fit; choose solver.kernels = \"lattice\"";
   }
-  refuse_settings_of_the_lattice(scene, why_not);
+  refuse_settings_of_the_lattice(scene, shapes, why_not);
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.why_not_lattice = why_not;
   return motion;

@@ -228,11 +228,8 @@ void run(RunOptions options, int& exit_code) {
   else if (lock)
     recorder.progress().message("resumed before its first checkpoint: from the start");
   if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
-    const SolverSettings& used = simulation.scene().solver;
-    recorder.progress().message(
-        fmt::format("{}: damping by eq. 1{} with true inertia, as blocks of any shape have no damping by block",
-                    used.large_motion == LargeMotion::always ? "large motion from the start" : "general kernels",
-                    used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
+    const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
+    recorder.progress().message(at_once ? "large motion from the start" : "general kernels");
   }
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 

@@ -45,10 +45,11 @@ namespace reader {
 
 namespace {
 
-DampingKind read_damping(Table& t, DampingKind damping, bool of_stage) {
-  std::map<std::string, DampingKind> kinds = {
-      {"none", DampingKind::none}, {"local", DampingKind::local}, {"viscous", DampingKind::viscous}};
-  if (!of_stage) kinds["block"] = DampingKind::block;
+DampingKind read_damping(Table& t, DampingKind damping) {
+  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
+                                                    {"local", DampingKind::local},
+                                                    {"viscous", DampingKind::viscous},
+                                                    {"block", DampingKind::block}};
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds) names.push_back(name);
   std::string chosen;
@@ -85,7 +86,7 @@ void read_kernels(Table& t, SolverSettings* s) {
 SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual, of_stage);
+  const DampingKind damping = read_damping(t, usual);
   // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
   if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
   s.damping = damping;
@@ -107,27 +108,31 @@ SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
            "of the critical time step (0.6 of 2/omega_max is sound)");
-  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
-  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  const auto of_inertia = [&](const char* key, double& value, const Range& range, const char* text) {
+    if (t.number(key, value, range, text) && of_stage)
+      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+  };
+  of_inertia("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  of_inertia("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  of_inertia("deformation_inertia", s.deformation_inertia, between(1, 1e6),
+             "times the true inertia against deformation");
+  of_inertia("unit_inertia", s.unit_inertia, between(1, 1e6),
+             "times the true inertia against motion of the halves of a unit on each other");
+  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
+    only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+  for (const auto& [key, factor] :
+       {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
+    if (factor == 1.0) continue;
+    if (s.selective_time_step > 0.0)
+      t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
+    if (damping == DampingKind::local)
+      t.refuse(key,
+               "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
+               "15 % too strong); use damping = \"block\"");
+  }
   if (!of_stage) {
     read_large_motion(t, &s);
     read_kernels(t, &s);
-    if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
-      only_with("deformation_damping", {DampingKind::block}, "\"block\"");
-    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
-             "times the true inertia against deformation");
-    t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
-             "times the true inertia against motion of the halves of a unit on each other");
-    for (const auto& [key, factor] :
-         {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
-      if (factor == 1.0) continue;
-      if (s.selective_time_step > 0.0)
-        t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
-      if (damping == DampingKind::local)
-        t.refuse(key,
-                 "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
-                 "15 % too strong); use damping = \"block\"");
-    }
     std::string critical = "assembled";
     t.choice("critical_time_step", critical, {"assembled", "nodal"});
     if (critical == "nodal") {
@@ -541,7 +546,8 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
              key == "sliding_bound";
     });
     scene.solver = read_solver(std::move(solver), quality);
-    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;  // eq. 1 takes its place
+    // Its errors were measured with small displacements.
+    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;
   }
   if (of_blocks) scene.quality_as_is = false;  // its errors were measured on walls
   if (quality) scene.quality = quality->name;

@@ -169,8 +169,8 @@ void Simulation::Impl::promote(const std::string& why) {
   blocks::Model& m = *riding;
   m.start_at(promotion.time, step_count);
   std::vector<Vector> before(m.node_positions().size());
-  const bool plane = left->bricks.symmetry_plane_z0;
-  for (std::size_t b = 0; b < left->bricks.bricks.size(); ++b) {
+  const bool plane = left->symmetry_plane_z0;
+  for (std::size_t b = 0; b < left->bricks.size(); ++b) {
     const blocks::ModelBlock& block = m.block(static_cast<int>(b));
     if (block.body >= 0) {
       const BodyState& s = bodies[b];
@@ -182,7 +182,7 @@ void Simulation::Impl::promote(const std::string& why) {
     const Field& f = fields[b];
     const RigidPart moved = rigid_part(f, f.displacement, plane), moving = rigid_part(f, f.velocity, plane);
     const Matrix turn = matrix(geometry::rotation(moved.turn));
-    const auto order = gridpoint_order(left->bricks.bricks[b], f.place, m.node_reference(), block);
+    const auto order = gridpoint_order(left->bricks[b], f.place, m.node_reference(), block);
     for (std::size_t i = 0; i < f.place.size(); ++i) {
       const Vector r = f.place[i] - moved.centre;
       const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
@@ -213,23 +213,21 @@ void Simulation::Impl::promote(const std::string& why) {
 void Simulation::Impl::leave_lattice() {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  left = Left{std::move(model.assembly), scene.solver};
+  left = std::move(model.assembly);
   Assembly families_alone;
-  families_alone.families = left->bricks.families;
-  families_alone.symmetry_factor = left->bricks.symmetry_factor;
-  scene.solver = blocks::for_large_motion(scene.solver);
+  families_alone.families = left->families;
+  families_alone.symmetry_factor = left->symmetry_factor;
   take_bricks(std::move(families_alone), materials);
-  build_riding(blocks::from_bricks(left->bricks), materials);
+  build_riding(blocks::from_bricks(*left), materials);
   bind_step();
 }
 
 void Simulation::Impl::return_to_lattice() {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  scene.solver = left->solver;
   riding.reset();
   drives.clear(), monitor_blocks.clear();
-  take_bricks(std::move(left->bricks), materials);
+  take_bricks(std::move(*left), materials);
   left.reset();
   bind_step();
 }

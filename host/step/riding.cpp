@@ -259,8 +259,9 @@ double Simulation::Impl::stage_time() const {
 
 void Simulation::Impl::end_riding_step() {
   const long detections = riding->detections();
+  const int units = riding->unit_count();
   riding->end_step();
-  if (riding->detections() == detections) return;
+  if (riding->detections() == detections && riding->unit_count() == units) return;
   partition_work();
   follow_time_step();
 }

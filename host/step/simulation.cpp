@@ -584,6 +584,7 @@ void Simulation::Impl::find_bodies_at_rest() {
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
   const SolverSettings& settings = scene.solver;
+  if (riding) riding->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
@@ -639,11 +640,17 @@ long Simulation::Impl::chosen_record_interval() const {
     return std::max(1L, std::lround(scene.output.record_interval / data.time_step));
   double steps = std::numeric_limits<double>::infinity();
   if (settings.duration) steps = *settings.duration / data.time_step;
-  if (settings.displacement && !monitor.empty()) {
-    const double speed = settings.whiffletree
-                             ? std::abs(settings.whiffletree->velocity)
-                             : std::abs(ramps[static_cast<std::size_t>(monitor.front())]
-                                            .velocity_to[static_cast<std::size_t>(settings.direction)]);
+  if (settings.displacement) {
+    const auto direction = static_cast<std::size_t>(settings.direction);
+    double speed = 0.0;
+    if (settings.whiffletree)
+      speed = std::abs(settings.whiffletree->velocity);
+    else if (!monitor.empty())
+      speed = std::abs(ramps[static_cast<std::size_t>(monitor.front())].velocity_to[direction]);
+    for (const Drive& drive : drives) {
+      if (!monitor_blocks.empty() && drive.block == monitor_blocks.front())
+        speed = std::abs(drive.velocity_to[settings.direction]);
+    }
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }

@@ -174,11 +174,7 @@ struct Simulation::Impl {
   void promote(const std::string& why);
   void leave_lattice();  // for large motion, at rest
   void return_to_lattice();
-  struct Left {
-    Assembly bricks;
-    SolverSettings solver;
-  };
-  std::optional<Left> left;
+  std::optional<Assembly> left;  // by a promotion
 
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.

@@ -73,6 +73,31 @@ class ReadBlockScene : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ReadBlockScene, DampingByBlockAndScaledInertiaAreTaken) {
+  EXPECT_EQ(read({}).solver.damping, DampingKind::local);
+  EXPECT_EQ(read({}).solver.deformation_inertia, 1.0);
+  const SolverSettings s = read({"solver.damping=block", "solver.local_damping=0.3", "solver.deformation_inertia=64",
+                                 "solver.deformation_damping=0.1", "solver.settling_damping=0.5"})
+                               .solver;
+  EXPECT_EQ(s.damping, DampingKind::block);
+  EXPECT_EQ(s.deformation_inertia, 64.0);
+  EXPECT_EQ(s.deformation_damping, 0.1);
+  EXPECT_EQ(s.settling_damping, 0.5);
+}
+
+TEST_F(ReadBlockScene, InertiaThatCannotBeScaledIsRefused) {
+  EXPECT_THAT(fault("solver.deformation_inertia=64"), HasSubstr("use damping = \"block\""));
+  EXPECT_THAT(fault("solver.deformation_damping=0.1"), HasSubstr("only with damping = \"block\""));
+  const auto of_stage = [&](const std::string& solver, const std::string& stage) {
+    return refusal([&] { read_scene(write("s.toml", kScene + ("solver = " + stage + "\n[solver]\n") + solver)); });
+  };
+  EXPECT_THAT(of_stage("damping = \"none\"\n", "{ damping = \"block\", deformation_inertia = 2 }"),
+              HasSubstr("inertia is of the whole run; give it in [solver]"));
+  EXPECT_THAT(of_stage("damping = \"none\"\n", "{ mass_scaling = 2 }"), HasSubstr("inertia is of the whole run"));
+  EXPECT_THAT(of_stage("damping = \"block\"\ndeformation_inertia = 64\n", "{ damping = \"local\" }"),
+              HasSubstr("damping other than \"local\""));
+}
+
 TEST_F(ReadBlockScene, RecordsMayHaveCommentsAndAHeader) {
   for (const char* text : {
            "# station 7\ntime, acceleration\n0, 0.5\n0.01, -1.5e0 # peak\n\n+0.02, 0\n",

@@ -92,6 +92,12 @@ TEST(BlockThreads, DeformableBlocks) {
   EXPECT_GT(Simulation(scene).zone_count(), 0);
   same_at_any_number_of_threads(scene, false);
 }
+TEST(BlockThreads, DeformableBlocksUnderDampingByBlock) {
+  quoin::Scene scene = deformable();
+  scene.solver.damping = DampingKind::block, scene.solver.local_damping = 0.3;
+  scene.solver.deformation_inertia = 64.0;
+  same_at_any_number_of_threads(scene, false);
+}
 TEST(BlockThreads, Arch) { same_at_any_number_of_threads(arch(), true); }
 
 // The model's own loop, alone and with threads of its own, and the loop of a simulation.
