@@ -671,8 +671,8 @@ struct Equations {
       const V held = hn::Min(hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, old.tau_t * old.tau_t)), s.t);
       const V B = b * f1;
       const V residual = hn::Min(p.cr * (splat(1.0) - B), hn::NegMulAdd(B, o.T, held));
-      const M completes = hn::And(f0 > zero(), a.factor == zero());
-      const M at_once = hn::And(completes, hn::Or(p.ft == zero(), p.c0 == p.cr));
+      const M by_opening = hn::And(hn::And(p.ft == zero(), f1 == zero()), f0 > zero());
+      const M at_once = hn::Or(by_opening, hn::And(p.c0 == p.cr, f1 > zero()));
       const V lost = hn::IfThenElseZero(s.open, select(at_once, held, positive_part(residual)));
       E.cohesion = hn::IfThenElseZero(slips, hn::MulAdd(half * lost * lost, p.inv_ks, cohesive));
 
