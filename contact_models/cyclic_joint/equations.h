@@ -27,23 +27,34 @@ struct Given {
 
 struct Lanes {
   V kn, ks, ft, c0, cr, mu0, mur, tan_psi, fc, fcr, beta, fy, wp, Cs;
-  V c_drop, mu_drop, fc_drop;   // c0 - cr, mu0 - mur, fc - fcr
-  V strength;                   // the larger of ft and c0
-  V inv_kn, inv_ks, inv_fc;     // inv_fc: 0 without crushing
+  V c_drop, mu_drop, fc_drop;  // c0 - cr, mu0 - mur, fc - fcr
+  V strength;                  // the larger of ft and c0
+  V inv_kn, inv_ks, inv_fc;    // inv_fc: 0 without crushing
   V u0, lt, inv_lt, su, inv_su, wu, inv_wu, sd, inv_sd, inv_pd, inv_wp;
-  V hardening;                  // fc - fy
-  V compliance_by_crushing;     // chi/fc
-  V half_chi;                   // chi/(2 fc)
-  V yield;                      // F(0)
+  V hardening;                              // fc - fy
+  V compliance_by_crushing;                 // chi/fc
+  V half_chi;                               // chi/(2 fc)
+  V yield;                                  // F(0)
   V xi_at_first_opening, xi_at_first_slip;  // a mode without strength drop completes at once: its end, else 0
-  V inv_c0_su;                  // 1/(c0 su)
-  V end;                        // f(xi >= end) = 0
-  M admissible;                 // LAW.md, "Refused"; false only for columns
+  V inv_c0_su;                              // 1/(c0 su)
+  V end;                                    // f(xi >= end) = 0
+  M admissible;                             // LAW.md, "Refused"; false only for columns
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, const Given& g)
-      : kn(g.kn), ks(g.ks), ft(g.ft), c0(g.c0), cr(g.cr), mu0(g.mu0), mur(g.mur), tan_psi(g.tan_psi), fc(g.fc),
-        fcr(g.fcr), beta(g.beta), fy(g.fy), Cs(g.Cs) {
+      : kn(g.kn),
+        ks(g.ks),
+        ft(g.ft),
+        c0(g.c0),
+        cr(g.cr),
+        mu0(g.mu0),
+        mur(g.mur),
+        tan_psi(g.tan_psi),
+        fc(g.fc),
+        fcr(g.fcr),
+        beta(g.beta),
+        fy(g.fy),
+        Cs(g.Cs) {
     const V A = splat(p.A), m = splat(p.slope), one = splat(1.0), half = splat(0.5);
     const M drops_t = ft > zero(), drops_s = c0 > cr;
     const M crushes = fc < splat(HUGE_VAL), drops_c = hn::And(crushes, fc > fcr);
@@ -73,22 +84,24 @@ struct Lanes {
     const V P = hn::IfThenElseZero(crushes, fc);
     const V steepest = hn::IfThenElseZero(drops_s, m * hn::Max(c0, c_drop + P * mu_drop) * inv_su);
     const V moment = splat(p.moment) * compliance_by_crushing;
-    const V fall = hn::IfThenElseZero(drops_c, fc_drop * (m * (inv_kn + compliance_by_crushing * wp) * inv_wu + moment));
+    const V fall =
+        hn::IfThenElseZero(drops_c, fc_drop * (m * (inv_kn + compliance_by_crushing * wp) * inv_wu + moment));
     admissible = hn::And(kn > zero(), ks > zero());
     const auto require = [&](M holds) { admissible = hn::And(admissible, holds); };
-    require(hn::Or(lt > zero(), hn::Not(drops_t)));                                                   // 1
-    require(ks > steepest + mu0 * kn * tan_psi);                                                      // 2
-    require(fall < one);                                                                              // 3
+    require(hn::Or(lt > zero(), hn::Not(drops_t)));  // 1
+    require(ks > steepest + mu0 * kn * tan_psi);     // 2
+    require(fall < one);                             // 3
     require(hn::Or(hn::Or(wu > zero(), hn::Not(drops_c)), hn::Not(crushes)));
-    require(hn::Or(ks * Cs >= (one + g.chi) * kn, hn::Not(crushes)));                                 // 4
-    require(tan_psi <= mur);                                                                          // 5
-    require(hn::And(hn::And(mur <= mu0, cr <= c0), hn::And(fcr <= fc, fy <= fc)));                    // 6
+    require(hn::Or(ks * Cs >= (one + g.chi) * kn, hn::Not(crushes)));               // 4
+    require(tan_psi <= mur);                                                        // 5
+    require(hn::And(hn::And(mur <= mu0, cr <= c0), hn::And(fcr <= fc, fy <= fc)));  // 6
     require(hn::Or(sd > zero(), tan_psi == zero()));
     require(hn::Or(hn::Or(fy == fc, g.wp > zero()), hn::Not(crushes)));
     require(hn::And(beta <= one, g.chi < one));
     // One by one: a minimum may lose a value that is not a number.
-    for (const V value : {mur, tan_psi, fcr, g.G1, g.G2, g.Gc, ft, cr, beta, g.sd, g.wp, g.chi}) require(value >= zero());
-    for (const V value : {g.pd, fy, Cs}) require(value > zero());
+    for (const V value : {mur, tan_psi, fcr, g.G1, g.G2, g.Gc, ft, cr, beta, g.sd, g.wp, g.chi})
+      require(value >= zero());
+    for (const V value : {g.pd, fc, fy, Cs}) require(value > zero());
     for (const V value : {kn, ks, ft, c0, fcr, g.G1, g.G2, g.Gc, g.sd, g.wp, Cs}) require(value < splat(HUGE_VAL));
   }
 };
@@ -160,10 +173,11 @@ struct Equations {
 
   // ---- Seat of the faces: v from g ----------------------------------------------------------------------------------
 
-  // Not a number in v_m shows in v, and with v_m > 0 in g and r_m too.
+  // What is not finite in v_m shows in v, and so does g and r_m where v_m is not 0.
   HWY_INLINE V uplift(const State& s) const {
     if (all(s.v_m == zero())) return zero();
-    return on_ramp(s, hn::Sqrt(hn::MulAdd(s.g_s, s.g_s, s.g_t * s.g_t)));
+    const V r = hn::Sqrt(hn::MulAdd(s.g_s, s.g_s, s.g_t * s.g_t));
+    return hn::MulAdd(r + s.r_m, zero(), on_ramp(s, r));
   }
   HWY_INLINE V on_ramp(const State& s, V r) const {
     return s.v_m * hn::IfThenZeroElse(s.r_m == zero(), hn::Min(splat(1.0), r / s.r_m));
@@ -175,10 +189,11 @@ struct Equations {
     explicit Step(const State& from) : old(from) {}
     const State& old;
     V d_n;
-    V v, e, h;                 // with the old states
+    V v, e, h;  // with the old states
     V trial_s, trial_t, t, n_s, n_t;
-    V floor;                   // of the scale of every test: kn(|d_n| + w + v + q), |tau*|
-    Crushed crushed;           // at the old l
+    V reach;          // |d_n| + w + v + q
+    V floor;          // of the scale of every test: kn reach, |tau*|
+    Crushed crushed;  // at the old l
     M open;
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
@@ -194,7 +209,8 @@ struct Equations {
     s.t = hn::Sqrt(hn::MulAdd(s.trial_s, s.trial_s, s.trial_t * s.trial_t));
     const V inv_t = hn::IfThenZeroElse(s.t == zero(), splat(1.0) / s.t);
     s.n_s = s.trial_s * inv_t, s.n_t = s.trial_t * inv_t;
-    s.floor = hn::Max(p.kn * (hn::Abs(in.d_n) + (old.w + s.v + old.q)), s.t);
+    s.reach = hn::Abs(in.d_n) + (old.w + s.v + old.q);
+    s.floor = hn::Max(p.kn * s.reach, s.t);
     s.crushed = crushed(old.l);
     return s;
   }
@@ -202,8 +218,8 @@ struct Equations {
   // ---- Nothing yields: the short path -------------------------------------------------------------------------------
 
   // True, and the result filled in, when every lane is elastic at full stiffness: closed, uncrushed and not at the end
-  // of a residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate gives.
-  // kOpeningFirst: an opening joint is told at once.
+  // of a residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate
+  // gives. kOpeningFirst: an opening joint is told at once.
   template <bool kOpeningFirst>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
     const V h = in.d_n - uplift(old) + old.w - old.q;
@@ -263,7 +279,8 @@ struct Equations {
     return o;
   }
 
-  // ---- Slip to a strength that falls with f alone: open, 2, and closed, 3, where the seat does not move --------------
+  // ---- Slip to a strength that falls with f alone: open, 2, and closed, 3, where the seat does not move
+  // --------------
 
   // Root of t - ks gamma = S_end + S_drop f(xi + rate gamma).
   struct Line {
@@ -285,8 +302,8 @@ struct Equations {
   HWY_INLINE V curved_slip(M within, const Line& line, V factor, V t, V beyond, V tolerance) const {
     const V guess = hn::Min(beyond, short_slip(line, factor, t));
     return find_root(
-        within, select(within, positive_part(guess), beyond), zero(), beyond, splat(0.25) * tolerance,
-        [&](V x, V & value, V & slope) __attribute__((always_inline)) {
+        within, select(within, positive_part(guess), beyond), zero(), beyond,
+        splat(0.25) * tolerance, [&](V x, V & value, V & slope) __attribute__((always_inline)) {
           const V xi = hn::MulAdd(x, line.rate, line.xi);
           value = hn::NegMulAdd(p.ks, x, t) - line.at(f.factor(xi));
           slope = hn::Neg(hn::MulAdd(line.S_drop * line.rate, f.slope(xi), p.ks));
@@ -321,16 +338,17 @@ struct Equations {
     const V e = s.d_n - v + s.old.w;
     const M bare = hn::Or((s.old.q - e) * s.crushed.E <= p.ft, s.old.q == zero());
     const V y = select(bare, s.old.q - e, zero() - p.ft / s.crushed.E - e);
-    return hn::IfThenElseZero(y > zero(), s.crushed.E);
+    return hn::IfThenElseZero(y >= zero(), s.crushed.E);
   }
 
-  // Slip at which a falling seat has let the pressure go; infinite where it does not.
+  // Slip at which a falling seat has let the pressure go, but for a rounding that leaves the joint closed; infinite
+  // where it does not.
   HWY_INLINE V seat_stop(const Step& s) const {
     const State& old = s.old;
     const V along = hn::MulAdd(old.g_s, s.n_s, old.g_t * s.n_t);
     const V across = hn::MulSub(old.g_s, s.n_t, old.g_t * s.n_s);
-    const V height = s.d_n + old.w - old.q;
-    const V r = old.r_m * (height / old.v_m);
+    const V height = s.d_n + old.w - old.q, rounding = splat(0.5 * kYieldTolerance) * s.reach;
+    const V r = old.r_m * ((height + rounding) / old.v_m);
     const V under = r * r - across * across;
     const M stops = hn::And(hn::And(old.v_m > zero(), along < zero()), hn::And(height > zero(), under >= zero()));
     return select(stops, positive_part(zero() - along - hn::Sqrt(positive_part(under))), splat(HUGE_VAL));
@@ -367,18 +385,17 @@ struct Equations {
 
   // t - ks gamma = c + mu min(p, F): the closed joint's slip with the seat moving under it.
   HWY_NOINLINE V slip_on_seat(M slips, const Step& s, V xi, V stop, V tolerance) const {
-    return find_root(
-        slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
-          const V x = hn::MulAdd(gamma, p.inv_su, xi);
-          const V factor = f.factor(x);
-          const Seat a = seat(s, gamma, stop);
-          const V bare = pressure(s, a.v), held = hn::Min(bare, s.crushed.F);
-          const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
-          const V drop = hn::MulAdd(p.mu_drop, held, p.c_drop * s.crushed.b);
-          value = hn::NegMulAdd(p.ks, gamma, s.t) - hn::MulAdd(drop, factor, hn::MulAdd(p.mur, held, p.cr));
-          const V follows = hn::IfThenElseZero(bare < s.crushed.F, pressure_slope(s, a.v) * a.v_slope * r_slope(s, a));
-          slope = hn::Neg(p.ks + hn::MulAdd(mu, follows, drop * p.inv_su * f.slope(x)));
-        });
+    return find_root(slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
+      const V x = hn::MulAdd(gamma, p.inv_su, xi);
+      const V factor = f.factor(x);
+      const Seat a = seat(s, gamma, stop);
+      const V bare = pressure(s, a.v), held = hn::Min(bare, s.crushed.F);
+      const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
+      const V drop = hn::MulAdd(p.mu_drop, held, p.c_drop * s.crushed.b);
+      value = hn::NegMulAdd(p.ks, gamma, s.t) - hn::MulAdd(drop, factor, hn::MulAdd(p.mur, held, p.cr));
+      const V follows = hn::IfThenElseZero(bare < s.crushed.F, pressure_slope(s, a.v) * a.v_slope * r_slope(s, a));
+      slope = hn::Neg(p.ks + hn::MulAdd(mu, follows, drop * p.inv_su * f.slope(x)));
+    });
   }
 
   // ---- Closed, 4: the cap -------------------------------------------------------------------------------------------
@@ -408,9 +425,7 @@ struct Equations {
 
   // N - F beyond its tolerance.
   HWY_INLINE M outside_cap(const Step& s, V N) const { return N - s.crushed.F > s.tolerance(s.crushed.F); }
-  HWY_INLINE V N_of(V pressure, V T1) const {
-    return hn::Sqrt(hn::MulAdd(pressure, pressure, p.Cs * (T1 * T1)));
-  }
+  HWY_INLINE V N_of(V pressure, V T1) const { return hn::Sqrt(hn::MulAdd(pressure, pressure, p.Cs * (T1 * T1))); }
 
   // D > 0 with P^2 + Cs Q^2 = 1 for the active lanes that are outside the cap, 0 for others.
   HWY_INLINE Cap crush(M active, const Step& s, V pressure, V T1) const {
@@ -630,7 +645,7 @@ struct Equations {
     now.tau_s = select(turned, s.n_s * a.tau, s.trial_s);
     now.tau_t = select(turned, s.n_t * a.tau, s.trial_t);
     r.h = select(s.open, o.h, in.d_n - a.seat.v + w - q);
-    r.used = hn::MulAdd(r.h, zero(), hn::IfThenElseZero(s.open, old.kappa * zero()));
+    r.used = hn::MulAdd(s.h + r.h, zero(), hn::IfThenElseZero(s.open, old.kappa * zero()));
     r.used = hn::MulAdd(old.xi + old.l, zero(), r.used);
     r.used = r.used + hn::IfThenElseZero(r.slips, (now.g_s + now.g_t + now.r_m) * zero());
 
@@ -666,8 +681,8 @@ struct Equations {
       E.tension = E.tension + hn::IfThenElseZero(open, half * b * o.s0 * o.h * dropped);
 
       const V bond_end = bond(now.l, F(now.l));
-      const V cohesive = select(s.open, b * p.c0 * p.su * area,
-                                hn::MulAdd(p.cr, r.gamma, p.c_drop * bond_end * p.su * area));
+      const V cohesive =
+          select(s.open, b * p.c0 * p.su * area, hn::MulAdd(p.cr, r.gamma, p.c_drop * bond_end * p.su * area));
       const V held = hn::Min(hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, old.tau_t * old.tau_t)), s.t);
       const V B = b * f1;
       const V residual = hn::Min(p.cr * (splat(1.0) - B), hn::NegMulAdd(B, o.T, held));
@@ -701,8 +716,8 @@ struct Equations {
     const V width = o.kappa - o.q;
     const V q_n = hn::IfThenElseZero(o.opens, p.beta * p.lt * f.factor(o.xi) * p.inv_lt);
     const V h_n = one - q_n;
-    const V s0_n = hn::IfThenElseZero(
-        hn::AndNot(o.opens, p.ft > zero()), p.kn * (p.u0 / width) * h_n);  // on the envelope s0 = ft
+    const V s0_n =
+        hn::IfThenElseZero(hn::AndNot(o.opens, p.ft > zero()), p.kn * (p.u0 / width) * h_n);  // on the envelope s0 = ft
     const V T_n = hn::IfThenElseZero(o.T > zero(), zero() - p.mu0 * s0_n);
     const V xi_n = hn::IfThenElseZero(o.opens, p.inv_lt);
     const V b = s.crushed.b;
@@ -713,7 +728,6 @@ struct Equations {
                              hn::IfThenElseZero(r.slips, one / open_slope), zero()};
 
     // Closed
-    const V along = r_slope(s, a.seat);
     const V E0 = s.crushed.E;
     V v_slip = zero(), v_n = zero(), v_turn = zero();
     if (c.any_on_seat) {
@@ -721,9 +735,10 @@ struct Equations {
       const V X = p.tan_psi * p.sd * f.area(old.r_m * p.inv_sd, a.seat.r * p.inv_sd);
       const M fades = hn::And(a.seat.beyond, pressure(s, old.v_m) * p.inv_pd < one);
       const V by_pressure = X * p.inv_pd * pressure_slope(s, old.v_m) / hn::MulAdd(X * E0, p.inv_pd, one);
-      v_slip = hn::IfThenElseZero(c.on_seat, a.seat.v_slope * along);
+      v_slip = hn::IfThenElseZero(c.on_seat, a.seat.v_slope * r_slope(s, a.seat));
       v_n = hn::IfThenElseZero(c.on_seat, select(a.seat.moves, hn::IfThenElseZero(fades, by_pressure), one));
-      v_turn = hn::IfThenElseZero(hn::And(c.on_seat, hn::And(a.seat.moves, a.seat.r > zero())), a.seat.v_slope * turned);
+      v_turn =
+          hn::IfThenElseZero(hn::And(c.on_seat, hn::And(a.seat.moves, a.seat.r > zero())), a.seat.v_slope * turned);
     }
     const V p_y = pressure_slope(s, a.seat.v);
     const V p_slip = p_y * v_slip;

@@ -19,10 +19,9 @@ using namespace quoin::shim;
 
 HWY_INLINE Lanes material_lanes(const Parameters& m) {
   const Properties& g = m.given;
-  return Lanes(m, {splat(g.kn),  splat(g.ks),      splat(g.ft), splat(g.c0),  splat(g.cr), splat(g.mu0), splat(g.mur),
-                   splat(g.tan_psi), splat(g.fc),  splat(g.fcr), splat(g.G1), splat(g.G2), splat(g.Gc),
-                   splat(g.beta),    splat(g.sd),  splat(g.pd),  splat(g.fy), splat(g.wp), splat(g.chi),
-                   splat(g.Cs)});
+  return Lanes(m, {splat(g.kn),      splat(g.ks), splat(g.ft),  splat(g.c0), splat(g.cr),  splat(g.mu0), splat(g.mur),
+                   splat(g.tan_psi), splat(g.fc), splat(g.fcr), splat(g.G1), splat(g.G2),  splat(g.Gc),  splat(g.beta),
+                   splat(g.sd),      splat(g.pd), splat(g.fy),  splat(g.wp), splat(g.chi), splat(g.Cs)});
 }
 
 // Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
@@ -40,11 +39,26 @@ inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) 
   const V tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, splat(g.tan_psi));
   const V fc = material(kColumnFc, g.fc), wp = material(kColumnWp, g.wp);
   const V fy = number(kColumnFy, select(wp > zero(), hn::Min(splat(g.fy), fc), fc));
-  return Lanes(m, {material(kColumnKn, g.kn), material(kColumnKs, g.ks), material(kColumnFt, g.ft),
-                   material(kColumnC0, g.c0), material(kColumnCr, g.cr), mu0, mur, tan_psi, fc,
-                   material(kColumnFcr, g.fcr), material(kColumnG1, g.G1), material(kColumnG2, g.G2),
-                   material(kColumnGc, g.Gc), material(kColumnBeta, g.beta), material(kColumnSd, g.sd),
-                   material(kColumnPd, g.pd), fy, wp, material(kColumnChi, g.chi), material(kColumnCs, g.Cs)});
+  return Lanes(m, {material(kColumnKn, g.kn),
+                   material(kColumnKs, g.ks),
+                   material(kColumnFt, g.ft),
+                   material(kColumnC0, g.c0),
+                   material(kColumnCr, g.cr),
+                   mu0,
+                   mur,
+                   tan_psi,
+                   fc,
+                   material(kColumnFcr, g.fcr),
+                   material(kColumnG1, g.G1),
+                   material(kColumnG2, g.G2),
+                   material(kColumnGc, g.Gc),
+                   material(kColumnBeta, g.beta),
+                   material(kColumnSd, g.sd),
+                   material(kColumnPd, g.pd),
+                   fy,
+                   wp,
+                   material(kColumnChi, g.chi),
+                   material(kColumnCs, g.Cs)});
 }
 
 template <class Law>
@@ -88,8 +102,17 @@ struct At {
   HWY_INLINE Increment increment() const { return {in(kNormalJump), in(kSlipIncrement), in(kSlipIncrement + 1)}; }
   HWY_INLINE State state() const {
     const auto old = [&](int k) { return in(kStateOld + k); };
-    return {old(kXi), old(kKappa), old(kQ),  old(kL),  old(kW), old(kGs),
-            old(kGt), old(kRm),    old(kVm), in(kTractionOld + 1), in(kTractionOld + 2)};
+    return {old(kXi),
+            old(kKappa),
+            old(kQ),
+            old(kL),
+            old(kW),
+            old(kGs),
+            old(kGt),
+            old(kRm),
+            old(kVm),
+            in(kTractionOld + 1),
+            in(kTractionOld + 2)};
   }
   HWY_INLINE void put_traction(const Result& r) const {
     out(kTractionNew, r.sigma);

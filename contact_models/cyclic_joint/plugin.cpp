@@ -38,19 +38,18 @@ constexpr quoin_property_info kPhir =
 constexpr quoin_property_info kPsi0 =
     angle("dilation_angle", "psi0", "dilation angle at first slip without pressure, at most phir");
 constexpr quoin_property_info kFc =
-    number_property("compressive_strength", "fc", "Pa", "compressive strength; infinite: no crushing", kColumn,
-                    kInfinity, 0.0, kInfinity);
+    number_property("compressive_strength", "fc", "Pa", "compressive strength; infinite: no crushing",
+                    kColumn | kPositive, kInfinity, 0.0, kInfinity);
 constexpr quoin_property_info kFcr =
     number("compressive_strength_residual", "fcr", "Pa", "residual compressive strength");
 constexpr quoin_property_info kG1 =
     number("fracture_energy_tension", "G1", "J/m2", "total area under the tension curve; needed when ft > 0");
 constexpr quoin_property_info kG2 = number("fracture_energy_shear", "G2", "J/m2",
                                            "work above residual and friction over the slip; needed when c0 > cr");
-constexpr quoin_property_info kGc =
-    number("fracture_energy_compression", "Gc", "J/m2",
-           "work above fcr beyond the peak; needed when fc is finite and > fcr");
-constexpr quoin_property_info kBeta =
-    number_property("residual_opening", "beta", "-", "share of the softening opening that stays", kColumn, 0.0, 0.0, 1.0);
+constexpr quoin_property_info kGc = number("fracture_energy_compression", "Gc", "J/m2",
+                                           "work above fcr beyond the peak; needed when fc is finite and > fcr");
+constexpr quoin_property_info kBeta = number_property(
+    "residual_opening", "beta", "-", "share of the softening opening that stays", kColumn, 0.0, 0.0, 1.0);
 constexpr quoin_property_info kSd =
     number("dilation_length", "sd", "m", "slip over which dilation is used up; 0: su = G2/((c0 - cr) A)");
 constexpr quoin_property_info kPd = number_property("dilation_pressure", "pd", "Pa", "pressure at which dilation is 0",
@@ -58,8 +57,7 @@ constexpr quoin_property_info kPd = number_property("dilation_pressure", "pd", "
 constexpr quoin_property_info kFy =
     number_property("compressive_yield", "fy", "Pa", "pressure at which crushing starts, at most fc",
                     kColumn | kPositive, 0.0, 0.0, kInfinity, "compressive_strength");
-constexpr quoin_property_info kWp =
-    number("compressive_peak_closure", "wp", "m", "crushing at fc; > 0 when fy < fc");
+constexpr quoin_property_info kWp = number("compressive_peak_closure", "wp", "m", "crushing at fc; > 0 when fy < fc");
 constexpr quoin_property_info kChi = number_property(
     "crushing_recovery", "chi", "-", "growth of compliance with crushing, times fc", kColumn | kFinite, 0.0, 0.0, 1.0);
 constexpr quoin_property_info kCs =
@@ -123,7 +121,8 @@ void check_admissible(const Parameters& m, const PropertyValues& values, Report&
   const bool crushes = std::isfinite(g.fc);
   const double drop = g.c0 - g.cr, friction_drop = g.mu0 - g.mur;
   if (g.tan_psi > 0.0 && !(g.sd > 0.0) && !(length.su > 0.0)) {
-    fault("dilation_length", "must be > 0 m when dilation_angle > 0 and cohesion_residual = cohesion, which leaves no su");
+    fault("dilation_length",
+          "must be > 0 m when dilation_angle > 0 and cohesion_residual = cohesion, which leaves no su");
   }
   if (crushes && g.fy < g.fc && !(g.wp > 0.0)) {
     fault("compressive_peak_closure", "must be > 0 m when compressive_yield is below compressive_strength");
@@ -239,8 +238,7 @@ struct CyclicJointLaw {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
     const double drop = g.c0 - g.cr, P = std::isfinite(g.fc) ? g.fc : 0.0;
-    const double softening =
-        drop > 0.0 ? m.slope * std::max(g.c0, drop + P * (g.mu0 - g.mur)) / lengths(m).su : 0.0;
+    const double softening = drop > 0.0 ? m.slope * std::max(g.c0, drop + P * (g.mu0 - g.mur)) / lengths(m).su : 0.0;
     normal = g.kn / (1.0 - g.mu0 * g.kn * g.tan_psi / (g.ks - softening));
     shear = g.ks;
   }
@@ -283,7 +281,8 @@ struct CyclicJointLaw {
     const double slack = 1e-9 * std::max({std::abs(from.sigma), g.ft, g.c0, tau});
 
     double h = from.sigma * compliance, S = g.cr + (g.c0 - g.cr) * B + (g.mur + (g.mu0 - g.mur) * f) * pressure;
-    bool inside = std::hypot(pressure, std::sqrt(g.Cs) * tau) <= F + slack && (s[kQ] == 0.0 || pressure <= g.ft + slack);
+    bool inside =
+        std::hypot(pressure, std::sqrt(g.Cs) * tau) <= F + slack && (s[kQ] == 0.0 || pressure <= g.ft + slack);
     if (from.sigma > 0.0) {
       const double K = g.ft > 0.0 ? g.ft * B / (s[kKappa] - s[kQ]) : 0.0;
       h = K > 0.0 ? from.sigma / K : 0.0;

@@ -13,19 +13,19 @@ namespace quoin::shim {
 
 inline constexpr const char* kShapes[] = {"linear", "exponential", "table"};
 inline constexpr quoin_property_info kSoftening = {sizeof(quoin_property_info),
-                                            "softening",
-                                            "f",
-                                            "-",
-                                            "shape of the softening function, one for all modes",
-                                            QUOIN_PROPERTY_CHOICE,
-                                            0,
-                                            0.0,
-                                            0.0,
-                                            0.0,
-                                            nullptr,
-                                            "linear",
-                                            3,
-                                            kShapes};
+                                                   "softening",
+                                                   "f",
+                                                   "-",
+                                                   "shape of the softening function, one for all modes",
+                                                   QUOIN_PROPERTY_CHOICE,
+                                                   0,
+                                                   0.0,
+                                                   0.0,
+                                                   0.0,
+                                                   nullptr,
+                                                   "linear",
+                                                   3,
+                                                   kShapes};
 inline constexpr quoin_property_info kTable = {
     sizeof(quoin_property_info),
     "softening_table",

@@ -88,10 +88,10 @@ Joint random_joint(Random& random, double margin) {
       if (j.chi > 0) j.Gc *= 2 / (1 - j.chi);
     }
     // The law reads doubles: so does the page.
-    for (Real Joint::*number : {&Joint::kn,   &Joint::ks,   &Joint::ft,  &Joint::c0, &Joint::cr, &Joint::phi0,
-                                &Joint::phir, &Joint::psi0, &Joint::fcr, &Joint::fc, &Joint::G1, &Joint::G2,
-                                &Joint::Gc,   &Joint::beta, &Joint::sd,  &Joint::pd, &Joint::fy, &Joint::wp,
-                                &Joint::chi,  &Joint::Cs}) {
+    for (Real Joint::*number :
+         {&Joint::kn,   &Joint::ks,  &Joint::ft, &Joint::c0, &Joint::cr,  &Joint::phi0, &Joint::phir,
+          &Joint::psi0, &Joint::fcr, &Joint::fc, &Joint::G1, &Joint::G2,  &Joint::Gc,   &Joint::beta,
+          &Joint::sd,   &Joint::pd,  &Joint::fy, &Joint::wp, &Joint::chi, &Joint::Cs}) {
       j.*number = static_cast<double>(j.*number);
     }
     if (admissible(j)) return j;

@@ -105,7 +105,6 @@ Real uplift(const History& s) { return s.r_m > 0 ? s.v_m * std::min(Real(1), std
 // ---- The update -----------------------------------------------------------------------------------------------------
 
 Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
-  const History old = s;
   Outcome out;
   const Real v0 = uplift(s);
   const Real e = d_n + s.w - v0;
@@ -140,7 +139,7 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
       s.kappa = e;
       h = e - s.q;
     }
-    const Real f1 = j.f(s.xi);
+    const Real xi1 = s.xi, f1 = j.f(xi1);
     const Real s0 = j.ft > 0 ? j.ft * h / (s.kappa - s.q) : 0;
     const Real T = std::max(Real(0), j.c0 - j.mu0() * s0);
     const Real B = b * f1;
@@ -151,21 +150,16 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
         completes = completes || f1 > 0;
         s.xi = std::max(s.xi, j.end());
       } else if (T > 0) {
-        const Real rate = T / (j.c0 * su), xi0 = s.xi;
-        out.gamma = root(0, t / j.ks, [&](Real x) { return t - j.ks * x - b * T * j.f(xi0 + rate * x); });
+        const Real rate = T / (j.c0 * su);
+        out.gamma = root(0, t / j.ks, [&](Real x) { return t - j.ks * x - b * T * j.f(xi1 + rate * x); });
         s.xi += rate * out.gamma;
       } else {
         out.gamma = t / j.ks;
       }
       const Real f2 = j.f(s.xi);
-      tau = brittle ? 0 : b * T * f2;
+      tau = b * T * f2;
       out.dissipated[0] += b * s0 * h * (f1 - f2) / 2;
-      out.dissipated[1] = b * j.c0 * su * (brittle ? 0 : j.area(old.xi + (s.xi - old.xi) - (s.xi - old.xi), s.xi));
-      // The opening's share of the area is not the slip's.
-      if (!brittle) {
-        const Real xi_slip = T > 0 ? s.xi - T / (j.c0 * su) * out.gamma : s.xi;
-        out.dissipated[1] = b * j.c0 * su * j.area(xi_slip, s.xi);
-      }
+      if (!brittle) out.dissipated[1] = b * j.c0 * su * j.area(xi1, s.xi);
       const Real held = std::min(t_old, t);
       const Real x = completes ? held : std::max(Real(0), std::min(j.cr * (1 - B), held - B * T));
       out.dissipated[1] += x * x / (2 * j.ks);
@@ -225,9 +219,8 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
           return (j.F(s.l + D) * j.compliance(s.l + D) + D - j.chi / (2 * j.fc) * j.F_area(s.l, s.l + D)) / C0;
         };
         const auto k_of = [&](Real D) { return j.F(s.l + D) + j.ks * j.Cs * D; };
-        c.D = root(0, N * C0 / (1 - j.chi / 2), [&](Real D) {
-          return (p / a_of(D)) * (p / a_of(D)) + j.Cs * (T1 / k_of(D)) * (T1 / k_of(D)) - 1;
-        });
+        c.D = root(0, N * C0 / (1 - j.chi / 2),
+                   [&](Real D) { return (p / a_of(D)) * (p / a_of(D)) + j.Cs * (T1 / k_of(D)) * (T1 / k_of(D)) - 1; });
         l = s.l + c.D, a = a_of(c.D), k = k_of(c.D);
         c.p = p * j.F(l) / a;
         c.tau = T1 * j.F(l) / k;
@@ -246,12 +239,11 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
       c = crush(gamma);
     }
 
-    const Real y = y_of(gamma), before_cap = p_of(y);
+    const Real y = y_of(gamma);
     Real q = s.q;
     if ((y + s.q) / C0 > j.ft && s.q > 0) q = std::max(Real(0), j.ft * C0 - y);
     out.dissipated[0] = j.ft * (s.q - q);
-    (void)before_cap;
-    const Real f1 = f_of(gamma), l1 = s.l + c.D, r1 = radius(gamma), v1 = v_of(gamma);
+    const Real l1 = s.l + c.D, r1 = radius(gamma), v1 = v_of(gamma);
     if (gamma > 0) {
       const Real xi1 = brittle ? std::max(s.xi, j.end()) : s.xi + gamma / su;
       const Real softened = brittle ? 0 : su * j.area(s.xi, xi1);
@@ -262,7 +254,6 @@ Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
       for (int k = 0; k < 2; ++k) s.g[k] += x * n[k];
       if (r1 > s.r_m && j.tan_psi() > 0) s.r_m = r1, s.v_m = v1;
     }
-    (void)f1;
     out.dissipated[3] = j.F_area(s.l, l1);
     s.q = q;
     s.l = l1;
