@@ -113,6 +113,13 @@ struct State {
   V tau_s, tau_t;
 };
 
+HWY_INLINE State either(M mask, const State& yes, const State& no) {
+  const auto one = [&](V a, V b) { return hn::IfThenElse(mask, a, b); };
+  return {one(yes.xi, no.xi),   one(yes.kappa, no.kappa), one(yes.q, no.q),        one(yes.l, no.l),
+          one(yes.w, no.w),     one(yes.g_s, no.g_s),     one(yes.g_t, no.g_t),    one(yes.r_m, no.r_m),
+          one(yes.v_m, no.v_m), one(yes.tau_s, no.tau_s), one(yes.tau_t, no.tau_t)};
+}
+
 struct Increment {
   V d_n;       // total, at the end of the step
   V d_s, d_t;  // sliding over the step
@@ -186,8 +193,7 @@ struct Equations {
   // ---- What both kinds of joint know of a step: LAW.md, ORDER, 0 ----------------------------------------------------
 
   struct Step {
-    explicit Step(const State& from) : old(from) {}
-    const State& old;
+    State old;
     V d_n;
     V v, e, h;  // with the old states
     V trial_s, trial_t, t, n_s, n_t;
@@ -198,7 +204,8 @@ struct Equations {
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
   HWY_INLINE Step step_of(const Increment& in, const State& old) const {
-    Step s(old);
+    Step s;
+    s.old = old;
     s.d_n = in.d_n;
     s.v = uplift(old);
     s.e = in.d_n - s.v + old.w;
@@ -217,25 +224,34 @@ struct Equations {
 
   // ---- Nothing yields: the short path -------------------------------------------------------------------------------
 
-  // True, and the result filled in, when every lane is elastic at full stiffness: closed, uncrushed and not at the end
-  // of a residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate
-  // gives. kOpeningFirst: an opening joint is told at once.
-  template <bool kOpeningFirst>
-  HWY_INLINE bool elastic(const Increment& in, const State& old, Result& r) const {
-    const V h = in.d_n - uplift(old) + old.w - old.q;
+  struct Traction {
+    V sigma, tau_s, tau_t;
+  };
+
+  // True, and the traction filled in, when every lane is elastic at full stiffness: closed and not at the end of a
+  // residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate gives.
+  // kOpeningFirst: an opening joint is told at once. kUntouched: q, l and v_m are 0, and no more is read of the seat.
+  template <bool kOpeningFirst, bool kUntouched>
+  HWY_INLINE bool elastic(const Increment& in, const State& old, Traction& traction) const {
+    V h, virgin = hn::IfThenElseZero(old.xi == zero(), p.u0);
+    Crushed c{p.kn, p.yield, splat(1.0)};
+    if constexpr (kUntouched) {
+      h = in.d_n + old.w;
+    } else {
+      h = in.d_n - uplift(old) + old.w - old.q;
+      virgin = hn::MulAdd(old.l, zero(), hn::IfThenElseZero(old.l == zero(), virgin));
+      c = crushed(old.l);
+    }
     // f(xi) may lose what is not a number, or infinite; the limit does not.
-    const V virgin = hn::IfThenElseZero(old.xi + old.l == zero(), p.u0);
-    const V limit = hn::MulAdd(old.xi, zero(), hn::MulAdd(old.l, zero(), virgin));
-    const M full_stiffness = h <= limit;
+    const M full_stiffness = h <= hn::MulAdd(old.xi, zero(), virgin);
     if (kOpeningFirst && !all(full_stiffness)) return false;
-    const Crushed c = crushed(old.l);
     const V sigma = hn::MulAdd(c.E, h, zero());  // + 0: no negative zero
     const V trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     const V trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     const V factor = f.factor(old.xi);
     const V mu = hn::MulAdd(p.mu_drop, factor, p.mur);
     // Cohesion of an open joint lacks the residual: with it left out the test is safe for both.
-    const V S = hn::NegMulAdd(sigma, mu, p.c_drop * c.b * factor);
+    const V S = hn::NegMulAdd(sigma, mu, kUntouched ? p.c_drop * factor : p.c_drop * c.b * factor);
     const V trial_squared = hn::MulAdd(trial_s, trial_s, trial_t * trial_t);
     // Less, not equal: squares that overflow take the long path. So does what is not a number, or infinite.
     const M held = trial_squared < S * hn::Abs(S);
@@ -243,12 +259,9 @@ struct Equations {
     const M within_cap = hn::MulAdd(pressure, pressure, p.Cs * trial_squared) < c.F * c.F;
     M elastic = hn::And(hn::And(held, full_stiffness), within_cap);
     elastic = hn::And(elastic, sigma >= splat(std::numeric_limits<double>::lowest()));
-    if (!none(old.q > zero())) elastic = hn::And(elastic, hn::Or(old.q == zero(), pressure < p.ft));
+    if constexpr (!kUntouched) elastic = hn::And(elastic, hn::Or(old.q == zero(), pressure < p.ft));
     if (!all(elastic)) return false;
-    r.sigma = sigma;
-    r.state = old;
-    r.state.tau_s = trial_s;
-    r.state.tau_t = trial_t;
+    traction = {sigma, trial_s, trial_t};
     return true;
   }
 
@@ -384,7 +397,7 @@ struct Equations {
   }
 
   // t - ks gamma = c + mu min(p, F): the closed joint's slip with the seat moving under it.
-  HWY_NOINLINE V slip_on_seat(M slips, const Step& s, V xi, V stop, V tolerance) const {
+  HWY_NOINLINE V slip_on_seat(M slips, Step s, V xi, V stop, V tolerance) const {
     return find_root(slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
       const V x = hn::MulAdd(gamma, p.inv_su, xi);
       const V factor = f.factor(x);
@@ -507,8 +520,9 @@ struct Equations {
     return a;
   }
 
+  // By value here and in slip_on_seat: rare, and what they are given stays in registers elsewhere.
   // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
-  HWY_NOINLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
+  HWY_NOINLINE Cap cap(M capped, Step s, Course c, V p_start, V factor_no_slip, V& gamma) const {
     Cap at = crush(capped, s, p_start, s.t);
     const M may_slip = hn::And(capped, gamma > zero());
     if (none(may_slip)) return at;

@@ -114,14 +114,26 @@ struct At {
             in(kTractionOld + 1),
             in(kTractionOld + 2)};
   }
-  HWY_INLINE void put_traction(const Result& r) const {
-    out(kTractionNew, r.sigma);
-    out(kTractionNew + 1, r.state.tau_s);
-    out(kTractionNew + 2, r.state.tau_t);
+  // Of a joint without residual opening, crushing and uplift: no more than the short path wants.
+  HWY_INLINE State untouched_state() const {
+    State s{};
+    s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);
+    s.tau_s = in(kTractionOld + 1), s.tau_t = in(kTractionOld + 2);
+    return s;
+  }
+  HWY_INLINE void put_traction(V sigma, V tau_s, V tau_t) const {
+    out(kTractionNew, sigma);
+    out(kTractionNew + 1, tau_s);
+    out(kTractionNew + 2, tau_t);
   }
   HWY_INLINE void put_history(const State& s) const {
-    const V values[] = {s.xi, s.kappa, s.q, s.l, s.w, s.g_s, s.g_t, s.r_m, s.v_m};
-    for (int k = 0; k < kSlip; ++k) out(kStateNew + k, values[k]);
+    const auto put = [&](int k, V value) { out(kStateNew + k, value); };
+    put(kXi, s.xi), put(kKappa, s.kappa), put(kQ, s.q), put(kL, s.l), put(kW, s.w);
+    put(kGs, s.g_s), put(kGt, s.g_t), put(kRm, s.r_m), put(kVm, s.v_m);
+  }
+  HWY_INLINE void keep_history() const {
+    for (int k = 0; k < kSlip; ++k) out(kStateNew + k, in(kStateOld + k));
+    put_slip(zero());
   }
   HWY_INLINE void put_slip(V slip) const {
     if (c.out[kStateNew + kSlip]) out(kStateNew + kSlip, in(kStateOld + kSlip) + slip);
@@ -141,14 +153,10 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   if constexpr (kColumns) sound = hn::And(sound, law.p.admissible);
   if (!all(sound)) {
     r.sigma = select(sound, r.sigma, at.in(kTractionOld));
-    for (V State::*member : {&State::xi, &State::kappa, &State::q, &State::l, &State::w, &State::g_s, &State::g_t,
-                             &State::r_m, &State::v_m, &State::tau_s, &State::tau_t}) {
-      r.state.*member = select(sound, r.state.*member, old.*member);
-    }
+    r.state = either(sound, r.state, old);
     r.gamma = hn::IfThenElseZero(sound, r.gamma);
-    for (M Result::*mask : {&Result::opens, &Result::slips, &Result::crushes, &Result::gives_way}) {
-      r.*mask = hn::And(sound, r.*mask);
-    }
+    r.opens = hn::And(sound, r.opens), r.slips = hn::And(sound, r.slips);
+    r.crushes = hn::And(sound, r.crushes), r.gives_way = hn::And(sound, r.gives_way);
     summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - i)));
   }
 
@@ -161,20 +169,32 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
         c, i, sound, energies, tangent, [&] { return flags_of(law, r); },
         [&](int mode) { return damage_of(law, r.state, mode); });
   }
-  at.put_traction(r);
+  at.put_traction(r.sigma, r.state.tau_s, r.state.tau_t);
   at.put_history(r.state);
+}
+
+template <class Access, class Law>
+HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::size_t i,
+                                      typename Law::Traction& traction) {
+  const At<Access> at{c, i};
+  return law.template elastic<Access::kOnePoint, false>(at.increment(), at.state(), traction);
 }
 
 template <class Access, class Law>
 HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
-  Result r;
-  if (!law.template elastic<Access::kOnePoint>(at.increment(), at.state(), r)) return false;
-  if (!c.in_place) {
-    at.put_history(r.state);
-    at.put_slip(zero());
+  const auto old = [&](int k) { return at.in(kStateOld + k); };
+  typename Law::Traction traction;
+  if (all(old(kQ) + old(kL) + old(kVm) == zero())) {
+    const State state = at.untouched_state();
+    if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) return false;
+  } else {
+    typename Law::Traction touched;
+    if (!elastic_and_touched<Access>(law, c, i, touched)) return false;
+    traction = touched;
   }
-  at.put_traction(r);
+  if (!c.in_place) at.keep_history();
+  at.put_traction(traction.sigma, traction.tau_s, traction.tau_t);
   return true;
 }
 
