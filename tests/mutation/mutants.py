@@ -35,6 +35,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCOPE = ("host/", "contact_models/shim/")
 # Tests that build the project anew or look at files of the source tree see no mutant of this build, at a high price.
 LEFT_OUT = re.compile(r"consumer|mutant|abi|windows|instruction_sets|clang|demo|rebuilt|install|docs\.|headers")
+TARGETS_LEFT_OUT = "(~(HWY_AVX2|HWY_SSE2))"
 
 SWAPS = {
     " + ": " - ", " - ": " + ", " += ": " -= ", " -= ": " += ", " * ": " / ", " / ": " * ",
@@ -93,7 +94,8 @@ class Tree:
             to.write_bytes(text)
 
     def copy(self, mutants):
-        """Host libraries become shared: a mutant built alone then links one of them."""
+        """Quicker to build: -O1, one instruction set beside the baseline; host libraries are shared, so that a mutant built
+        alone links one of them."""
         for name in self.files:
             if name in self.texts:
                 mine = [m for m in mutants if m.file == name]
@@ -102,6 +104,8 @@ class Tree:
                 text = (self.root / name).read_bytes()
                 if name.startswith("host/") and name.endswith("CMakeLists.txt"):
                     text = text.replace(b" STATIC", b" SHARED")
+                if name == "host/CMakeLists.txt":
+                    text = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'.encode() + text
                 if name == "CMakeLists.txt":
                     text = text.replace(b"  add_subdirectory(host)", b"  add_compile_options(-O1)\n  add_subdirectory(host)")
             self.write(name, text)
@@ -110,8 +114,9 @@ class Tree:
             self.write(part + "quoin_mutant.h", HEADER)
 
     def configure(self):
-        flags = "-Wall -Wextra -Wpedantic"
+        flags = "-Wall -Wextra -Wpedantic"  # as in the preset: ccache then knows what no mutant touches
         return subprocess.run(["cmake", "--preset", "release", "-DQUOIN_BUILD_ADAPTERS=OFF", "-DQUOIN_BUILD_BENCHMARKS=OFF",
+                               f"-DQUOIN_DISABLED_TARGETS={TARGETS_LEFT_OUT}",
                                f"-DCMAKE_CXX_FLAGS={flags} -Wshadow -Wconversion -Wno-sign-conversion -Werror -w",
                                f"-DCMAKE_C_FLAGS={flags} -Werror -w"],
                               cwd=self.folder, capture_output=True, text=True)
