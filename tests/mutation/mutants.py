@@ -7,10 +7,11 @@
 
 One mutant is one changed token: a sign, an operator, a floating constant times 1.1, an integer by one, a branch negated.
 Places are drawn evenly from the code (no comments, texts or preprocessor lines), so the same seed gives the same mutants of
-the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks and with -O1; every
+the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks; every
 test of ctest is run once to see that it passes and which mutants it reaches; then each mutant is planted in turn and run
 against the tests that reach it, quickest first, until one fails, crashes or takes five times its time. What cannot be switched
-at run time is built alone. A mutant that does not compile, or alone compiles to the same bytes, is replaced by the next one.
+at run time (sizes of types, constants of the compiler) is built alone with --alone, otherwise replaced by the next one, as is
+what does not compile or, alone, compiles to the same bytes.
 Results go to --out row by row; a run that was stopped goes on from there, and --again runs the survivors once more.
 Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
@@ -66,8 +67,8 @@ def sites(file, code):
 class Tree:
     """A copy of the tracked files, changed ones included, with mutants in it."""
 
-    def __init__(self, root, folder):
-        self.root, self.folder = root, folder
+    def __init__(self, root, folder, targets=()):
+        self.root, self.folder, self.targets = root, folder, targets
         listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True).stdout
         self.files = [f for f in filter(None, listed.decode().split("\0")) if (root / f).exists()]
         self.texts = {f: (root / f).read_text() for f in self.files if f.startswith(SCOPE) and f.endswith((".cpp", ".h"))}
@@ -94,8 +95,8 @@ class Tree:
             to.write_bytes(text)
 
     def copy(self, mutants):
-        """Quicker to build: -O1, one instruction set beside the baseline; host libraries are shared, so that a mutant built
-        alone links one of them."""
+        """Quicker to build: host with -O1, tests with -O0, one instruction set beside the baseline. Host libraries are shared,
+        so that a mutant built alone links one of them; they use their own copies of inline functions, not those of tests."""
         for name in self.files:
             if name in self.texts:
                 mine = [m for m in mutants if m.file == name]
@@ -105,9 +106,12 @@ class Tree:
                 if name.startswith("host/") and name.endswith("CMakeLists.txt"):
                     text = text.replace(b" STATIC", b" SHARED")
                 if name == "host/CMakeLists.txt":
-                    text = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'.encode() + text
+                    options = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'
+                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text
                 if name == "CMakeLists.txt":
-                    text = text.replace(b"  add_subdirectory(host)", b"  add_compile_options(-O1)\n  add_subdirectory(host)")
+                    for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
+                        adds = b"  add_subdirectory(" + part + b")"
+                        text = text.replace(adds, b"  add_compile_options(" + option + b")\n" + adds)
             self.write(name, text)
             shutil.copymode(self.root / name, self.folder / name)
         for part in SCOPE:
@@ -122,11 +126,13 @@ class Tree:
                               cwd=self.folder, capture_output=True, text=True)
 
     def build(self, jobs):
-        return subprocess.run(["cmake", "--build", "build/release", "-j", str(jobs), "--", "-k", "0"], cwd=self.folder,
-                              capture_output=True, text=True, env={**os.environ, "CCACHE_IGNOREOPTIONS": "-w", "LC_ALL": "C"})
+        targets = ["--target", *self.targets] if self.targets else []
+        return subprocess.run(["cmake", "--build", "build/release", "-j", str(jobs), *targets, "--", "-k", "0"],
+                              cwd=self.folder, capture_output=True, text=True, env={**os.environ, "CCACHE_IGNOREOPTIONS": "-w", "LC_ALL": "C"})
 
     def build_all(self, mutants, jobs):
         """The build of all mutants that can be switched; the message of the compiler when there is none."""
+        self.recall(mutants)
         while True:
             self.copy(mutants)
             done = self.configure()
@@ -140,6 +146,24 @@ class Tree:
                 return (done.stdout + done.stderr)[-4000:]
             for m in taken:
                 print(f"not by a switch: {m.file}:{m.line}: {m.old} -> {m.new}: {m.form}", flush=True)
+            self.remember(mutants)
+
+    # What the compiler said of mutants, for the next run on the same text.
+    def memory(self):
+        return self.folder.parent / "not_switched.json"
+
+    def key(self, m):
+        return f"{m.file} {m.begin} {m.new} {hashlib.sha256(self.texts[m.file].encode()).hexdigest()[:16]}"
+
+    def remember(self, mutants):
+        known = json.loads(self.memory().read_text()) if self.memory().exists() else {}
+        known.update({self.key(m): m.form for m in mutants if m.form != "schemata"})
+        self.memory().write_text(json.dumps(known, indent=1))
+
+    def recall(self, mutants):
+        known = json.loads(self.memory().read_text()) if self.memory().exists() else {}
+        for m in mutants:
+            m.form = known.get(self.key(m), m.form)
 
     def object_hash(self):
         digest = hashlib.sha256()
@@ -180,14 +204,34 @@ class Test:
         self.took = time.monotonic() - start
         return passed
 
-    def watch(self, folder):
-        """Runs without a mutant; keeps the time it takes and the mutants it reaches."""
+    def watch(self, folder, longest, kept):
+        """Runs without a mutant; keeps the time it takes and the mutants it reaches. kept: what the same test found before."""
+        if self.identity in kept:
+            self.passed, self.seconds, reached = kept[self.identity]
+            self.reached = set(reached)
+            return
         reached = folder / (hashlib.sha256(self.name.encode()).hexdigest() + ".reached")
         reached.write_bytes(bytes(CAPACITY))
-        self.passed = self.run(900, QUOIN_MUTANTS_REACHED=str(reached))
+        self.passed = self.run(longest, QUOIN_MUTANTS_REACHED=str(reached))
         self.seconds = self.took
         self.reached = {i for i, byte in enumerate(reached.read_bytes()) if byte}
         reached.unlink()
+
+
+def watch_all(tests, tree, planted, longest, jobs):
+    """Every test once, or as it was when neither its program nor the code with its mutants has changed since."""
+    code = hashlib.sha256(repr((sorted(tree.texts.items()), [(site, m.form) for site, m in planted.items()])).encode()).hexdigest()
+    programs = {}
+    for t in tests:
+        program = t.command[0]
+        if program not in programs:
+            programs[program] = hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest()
+        t.identity = f"{t.name} {programs[program]} {code}"
+    memory = tree.folder.parent / "tests.json"
+    kept = json.loads(memory.read_text()) if memory.exists() else {}
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(lambda t: t.watch(tree.folder.parent, longest, kept), tests))
+    memory.write_text(json.dumps({t.identity: (t.passed, t.seconds, sorted(t.reached)) for t in tests}))
 
 
 def first_failure(tests, jobs, **environment):
@@ -210,9 +254,9 @@ def first_failure(tests, jobs, **environment):
                     failed = test.name
 
 
-def judge(mutant, tree, tests, jobs):
+def judge(mutant, tree, tests, jobs, alone):
     """(result, name of the test that fails, number of tests that could)"""
-    if mutant.form == "does not compile":
+    if mutant.form == "does not compile" or (mutant.form == "alone" and not alone):
         return mutant.form, "", 0
     if mutant.form == "schemata":
         mine = [t for t in tests if mutant.number in t.reached]
@@ -244,11 +288,16 @@ def main():
     parser.add_argument("--tree", type=pathlib.Path, default=ROOT, help="the tree to look at, this one or another")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build" / "mutation", help="folder of the copy")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("mutants.csv"))
+    parser.add_argument("--part", default="", help="of the drawn ones, those in files that this regular expression begins")
+    parser.add_argument("--targets", nargs="+", default=[], help="test programs to be built, instead of all")
+    parser.add_argument("--longest", type=float, default=300, help="seconds; tests that take longer are left out")
+    parser.add_argument("--without", default="(?!)", help="tests to be left out, a regular expression")
     parser.add_argument("--again", action="store_true", help="survivors of --out are run once more")
+    parser.add_argument("--alone", action="store_true", help="build what cannot be switched at run time, one by one")
     parser.add_argument("--list", action="store_true", help="print the mutants and stop")
     options = parser.parse_args()
 
-    tree = Tree(options.tree.resolve(), options.work.resolve() / "tree")
+    tree = Tree(options.tree.resolve(), options.work.resolve() / "tree", options.targets)
     spare = options.count + options.count // 6 + 5  # the last ones replace what does not compile
     drawn = {seed: tree.draw(options.only, seed)[:options.count if options.list else spare] for seed in options.seed}
     planted = {}
@@ -271,12 +320,11 @@ def main():
     if failure:
         print(failure, file=sys.stderr)
         return 3
-    tests = tree.tests()
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        list(pool.map(lambda t: t.watch(options.work), tests))
+    tests = [t for t in tree.tests() if not re.search(options.without, t.name)]
+    watch_all(tests, tree, planted, options.longest, options.jobs)
     for test in tests:
         if not test.passed:
-            print(f"fails without a mutant, left out: {test.name}", flush=True)
+            print(f"fails without a mutant or takes more than {options.longest:g} s, left out: {test.name}", flush=True)
     tests = sorted((t for t in tests if t.passed), key=lambda t: t.seconds)
     print(f"{len(tests)} tests, {sum(t.seconds for t in tests):.0f} s", flush=True)
     if not tests:
@@ -299,13 +347,13 @@ def main():
             rows.writerow(["seed", "file", "line", "place", "kind", "old", "new", "result", "by", "seconds", "form", "tests"])
         for seed, sites_drawn in drawn.items():
             count = {"killed": 0, "survived": 0}
-            for m in [planted[site[:3]] for site in sites_drawn]:
+            for m in [planted[site[:3]] for site in sites_drawn if re.match(options.part, site[0])]:
                 if sum(count.values()) >= options.count:
                     break
                 result = known.get(key(m))
                 if result is None:
                     start = time.monotonic()
-                    result, by, reaching = judge(m, tree, tests, options.jobs)
+                    result, by, reaching = judge(m, tree, tests, options.jobs, options.alone)
                     known[key(m)] = result
                     rows.writerow([seed, m.file, m.line, m.begin, m.kind, m.old, m.new, result, by,
                                    f"{time.monotonic() - start:.1f}", m.form, reaching])

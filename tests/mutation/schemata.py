@@ -112,11 +112,11 @@ class Mutant:
         try:
             self.lo, self.hi = (self.begin, self.end) if self.kind == "branch" else expression(code, self.begin, self.end)
         except (ValueError, IndexError):
-            self.form = "own build"
+            self.form = "alone"
             return
         self.lines = range(text.count("\n", 0, self.lo) + 1, text.count("\n", 0, self.hi) + 2)
         if re.search(r'^\s*#|\bR"', text[self.lo:self.hi], flags=re.M):
-            self.form = "own build"
+            self.form = "alone"
         if self.kind == "branch" and re.search(r"\w[*&]* \w+ = |;", code[self.lo:self.hi]):
             self.form = "does not compile"
 
@@ -145,11 +145,13 @@ def with_schemata(text, mutants):
     changed = render(0, len(text), [m for m in mutants if m.form == "schemata"])
     for m in mutants:  # a constant that a mutant may change is none of the compiler's
         if m.form == "schemata":
-            start = max(code.rfind(c, 0, m.lo) for c in ";{}") + 1
-            head = text[start:m.lo]
-            if "constexpr " in head and "(" not in head:
-                changed = changed.replace(head, head.replace("static constexpr ", "static inline const ").replace(
-                    "constexpr ", "const "), 1)
+            at = code.rfind("constexpr ", 0, m.lo)
+            head = code[at:m.lo]
+            if at >= 0 and ";" not in head and "(" not in re.split("[={]", head)[0]:
+                line = text[text.rfind("\n", 0, at) + 1:text.find("\n", at)]
+                inside = line.startswith(" ") and "static " in line  # of a class
+                changed = changed.replace(line[line.find("constexpr"):], line[line.find("constexpr"):].replace(
+                    "constexpr ", "inline const " if inside else "const "), 1)
     return '#include "' + "quoin_mutant.h" + '"\n#line 1\n' + changed
 
 
@@ -164,10 +166,10 @@ def blame(output, mutants):
         places += [(f, int(n)) for f, n in re.findall(r"^(?:In file included from )?([^\s:]+):(\d+):\d+:", message, flags=re.M)]
         for i, (file, line) in enumerate(places):
             hits = [m for m in mutants if m.form != "does not compile" and file.endswith(m.file) and line in m.lines]
-            for m in hits:
-                wrong = re.search(r"(?:no match for|invalid operands of types .* to binary) .operator(\S+?)['’]", error.group(3))
-                nonsense = wrong and wrong.group(1) == m.new
-                m.form = "does not compile" if nonsense else "own build"
+            wrong = re.search(r"(?:no match for|invalid operands of types .* to binary) .operator(\S+?)['’]", error.group(3))
+            nonsense = [m for m in hits if wrong and wrong.group(1) == m.new]
+            for m in nonsense or hits:
+                m.form = "does not compile" if nonsense else "alone"
                 found.add(m)
             if hits and i == 0:
                 break
