@@ -221,5 +221,21 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
   }
 }
 
+TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
+  const auto scene = [&](const std::string& rule) {
+    return read_scene(write("rules.toml", std::string(kScene) + "[[joint_rule]]\nfamily = \"dry\"\n" + rule));
+  };
+  const JointRule any = scene("").blocks->rules.at(0);
+  EXPECT_EQ(any.normal, "any");
+  EXPECT_THAT(any.between, ElementsAre("", ""));
+  const JointRule rule = scene("normal = \"vertical\"\nbetween = [\"arch\", \"pier\"]\n").blocks->rules.at(0);
+  EXPECT_EQ(rule.family, "dry");
+  EXPECT_EQ(rule.normal, "vertical");
+  EXPECT_THAT(rule.between, ElementsAre("arch", "pier"));
+  for (const char* wrong : {"[\"a\"]", "[\"a\", 1]", "[1, \"a\"]", "[\"a\", \"b\", \"c\"]", "\"a\""})
+    EXPECT_THAT(refusal([&] { scene(std::string("between = ") + wrong + "\n"); }),
+                AllOf(HasSubstr("joint_rule.1.between"), HasSubstr("two beginnings of block names")));
+}
+
 }  // namespace
 }  // namespace quoin
