@@ -451,5 +451,74 @@ TEST(KernelsChoice, WallsCanBeMovedByTheGeneralKernels) {
   EXPECT_EQ(blocks.point_count(), lattice.point_count());
 }
 
+// A wall beside an arch and a post. Inside the wall joints are where and of what the wall alone has them; the rest is
+// of the rule's family. Stages know the names of both, and a run goes on from its state.
+TEST(KernelsChoice, AWallStandsBesideBlocks) {
+  for (const bool rigid : {true, false}) {
+    std::vector<std::string> overrides = {"output.frames=0", fmt::format("wall.rigid_units={}", rigid)};
+    if (!rigid) overrides.push_back("wall.zones=[2,2,1]");
+    const Scene scene = read_scene(QUOIN_SCENES "/mixed.toml", overrides);
+    const Motion motion = choose_motion(scene);
+    ASSERT_TRUE(motion.shapes);
+    EXPECT_THAT(motion.why_not_lattice, HasSubstr("'arch/0' is no box along the axes"));
+    const auto& made = motion.shapes->blocks;
+    const auto named = [&](const char* name) {
+      return made[static_cast<std::size_t>(blocks::find_block(*motion.shapes, name, "test"))];
+    };
+    EXPECT_TRUE(named("bottom_beam").fixed);
+    EXPECT_FALSE(named("top_beam").fixed);
+    EXPECT_EQ(named("wall/0/0").rigid, rigid);
+    EXPECT_EQ(named("wall/5/2").course, 5);
+    EXPECT_TRUE(named("post").rigid);
+
+    Scene alone = scene;
+    alone.blocks.reset();
+    const Assembly wall = assemble(alone);
+    const Model lattice(wall, make_materials(wall));
+    Simulation simulation(scene);
+    const auto& families = simulation.riding()->families();
+    const auto of_mortar = std::find_if(lattice.families.begin(), lattice.families.end(),
+                                        [](const ContactFamily& f) { return f.name == "mortar"; });
+    const auto mortar = static_cast<std::size_t>(of_mortar - lattice.families.begin());
+    EXPECT_EQ(families[mortar].size(), static_cast<std::size_t>(of_mortar->point_count));
+    EXPECT_EQ(families[1 - mortar].size(), 11u * 4u);  // post, springers and joints of the arch
+
+    simulation.advance(100);
+    Simulation other(scene);
+    other.restore(simulation.save());
+    simulation.advance(100), other.advance(100);
+    EXPECT_EQ(simulation.hash(), other.hash());
+    EXPECT_EQ(simulation.measure().monitor_displacement, other.measure().monitor_displacement);
+    EXPECT_LT(simulation.measure().monitor_displacement[1], 0.0);  // it settles under its weight
+  }
+  const auto refused = [](const std::string& override) {
+    try {
+      choose_motion(read_scene(QUOIN_SCENES "/mixed.toml", {override}));
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refused("wall.half_thickness=true"), HasSubstr("wall.half_thickness: not beside blocks of any shape"));
+  EXPECT_THAT(refused("solver.deformation_inertia=64"), HasSubstr("solver.deformation_inertia is of the lattice"));
+  EXPECT_THAT(refused("solver.kernels=lattice"), HasSubstr("'arch/0' is no box along the axes"));
+}
+
+TEST(KernelsChoice, ZonesOfDryWallsAreAskedForOnce) {
+  const std::string scene = QUOIN_SCENES "/solid_wall_030_blocks.toml";
+  const auto refused = [&](const std::string& override) {
+    try {
+      read_scene(scene, {override});
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refused("dry_wall.wall.rigid=true"),
+              HasSubstr("dry_wall.1.zones = [ 4, 2, 2 ]: allowed: only with rigid = false"));
+  EXPECT_THAT(refused("dry_wall.wall.zone_edge=0.03"), HasSubstr("not beside zone_edge"));
+  EXPECT_THAT(refused("dry_wall.wall.zones=[0,1,1]"), HasSubstr("dry_wall.1.zones"));
+}
+
 }  // namespace
 }  // namespace quoin
