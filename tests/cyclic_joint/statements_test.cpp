@@ -291,7 +291,7 @@ TEST(Statement5, NoCreep) {
   }
 }
 
-// LAW.md of fracture_energy, 4: rotation of (s, t).
+// contact_models/fracture_energy/LAW.md, 4: rotation of (s, t).
 TEST(Statement1, RotationTurnsAndChangesNothingElse) {
   Random random(9);
   double worst = 0.0;
