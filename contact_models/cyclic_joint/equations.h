@@ -267,6 +267,9 @@ struct Equations {
 
   // ---- Open, 1: opening ---------------------------------------------------------------------------------------------
 
+  // An opening that was never beyond u0 counts as u0: a joint with its own ft, by a column, needs no state of its own.
+  HWY_INLINE V reached(const State& s) const { return select(s.xi == zero(), p.u0, hn::Max(s.kappa, p.u0)); }
+
   struct Opening {
     V xi, kappa, q, h;
     V passed;  // area of f
@@ -275,15 +278,15 @@ struct Equations {
   };
   HWY_INLINE Opening opening(const Step& s) const {
     const State& old = s.old;
-    Opening o{old.xi, old.kappa, old.q, s.h, zero(), zero(), zero(), hn::MaskFromVec(zero())};
-    const V further = s.e - old.kappa;
+    Opening o{old.xi, reached(old), old.q, s.h, zero(), zero(), zero(), hn::MaskFromVec(zero())};
+    const V further = s.e - o.kappa;
     o.opens = hn::And(s.open, p.kn * further > s.tolerance(p.ft));
     if (!none(o.opens)) {
       const V xi = hn::Max(hn::MulAdd(further, p.inv_lt, old.xi), p.xi_at_first_opening);
       o.xi = select(o.opens, xi, old.xi);
       o.passed = f.area(old.xi, o.xi);
       o.q = hn::MulAdd(p.beta * p.lt, o.passed, old.q);
-      o.kappa = select(o.opens, s.e, old.kappa);
+      o.kappa = select(o.opens, s.e, o.kappa);
       o.h = s.e - o.q;
     }
     // kn u0 for ft: exactly kn h while xi = 0
@@ -647,7 +650,7 @@ struct Equations {
     r.sigma = select(s.open, s.crushed.b * a.factor * o.s0, zero() - p_end);
     State& now = r.state;
     now.xi = a.xi;
-    now.kappa = o.kappa;
+    now.kappa = select(o.opens, o.kappa, old.kappa);
     now.q = q;
     now.l = l;
     now.w = w;
@@ -659,7 +662,8 @@ struct Equations {
     now.tau_s = select(turned, s.n_s * a.tau, s.trial_s);
     now.tau_t = select(turned, s.n_t * a.tau, s.trial_t);
     r.h = select(s.open, o.h, in.d_n - a.seat.v + w - q);
-    r.used = hn::MulAdd(s.h + r.h, zero(), hn::IfThenElseZero(s.open, old.kappa * zero()));
+    r.used =
+        hn::MulAdd(s.h + r.h, zero(), hn::IfThenElseZero(hn::AndNot(old.xi == zero(), s.open), old.kappa * zero()));
     r.used = hn::MulAdd(old.xi + old.l, zero(), r.used);
     r.used = r.used + hn::IfThenElseZero(r.slips, (now.g_s + now.g_t + now.r_m) * zero());
 
@@ -681,8 +685,8 @@ struct Equations {
 
     // b ft (f0 (kappa0 - q0) - f1 (kappa1 - q1)) without the difference of large numbers
     const V f0 = f.factor(old.xi), f1 = f.factor(o.xi);
-    const V longer = (o.kappa - old.kappa) - (o.q - old.q);
-    const V freed = f.drop(old.xi, o.xi) * (old.kappa - old.q) - f1 * longer;
+    const V kappa0 = reached(old), longer = (o.kappa - kappa0) - (o.q - old.q);
+    const V freed = f.drop(old.xi, o.xi) * (kappa0 - old.q) - f1 * longer;
     const V opening_work = b * p.ft * hn::MulAdd(half, freed, p.lt * o.passed);
     E.tension = hn::IfThenElseZero(o.opens, positive_part(opening_work));
     E.cohesion = zero(), E.friction = zero(), E.crushing = zero();

@@ -71,7 +71,8 @@ constexpr quoin_state_info seat(const char* id, const char* text, std::uint32_t 
   return {sizeof(quoin_state_info), id, "m", text, QUOIN_ROLE_HISTORY, kind, 0, 0, -kInfinity, kInfinity};
 }
 constexpr quoin_state_info kXiInfo = history("xi", "-", "bond damage", QUOIN_STATE_MONOTONIC);
-constexpr quoin_state_info kKappaInfo = history("kappa", "m", "opening reached", QUOIN_STATE_MONOTONIC);
+constexpr quoin_state_info kKappaInfo =
+    history("kappa", "m", "opening reached; below u0 = ft/kn it counts as u0", QUOIN_STATE_MONOTONIC);
 constexpr quoin_state_info kQInfo = history("q", "m", "residual opening", 0);
 constexpr quoin_state_info kLInfo = history("l", "m", "crushing", QUOIN_STATE_MONOTONIC);
 constexpr quoin_state_info kWInfo = history("w", "m", "closure by crushing that stays", QUOIN_STATE_MONOTONIC);
@@ -228,7 +229,6 @@ struct CyclicJointLaw {
     if (state != "bonded" && state != "dry") return false;
     const Parameters& m = material.parameters;
     std::fill(values, values + kStateCount, 0.0);
-    values[kKappa] = m.given.ft / m.given.kn;
     if (state == "dry") values[kXi] = m.end;
     return true;
   }
@@ -267,7 +267,7 @@ struct CyclicJointLaw {
     s[kXi] = xi;
     s[kW] = w;
     s[kQ] = from.state("q", 0.0);
-    s[kKappa] = from.state("kappa", length.u0 + s[kQ] + std::min(xi, m.end) * length.lt);
+    s[kKappa] = from.state("kappa", length.u0 + std::min(xi, m.end) * length.lt);
     s[kL] = from.state("l", w > 0.0 ? g.wp + w : 0.0);
     s[kGs] = from.state("g_s", 0.0), s[kGt] = from.state("g_t", 0.0);
     s[kRm] = from.state("r_m", 0.0), s[kVm] = from.state("v_m", 0.0);
@@ -284,7 +284,7 @@ struct CyclicJointLaw {
     bool inside =
         std::hypot(pressure, std::sqrt(g.Cs) * tau) <= F + slack && (s[kQ] == 0.0 || pressure <= g.ft + slack);
     if (from.sigma > 0.0) {
-      const double K = g.ft > 0.0 ? g.ft * B / (s[kKappa] - s[kQ]) : 0.0;
+      const double K = g.ft > 0.0 ? g.ft * B / (std::max(length.u0, s[kKappa]) - s[kQ]) : 0.0;
       h = K > 0.0 ? from.sigma / K : 0.0;
       S = b * f * std::max(0.0, g.c0 - (B > 0.0 ? g.mu0 * from.sigma / B : 0.0));
       inside = from.sigma <= g.ft * B + slack;

@@ -20,6 +20,9 @@ inline double log_uniform(Random& random, double low, double high) {
 }
 inline bool chance(Random& random, double probability) { return uniform(random, 0.0, 1.0) < probability; }
 
+// 1 in ctest; $QUOIN_TEST_SCALE multiplies the numbers of random joints in long runs.
+double test_scale();
+
 // Table 1 of the paper with the page's starting values.
 Joint mortar();
 // Any joint that the page does not refuse, energies from margin times their bounds.

@@ -105,6 +105,7 @@ Real uplift(const History& s) { return s.r_m > 0 ? s.v_m * std::min(Real(1), std
 // ---- The update -----------------------------------------------------------------------------------------------------
 
 Outcome update(const Joint& j, History& s, Real d_n, Real d_s, Real d_t) {
+  s.kappa = std::max(s.kappa, j.u0());  // the law's bonded joint says 0
   Outcome out;
   const Real v0 = uplift(s);
   const Real e = d_n + s.w - v0;
