@@ -237,5 +237,25 @@ TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
                 AllOf(HasSubstr("joint_rule.1.between"), HasSubstr("two beginnings of block names")));
 }
 
+TEST_F(ReadBlockScene, DeformableBlocksAreDividedOneWayOrTheOther) {
+  EXPECT_THAT(fault("block.1.rigid=false"), HasSubstr("a deformable block needs zone_edge (m) or divisions"));
+  EXPECT_EQ(read({"block.1.rigid=false", "block.1.zone_edge=0.5"}).blocks->blocks.at(0).zone_edge, 0.5);
+  EXPECT_THAT(read({"block.1.rigid=false", "block.1.divisions=[1, 1, 1]"}).blocks->blocks.at(0).divisions,
+              ElementsAre(1, 1, 1));
+  EXPECT_THAT(fault("block.1.divisions=[1, 1, 1]"), HasSubstr("only with rigid = false"));
+}
+
+// The inner radius of an arch is more than nothing.
+TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
+  const auto arch = [&](const char* thickness) {
+    return read_scene(
+        write("arch.toml", std::string(kScene) + "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\n" +
+                               "radius = 1.0\ndepth = 0.5\nangles = [0, 180]\nvoussoirs = 9\nthickness = " + thickness +
+                               "\n"));
+  };
+  EXPECT_EQ(arch("1.9").blocks->arches.at(0).thickness, 1.9);
+  EXPECT_THAT(refusal([&] { arch("2.0"); }), HasSubstr("less than twice the radius"));
+}
+
 }  // namespace
 }  // namespace quoin
