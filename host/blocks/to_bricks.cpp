@@ -314,7 +314,10 @@ OnLattice made_of(const Assembly& assembly, const Scene& scene) {
   name_bodies(assembly, &made.bricks.bricks);
   auto& bricks = made.bricks.bricks;
   const bool zoned = std::any_of(bricks.begin(), bricks.end(), [](const Brick& b) { return !b.rigid; });
-  for (Brick& brick : bricks) brick.beam = zoned && brick.rigid;
+  for (size_t i = 0; i < bricks.size(); ++i) {
+    bricks[i].beam = zoned && bricks[i].rigid;
+    bricks[i].fixed = assembly.blocks[i].fixed;
+  }
   made.bricks.joints = JointFinder(assembly, bricks).find();
   const StageWriter writer(assembly, bricks, scene.output);
   for (Stage& stage : made.scene.stages) stage = writer.on_bodies(stage);

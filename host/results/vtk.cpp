@@ -14,7 +14,7 @@ namespace quoin {
 
 namespace {
 
-constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10;
+constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
 
 // An unstructured grid, its arrays by section.
 class Grid {
@@ -56,14 +56,15 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
     for (const Vec3& p : mesh.gridpoint) add(points, p);
     for (const Vec3& u : simulation.block_displacement(b)) add(displacement, u);
     for (const auto& zone : mesh.zone) add_cell(first, zone, kVtkTetrahedron);
-    const bool rigid = mesh.zone.empty();
+    const bool rigid = mesh.zone.empty(), brick = rigid && !simulation.riding();
+    if (brick) add_cell(first, std::array{0, 1, 3, 2, 4, 5, 7, 6}, kVtkHexahedron);
     for (const auto& face : mesh.face) {
-      if (rigid) add_cell(first, face, kVtkPolygon);
+      if (rigid && !brick) add_cell(first, face, kVtkPolygon);
     }
     for (const auto& tensor : simulation.block_stress(b)) {
       for (const double s : tensor) stress.push_back(static_cast<float>(s));
     }
-    const size_t cells = rigid ? mesh.face.size() : mesh.zone.size();
+    const size_t cells = brick ? 1 : rigid ? mesh.face.size() : mesh.zone.size();
     if (rigid) stress.insert(stress.end(), 6 * cells, 0.0F);
     block.insert(block.end(), cells, b);
     unit.insert(unit.end(), cells, mesh.unit);

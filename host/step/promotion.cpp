@@ -9,6 +9,7 @@
 #include <map>
 
 #include "blocks/from_bricks.h"
+#include "blocks/generate.h"
 #include "blocks/model.h"
 #include "step/state.h"
 
@@ -218,7 +219,13 @@ void Simulation::Impl::leave_lattice() {
   families_alone.families = left->families;
   families_alone.symmetry_factor = left->symmetry_factor;
   take_bricks(std::move(families_alone), materials);
-  build_riding(blocks::from_bricks(*left), materials);
+  blocks::Assembly shapes = blocks::from_bricks(*left);
+  if (scene.blocks) {  // recognised as a lattice: what meets later follows the rules of the scene
+    blocks::Assembly given = blocks::assemble(scene);
+    shapes.family_of = std::move(given.family_of);
+    for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;
+  }
+  build_riding(shapes, materials);
   bind_step();
 }
 

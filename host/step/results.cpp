@@ -102,7 +102,7 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   const Brick& brick = model.assembly.bricks[at(block)];
   const Model::BlockPlace& place = model.place[at(block)];
   BlockMesh mesh;
-  mesh.unit = brick.unit, mesh.course = brick.course, mesh.fixed = brick.beam;
+  mesh.unit = brick.unit, mesh.course = brick.course, mesh.fixed = brick.beam || brick.fixed;
   mesh.face = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   if (place.body >= 0) {
     for (int corner = 0; corner < 8; ++corner) {

@@ -44,7 +44,7 @@ Curve curve_of(
   return c;
 }
 
-class Studies : public ::testing::Test {
+class Verdicts : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("quoin_studies_" + std::to_string(getpid()));
@@ -108,7 +108,7 @@ class Studies : public ::testing::Test {
   std::string path_;
 };
 
-TEST_F(Studies, LawMeetsTable1ToAThousandth) {
+TEST_F(Verdicts, LawMeetsTable1ToAThousandth) {
   start("law");
   read();
   ASSERT_EQ(report_.verdicts.size(), 10u);
@@ -129,7 +129,7 @@ TEST_F(Studies, LawMeetsTable1ToAThousandth) {
 }
 
 // Peaks of the tests: the printed regression times 0.099 m2.
-TEST_F(Studies, WallsAreHeldAgainstTheRegression) {
+TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
   start("walls");
   const std::pair<const char*, double> walls[] = {{"0.30 MPa", 0.30}, {"1.21 MPa", 1.21}, {"2.12 MPa", 2.12}};
   for (const auto& [name, pressure] : walls)
@@ -158,7 +158,7 @@ TEST_F(Studies, WallsAreHeldAgainstTheRegression) {
 }
 
 // Peaks on tau = 0.40 + 0.30 sigma at a stress at the peak of 1.5 times the initial one.
-TEST_F(Studies, EnvelopeFindsTheLineThatPeaksLieOn) {
+TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   start("envelope");
   for (const auto& [name, pressure] : {std::pair{"0.30 MPa", 0.30}, {"1.21 MPa", 1.21}, {"2.12 MPa", 2.12}}) {
     Curve c = curve_of({99.0 * (0.40 + 0.30 * pressure), 2.0, 20.0, 5.0});
@@ -187,7 +187,7 @@ TEST_F(Studies, EnvelopeFindsTheLineThatPeaksLieOn) {
 }
 
 // Falls of the force of 5 % of the peak before 1.2 mm are an oscillation; 1 % is none.
-TEST_F(Studies, RateReadsOscillationsAndDistances) {
+TEST_F(Verdicts, RateReadsOscillationsAndDistances) {
   start("rate");
   for (const auto& [name, r] : runs_) EXPECT_EQ(set(name, "stage.shear.displacement"), "0.0025") << name;
   // The same distance in the ramp: 0.05 mm, while it is no longer than 50 ms.
@@ -229,7 +229,7 @@ TEST_F(Studies, RateReadsOscillationsAndDistances) {
   EXPECT_THAT(row("10 mm/s, at once, step 0.8")[2], "numerical failure at step 4321");
 }
 
-TEST_F(Studies, RatioOfUnbalancedForcesFallsWithEveryStepDown) {
+TEST_F(Verdicts, RatioOfUnbalancedForcesFallsWithEveryStepDown) {
   start("rate");
   double ratio = 0.01;
   for (const char* name : {"1 mm/s", "10 mm/s", "20 mm/s", "40 mm/s", "80 mm/s", "160 mm/s", "320 mm/s"})
@@ -239,7 +239,7 @@ TEST_F(Studies, RatioOfUnbalancedForcesFallsWithEveryStepDown) {
   EXPECT_NEAR(verdict("unbalanced ratio").number, 16.0, 1e-9);
 }
 
-TEST_F(Studies, BrittleIsLowerAndRougher) {
+TEST_F(Verdicts, BrittleIsLowerAndRougher) {
   start("brittle");
   EXPECT_EQ(run("brittle, 1.21 MPa").spec.law, "coulomb_slip");
   EXPECT_EQ(set("no crushing, 1.21 MPa", "joints.mortar.compressive_strength"), "inf");
@@ -283,7 +283,7 @@ TEST_F(Studies, BrittleIsLowerAndRougher) {
 }
 
 // An opening stands in the middle of 9 half bricks and 16 courses, or half a half brick beside it.
-TEST_F(Studies, HollowWallsHaveOpeningsInTheMiddle) {
+TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
   start("hollow");
   int openings = 0;
   const std::regex words("(\\d) half bricks?(, (\\d) courses)?.*");
@@ -334,7 +334,7 @@ TEST_F(Studies, HollowWallsHaveOpeningsInTheMiddle) {
   EXPECT_FALSE(verdict("peak in the range of the tests").reproduced);
 }
 
-TEST_F(Studies, ContactPointsAreComparedWithTheFinest) {
+TEST_F(Verdicts, ContactPointsAreComparedWithTheFinest) {
   start("contact_points");
   run("B2T4").curve = curve_of({56.0, 2.0, 40.0, 5.0});
   run("B2T8").curve = curve_of({52.0, 2.0, 40.0, 5.0});
@@ -351,7 +351,7 @@ TEST_F(Studies, ContactPointsAreComparedWithTheFinest) {
   EXPECT_EQ(row("B2T16")[2], "9");
 }
 
-TEST_F(Studies, StiffnessIsATimesThatOfTheMortarJoint) {
+TEST_F(Verdicts, StiffnessIsATimesThatOfTheMortarJoint) {
   start("stiffness");
   for (const int ratio : {1, 2, 3, 4, 6, 10})
     for (const char* key : {"joints.unit.normal_stiffness", "joints.unit.shear_stiffness"})
@@ -384,7 +384,7 @@ TEST_F(Studies, StiffnessIsATimesThatOfTheMortarJoint) {
   EXPECT_EQ(row("2")[4], "3.500 mm");
 }
 
-TEST_F(Studies, BlockSizesSpreadAndFall) {
+TEST_F(Verdicts, BlockSizesSpreadAndFall) {
   start("block_size");
   const auto peaks = [&](double a, double b, double c, double d) {
     const char* names[] = {"60 blocks", "144 blocks", "240 blocks", "576 blocks"};
@@ -415,7 +415,7 @@ TEST_F(Studies, BlockSizesSpreadAndFall) {
   EXPECT_FALSE(verdict("240 and 576 blocks").reproduced);
 }
 
-TEST_F(Studies, EnergiesAreFactorsOnTable1) {
+TEST_F(Verdicts, EnergiesAreFactorsOnTable1) {
   start("energy");
   for (const double f : {0.5, 2.0, 4.0}) {
     const std::string name = fmt::format("x {}", f);
@@ -443,7 +443,7 @@ TEST_F(Studies, EnergiesAreFactorsOnTable1) {
   EXPECT_FALSE(verdict("ductility grows").reproduced);
 }
 
-TEST_F(Studies, BuildingIsHeldAgainstTheTestAndTable2) {
+TEST_F(Verdicts, BuildingIsHeldAgainstTheTestAndTable2) {
   start("building");
   // The slowest run is the converged one; runs cost in proportion to their time.
   const char* slow_d = "wall D, 2.5 mm/s";
@@ -525,7 +525,7 @@ TEST(LayoutRules, AreGeometry) {
   EXPECT_NEAR((WindowLayout{28, 19, 6, false}.depth()), 4.0, 1e-12);
 }
 
-TEST_F(Studies, PiersAreBetweenTheirTwoDirections) {
+TEST_F(Verdicts, PiersAreBetweenTheirTwoDirections) {
   start("blind");
   run("ISP1").curve = curve_of({1.14 * 82.8, 3.0, 40.0, 5.0});
   run("ISP3").curve = curve_of({0.84 * 72.05, 3.0, 40.0, 5.0});
@@ -541,7 +541,7 @@ TEST_F(Studies, PiersAreBetweenTheirTwoDirections) {
 }
 
 // Six half cycles, elastic but the last, which is a rectangle; none has more than one way but the first, by 2 %.
-TEST_F(Studies, CyclesLoseWorkAndDoNotExceedOneWay) {
+TEST_F(Verdicts, CyclesLoseWorkAndDoNotExceedOneWay) {
   start("cyclic");
   for (const char* name : {"solid wall", "pier ISP1"}) {
     Curve c;

@@ -19,6 +19,7 @@ normal_stiffness = 2e9
 shear_stiffness = 1e9
 friction_angle = 33.0
 [solver]
+kernels = "general"
 damping = "viscous"
 mass_damping = 0.3
 stiffness_damping = 4e-5
