@@ -33,7 +33,7 @@ constexpr Work kElasticWork{30.0, 8.0 * (8 + 1 + 7)}, kSofteningWork{30.0 + 0.5 
 
 void measure(benchmark::State& state, const LoadedLaw& loaded, Population population,
              const quoin::benchmarks::Limits& limits) {
-  Points points(static_cast<std::size_t>(state.range(0)), population);
+  Points points(loaded, static_cast<std::size_t>(state.range(0)), population);
   for (auto _ : state) {
     loaded.law.evaluate(loaded.handle, &points.batch);
     benchmark::ClobberMemory();

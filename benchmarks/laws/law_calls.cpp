@@ -1,5 +1,6 @@
 // Nanoseconds of a call through the C ABI, few points and many, by law, shape of softening and state of the points; no
-// optional output. With another build of the laws beside it, both in turn: law_calls [--beside=FOLDER]
+// optional output. cyclic_joint beside fracture_energy, each pair in turn, states in place as in a host and apart. With
+// another build of the laws beside it, both in turn: law_calls [--beside=FOLDER] [--only=LAW]
 //
 // A neighbour only ever adds time, in bursts longer than these windows: the smallest of many short windows counts.
 #include <fmt/format.h>
@@ -34,6 +35,8 @@ struct Case {
   const char* softening;  // null: the law has none
   const char* state;
   Population population;
+  const char* beside = nullptr;  // another law that does the same here
+  bool in_place = false;
 };
 constexpr Case kCases[] = {{"elastic", nullptr, "elastic", Population::elastic},
                            {"coulomb_slip", nullptr, "elastic", Population::elastic},
@@ -45,25 +48,49 @@ constexpr Case kCases[] = {{"elastic", nullptr, "elastic", Population::elastic},
                            {"fracture_energy", "exponential", "elastic", Population::elastic},
                            {"fracture_energy", "exponential", "sliding", Population::sliding},
                            {"fracture_energy", "exponential", "opening", Population::opening},
-                           {"fracture_energy", "exponential", "softening", Population::softening}};
+                           {"fracture_energy", "exponential", "softening", Population::softening},
+                           {"cyclic_joint", "linear", "elastic", Population::elastic, "fracture_energy"},
+                           {"cyclic_joint", "linear", "in place", Population::elastic, "fracture_energy", true},
+                           {"cyclic_joint", "linear", "sliding", Population::sliding, "fracture_energy"},
+                           {"cyclic_joint", "linear", "opening", Population::opening, "fracture_energy"},
+                           {"cyclic_joint", "linear", "softening", Population::softening, "fracture_energy"},
+                           {"cyclic_joint", "linear", "crushing", Population::crushing, "fracture_energy"},
+                           {"cyclic_joint", "linear", "corner", Population::corner, "fracture_energy"},
+                           {"cyclic_joint", "exponential", "in place", Population::elastic, "fracture_energy", true},
+                           {"cyclic_joint", "exponential", "sliding", Population::sliding, "fracture_energy"},
+                           {"cyclic_joint", "exponential", "opening", Population::opening, "fracture_energy"},
+                           {"cyclic_joint", "exponential", "crushing", Population::crushing, "fracture_energy"},
+                           {"cyclic_joint", "exponential", "corner", Population::corner, "fracture_energy"}};
 
 void measure(const Case& what, const std::vector<std::string>& folders) {
   std::vector<std::unique_ptr<LoadedLaw>> laws;
   for (const std::string& folder : folders) {
     laws.push_back(std::make_unique<LoadedLaw>(folder + "/" + what.law + ".so", what.softening));
   }
+  if (what.beside != nullptr) {
+    laws.push_back(std::make_unique<LoadedLaw>(folders[0] + "/" + what.beside + ".so", what.softening));
+  }
   const bool exponential = what.softening != nullptr && std::string_view(what.softening) == "exponential";
   for (const std::size_t count : {1, 2, 3, 4, 8, 256, 4000}) {
-    Points points(count, what.population, exponential);
-    std::vector<double> best(laws.size(), 1.0);
-    const int calls = std::max(1, static_cast<int>(kWindow / seconds_of(*laws[0], points, 100)));
-    for (int window = 0; window < kWindows; ++window) {
-      for (std::size_t k = 0; k < laws.size(); ++k) best[k] = std::min(best[k], seconds_of(*laws[k], points, calls));
+    std::vector<std::unique_ptr<Points>> points;
+    for (const auto& law : laws) {
+      points.push_back(std::make_unique<Points>(*law, count, what.population, exponential, what.in_place));
     }
-    if (points.batch.failed_count != 0) throw std::runtime_error("failed points");
+    std::vector<double> best(laws.size(), 1.0);
+    const int calls = std::max(1, static_cast<int>(kWindow / seconds_of(*laws[0], *points[0], 100)));
+    for (int window = 0; window < kWindows; ++window) {
+      for (std::size_t k = 0; k < laws.size(); ++k)
+        best[k] = std::min(best[k], seconds_of(*laws[k], *points[k], calls));
+    }
+    for (const auto& each : points) {
+      if (each->batch.failed_count != 0) throw std::runtime_error("failed points");
+    }
     const std::string shape = what.softening == nullptr ? "" : what.softening;
     fmt::print("{:16} {:11} {:9} {:5} points {:9.1f} ns", what.law, shape, what.state, count, 1e9 * best[0]);
-    if (best.size() > 1) fmt::print("   beside {:9.1f} ns   ratio {:.2f}", 1e9 * best[1], best[1] / best[0]);
+    for (std::size_t k = 1; k < best.size(); ++k) {
+      const char* name = k < folders.size() ? "beside" : what.beside;
+      fmt::print("   {} {:9.1f} ns   ratio {:.2f}", name, 1e9 * best[k], best[0] / best[k]);
+    }
     fmt::print("\n");
     std::fflush(stdout);
   }
@@ -73,13 +100,20 @@ void measure(const Case& what, const std::vector<std::string>& folders) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> folders = {QUOIN_LAWS};
-  const std::string_view beside = "--beside=";
+  std::string only;
+  const std::string_view beside = "--beside=", one_law = "--only=";
   for (int k = 1; k < argc; ++k) {
-    if (!std::string_view(argv[k]).starts_with(beside)) {
-      fmt::print(stderr, "usage: law_calls [--beside=FOLDER]\n");
+    const std::string_view argument = argv[k];
+    if (argument.starts_with(beside)) {
+      folders.emplace_back(argument.substr(beside.size()));
+    } else if (argument.starts_with(one_law)) {
+      only = argument.substr(one_law.size());
+    } else {
+      fmt::print(stderr, "usage: law_calls [--beside=FOLDER] [--only=LAW]\n");
       return 2;
     }
-    folders.emplace_back(std::string(argv[k]).substr(beside.size()));
   }
-  for (const Case& what : kCases) measure(what, folders);
+  for (const Case& what : kCases) {
+    if (only.empty() || only == what.law) measure(what, folders);
+  }
 }

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "hwy/aligned_allocator.h"
 #include "quoin/quoin.h"
@@ -16,7 +18,6 @@ namespace quoin::benchmarks {
 
 namespace mortar = quoin::test::mortar;
 
-constexpr int kStates = 5;
 constexpr double kFriction = 0.7002075382;  // tan 35 deg
 
 // A law of a file with what it knows of the mortar of Table 1.
@@ -40,28 +41,54 @@ struct LoadedLaw : quoin::test::TestMaterial {
   }
 };
 
-// softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn.
-enum class Population { elastic, sliding, opening, softening, damaged, mixed, random };
+// softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
+// the softening branch without slip; corner: with slip.
+enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, mixed, random };
 
 // Columns on cache lines, as a host that cares lays them out (a vector that crosses a line costs two accesses), and an
 // odd number of lines apart, so that they do not share the sets of a cache.
 struct Points {
-  static constexpr std::size_t kColumns = 3 + 2 * (3 + kStates);
-  std::size_t length;
+  std::size_t states, length;
   hwy::AlignedFreeUniquePtr<double[]> memory;
-  double *jump, *slip_s, *slip_t, *traction[3], *traction_new[3], *state[kStates], *state_new[kStates];
-  quoin_in old_columns[kStates];
-  quoin_out new_columns[kStates];
+  double *jump, *slip_s, *slip_t, *traction[3], *traction_new[3];
+  std::vector<double*> state, state_new;
+  std::vector<quoin_in> old_columns;
+  std::vector<quoin_out> new_columns;
   quoin_batch batch{};
 
-  Points(std::size_t count, Population population, bool exponential = false)
-      : length(8 * (((count + 7) / 8 | 1) + 4)), memory(hwy::AllocateAligned<double>(kColumns * length)) {
-    std::fill_n(memory.get(), kColumns * length, 0.0);
+  // in_place: new states in the memory of the old ones, as hosts keep them; tractions stay apart.
+  Points(const LoadedLaw& law, std::size_t count, Population population, bool exponential = false,
+         bool in_place = false)
+      : states(law.law.state_count),
+        length(8 * (((count + 7) / 8 | 1) + 4)),
+        memory(hwy::AllocateAligned<double>((3 + 2 * (3 + states)) * length)),
+        state(states),
+        state_new(states),
+        old_columns(states),
+        new_columns(states) {
+    std::fill_n(memory.get(), (3 + 2 * (3 + states)) * length, 0.0);
     double* next = memory.get();
     const auto place = [&](double*& column) { column = next, next += length; };
     place(jump), place(slip_s), place(slip_t);
     for (int k = 0; k < 3; ++k) place(traction[k]), place(traction_new[k]);
-    for (int k = 0; k < kStates; ++k) place(state[k]), place(state_new[k]);
+    for (std::size_t k = 0; k < states; ++k) place(state[k]), place(state_new[k]);
+    std::vector<double> bonded(states);
+    law.law.initial_state(law.handle, "bonded", bonded.data());
+    for (std::size_t k = 0; k < states; ++k) std::fill_n(state[k], count, bonded[k]);
+    // What a state is called in this law; others do without it.
+    const auto set = [&](std::initializer_list<const char*> ids, std::size_t i, double value) {
+      for (std::size_t k = 0; k < states; ++k) {
+        for (const char* id : ids) {
+          if (std::string(law.law.states[k]->id) == id) state[k][i] = value;
+        }
+      }
+    };
+    const double u0 = mortar::ft / mortar::kn, area = exponential ? 1.0 : 0.5;  // under f
+    const double lt = (mortar::G1 - 0.5 * mortar::ft * u0) / (mortar::ft * area), wu = mortar::Gc / (mortar::fc * area);
+    const auto damage = [&](std::size_t i, double xi) {
+      set({"xi_t", "xi_s", "xi"}, i, xi);
+      set({"kappa"}, i, u0 + std::min(xi, 1.0) * lt);
+    };
     std::mt19937_64 random(20261121);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     for (std::size_t i = 0; i < count; ++i) {
@@ -76,37 +103,42 @@ struct Points {
         traction[1][i] = 1e4 * unit(random);
       } else if (kind == Population::sliding || kind == Population::opening) {
         const double xi = 0.2 + 0.5 * u;
-        state[0][i] = state[1][i] = xi;
+        damage(i, xi);
         if (kind == Population::sliding) {
           jump[i] = -1e-5 * unit(random);
           const double sigma = mortar::kn * jump[i];
           traction[1][i] = mortar::c0 * (exponential ? std::exp(-xi) : 1.0 - xi) - kFriction * sigma;
           slip_s[i] = 1e-7;
         } else {
-          const double u0 = mortar::ft / mortar::kn;
-          const double area = exponential ? 1.0 : 0.5;  // under f
-          jump[i] = u0 + (xi + 1e-3) * (mortar::G1 - 0.5 * mortar::ft * u0) / (mortar::ft * area);
+          jump[i] = u0 + (xi + 1e-3) * lt;
           slip_s[i] = 1e-9;
         }
       } else if (kind == Population::damaged) {
         // A crack after the peak: nothing left but friction; joints of eight points, one in four of them open
-        state[0][i] = state[1][i] = 1.0 + u;
+        damage(i, 1.0 + u);
         jump[i] = i / 8 % 4 == 0 ? 1e-4 * unit(random) : -1e-5 * unit(random);
         traction[1][i] = std::max(0.0, -kFriction * mortar::kn * jump[i]);
         slip_s[i] = 1e-7;
+      } else if (kind == Population::crushing || kind == Population::corner) {
+        const double x = 0.1 + 0.4 * u, w = x * wu;
+        const double left = mortar::fc * (exponential ? std::exp(-x) : 1.0 - x);
+        set({"w", "l"}, i, w);
+        damage(i, 0.3);
+        jump[i] = -w - 1.001 * left / mortar::kn;
+        slip_s[i] = kind == Population::corner ? 2.0 * left / mortar::ks : 0.0;
       } else {
-        state[0][i] = state[1][i] = unit(random) < 0.5 ? 0.0 : 1.2 * unit(random);
-        state[2][i] = unit(random) < 0.9 ? 0.0 : 1e-4 * unit(random);
+        damage(i, unit(random) < 0.5 ? 0.0 : 1.2 * unit(random));
+        set({"w", "l"}, i, unit(random) < 0.9 ? 0.0 : 1e-4 * unit(random));
         jump[i] = unit(random) < 0.5 ? -7e-5 * unit(random) : 1e-4 * unit(random);
         traction[1][i] = 0.2e6 * unit(random);
         slip_s[i] = 1e-6 * (u - 0.5);
         slip_t[i] = 1e-6 * (unit(random) - 0.5);
       }
     }
-    for (int k = 0; k < kStates; ++k) {
-      const bool history = k < 4;
+    for (std::size_t k = 0; k < states; ++k) {
+      const bool history = law.law.states[k]->role == QUOIN_ROLE_HISTORY;
       old_columns[k] = {history ? state[k] : nullptr, 1};
-      new_columns[k] = {history ? state_new[k] : nullptr, 1};
+      new_columns[k] = {history ? in_place ? state[k] : state_new[k] : nullptr, 1};
     }
     batch.struct_size = sizeof(quoin_batch);
     batch.count = count;
@@ -117,8 +149,8 @@ struct Points {
       batch.traction_old[k] = {traction[k], 1};
       batch.traction_new[k] = {traction_new[k], 1};
     }
-    batch.state_old = old_columns;
-    batch.state_new = new_columns;
+    batch.state_old = old_columns.data();
+    batch.state_new = new_columns.data();
   }
 };
 

@@ -10,9 +10,9 @@
 #include <limits>
 
 #include "fracture_energy/parameters.h"
-#include "fracture_energy/root.h"
-#include "fracture_energy/softening.h"
 #include "shim/extras.h"
+#include "shim/root.h"
+#include "shim/softening.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::fracture_energy::HWY_NAMESPACE {

@@ -1,7 +1,6 @@
 // The loop over points around the equations, compiled for every instruction set.
 #include "fracture_energy/kernel.h"
 
-#include <algorithm>
 #include <new>
 #include <type_traits>
 
@@ -12,6 +11,7 @@
 // After foreach_target.h, which includes this file once for every instruction set.
 #include "fracture_energy/equations.h"
 #include "shim/friction_column.h"
+#include "shim/loop.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace quoin::fracture_energy::HWY_NAMESPACE {
@@ -102,9 +102,7 @@ struct At {
   }
 };
 
-// The points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
-// full: it then ends with copies of the last point.
-template <bool kFull, bool kColumns, class Access = Vectors, class Law>
+template <bool kFull, bool kColumns, class Access, class Law>
 HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const Lanes& p = law.p;
   const At<Access> at{c, i};
@@ -148,9 +146,7 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   at.put_history(r.state);
 }
 
-// All points that nothing moves but elastically, and nothing else is asked of: false, and nothing written, when there
-// is one in the vector for which this is not sure.
-template <class Access = Vectors, class Law>
+template <class Access, class Law>
 HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
   const State old = at.template state<Law::kSharedDamage>();
@@ -164,48 +160,25 @@ HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   return true;
 }
 
-// The vectors that begin at starts[0] ... starts[n - 1], back to back: the roots and divisions of one overlap with the
-// next one's. Out of line, so that the short path keeps its registers.
-template <bool kFull, bool kColumns, class Law>
-HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size_t* starts, std::size_t n,
-                               std::size_t count, Summary& summary) {
-  for (std::size_t k = 0; k < n; ++k) step_vector<kFull, kColumns>(law, c, starts[k], count, summary);
-}
-
-// First all vectors of a tile that are elastic, then the others. A tile's columns fit into the first cache.
-inline constexpr std::size_t kTile = 256;
-
 template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull, bool kColumns>
 void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
   Lanes point_lanes;
   const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
   const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
   if constexpr (kFull) {
-    for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    run_full<kColumns>(law, c, count, summary, [&](std::size_t i) {
       if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
-      step_vectors<kFull, kColumns>(law, c, &i, 1, count, summary);
-    }
+    });
   } else {
-    // A copy, so that the short path keeps it in registers: what is stored might change c.
-    const Columns own = c;
-    std::size_t rest[kTile];
-    for (std::size_t i = 0; i < count;) {
-      const std::size_t end = std::min(count, i + kTile);
-      std::size_t n = 0;
-      for (; i < end; i += hn::Lanes(D())) {
-        if (!step_elastic(law, own, i)) rest[n++] = i;
-      }
-      if (n > 0) step_vectors<kFull, kColumns>(law, c, rest, n, count, summary);
-    }
+    run_lean(law, c, count, summary);
   }
 }
 
-// A call of one point: the same vectors with this point in every lane, and so the same bits.
 template <class Softening, bool kShared, bool kCrushing, bool kDilation>
 void run_one(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
   const Lanes& p = *reinterpret_cast<const Lanes*>(material.lanes);
   const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
-  if (!step_elastic<OnePoint>(law, c, 0)) step_vector<false, false, OnePoint>(law, c, 0, count, summary);
+  run_one(law, c, count, summary);
 }
 
 // Extra outputs and columns always take the general branches: with the parameters of a switched-off branch they give

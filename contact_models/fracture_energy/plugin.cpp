@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fracture_energy/kernel.h"
+#include "shim/softening_property.h"
 
 namespace quoin::fracture_energy {
 namespace {
@@ -46,36 +47,6 @@ constexpr quoin_property_info kG2 = number("fracture_energy_shear", "G2", "J/m2"
 constexpr quoin_property_info kGc =
     number("fracture_energy_compression", "Gc", "J/m2",
            "work above fcr over the plastic closure; needed when fc is finite and > fcr");
-constexpr const char* kShapes[] = {"linear", "exponential", "table"};
-constexpr quoin_property_info kSoftening = {sizeof(quoin_property_info),
-                                            "softening",
-                                            "f",
-                                            "-",
-                                            "shape of the softening function, one for all modes",
-                                            QUOIN_PROPERTY_CHOICE,
-                                            0,
-                                            0.0,
-                                            0.0,
-                                            0.0,
-                                            nullptr,
-                                            "linear",
-                                            3,
-                                            kShapes};
-constexpr quoin_property_info kTable = {
-    sizeof(quoin_property_info),
-    "softening_table",
-    "f",
-    "-",
-    "pairs xi, f from 0, 1 to f = 0, xi rising and f falling strictly; for softening = table",
-    QUOIN_PROPERTY_TABLE,
-    0,
-    0.0,
-    -kInfinity,
-    kInfinity,
-    nullptr,
-    nullptr,
-    0,
-    nullptr};
 constexpr const char* kCouplings[] = {"shared", "none"};
 constexpr quoin_property_info kCoupling = {sizeof(quoin_property_info),
                                            "coupling",
@@ -102,51 +73,6 @@ constexpr quoin_state_info kWInfo = history("w", "m", "plastic closure by crushi
 constexpr quoin_state_info kVInfo = history("v", "m", "uplift by dilation");
 constexpr quoin_state_info kSlipInfo =
     scalar_state("slip", "m", "accumulated slip", QUOIN_ROLE_DIAGNOSTIC, QUOIN_STATE_MONOTONIC, 0.0, kInfinity);
-
-// Reads, checks and stores the softening function; false when it cannot be used.
-bool read_softening(const PropertyValues& values, Parameters& m, Report& report) {
-  const std::string& shape = values.text("softening");
-  const std::vector<double>& pairs = values.table("softening_table");
-  if (shape != "table") {
-    if (!pairs.empty())
-      report.faults.push_back("softening_table: given, but softening = " + shape + "; set softening = table");
-    if (shape == "exponential") {
-      m.shape = Shape::exponential;
-      m.A = 1.0, m.slope = 1.0, m.end = kExponentialEnd;
-    }
-    return true;
-  }
-  m.shape = Shape::table;
-  const auto refuse = [&](const std::string& why) {
-    report.faults.push_back("softening_table: " + why +
-                            "; needs xi, f pairs from 0, 1 to f = 0, xi rising and f falling strictly");
-    return false;
-  };
-  const std::size_t n = pairs.size() / 2;
-  if (pairs.size() % 2 != 0 || n < 2)
-    return refuse(std::to_string(pairs.size()) + " numbers are not two or more pairs");
-  if (n > static_cast<std::size_t>(SofteningTable::kMaxPoints)) {
-    return refuse(std::to_string(n) + " points are more than " + std::to_string(SofteningTable::kMaxPoints));
-  }
-  if (pairs[0] != 0.0 || pairs[1] != 1.0) return refuse("starts at " + to_text(pairs[0]) + ", " + to_text(pairs[1]));
-  SofteningTable& t = m.table;
-  t.points = static_cast<int>(n);
-  m.slope = 0.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    t.x[k] = pairs[2 * k];
-    t.f[k] = pairs[2 * k + 1];
-    if (k == 0) continue;
-    if (!(t.x[k] > t.x[k - 1]) || !(t.f[k] < t.f[k - 1]) || !std::isfinite(t.x[k])) {
-      return refuse("point " + std::to_string(k + 1) + " (" + to_text(t.x[k]) + ", " + to_text(t.f[k]) + ")");
-    }
-    t.area[k] = t.area[k - 1] + 0.5 * (t.f[k] + t.f[k - 1]) * (t.x[k] - t.x[k - 1]);
-    m.slope = std::max(m.slope, (t.f[k - 1] - t.f[k]) / (t.x[k] - t.x[k - 1]));
-  }
-  if (t.f[n - 1] != 0.0) return refuse("ends at f = " + to_text(t.f[n - 1]));
-  m.A = t.area[n - 1];
-  m.end = t.x[n - 1];
-  return true;
-}
 
 // LAW.md, statement 6: order of strengths and angles, and no snap-back in any mode that loses strength.
 void check_admissible(const Parameters& m, const PropertyValues& values, Report& report) {
@@ -268,16 +194,6 @@ struct FractureEnergyLaw {
     material.one(material, columns, 1, summary);
   }
 
-  static double factor(const Parameters& m, double xi) {
-    if (m.shape == Shape::exponential) return xi < m.end ? std::exp(-xi) : 0.0;
-    if (m.shape == Shape::linear) return std::max(0.0, 1.0 - xi);
-    for (int k = 1; k < m.table.points; ++k) {
-      const auto [x0, x1, f0, f1] = std::array{m.table.x[k - 1], m.table.x[k], m.table.f[k - 1], m.table.f[k]};
-      if (xi < x1) return f0 + (f1 - f0) * (xi - x0) / (x1 - x0);
-    }
-    return 0.0;
-  }
-
   // Traction stays as it is: e is chosen so that sigma(e) equals it, and a point whose traction lies outside the
   // strength that its history leaves is refused. A joint that another law has failed comes in fully softened.
   static void migrate(const Material& material, const MigrationPoint& from, MigrationResult& to) {
@@ -292,10 +208,10 @@ struct FractureEnergyLaw {
     to.states[kSlip] = from.state("slip", 0.0);
 
     const double slack = 1e-9 * std::max({std::abs(from.sigma), g.ft, g.c0, std::hypot(from.tau_s, from.tau_t)});
-    const double f_t = factor(m, xi_t);
+    const double f_t = m.factor(xi_t);
     const double drop_c = g.fc - g.fcr;
     const double wu = std::isfinite(g.fc) && drop_c > 0.0 ? g.Gc / (drop_c * m.A) : kInfinity;
-    const double F = std::isfinite(g.fc) ? g.fcr + drop_c * factor(m, w / wu) : kInfinity;
+    const double F = std::isfinite(g.fc) ? g.fcr + drop_c * m.factor(w / wu) : kInfinity;
     bool inside = from.sigma >= -F - slack && from.sigma <= g.ft * f_t + slack;
 
     double e = from.sigma / g.kn;
@@ -308,7 +224,7 @@ struct FractureEnergyLaw {
     }
     to.normal_shift = e - w + v - from.normal_jump;
 
-    const double f_s = factor(m, xi_s);
+    const double f_s = m.factor(xi_s);
     const double mu = g.mu0 + (g.mur - g.mu0) * (1.0 - f_s);
     const double cohesion = e > 0.0 ? g.c0 * f_s : g.cr + (g.c0 - g.cr) * f_s;
     const double tau = std::hypot(from.tau_s, from.tau_t);

@@ -6,8 +6,8 @@
 
 namespace quoin::shim {
 
-inline constexpr int kMaxStates = 8;
-inline constexpr int kMaxPropertyColumns = 20;
+inline constexpr int kMaxStates = 10;
+inline constexpr int kMaxPropertyColumns = 24;
 // Columns are padded to this many points, with copies of the last one: the widest vector of doubles that kernels may
 // use (AVX-512).
 inline constexpr std::size_t kMaxLanes = 8;

@@ -49,6 +49,27 @@ bool knows_initial_state(const quoin_law& law, const std::string& id) {
                      [&](const char* known) { return id == known; });
 }
 
+// Held by a plane of symmetry z = 0: gridpoints in z; bodies in z and about x and y.
+constexpr uint8_t kPlaneOfNodes = 0x04, kPlaneOfBodies = 0x1c;
+
+bool touches_plane(const ConvexPolyhedron& shape, const Block& block) {
+  return std::any_of(shape.vertices.begin(), shape.vertices.end(),
+                     [&](const Vector& p) { return (block.position + matrix(block.orientation) * p).z == 0.0; });
+}
+
+// So that the first edge, along which shear is measured, is a side of the brick and not the diagonal of a zone.
+void begin_at_widest_angle(const std::vector<Vector>& nodes, Zoning::SurfaceTriangle& t) {
+  const auto opposite = [&](int k) {
+    const Vector edge = nodes[size_t(t.node[size_t((k + 2) % 3)])] - nodes[size_t(t.node[size_t((k + 1) % 3)])];
+    return dot(edge, edge);
+  };
+  int widest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (opposite(k) > opposite(widest)) widest = k;
+  }
+  std::rotate(t.node.begin(), t.node.begin() + widest, t.node.end());
+}
+
 double least_extent_of(const ConvexPolyhedron& s) {
   double least = 1e300;
   for (size_t f = 0; f < s.faces.size(); ++f) {
@@ -82,14 +103,25 @@ Model::Model(const Assembly& assembly, const SolverSettings& solver,
 }
 
 void Model::set_damping(const SolverSettings& solver) {
+  const SolverSettings before = solver_;
   solver_ = solver;
+  if (critical_dt_ > 0) {  // inertia is of the whole run
+    solver_.mass_scaling = before.mass_scaling;
+    solver_.deformation_inertia = before.deformation_inertia;
+    solver_.unit_inertia = before.unit_inertia;
+  }
+  if (solver.damping == DampingKind::local && (solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0)) {
+    throw Error(
+        Exit::bad_input,
+        "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
+        "brake their motion; use damping = \"block\"");
+  }
   if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0) {
     for (Family& f : families_) {
       for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
       f.old_jump.assign(f.size(), std::nan(""));
       for (auto& column : f.viscous) column.assign(energy_ ? f.size() : 0, 0.0);
     }
-    zone_strain_.assign(zones_.size(), Matrix::zero());
   }
   bind_columns();
   if (critical_dt_ > 0) find_time_step();
@@ -154,7 +186,9 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
                         "check density, mass_scaling and the size of the block",
                         body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
       }
-      body.held = input.fixed ? 0x3f : 0;
+      const bool on_plane = assembly_.symmetry_plane_z0 && touches_plane(shape, input);
+      body.support = on_plane ? kPlaneOfBodies : 0;
+      body.held = input.fixed ? 0x3f : body.support;
       b.body = int32_t(bodies_.size());
       bodies_.push_back(body);
       for (const Vector& p : shape.vertices) corner_.push_back(transposed_times(axes.vectors, p - mp.centroid));
@@ -173,6 +207,8 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
       for (const Vector& p : z.nodes) {
         node_x_.push_back(input.position + turned * p);
         node_held_.push_back(input.fixed ? 7 : 0);
+        node_support_.push_back(assembly_.symmetry_plane_z0 && node_x_.back().z == 0.0 ? kPlaneOfNodes : 0);
+        node_held_.back() |= node_support_.back();
       }
       node_mass_.resize(node_x_.size(), 0.0);
       for (const auto& t : z.zones) {
@@ -192,6 +228,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
         zones_.push_back(zone);
       }
       for (Zoning::SurfaceTriangle t : z.surface) {
+        if (input.divisions[0] > 0) begin_at_widest_angle(z.nodes, t);
         for (int& n : t.node) n += b.first_node;
         b.surface.push_back(t);
       }
@@ -203,6 +240,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   node_reference_ = node_x_;
   node_v_.resize(node_x_.size());
   node_f_.resize(node_x_.size());
+  node_viscous_f_.resize(node_x_.size());
   node_held_v_.resize(node_x_.size());
   node_weight_mass_ = node_mass_;
   for (double& m : node_mass_) {
@@ -223,6 +261,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     pose(int(i), start_x_[i], start_r_[i]);
     blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
   }
+  find_units();
   const ContactSettings& c = assembly_.contact;
   size_ = least;
   skin_ = c.skin > 0 ? c.skin : 0.05 * least;
@@ -295,10 +334,11 @@ void Model::prescribe(int block, const Vector& velocity, const Vector& omega, ui
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
-    body.held = held, body.held_v = velocity, body.held_omega = omega;
+    body.held = held | body.support, body.held_v = velocity, body.held_omega = omega;
     return;
   }
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_held_[i] = held & 7, node_held_v_[i] = velocity;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    node_held_[i] = uint8_t((held & 7) | node_support_[i]), node_held_v_[i] = velocity;
 }
 
 void Model::release(int block) { prescribe(block, {}, {}, 0); }

@@ -29,7 +29,8 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.array(m.node_v_);
   archive.array(m.node_held_);
   archive.array(m.node_held_v_);
-  archive.array(m.zone_strain_);
+  archive.array(m.other_half_);
+  archive.value(m.unit_count_);
   for (auto& f : m.families_) {
     archive.array(f.point);
     archive.array(f.normal_jump);
@@ -79,6 +80,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   transfer(archive, m.gravity_factor_);
 
   archive.value(m.small_);
+  archive.value(m.settling_);
   archive.value(m.time_);
   archive.value(m.dt_);
   archive.value(m.critical_dt_);
@@ -100,7 +102,8 @@ void Model::restore(ArchiveReader& reader) {
   transfer_state(reader, *this);
   if (bodies_.size() != bodies || node_x_.size() != nodes || node_v_.size() != nodes || node_held_.size() != nodes ||
       node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
-      loaded_.size() != blocks_.size() || (!applied_.empty() && applied_.size() != blocks_.size()))
+      loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() ||
+      (!applied_.empty() && applied_.size() != blocks_.size()))
     throw Error(Exit::bad_input, kOther);
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
   const auto is_facet = [&](int i, int block) {
@@ -124,6 +127,11 @@ void Model::restore(ArchiveReader& reader) {
     const bool fits = is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
                       (c.family < 0 || size_t(c.first) + c.count <= families_[size_t(c.family)].size());
     if (!fits) throw Error(Exit::bad_input, kOther);
+  }
+  for (int i = 0; i < block_count(); ++i) {
+    const int other = other_half_[size_t(i)];
+    if (other >= 0 && (!is_block(other) || other_half_[size_t(other)] != i || blocks_[size_t(i)].body >= 0))
+      throw Error(Exit::bad_input, kOther);
   }
   divide_work();
 }

@@ -20,12 +20,6 @@ constexpr double merge_fraction = 1e-6;
 // Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
 constexpr double small_rotation = 1e-3;
 
-// Angle of the rotation from r0 to r, rad; small angles: the Frobenius norm of r - r0 is sqrt(2) times it.
-double angle_between(const Matrix& r, const Matrix& r0) {
-  const Matrix d = r - r0;
-  return std::sqrt(0.5 * (dot(d.row[0], d.row[0]) + dot(d.row[1], d.row[1]) + dot(d.row[2], d.row[2])));
-}
-
 }  // namespace
 
 struct Model::NewPoint {
@@ -482,12 +476,15 @@ void Model::keep_energy(const Before& before, const Finding& finding, const Cont
       p.reference += (1 - deeper) * overlap;
       if (p.facet_a < 0) p.offset += (1 - deeper) * overlap;
     }
-    f.traction[1][i] *= stronger, f.traction[2][i] *= stronger;
     if (std::isnan(heirs[k].opening)) continue;
+    const double pressed = f.traction[0][i];
     // As if the point had been there in the last step: stiffness damping sees motion alone.
     f.normal_jump[i] = locate(p, facets_).jump - heirs[k].opening;
     if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
     if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
+    // Shear goes no further than the pressure goes with it: a traction within its strength stays there.
+    const double share = std::min(stronger, pressed < 0 ? f.traction[0][i] / pressed : 1.0);
+    f.traction[1][i] *= share, f.traction[2][i] *= share;
   }
 }
 

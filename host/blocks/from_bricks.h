@@ -1,19 +1,37 @@
-// Walls and buildings of bricks as blocks of any shape, for large motion.
+// Walls and buildings of bricks as blocks of any shape.
 #pragma once
+
+#include <map>
+#include <string>
+#include <utility>
 
 #include "blocks/assembly.h"
 #include "scene/assembly.h"
 
 namespace quoin::blocks {
 
-// The same blocks, zones and joints: gridpoints and contact points are where the lattice has them. Rigid bricks carry
-// the names of their bodies; pairs that the assembly does not join are of the family of its first bed joint, and
-// without bond, as all that meets later is. Throws Error(bad_input) for what large motion cannot do yet: half of the
-// thickness, bodies of several bricks, stages with a whiffletree or on deformable bodies.
-Assembly from_bricks(const quoin::Assembly& bricks, const Scene& scene);
+// The joint families that bricks have as blocks: those of their joints; pairs that the assembly does not join are of
+// the family of its first bed joint.
+class FamilyOfBricks {
+ public:
+  explicit FamilyOfBricks(const quoin::Assembly& bricks);
+  int operator()(int brick_a, int brick_b) const;
 
-// Damping and inertia for it: eq. 1 with true inertia where the scene has damping by block or inertia scaled apart,
-// which blocks of any shape do not have.
-SolverSettings for_large_motion(const SolverSettings& solver);
+ private:
+  std::map<std::pair<int, int>, int> joined_;
+  int others_ = 0;
+};
+
+// Adds bricks as blocks in their order, with the same zones: gridpoints and contact points are where the lattice has
+// them. Rigid bricks carry the names of their bodies.
+void add_bricks(const quoin::Assembly& bricks, Assembly* assembly);
+
+// A wall or building alone, with its materials, families and joints, for large motion. What meets later is without
+// bond.
+Assembly from_bricks(const quoin::Assembly& bricks);
+
+// ContactSettings::joint_motion of bricks: below the size of a zone, so that points still face the triangles they
+// belong to.
+inline constexpr double kJointMotion = 0.05;
 
 }  // namespace quoin::blocks

@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <numbers>
 
+#include "blocks/from_bricks.h"
+#include "blocks/to_bricks.h"
 #include "geometry/mesh_file.h"
 #include "scene/error.h"
+#include "scene/generate.h"
 #include "scene/read_scene.h"
 
 namespace quoin::blocks {
@@ -16,9 +20,10 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-void add_block(const BlockSpec& spec, int material, Assembly& assembly) {
+void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly) {
   Block b;
   b.name = spec.name;
+  b.unit = unit;
   b.material = material;
   b.rigid = spec.rigid, b.zone_edge = spec.zone_edge, b.divisions = spec.divisions, b.fixed = spec.fixed;
   b.position = vector(spec.position);
@@ -43,18 +48,19 @@ void add_block(const BlockSpec& spec, int material, Assembly& assembly) {
 }
 
 // Courses of units; pieces where they meet openings and trimmed ends. Pieces shorter than a tenth of a unit join their
-// neighbour.
-void add_wall(const DryWallSpec& w, int material, Assembly& assembly) {
+// neighbour. next_unit: number of the next masonry unit.
+void add_wall(const DryWallSpec& w, int material, int* next_unit, Assembly& assembly) {
   const double length = w.unit[0], height = w.unit[1], thickness = w.unit[2], total = w.units_per_course * length;
   const Quaternion turn = rotation({0, -w.direction * degree, 0});
   const double tiny = 1e-9 * length;
-  struct Lintel {
-    double from, to, bottom;
-  };
   const auto add = [&](double from, double to, int course, const std::string& suffix) {
     Block b;
     b.name = fmt::format("{}/{}{}", w.name.empty() ? "wall" : w.name, course, suffix);
-    b.material = material, b.rigid = w.rigid, b.zone_edge = w.zone_edge, b.course = course;
+    b.material = material, b.rigid = w.rigid, b.zone_edge = w.zone_edge, b.course = course, b.unit = *next_unit;
+    if (w.zones[0] > 0) {
+      b.divisions = w.zones;
+      b.divisions[0] = std::max(1, int(std::lround(w.zones[0] * (to - from) / (length / 2))));
+    }
     b.position = vector(w.origin);
     b.orientation = turn;
     assembly.add(box({from, course * height, 0}, {to - from, height, thickness}), b);
@@ -103,12 +109,29 @@ void add_wall(const DryWallSpec& w, int material, Assembly& assembly) {
       }
       kept.push_back(x);
     }
+    const auto is_lintel = [&](double x) {
+      return std::any_of(lintels.begin(), lintels.end(), [x](const auto& l) { return x > l.first && x < l.second; });
+    };
+    // Of the whole unit that the piece is cut from; the end of the piece when both sides would not be worth a block.
+    const auto middle_of_unit = [&](double from, double to) {
+      const double unit = std::floor((0.5 * (from + to)) / length + shift), x = (unit - shift + 0.5) * length;
+      return x > from + 0.1 * length && x < to - 0.1 * length ? x : to;
+    };
     int number = 0;
     for (size_t i = 0; i + 1 < kept.size(); ++i) {
       const double from = kept[i], to = kept[i + 1], middle = 0.5 * (from + to);
       bool is_gap = false;
       for (const auto& g : gaps) is_gap |= middle > g.first && middle < g.second;
-      if (!is_gap) add(from, to, c, fmt::format("/{}", number++));
+      if (is_gap) continue;
+      const std::string name = fmt::format("/{}", number++);
+      const double cut = w.mid_unit_joints && !is_lintel(middle) ? middle_of_unit(from, to) : to;
+      if (cut < to) {
+        add(from, cut, c, name + "/a");
+        add(cut, to, c, name + "/b");
+      } else {
+        add(from, to, c, name);
+      }
+      ++*next_unit;
     }
   }
 }
@@ -133,6 +156,74 @@ void add_arch(const ArchSpec& a, int material, Assembly& assembly) {
   }
 }
 
+// Zones of boxes that stand in one grid alternate like the squares of a chessboard, from the lowest of all corners on:
+// then the diagonals of faces that meet coincide, whatever the number of zones.
+void match_diagonals(int first_block, Assembly& assembly) {
+  std::map<int, Brick> boxes;
+  Vector lowest{1e300, 1e300, 1e300};
+  for (int i = first_block; i < int(assembly.blocks.size()); ++i) {
+    if (assembly.blocks[size_t(i)].rigid || assembly.blocks[size_t(i)].divisions[0] == 0) continue;
+    if (const std::optional<Brick> box = as_brick(assembly, i)) {
+      boxes.emplace(i, *box);
+      lowest = min(lowest, vector(box->origin));
+    }
+  }
+  for (const auto& [i, box] : boxes) {
+    long squares = 0;
+    for (size_t c = 0; c < 3; ++c)
+      squares += std::lround((box.origin[c] - lowest[int(c)]) * box.zones[c] / box.size[c]);
+    if (squares % 2 != box.parity) assembly.blocks[size_t(i)].parity ^= 1;
+  }
+}
+
+// The scene's wall or building, as blocks beside others: every one has a name, and the lower beam is fixed.
+void add_bricks_of(const Scene& scene, const quoin::Assembly& bricks, Assembly* assembly) {
+  if (bricks.symmetry_plane_z0)
+    throw Error(Exit::bad_input, scene.file +
+                                     ": wall.half_thickness: not beside blocks of any shape, which would "
+                                     "stand at half a wall; remove it");
+  add_bricks(bricks, assembly);
+  std::map<int, int> in_course;
+  for (Block& block : assembly->blocks) {
+    if (block.name == "bottom_beam") block.fixed = true;
+    if (block.course >= 0 && (block.name.empty() || scene.wall))
+      block.name = fmt::format("{}/{}/{}", scene.wall ? "wall" : "building", block.course, in_course[block.course]++);
+  }
+  assembly->materials = bricks.materials;
+}
+
+// The family of two blocks that meet: by the wall's joints inside the wall, otherwise by the first rule that fits.
+std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembly& assembly,
+                                               const quoin::Assembly* bricks) {
+  std::map<std::string, int> family{{"none", -1}};
+  for (int next = 0; const auto& [name, f] : scene.joints) family[name] = next++;
+  struct Rule {
+    JointRule rule;
+    int family;
+  };
+  std::vector<Rule> rules;
+  for (const JointRule& r : scene.blocks->rules) rules.push_back({r, family.at(r.family)});
+  std::vector<std::string> names;
+  std::vector<int> units;
+  for (const Block& b : assembly.blocks) names.push_back(b.name), units.push_back(b.unit);
+  std::optional<FamilyOfBricks> of_bricks;
+  if (bricks) of_bricks.emplace(*bricks);
+  return [=, brick_count = bricks ? int(bricks->bricks.size()) : 0,
+          fallback = family.at(scene.blocks->default_joint)](const Meeting& m) {
+    if (std::max(m.block_a, m.block_b) < brick_count) return (*of_bricks)(m.block_a, m.block_b);
+    const size_t i = size_t(m.block_a), j = size_t(m.block_b);
+    const bool vertical = std::abs(m.normal.y) > 0.7071, inside = units[i] >= 0 && units[i] == units[j];
+    const std::string &a = names[i], &b = names[j];
+    for (const Rule& r : rules) {
+      if ((r.rule.normal == "vertical" && !vertical) || (r.rule.normal == "horizontal" && vertical)) continue;
+      if (r.rule.inside_units && !inside) continue;
+      const auto& [p, q] = r.rule.between;
+      if ((a.starts_with(p) && b.starts_with(q)) || (a.starts_with(q) && b.starts_with(p))) return r.family;
+    }
+    return fallback;
+  };
+}
+
 }  // namespace
 
 Assembly assemble(const Scene& scene) {
@@ -143,59 +234,47 @@ Assembly assemble(const Scene& scene) {
     material[name] = int(assembly.materials.size());
     assembly.materials.push_back(m);
   }
-  std::map<std::string, int> family{{"none", -1}};
-  for (const auto& [name, f] : scene.joints) {
-    family[name] = int(assembly.families.size());
-    assembly.families.push_back(f);
+  for (const auto& [name, f] : scene.joints) assembly.families.push_back(f);
+  std::optional<quoin::Assembly> bricks;
+  if (scene.wall || scene.building) add_bricks_of(scene, bricks.emplace(quoin::assemble(scene)), &assembly);
+  int next_unit = 0;
+  for (const Block& b : assembly.blocks) next_unit = std::max(next_unit, b.unit + 1);
+  std::map<std::string, int> units;
+  for (const BlockSpec& b : spec.blocks) {
+    const int unit = b.unit.empty() ? -1 : units.try_emplace(b.unit, next_unit).first->second;
+    if (unit == next_unit) ++next_unit;
+    add_block(b, material.at(b.material), unit, assembly);
   }
-  for (const BlockSpec& b : spec.blocks) add_block(b, material.at(b.material), assembly);
-  for (const DryWallSpec& w : spec.walls) add_wall(w, material.at(w.material), assembly);
+  for (const DryWallSpec& w : spec.walls) add_wall(w, material.at(w.material), &next_unit, assembly);
   for (const ArchSpec& a : spec.arches) add_arch(a, material.at(a.material), assembly);
   if (assembly.blocks.empty())
     throw Error(Exit::bad_input, scene.file + ": no block; add [[block]], [[dry_wall]] or [[arch]]");
+  match_diagonals(bricks ? int(bricks->bricks.size()) : 0, assembly);
 
-  std::vector<std::string> names;
-  for (const Block& b : assembly.blocks) names.push_back(b.name);
-  const int fallback = family.at(spec.default_joint);
-  struct Rule {
-    JointRule rule;
-    int family;
-  };
-  std::vector<Rule> rules;
-  for (const JointRule& r : spec.rules) rules.push_back({r, family.at(r.family)});
-  assembly.family_of = [=](const Meeting& m) {
-    const bool vertical = std::abs(m.normal.y) > 0.7071;
-    const std::string &a = names[m.block_a], &b = names[m.block_b];
-    for (const Rule& r : rules) {
-      if ((r.rule.normal == "vertical" && !vertical) || (r.rule.normal == "horizontal" && vertical)) continue;
-      const auto& [p, q] = r.rule.between;
-      if ((a.starts_with(p) && b.starts_with(q)) || (a.starts_with(q) && b.starts_with(p))) return r.family;
-    }
-    return fallback;
-  };
+  assembly.family_of = families_of(scene, assembly, bricks ? &*bricks : nullptr);
   const auto& c = spec.contact;
   assembly.contact.skin = c.skin;
   assembly.contact.joint_tolerance = c.joint_tolerance;
   assembly.contact.point_spacing = c.point_spacing;
   assembly.contact.small_displacement = c.small_displacement;
   assembly.contact.cubic_points = c.cubic_points;
+  if (bricks) assembly.contact.joint_motion = kJointMotion;
   return assembly;
 }
 
-int find_block(const Assembly& assembly, const std::string& name, const std::string& where) {
+std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where) {
   std::vector<std::string> names;
-  int found = -1;
+  std::vector<int> found;
   for (size_t i = 0; i < assembly.blocks.size(); ++i) {
     names.push_back(assembly.blocks[i].name);
-    if (assembly.blocks[i].name != name) continue;
-    if (found >= 0) {
-      throw Error(Exit::bad_input,
-                  fmt::format("{}: blocks #{} and #{} are both called '{}'; give them names of their own", where, found,
-                              i, name));
-    }
-    found = int(i);
+    if (assembly.blocks[i].name == name) found.push_back(int(i));
   }
-  if (found >= 0) return found;
+  if (found.size() > 1 && !assembly.shared_names) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: blocks #{} and #{} are both called '{}'; give them names of their own", where,
+                            found[0], found[1], name));
+  }
+  if (!found.empty()) return found;
   throw Error(Exit::bad_input, fmt::format("{}: no block is called '{}'{}", where, name, did_you_mean(name, names)));
 }
 

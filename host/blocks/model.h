@@ -20,6 +20,7 @@
 #include <span>
 
 #include "blocks/assembly.h"
+#include "blocks/inertia.h"
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
@@ -45,6 +46,7 @@ struct Body {
   double weight_mass = 0.0;  // of weight, kg
   Vector inertia;            // principal, kg m2
   uint8_t held = 0;          // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
+  uint8_t support = 0;       // of these, the ones that a plane of symmetry holds for good
   Vector held_v, held_omega;
 };
 
@@ -121,6 +123,17 @@ struct BlockSums {
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
 };
 
+// What a contact point of the start goes on from: its law's columns in a model of small displacements.
+struct PointHistory {
+  int block_a, block_b;              // n from a to b
+  Vector position, n, s, t;          // of the start; m, unit
+  double opening = 0.0;              // that its law sees next, m
+  double opening_at_traction = 0.0;  // that it has seen last, m
+  std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m
+  std::array<double, 3> traction{};  // Pa
+  std::vector<double> state;
+};
+
 // Two blocks close to each other.
 struct Contact {
   geometry::Pair pair;
@@ -134,12 +147,28 @@ struct Contact {
   Matrix relative_r;
 };
 
+// Deformable blocks that move on together: one, or the two halves of a masonry unit.
+struct Unit {
+  int block[2] = {-1, -1};
+  int count = 1;
+  std::span<const int> blocks() const { return {block, size_t(count)}; }
+};
+
+// Those of one block.
+struct Gridpoints {
+  std::span<const Vector> x, v, f;  // m, m/s, N
+  std::span<const double> mass;     // kg
+  std::span<const uint8_t> held;
+};
+
 struct Energies {  // J
   double kinetic = 0.0, strain = 0.0, contact_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
   double damping = 0.0;                            // taken by damping
   double external = 0.0;                           // done by weight, loads and prescribed velocities
-  double detection = 0.0;  // stored energy lost (> 0) or gained when contact points were placed anew
+  // Energy lost (> 0) or gained when contact points were placed anew, and lost with the inertia of halves on each other
+  // when a unit came apart.
+  double detection = 0.0;
   double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
   // what has appeared from nowhere (> 0) or vanished since the start
   double balance_error(double at_start) const {
@@ -232,7 +261,10 @@ class Model {
     loads_.clear(), pressures_.clear(), motions_.clear(), applied_.clear();
     loaded_.assign(blocks_.size(), 0);
   }
+  // Of a stage: what the settings say of inertia stays as it was at the start.
   void set_damping(const SolverSettings& solver);
+  // Damping of stages that run to equilibrium, or of others.
+  void settle(bool on) { settling_ = on; }
   // The law alone, for a state that is about to be restored.
   void take_law(int family, std::shared_ptr<const Material> material);
   // Another law for all points of a family, between two steps. state: columns of the new law one after the other;
@@ -248,6 +280,7 @@ class Model {
   double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
   bool small_displacement() const { return small_; }
   long detections() const { return detections_; }
+  int unit_count() const { return unit_count_; }  // units in two halves that hold together
   long narrow_calls() const { return narrow_calls_; }
 
   // Results.
@@ -297,6 +330,14 @@ class Model {
   void save(ArchiveWriter& writer) const;
   void restore(ArchiveReader& reader);
 
+  // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of
+  // every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points. take_over keeps
+  // tractions, states and openings as they are, whatever the turning of the blocks means for the gap. Throws
+  // Error(numerical) when a history has no contact point here. Points without a history begin without load.
+  void start_at(double time, long steps) { time_ = time, step_count_ = steps; }
+  void set_pose(int block, const Vector& centre, const Quaternion& turn);  // rigid; turn: since the start
+  void take_over(const std::vector<PointHistory>& histories);
+
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
 
@@ -309,7 +350,8 @@ class Model {
   void internal_forces(const ModelBlock& b, BlockSums& sums);
   void forces_on_gridpoints(int block);
   void forces_on_body(int block);
-  void integrate_gridpoints(const ModelBlock& b, BlockSums& sums);
+  void integrate_unit(const Unit& unit);
+  void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
   void integrate_body(Body& b, BlockSums& sums);
   double work_of_loads(int block) const;  // of the step, J
   void sum_up();
@@ -322,6 +364,21 @@ class Model {
   void bind_columns();
   void bind(Family& f, Chunk& chunk) const;
   static void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
+  // Rigid motion is told from the rest: inertia is scaled apart, or damping is by block.
+  bool splits_motion() const {
+    return solver_.damping == DampingKind::block || solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0;
+  }
+  double zone_damping() const;
+  double gamma() const {  // of eq. 1
+    return settling_ ? solver_.settling_damping.value_or(solver_.local_damping) : solver_.local_damping;
+  }
+  Unit unit_of(int block) const;
+  Gridpoints gridpoints_of(int block) const;
+  UnitInertia inertia_of(const Unit& unit) const;
+  double rigid_kinetic_energy(const Unit& unit) const;
+  void find_units();
+  void part_units();
+  void scale_motion(std::vector<Vector>& y, bool of_forces) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   template <class Archive, class Self>
@@ -382,10 +439,12 @@ class Model {
 
   std::vector<Vector> node_x_, node_reference_, node_v_, node_f_;
   std::vector<double> node_mass_, node_weight_mass_;
-  std::vector<uint8_t> node_held_;
+  std::vector<uint8_t> node_held_, node_support_;  // bits 0..2; of held, what a plane of symmetry holds for good
   std::vector<Vector> node_held_v_;
+  std::vector<Vector> node_viscous_f_;  // of the step, when damping in zones and energies need it
   std::vector<Zone> zones_;
-  std::vector<Matrix> zone_strain_;  // of the last step, when stiffness damping needs it
+  std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
+  int unit_count_ = 0;               // of two halves
 
   std::vector<Family> families_;
   std::vector<Facet> facets_;
@@ -408,7 +467,7 @@ class Model {
   TimeSeries gravity_factor_;
 
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
-  bool small_ = true, energy_ = false;
+  bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double total_force_ = 0.0, unbalanced_ = 0.0;

@@ -101,7 +101,16 @@ double Model::kinetic_energy() const {
     sum += 0.5 * b.mass * dot(b.v, b.v);
     if ((b.held >> 3) != 7) sum += 0.5 * dot(b.momentum, b.omega);
   }
-  for (size_t i = 0; i < node_v_.size(); ++i) sum += 0.5 * node_mass_[i] * dot(node_v_[i], node_v_[i]);
+  for (size_t i = 0; i < node_v_.size(); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double factor = node_held_[i] >> k & 1 ? 1.0 : solver_.deformation_inertia;
+      sum += 0.5 * factor * node_mass_[i] * node_v_[i][k] * node_v_[i][k];
+    }
+  }
+  for (int i = 0; splits_motion() && i < block_count(); ++i) {
+    const Unit unit = unit_of(i);
+    if (blocks_[size_t(i)].body < 0 && unit.block[0] == i) sum += rigid_kinetic_energy(unit);
+  }
   return sum;
 }
 

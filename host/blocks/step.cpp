@@ -38,6 +38,7 @@ void Model::end_step() {
   time_ += dt_;
   ++step_count_;
   watch();
+  part_units();
   if (moved_enough()) detect_contacts();
 }
 
@@ -175,22 +176,42 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
 
 void Model::advance_block(int block) {
   const ModelBlock& b = blocks_[size_t(block)];
-  BlockSums& sums = block_sums_[size_t(block)];
-  sums = {};
-  if (b.body < 0) {
-    internal_forces(b, sums);
-    forces_on_gridpoints(block);
-    integrate_gridpoints(b, sums);
-  } else {
+  if (b.body >= 0) {
+    block_sums_[size_t(block)] = {};
     forces_on_body(block);
-    integrate_body(bodies_[size_t(b.body)], sums);
+    integrate_body(bodies_[size_t(b.body)], block_sums_[size_t(block)]);
+    if (energy_ && loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
+    return;
   }
-  if (energy_ && loaded_[size_t(block)]) sums.external += work_of_loads(block);
+  const Unit unit = unit_of(block);
+  if (unit.block[0] != block) return;  // goes with the first half
+  for (int i : unit.blocks()) {
+    block_sums_[size_t(i)] = {};
+    internal_forces(blocks_[size_t(i)], block_sums_[size_t(i)]);
+    forces_on_gridpoints(i);
+  }
+  if (splits_motion())
+    integrate_unit(unit);
+  else
+    for (int i : unit.blocks()) integrate_gridpoints(blocks_[size_t(i)], nullptr, block_sums_[size_t(i)]);
+  for (int i : unit.blocks()) {
+    if (energy_ && loaded_[size_t(i)]) block_sums_[size_t(i)].external += work_of_loads(i);
+  }
+}
+
+// Viscosity of zones: beta of stiffness-proportional damping, s.
+double Model::zone_damping() const {
+  if (solver_.damping == DampingKind::block) return solver_.deformation_damping * critical_dt_;  // 2 xi / omega_max
+  return solver_.damping == DampingKind::viscous ? solver_.stiffness_damping : 0.0;
 }
 
 void Model::internal_forces(const ModelBlock& b, BlockSums& sums) {
-  const double beta = solver_.damping == DampingKind::viscous ? solver_.stiffness_damping : 0.0;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_f_[size_t(i)] = {};
+  const double beta = zone_damping();
+  const bool apart = energy_ && beta > 0;  // viscous forces are wanted by themselves
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
+    node_f_[size_t(i)] = {};
+    if (apart) node_viscous_f_[size_t(i)] = {};
+  }
   for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
     const Zone& zone = zones_[size_t(z)];
     // displacement gradient H; Green strain E = (H + H^T + H^T H)/2; S = lambda tr(E) 1 + 2 mu E; P = (1 + H) S
@@ -205,23 +226,28 @@ void Model::internal_forces(const ModelBlock& b, BlockSums& sums) {
       for (int i = 0; i < 3; ++i) density += 0.5 * dot(stress.row[i], strain.row[i]);
       sums.strain += density * zone.volume;
     }
+    const auto add = [&](const Matrix& second, std::vector<Vector>& force) {
+      const Matrix first = second + h * second;
+      Vector sum;
+      for (int k = 1; k < 4; ++k) {
+        const Vector f = zone.volume * (first * zone.gradient[k]);
+        force[zone.node[k]] -= f;
+        sum += f;
+      }
+      force[zone.node[0]] += sum;
+    };
     if (beta > 0) {
-      const Matrix rate = (1 / dt_) * (strain - zone_strain_[size_t(z)]);
-      zone_strain_[size_t(z)] = strain;
+      // (E_n - E_(n-1))/dt, exactly, from the velocity between them: sym((1 + H - dt/2 H')^T H')
+      const Vector v0 = node_v_[zone.node[0]];
+      Matrix rate_h = Matrix::zero();
+      for (int k = 1; k < 4; ++k) rate_h += outer(node_v_[zone.node[k]] - v0, zone.gradient[k]);
+      const Matrix raw = transposed(Matrix{} + h - 0.5 * dt_ * rate_h) * rate_h;
+      const Matrix rate = 0.5 * (raw + transposed(raw));
       const Matrix viscous = beta * (2 * zone.mu * rate + zone.lambda * trace(rate) * Matrix{});
       stress += viscous;
-      if (energy_) {
-        for (int i = 0; i < 3; ++i) sums.damping += zone.volume * dt_ * dot(viscous.row[i], rate.row[i]);
-      }
+      if (apart) add(viscous, node_viscous_f_);
     }
-    const Matrix first = stress + h * stress;
-    Vector sum;
-    for (int k = 1; k < 4; ++k) {
-      const Vector f = zone.volume * (first * zone.gradient[k]);
-      node_f_[zone.node[k]] -= f;
-      sum += f;
-    }
-    node_f_[zone.node[0]] += sum;
+    add(stress, node_f_);
   }
 }
 
@@ -359,45 +385,80 @@ struct Damper {
   }
 };
 
-Damper damper_of(const SolverSettings& solver, double dt) {
-  return {solver.damping == DampingKind::local ? solver.local_damping : 0.0,
-          solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0, dt};
+double viscous_alpha(const SolverSettings& solver) {
+  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
 }
 
 }  // namespace
 
-void Model::integrate_gridpoints(const ModelBlock& b, BlockSums& sums) {
-  const Damper damper = damper_of(solver_, dt_);
+// Inertia scaled apart, damping by block (inertia.h).
+void Model::integrate_unit(const Unit& unit) {
+  const UnitInertia inertia = inertia_of(unit);
+  const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
+  Rigid momentum[2], force[2];
+  for (int k = 0; k < unit.count; ++k) {
+    const Gridpoints g = gridpoints_of(unit.block[k]);
+    momentum[k] = sum_about(inertia.block[k].centre(), g.x, g.v, g.mass);
+    force[k] = sum_about(inertia.block[k].centre(), g.x, g.f);
+  }
+  const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
+  const RigidStep step = rigid_step(inertia, factors, eq1, dt_, momentum, force);
+  for (int k = 0; k < unit.count; ++k)
+    integrate_gridpoints(blocks_[size_t(unit.block[k])], &step.gain[k], block_sums_[size_t(unit.block[k])]);
+  if (!energy_) return;
+  const double alpha = viscous_alpha(solver_);
+  BlockSums& sums = block_sums_[size_t(unit.block[0])];
+  Rigid mean[2];  // velocity at the time of the forces
+  for (int k = 0; k < unit.count; ++k) {
+    mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (step.velocity[k] + 0.5 * step.change[k]);
+    sums.damping += dt_ * dot(step.damping[k], mean[k]);
+  }
+  const double rigid = rigid_energy(inertia, factors, mean);
+  sums.kinetic += rigid;
+  sums.damping += 2 * alpha * dt_ * rigid;
+}
+
+// gain: of motion that is split; null: true inertia.
+void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums) {
+  const Damper damper{solver_.damping == DampingKind::local ? gamma() : 0.0, viscous_alpha(solver_), dt_};
+  const double factor = gain ? solver_.deformation_inertia : 1.0;
+  const bool viscous = energy_ && zone_damping() > 0;
+  double taken = 0.0;
   const Vector g = gravity_factor_.at(time_) * gravity_;
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
     Vector& v = node_v_[i];
     const Vector before = v, force = node_f_[i];
-    double free = 0.0;
+    const Vector driving =
+        gain ? 1 / factor * force + node_mass_[i] / dt_ * gain->at(node_x_[i]) : force;  // of the true mass
+    double free = 0.0, energy = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (node_held_[i] >> k & 1) {
         v[k] = node_held_v_[i][k];
+        energy += (before[k] + v[k]) * (before[k] + v[k]);
         if (energy_)
           sums.external += (node_mass_[i] * (v[k] - before[k]) / dt_ - force[k] + node_weight_mass_[i] * g[k]) * 0.5 *
                            (v[k] + before[k]) * dt_;
       } else {
-        v[k] = damper.velocity(v[k], force[k], node_mass_[i], sums.damping);
+        v[k] = damper.velocity(v[k], driving[k], node_mass_[i], taken);
         free += force[k] * force[k];
         sums.net[k] += force[k];
+        energy += factor * (before[k] + v[k]) * (before[k] + v[k]);
         if (energy_) sums.external += node_weight_mass_[i] * g[k] * 0.5 * (v[k] + before[k]) * dt_;
       }
     }
     sums.unbalanced = larger(sums.unbalanced, std::sqrt(free));
-    if (energy_) {
-      const Vector mean = 0.5 * (before + v);
-      sums.kinetic += 0.5 * node_mass_[i] * dot(mean, mean);
-    }
+    sums.kinetic += 0.125 * node_mass_[i] * energy;
+    if (viscous) sums.damping -= 0.5 * dt_ * dot(node_viscous_f_[i], before + v);
     node_x_[i] += dt_ * v;
     sums.positions += node_x_[i].x + node_x_[i].y + node_x_[i].z;
   }
+  sums.damping += factor * taken;
 }
 
 void Model::integrate_body(Body& b, BlockSums& sums) {
-  const Damper damper = damper_of(solver_, dt_);
+  // A rigid block is its own rigid motion: damping by block is eq. 1.
+  const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
+  const Damper damper{eq1 ? gamma() : 0.0, viscous_alpha(solver_), dt_};
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const Vector v_before = b.v, omega_before = b.omega, momentum_before = b.momentum;
   double free = 0.0;
@@ -536,8 +597,14 @@ void Model::divide_work() {
 double Model::block_work(int block) const {
   // A zone costs about as much as two sides of contact points, a body as three.
   constexpr double kZone = 2.0, kBody = 3.0;
-  const size_t b = size_t(block);
-  return kBody + kZone * blocks_[b].zone_count + double(touch_end_[b] - (b > 0 ? touch_end_[b - 1] : 0));
+  const Unit unit = unit_of(block);
+  if (unit.block[0] != block) return 0.0;  // goes with the first half
+  double work = 0.0;
+  for (int i : unit.blocks()) {
+    const size_t b = size_t(i);
+    work += kBody + kZone * blocks_[b].zone_count + double(touch_end_[b] - (b > 0 ? touch_end_[b - 1] : 0));
+  }
+  return work;
 }
 
 void Model::bind_columns() {

@@ -50,7 +50,8 @@ double Model::highest_frequency() const {
   for (size_t i = 0; i < nb; ++i) {
     for (int k = 0; k < 3; ++k) {
       scale[6 * i + k] = bodies_[i].held >> k & 1 ? 0.0 : 1 / std::sqrt(bodies_[i].mass);
-      scale[6 * i + 3 + k] = bodies_[i].held >> 3 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
+      // Held about some axes only: as if free, which a constraint can only make softer.
+      scale[6 * i + 3 + k] = bodies_[i].held >> 3 == 7 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
     }
   }
   for (size_t i = 0; i < nn; ++i) {
@@ -70,6 +71,7 @@ double Model::highest_frequency() const {
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
     }
+    if (splits_motion()) scale_motion(nv, false);
     for (const Zone& zone : zones_) {
       // linearised about the present configuration without initial stress: rotated gradients
       Matrix deformation = Matrix::zero(), h = Matrix::zero();
@@ -113,6 +115,7 @@ double Model::highest_frequency() const {
         }
       }
     }
+    if (splits_motion()) scale_motion(nf, true);
     for (size_t i = 0; i < nb; ++i) {
       const Vector torque = transposed_times(bodies_[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
@@ -166,6 +169,10 @@ void Model::find_time_step() {
   double fraction = solver_.time_step_fraction;
   if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {
     const double xi = solver_.stiffness_damping / critical_dt_;  // damping ratio at omega_max: beta omega / 2
+    fraction *= std::sqrt(1 + xi * xi) - xi;
+  }
+  if (solver_.damping == DampingKind::block) {
+    const double xi = solver_.deformation_damping;
     fraction *= std::sqrt(1 + xi * xi) - xi;
   }
   const double dt = fraction * critical_dt_;

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "blocks/model.h"
+#include "blocks/motion.h"
 #include "cli/prepare.h"
 #include "model/time_step.h"
-#include "scene/generate.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -37,7 +37,7 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
-void check_blocks(const SceneOptions& options, const Scene& scene) {
+void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   const Simulation simulation(scene);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
@@ -45,8 +45,10 @@ void check_blocks(const SceneOptions& options, const Scene& scene) {
              simulation.point_count(), step.model_mass);
   const auto& made = simulation.riding()->assembly().blocks;
   const auto rigid = std::count_if(made.begin(), made.end(), [](const blocks::Block& b) { return b.rigid; });
-  fmt::print("  motion in large displacement: {} rigid, {} zone by zone\n", rigid,
+  fmt::print("  motion in {} displacement: {} rigid, {} zone by zone\n",
+             simulation.riding()->small_displacement() ? "large (small at first)" : "large", rigid,
              static_cast<long>(made.size()) - rigid);
+  if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\nstages\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
   for (const Stage& stage : scene.stages) fmt::print("  {}\n", stage.name);
@@ -54,12 +56,12 @@ void check_blocks(const SceneOptions& options, const Scene& scene) {
 
 void check(const SceneOptions& options) {
   const Scene scene = prepare_scene(options);
-  if (scene.blocks) return check_blocks(options, scene);
-  Assembly assembly = assemble(scene);
-  auto materials = make_materials(assembly);
-  const Model model(std::move(assembly), std::move(materials));
+  Motion motion = choose_motion(scene);
+  if (motion.shapes) return check_blocks(options, scene, motion.why_not_lattice);
+  auto materials = make_materials(motion.bricks);
+  const Model model(std::move(motion.bricks), std::move(materials));
   Inertia inertia;
-  const TimeStepReport report = choose_time_step(model, scene.solver, &inertia, Limits::all, scene.stages);
+  const TimeStepReport report = choose_time_step(model, scene.solver, &inertia, Limits::all, motion.scene.stages);
 
   const auto& bricks = model.assembly.bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });

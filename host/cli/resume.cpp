@@ -69,7 +69,7 @@ bool is_done(const fs::path& folder) {
 bool is_kept(const std::string& name, std::size_t frames) {
   if (name == kRecord || name == "checkpoint.bin") return true;
   for (std::size_t i = 0; i < frames; ++i) {
-    for (const char* kind : {"blocks_{:04}.vtu", "blocks_{:04}.vtp", "joints_{:04}.vtu"}) {
+    for (const char* kind : {"blocks_{:04}.vtu", "joints_{:04}.vtu"}) {
       if (name == fmt::format(fmt::runtime(kind), i)) return true;
     }
   }

@@ -88,9 +88,10 @@ struct RunOptions {
 class Recorder : public Observer {
  public:
   // before: what the run that goes on has recorded.
-  Recorder(const fs::path& folder, const Scene& scene, const Surfaces& surfaces, Identity identity,
-           double checkpoint_every, const Checkpoint& before)
+  Recorder(const fs::path& folder, const Scene& scene, Surfaces& surfaces, Identity identity, double checkpoint_every,
+           const Checkpoint& before)
       : scene_(scene),
+        surfaces_(surfaces),
         history_(folder / "history.csv", scene, before.rows),
         frames_(folder, surfaces, before.frame_times),
         checkpoint_(folder / "checkpoint.bin"),
@@ -121,6 +122,15 @@ class Recorder : public Observer {
     progress_.message("quoin: warning: " + past +
                       ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows "
                       "large motion");
+  }
+  void on_promotion(const Simulation& simulation) override {
+    const Promotion& p = *simulation.outcome().promotion;
+    progress_.message(
+        fmt::format("{}. On in large motion from step {}, {:.6g} s: {} contact points with their tractions and states, "
+                    "strain energy {:.6g} J, jump {:+.3g} J; time step {:.3g} s",
+                    p.why, p.step, p.time, simulation.point_count(), p.strain_energy, p.energy_jump,
+                    simulation.time_step_report().time_step));
+    surfaces_ = Surfaces(simulation);
   }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
@@ -154,6 +164,7 @@ class Recorder : public Observer {
 
  private:
   const Scene& scene_;
+  Surfaces& surfaces_;
   History history_;
   VtkSeries frames_;
   ProgressLine progress_;
@@ -203,7 +214,7 @@ void run(RunOptions options, int& exit_code) {
 
   const OutputSettings& output = simulation.scene().output;
   const std::string law = law_names(simulation.assembly());
-  const Surfaces surfaces(simulation);
+  Surfaces surfaces(simulation);
   Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
@@ -216,13 +227,9 @@ void run(RunOptions options, int& exit_code) {
     recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (lock)
     recorder.progress().message("resumed before its first checkpoint: from the start");
-  if (simulation.riding() && !simulation.scene().blocks) {
-    const SolverSettings& used = simulation.scene().solver;
-    recorder.progress().message(
-        fmt::format("large motion from the start: damping by eq. 1{} with true inertia, as blocks in large motion have "
-                    "no damping by "
-                    "block",
-                    used.damping == DampingKind::local ? fmt::format(" (gamma {:g})", used.local_damping) : ""));
+  if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
+    const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
+    recorder.progress().message(at_once ? "large motion from the start" : "general kernels");
   }
   if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
 
@@ -245,14 +252,14 @@ void run(RunOptions options, int& exit_code) {
   recorder.history().finish();
   if (output.frames > 0) {
     if (failure) recorder.frames().add_frame(simulation);
-    recorder.frames().finish(simulation);
+    recorder.frames().finish();
   }
   const auto& rows = recorder.history().rows();
   if (output.plots) {
     // Each waits for a gnuplot of its own.
     auto curve = std::async(std::launch::async, [&] { return plot_curve(folder, rows, simulation.scene(), law); });
     std::string of_cracks, of_mechanism;
-    if (simulation.riding()) {
+    if (simulation.riding() || simulation.scene().blocks) {
       of_mechanism = plot_mechanism(folder, simulation);
       of_cracks = plot_block_cracks(folder, simulation, surfaces);
     } else {

@@ -76,6 +76,11 @@ inline Matrix operator*(const Matrix& a, const Matrix& b) {
 inline Matrix outer(const Vector& a, const Vector& b) { return {{a.x * b, a.y * b, a.z * b}}; }
 inline double determinant(const Matrix& m) { return dot(m.row[0], cross(m.row[1], m.row[2])); }
 inline double trace(const Matrix& m) { return m.row[0].x + m.row[1].y + m.row[2].z; }
+// Angle of the rotation from r0 to r, rad; small angles: the Frobenius norm of r - r0 is sqrt(2) times it.
+inline double angle_between(const Matrix& r, const Matrix& r0) {
+  const Matrix d = r - r0;
+  return std::sqrt(0.5 * (dot(d.row[0], d.row[0]) + dot(d.row[1], d.row[1]) + dot(d.row[2], d.row[2])));
+}
 inline Matrix inverse(const Matrix& m) {
   const Vector a = cross(m.row[1], m.row[2]), b = cross(m.row[2], m.row[0]), c = cross(m.row[0], m.row[1]);
   return 1.0 / dot(m.row[0], a) * Matrix::columns(a, b, c);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <optional>
 
 #include "scene/error.h"
 
@@ -11,39 +10,6 @@ namespace quoin::geometry {
 namespace {
 
 constexpr double most_zones = 1e7;  // of one block
-
-// Corner i of the result is at bits (x, y, z) of i, as in geometry::box; nothing when the shape is not a six-sided
-// brick.
-std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
-  if (shape.vertices.size() != 8 || shape.faces.size() != 6 || shape.edges.size() != 12) return std::nullopt;
-  for (const auto& f : shape.faces) {
-    if (f.size() != 4) return std::nullopt;
-  }
-  std::array<std::vector<int>, 8> neighbours;
-  for (const auto& e : shape.edges) neighbours[e.tail].push_back(e.head), neighbours[e.head].push_back(e.tail);
-  for (const auto& nb : neighbours) {
-    if (nb.size() != 3) return std::nullopt;
-  }
-  auto common = [&](int a, int b, int other) {
-    for (int i : neighbours[a]) {
-      for (int j : neighbours[b]) {
-        if (i == j && i != other) return i;
-      }
-    }
-    return -1;
-  };
-  std::array<int, 8> c{};
-  c[0] = 0;
-  c[1] = neighbours[0][0], c[2] = neighbours[0][1], c[4] = neighbours[0][2];
-  const Vector &o = shape.vertices[c[0]], u = shape.vertices[c[1]] - o, v = shape.vertices[c[2]] - o,
-               w = shape.vertices[c[4]] - o;
-  if (dot(u, cross(v, w)) < 0) std::swap(c[1], c[2]);
-  c[3] = common(c[1], c[2], c[0]), c[5] = common(c[1], c[4], c[0]), c[6] = common(c[2], c[4], c[0]);
-  if (c[3] < 0 || c[5] < 0 || c[6] < 0) return std::nullopt;
-  c[7] = common(c[3], c[5], c[1]);
-  if (c[7] < 0) return std::nullopt;
-  return c;
-}
 
 int face_of_triangle(const ConvexPolyhedron& shape, const Vector& a, const Vector& b, const Vector& c, double size) {
   for (size_t f = 0; f < shape.faces.size(); ++f) {
@@ -124,6 +90,51 @@ void refine(Zoning& m) {
 
 }  // namespace
 
+std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
+  if (shape.vertices.size() != 8 || shape.faces.size() != 6 || shape.edges.size() != 12) return std::nullopt;
+  for (const auto& f : shape.faces) {
+    if (f.size() != 4) return std::nullopt;
+  }
+  std::array<std::vector<int>, 8> neighbours;
+  for (const auto& e : shape.edges) neighbours[e.tail].push_back(e.head), neighbours[e.head].push_back(e.tail);
+  for (const auto& nb : neighbours) {
+    if (nb.size() != 3) return std::nullopt;
+  }
+  auto common = [&](int a, int b, int other) {
+    for (int i : neighbours[a]) {
+      for (int j : neighbours[b]) {
+        if (i == j && i != other) return i;
+      }
+    }
+    return -1;
+  };
+  std::array<int, 8> c{};
+  c[0] = 0;
+  c[1] = neighbours[0][0], c[2] = neighbours[0][1], c[4] = neighbours[0][2];
+  const Vector &o = shape.vertices[c[0]], u = shape.vertices[c[1]] - o, v = shape.vertices[c[2]] - o,
+               w = shape.vertices[c[4]] - o;
+  if (dot(u, cross(v, w)) < 0) std::swap(c[1], c[2]);
+  c[3] = common(c[1], c[2], c[0]), c[5] = common(c[1], c[4], c[0]), c[6] = common(c[2], c[4], c[0]);
+  if (c[3] < 0 || c[5] < 0 || c[6] < 0) return std::nullopt;
+  c[7] = common(c[3], c[5], c[1]);
+  if (c[7] < 0) return std::nullopt;
+  return c;
+}
+
+std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge) {
+  const std::array<int, 8> c = *brick_corners(shape);
+  std::array<int, 3> n{1, 1, 1};
+  for (int axis = 0; axis < 3; ++axis) {
+    double longest = 0.0;
+    for (int b = 0; b < 8; ++b) {
+      if (b >> axis & 1) continue;
+      longest = std::max(longest, norm(shape.vertices[c[b]] - shape.vertices[c[b | 1 << axis]]));
+    }
+    n[axis] = int(std::clamp(std::ceil(longest / target_edge - 1e-6), 1.0, most_zones));
+  }
+  return n;
+}
+
 Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int parity, const std::string& name) {
   const auto corners = brick_corners(shape);
   if (!corners || n[0] < 1 || n[1] < 1 || n[2] < 1) {
@@ -195,18 +206,7 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
                             "edge",
                             name, target_edge, estimate, most_zones));
   }
-  if (const auto c = brick_corners(shape)) {
-    std::array<int, 3> n{1, 1, 1};
-    for (int axis = 0; axis < 3; ++axis) {
-      double longest = 0.0;
-      for (int b = 0; b < 8; ++b) {
-        if (b >> axis & 1) continue;
-        longest = std::max(longest, norm(shape.vertices[(*c)[b]] - shape.vertices[(*c)[b | 1 << axis]]));
-      }
-      n[axis] = int(std::clamp(std::ceil(longest / target_edge - 1e-6), 1.0, most_zones));
-    }
-    return make_brick_zones(shape, n, 0, name);
-  }
+  if (brick_corners(shape)) return make_brick_zones(shape, brick_divisions(shape, target_edge), 0, name);
   Zoning m;
   m.nodes = shape.vertices;
   const int centre = int(m.nodes.size());

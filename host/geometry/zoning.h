@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,13 @@ struct Zoning {
   // Mean-ratio quality 12 (3 V)^(2/3) / sum of squared edges: 1 for the regular tetrahedron, 0 for a flat one.
   double worst_quality = 1.0, mean_quality = 1.0;
 };
+
+// The vertices of a six-sided block of brick topology: number i of the result is at bits (x, y, z) of i, as in
+// geometry::box, along the axes that divisions count. Nothing for other shapes.
+std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape);
+
+// Hexahedra along these axes with edges of at most `target_edge` (m), for shapes with brick_corners.
+std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge);
 
 // Zones with edges not much longer than `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs,
 // wedges cut from them) are divided like a brick, n x m x k hexahedra of 5 zones; any other shape in a fan about its

@@ -95,6 +95,7 @@ struct ContactChunk {
 inline constexpr int kChunk = 256;  // points; more spills the columns of a chunk from the first-level cache
 
 struct Model {
+  Model() = default;
   Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials);
 
   Assembly assembly;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "blocks/model.h"
+#include "geometry/vector.h"
 #include "results/crack_styles.h"
 #include "results/gnuplot.h"
 
@@ -26,13 +26,39 @@ struct View {
   double depth(const Vector& p) const { return dot(towards, p); }
 };
 
-View choose_view(const blocks::Model& m) {
+// A block as it stands.
+struct Drawn {
+  std::vector<std::vector<Vector>> faces;
+  double displacement = 0.0;  // of its gridpoints on average, m
+  bool fixed = false;
+};
+
+std::vector<Drawn> blocks_of(const Simulation& simulation) {
+  std::vector<Drawn> blocks;
+  for (int i = 0; i < simulation.block_count(); ++i) {
+    const Simulation::BlockMesh mesh = simulation.block_mesh(i);
+    const std::vector<Vec3> moved = simulation.block_displacement(i);
+    Drawn& block = blocks.emplace_back();
+    block.fixed = mesh.fixed;
+    Vector mean;
+    for (const Vec3& u : moved) mean += geometry::vector(u) / double(moved.size());
+    block.displacement = norm(mean);
+    for (const auto& face : mesh.face) {
+      auto& corners = block.faces.emplace_back();
+      for (const int k : face)
+        corners.push_back(geometry::vector(mesh.gridpoint[size_t(k)]) + geometry::vector(moved[size_t(k)]));
+    }
+  }
+  return blocks;
+}
+
+View choose_view(const std::vector<Drawn>& blocks) {
   // Plane: all blocks that can move share their middle plane.
   double low = HUGE_VAL, high = -HUGE_VAL, thickness = 0.0;
-  for (int i = 0; i < m.block_count(); ++i) {
-    if (m.assembly().blocks[size_t(i)].fixed) continue;
+  for (const Drawn& block : blocks) {
+    if (block.fixed) continue;
     geometry::Box box;
-    for (const auto& face : m.faces(i)) {
+    for (const auto& face : block.faces) {
       for (const Vector& p : face) box.include(p);
     }
     const double middle = 0.5 * (box.lower.z + box.upper.z);
@@ -50,17 +76,15 @@ struct Face {
   double depth, displacement;
 };
 
-std::vector<Face> visible_faces(const Simulation& simulation, const View& view) {
-  const blocks::Model& m = *simulation.riding();
+std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& view) {
   std::vector<Face> faces;
-  for (int i = 0; i < m.block_count(); ++i) {
-    const double moved = norm(m.position(i) - simulation.riding_start(i));
-    for (auto& corners : m.faces(i)) {
+  for (const Drawn& block : blocks) {
+    for (const auto& corners : block.faces) {
       const Vector normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
       if (dot(normal, view.towards) <= 0.1 * norm(normal)) continue;
       Vector centre;
       for (const Vector& p : corners) centre += p / double(corners.size());
-      faces.push_back({std::move(corners), view.depth(centre), moved});
+      faces.push_back({corners, view.depth(centre), block.displacement});
     }
   }
   std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
@@ -74,6 +98,8 @@ struct Line {
   Crack crack = Crack::intact;
 };
 
+Vector place_of(const JointPoint& p) { return geometry::vector(p.contact.position) + geometry::vector(p.displacement); }
+
 std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View& view) {
   std::map<std::pair<int, int>, std::vector<const JointPoint*>> contacts;
   for (const JointPoint& p : points) contacts[std::minmax(p.contact.block_a, p.contact.block_b)].push_back(&p);
@@ -84,7 +110,7 @@ std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View&
     for (const JointPoint* p : list) {
       line.crack = std::max(line.crack, p->crack);
       for (const JointPoint* q : list) {
-        const Vector a = geometry::vector(p->contact.position), b = geometry::vector(q->contact.position);
+        const Vector a = place_of(*p), b = place_of(*q);
         // On the side of the viewer, where the joint is seen.
         const double length =
             std::hypot(view.x(b) - view.x(a), view.y(b) - view.y(a)) + 1e-6 * (view.depth(a) + view.depth(b));
@@ -99,12 +125,12 @@ std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View&
 std::string point_text(const View& view, const Vector& p) { return fmt::format("{:.6g} {:.6g}", view.x(p), view.y(p)); }
 
 // Script up to the plot command: sizes, title, outlines of the faces as the datablock $faces.
-std::string scene_of(const Simulation& simulation, const View& view, const std::vector<Face>& faces) {
-  const blocks::Model& m = *simulation.riding();
+std::string scene_of(const Scene& scene, const View& view, const std::vector<Drawn>& blocks,
+                     const std::vector<Face>& faces) {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
-  for (int i = 0; i < m.block_count(); ++i) {
-    if (m.assembly().blocks[size_t(i)].fixed) continue;
-    for (const auto& face : m.faces(i)) {
+  for (const Drawn& block : blocks) {
+    if (block.fixed) continue;
+    for (const auto& face : block.faces) {
       for (const Vector& p : face) {
         x0 = std::min(x0, view.x(p)), x1 = std::max(x1, view.x(p));
         y0 = std::min(y0, view.y(p)), y1 = std::max(y1, view.y(p));
@@ -120,7 +146,6 @@ std::string scene_of(const Simulation& simulation, const View& view, const std::
   }
   const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
   const bool plane = view.towards.z == 1.0;
-  const Scene& scene = simulation.scene();
   return fmt::format(
       "set terminal pngcairo size 1200,1000 font 'Sans,16'\nset size ratio -1\nset title {} noenhanced\n{}"
       "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n$faces << EOD\n{}EOD\n",
@@ -134,12 +159,13 @@ std::string scene_of(const Simulation& simulation, const View& view, const std::
 std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("mechanism.png: left out for more than {} blocks; use blocks.pvd", kMostBlocks);
-  const View view = choose_view(*simulation.riding());
-  const std::vector<Face> faces = visible_faces(simulation, view);
+  const std::vector<Drawn> blocks = blocks_of(simulation);
+  const View view = choose_view(blocks);
+  const std::vector<Face> faces = visible_faces(blocks, view);
   double largest = 1e-12;
   for (const Face& face : faces) largest = std::max(largest, face.displacement);
   return draw_picture(folder, "mechanism",
-                      scene_of(simulation, view, faces) +
+                      scene_of(simulation.scene(), view, blocks, faces) +
                           fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
                                       "set palette defined (0 '#e9e2d0', 1 '#c0392b')\n"
                                       "plot $faces using 1:2:3 with filledcurves closed fillcolor palette, "
@@ -151,11 +177,12 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
                               const Surfaces& surfaces) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("cracks.png: left out for more than {} blocks; use joints.pvd", kMostBlocks);
-  const View view = choose_view(*simulation.riding());
+  const std::vector<Drawn> blocks = blocks_of(simulation);
+  const View view = choose_view(blocks);
   std::array<std::string, kCrackCount> data;
   for (const Line& line : crack_lines(surfaces.joint_points(simulation), view))
     data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
-  std::string script = scene_of(simulation, view, visible_faces(simulation, view));
+  std::string script = scene_of(simulation.scene(), view, blocks, visible_faces(blocks, view));
   std::string plot =
       "plot $faces using 1:2 with filledcurves closed fillcolor rgb '#f1ece0' notitle, "
       "$faces using 1:2 with lines linewidth 1 linecolor rgb '#b5aa98' notitle";

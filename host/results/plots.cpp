@@ -33,7 +33,7 @@ std::string title_of(const Scene& scene) {
 
 // Whose displacement the history shows: "top beam", "top course", "roof".
 std::string moved_part(const Scene& scene) {
-  if (scene.building) return "roof";
+  if (scene.building && !scene.blocks) return "roof";
   std::string name = scene.stages.empty() ? "" : scene.stages.back().monitor;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name.empty() ? "wall" : name;
@@ -54,7 +54,7 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                        const std::string& law) {
   make_folder(folder / "plots");
-  const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
+  const double area = bed_area(scene);
   std::string data = "# displacement_mm horizontal_force_kN vertical_stress_MPa\n";
   double lowest = 0.0, highest = 0.0;
   for (const HistoryRow& row : rows) {

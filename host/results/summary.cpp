@@ -99,6 +99,15 @@ Json motion_of(const Simulation& simulation) {
   const SolverSettings& solver = simulation.scene().solver;
   const bool large = simulation.riding() && !simulation.riding()->small_displacement();
   const std::string past = simulation.past_motion_bound();
+  Json promoted = nullptr;
+  if (const auto& p = simulation.outcome().promotion) {
+    promoted = {{"why", p->why},
+                {"stage", p->stage},
+                {"step", p->step},
+                {"time_s", p->time},
+                {"strain_energy_J", p->strain_energy},
+                {"energy_jump_J", p->energy_jump}};
+  }
   return {{"large_motion", solver.large_motion == LargeMotion::always  ? "always"
                            : solver.large_motion == LargeMotion::never ? "never"
                                                                        : "automatic"},
@@ -108,7 +117,8 @@ Json motion_of(const Simulation& simulation) {
           {"rotation_bound_rad", solver.motion_bound.rotation},
           {"sliding_bound", solver.motion_bound.sliding},
           {"within_bound", large ? Json(nullptr) : Json(past.empty())},
-          {"exceeded", text_or_null(past)}};
+          {"exceeded", text_or_null(past)},
+          {"promoted", promoted}};
 }
 
 }  // namespace
@@ -134,7 +144,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   const Scene& scene = simulation.scene();
   const TimeStepReport& step = simulation.time_step_report();
   const Peak peak = find_peak(rows, scene);
-  const double area = scene.wall ? bed_area(*scene.wall) : 0.0;
+  const double area = bed_area(scene);
 
   Json json;
   json["version"] = QUOIN_VERSION;

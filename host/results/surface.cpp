@@ -39,9 +39,9 @@ Crack classify(const JointPoint& p) {
 }  // namespace
 
 Surfaces::Surfaces(const Simulation& simulation) : bricks_(simulation.assembly().bricks) {
+  for (int b = 0; b < simulation.block_count(); ++b) meshes_.push_back(simulation.block_mesh(b));
   if (simulation.riding()) return;  // its contact points come and go: they know their place themselves
   for (size_t b = 0; b < bricks_.size(); ++b) {
-    meshes_.push_back(simulation.block_mesh(static_cast<int>(b)));
     auto& index = gridpoint_.emplace_back();
     if (bricks_[b].rigid) continue;
     for (size_t i = 0; i < meshes_[b].gridpoint.size(); ++i)

@@ -14,7 +14,7 @@ namespace quoin {
 
 namespace {
 
-constexpr std::uint8_t kVtkVertex = 1, kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
+constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10;
 
 // An unstructured grid, its arrays by section.
 class Grid {
@@ -28,7 +28,7 @@ class Grid {
     std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
     for (const char* section : {"Points", "Cells", "PointData", "CellData"})
       piece += fmt::format("<{0}>\n{1}</{0}>\n", section, sections_[section]);
-    arrays_.write(path, "UnstructuredGrid", piece + "</Piece>\n");
+    arrays_.write(path, piece + "</Piece>\n");
   }
 
  private:
@@ -45,32 +45,29 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
   std::vector<std::int64_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
   std::vector<std::int32_t> block, unit, course;
-  const auto& bricks = simulation.assembly().bricks;
-  for (size_t b = 0; b < bricks.size(); ++b) {
-    const auto& mesh = surfaces.mesh(static_cast<int>(b));
+  const auto add_cell = [&](std::int64_t first, const auto& corners, std::uint8_t type) {
+    for (const int corner : corners) connectivity.push_back(first + corner);
+    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
+    types.push_back(type);
+  };
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const auto& mesh = surfaces.mesh(b);
     const auto first = static_cast<std::int64_t>(points.size() / 3);
     for (const Vec3& p : mesh.gridpoint) add(points, p);
-    for (const Vec3& u : simulation.block_displacement(static_cast<int>(b))) add(displacement, u);
-    size_t cells = mesh.zone.size();
-    if (bricks[b].rigid) {
-      for (const int corner : {0, 1, 3, 2, 4, 5, 7, 6}) connectivity.push_back(first + corner);
-      offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-      types.push_back(kVtkHexahedron);
-      stress.insert(stress.end(), 6, 0.0F);
-      cells = 1;
-    } else {
-      for (const auto& zone : mesh.zone) {
-        for (const int corner : zone) connectivity.push_back(first + corner);
-        offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-        types.push_back(kVtkTetrahedron);
-      }
-      for (const auto& tensor : simulation.block_stress(static_cast<int>(b))) {
-        for (const double s : tensor) stress.push_back(static_cast<float>(s));
-      }
+    for (const Vec3& u : simulation.block_displacement(b)) add(displacement, u);
+    for (const auto& zone : mesh.zone) add_cell(first, zone, kVtkTetrahedron);
+    const bool rigid = mesh.zone.empty();
+    for (const auto& face : mesh.face) {
+      if (rigid) add_cell(first, face, kVtkPolygon);
     }
-    block.insert(block.end(), cells, static_cast<std::int32_t>(b));
-    unit.insert(unit.end(), cells, bricks[b].unit);
-    course.insert(course.end(), cells, bricks[b].course);
+    for (const auto& tensor : simulation.block_stress(b)) {
+      for (const double s : tensor) stress.push_back(static_cast<float>(s));
+    }
+    const size_t cells = rigid ? mesh.face.size() : mesh.zone.size();
+    if (rigid) stress.insert(stress.end(), 6 * cells, 0.0F);
+    block.insert(block.end(), cells, b);
+    unit.insert(unit.end(), cells, mesh.unit);
+    course.insert(course.end(), cells, mesh.course);
   }
   Grid grid;
   grid.array("Points", "position", points, 3);
@@ -159,52 +156,18 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   grid.write(path, joint_points.size(), offsets.size());
 }
 
-// Faces of blocks of any shape as they stand, with the number and the displacement of each block.
-void write_faces(const Simulation& simulation, const std::filesystem::path& path) {
-  const blocks::Model& m = *simulation.riding();
-  std::vector<float> points, displacement;
-  std::vector<std::int32_t> connectivity, offsets, block;
-  for (int i = 0; i < m.block_count(); ++i) {
-    const Vec3 moved = geometry::array(m.position(i) - simulation.riding_start(i));
-    for (const auto& face : m.faces(i)) {
-      for (const geometry::Vector& corner : face) {
-        connectivity.push_back(static_cast<std::int32_t>(points.size() / 3));
-        add(points, geometry::array(corner));
-      }
-      offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
-      block.push_back(i);
-      add(displacement, moved);
-    }
-  }
-  VtkArrays arrays;
-  std::string piece = fmt::format(
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
-      "NumberOfPolys=\"{}\">\n",
-      points.size() / 3, offsets.size());
-  piece += "<Points>\n" + arrays.add("position", points, 3) + "</Points>\n";
-  piece += "<Polys>\n" + arrays.add("connectivity", connectivity) + arrays.add("offsets", offsets) + "</Polys>\n";
-  piece += "<CellData>\n" + arrays.add("block", block) + arrays.add("displacement", displacement, 3) + "</CellData>\n";
-  arrays.write(path, "PolyData", piece + "</Piece>\n");
-}
-
-const char* extension_of_blocks(const Simulation& simulation) { return simulation.riding() ? "vtp" : "vtu"; }
-
 }  // namespace
 
 void VtkSeries::add_frame(const Simulation& simulation) {
   const size_t frame = times_.size();
-  const auto blocks = folder_ / fmt::format("blocks_{:04}.{}", frame, extension_of_blocks(simulation));
-  if (simulation.riding())
-    write_faces(simulation, blocks);
-  else
-    write_blocks(simulation, surfaces_, blocks);
+  write_blocks(simulation, surfaces_, folder_ / fmt::format("blocks_{:04}.vtu", frame));
   write_joints(simulation, surfaces_, folder_ / fmt::format("joints_{:04}.vtu", frame));
   times_.push_back(simulation.time());
 }
 
-void VtkSeries::finish(const Simulation& simulation) const {
-  write_collection(folder_, "blocks", extension_of_blocks(simulation), times_);
-  write_collection(folder_, "joints", "vtu", times_);
+void VtkSeries::finish() const {
+  write_collection(folder_, "blocks", times_);
+  write_collection(folder_, "joints", times_);
 }
 
 }  // namespace quoin

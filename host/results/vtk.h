@@ -1,5 +1,6 @@
-// Fields for ParaView: blocks_NNNN.vtu and joints_NNNN.vtu, collected over time by blocks.pvd and joints.pvd. Blocks of
-// any shape are faces where they stand, blocks_NNNN.vtp.
+// Fields for ParaView: blocks_NNNN.vtu and joints_NNNN.vtu, collected over time by blocks.pvd and joints.pvd. Blocks
+// are drawn where they were at the start; warped by displacement_m, where they stand. Deformable ones are zones, rigid
+// ones faces.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +18,7 @@ class VtkSeries {
   VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {})
       : folder_(std::move(folder)), surfaces_(surfaces), times_(std::move(before)) {}
   void add_frame(const Simulation& simulation);
-  void finish(const Simulation& simulation) const;  // writes the collections
+  void finish() const;  // writes the collections
   const std::vector<double>& times() const { return times_; }
 
  private:

@@ -31,12 +31,13 @@ class VtkArrays {
     return element;
   }
 
-  // kind: UnstructuredGrid or PolyData, and the <Piece> with its arrays.
-  void write(const std::filesystem::path& path, const char* kind, const std::string& piece) const {
+  // An unstructured grid: the <Piece> with its arrays.
+  void write(const std::filesystem::path& path, const std::string& piece) const {
     write_file(path, fmt::format("<?xml version=\"1.0\"?>\n"
-                                 "<VTKFile type=\"{0}\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                                 "header_type=\"UInt64\">\n<{0}>\n{1}</{0}>\n<AppendedData encoding=\"raw\">\n_",
-                                 kind, piece) +
+                                 "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                                 "header_type=\"UInt64\">\n<UnstructuredGrid>\n{}</UnstructuredGrid>\n"
+                                 "<AppendedData encoding=\"raw\">\n_",
+                                 piece) +
                          appended_ + "\n</AppendedData>\n</VTKFile>\n");
   }
 
@@ -47,12 +48,12 @@ class VtkArrays {
   std::string appended_;
 };
 
-// FOLDER/NAME.pvd: the files NAME_0000.EXTENSION, ... over time, s.
-inline void write_collection(const std::filesystem::path& folder, const std::string& name, const char* extension,
+// FOLDER/NAME.pvd: the files NAME_0000.vtu, ... over time, s.
+inline void write_collection(const std::filesystem::path& folder, const std::string& name,
                              const std::vector<double>& times) {
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
   for (std::size_t i = 0; i < times.size(); ++i) {
-    text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.{}\"/>\n", times[i], name, i, extension);
+    text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.vtu\"/>\n", times[i], name, i);
   }
   write_file(folder / (name + ".pvd"), text + "</Collection>\n</VTKFile>\n");
 }

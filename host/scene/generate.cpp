@@ -66,6 +66,8 @@ class WallGrid {
 
 double bed_area(const WallSpec& wall) { return wall.units_per_course * wall.unit[0] * wall.unit[2]; }
 
+double bed_area(const Scene& scene) { return scene.wall && !scene.blocks ? bed_area(*scene.wall) : 0.0; }
+
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints) {
   Assembly assembly;

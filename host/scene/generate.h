@@ -16,10 +16,12 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
 Assembly generate_building(const BuildingSpec& building, const std::map<std::string, BlockMaterial>& materials,
                            const std::map<std::string, JointFamily>& joints);
 
-// Everything that the scene holds.
+// Of the scene's wall or building.
 Assembly assemble(const Scene& scene);
 
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);
+// Of a scene that is a wall and nothing else; else 0.
+double bed_area(const Scene& scene);
 
 }  // namespace quoin

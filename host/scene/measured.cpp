@@ -127,7 +127,8 @@ std::string outside_stages(const Scene& scene) {
 }  // namespace
 
 std::string outside_measured(const Scene& scene) {
-  if (!scene.wall) return scene.building ? "building, measured on walls" : "blocks of any shape, measured on walls";
+  if (scene.blocks) return "blocks of any shape, measured on walls";
+  if (scene.building) return "building, measured on walls";
   if (!scene.quality_as_is) return fmt::format("settings of quality {} changed", scene.quality);
   const std::string text = outside_wall(scene);
   return text.empty() ? outside_stages(scene) : text;

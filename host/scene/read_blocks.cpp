@@ -82,6 +82,7 @@ BlockSpec read_block(Table t, const Scene& scene) {
   BlockSpec b;
   b.source = {t.where()};
   t.text("name", b.name, "text");
+  t.text("unit", b.unit, "the name of the masonry unit that the block is part of");
   read_kind(t, scene, b.material, b.rigid, b.zone_edge);
   t.boolean("fixed", b.fixed);
   if (t.numbers("divisions", b.divisions, between(1, 200), "hexahedra of 5 zones along the three edges") && b.rigid) {
@@ -127,6 +128,13 @@ DryWallSpec read_dry_wall(Table t, const Scene& scene) {
     t.refuse("units_per_course", "a multiple of 0.5");
   }
   t.numbers("unit", w.unit, above_to(0, 100), "m (length, height, thickness)", true);
+  if (t.numbers("zones", w.zones, between(1, 64), "hexahedra of 5 zones per half unit along x, y, z")) {
+    if (w.rigid) t.refuse("zones", "only with rigid = false");
+    if (w.zone_edge > 0.0) t.refuse("zones", "not beside zone_edge; remove one of the two");
+  } else if (!w.rigid && w.zone_edge == 0.0 && !t.has("zones") && !t.has("zone_edge")) {
+    t.context().fault(t.where() + ": deformable units need zones or zone_edge (m)");
+  }
+  t.boolean("mid_unit_joints", w.mid_unit_joints);
   t.numbers("origin", w.origin, kPlace, "m");
   t.number("direction", w.direction, kTurn, "deg in plan, from x towards z");
   t.numbers("trim_start", w.trim_start, kPlace, "m, of even and of odd courses");
@@ -171,6 +179,7 @@ JointRule read_rule(Table t, const Scene& scene) {
   for (const auto& [name, f] : scene.joints) names.push_back(name);
   t.choice("family", r.family, names, true);
   t.choice("normal", r.normal, {"vertical", "horizontal", "any"});
+  t.boolean("inside_units", r.inside_units);
   if (const toml::node* node = t.find("between", "two beginnings of block names", false)) {
     const toml::array* list = node->as_array();
     if (!list || list->size() != 2 || !list->get(0)->is_string() || !list->get(1)->is_string()) {
@@ -233,8 +242,13 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   s.source = {t.where()};
   s.name = "stage";
   read_stage_basics(t, s, previous);
-  if (const auto* table = t.table("solver", "a table: damping of this stage"))
+  if (const auto* table = t.table("solver", "a table: damping of this stage")) {
     s.damping = read_solver({t.context(), *table, t.path("solver")}, nullptr, true);
+    if (s.damping->damping == DampingKind::local && scene.solver.deformation_inertia != 1.0)
+      t.refuse("solver",
+               "damping other than \"local\" with solver.deformation_inertia above 1: slow vibrations of blocks "
+               "would brake their motion");
+  }
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
     read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
@@ -321,6 +335,8 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
     c.boolean("cubic_points", spec.contact.cubic_points);
     if (spec.contact.small_displacement == 0.0 && scene.solver.large_motion == LargeMotion::never)
       c.refuse("small_displacement", "more than 0 with solver.large_motion = \"never\"; 0 means \"always\"");
+    if (spec.contact.small_displacement == 0.0 && scene.solver.kernels == Kernels::lattice)
+      c.refuse("small_displacement", "more than 0 with solver.kernels = \"lattice\"; 0 is large motion from the start");
     c.finish();
   }
   if (scene.solver.large_motion == LargeMotion::always) spec.contact.small_displacement = 0.0;

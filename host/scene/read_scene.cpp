@@ -45,10 +45,11 @@ namespace reader {
 
 namespace {
 
-DampingKind read_damping(Table& t, DampingKind damping, bool walls) {
-  std::map<std::string, DampingKind> kinds = {
-      {"none", DampingKind::none}, {"local", DampingKind::local}, {"viscous", DampingKind::viscous}};
-  if (walls) kinds["block"] = DampingKind::block;
+DampingKind read_damping(Table& t, DampingKind damping) {
+  const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
+                                                    {"local", DampingKind::local},
+                                                    {"viscous", DampingKind::viscous},
+                                                    {"block", DampingKind::block}};
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds) names.push_back(name);
   std::string chosen;
@@ -70,12 +71,22 @@ void read_large_motion(Table& t, SolverSettings* s) {
   s->motion_bound.stop = past == "stop";
 }
 
+void read_kernels(Table& t, SolverSettings* s) {
+  const std::map<std::string, Kernels> kinds = {
+      {"automatic", Kernels::automatic}, {"lattice", Kernels::lattice}, {"general", Kernels::general}};
+  std::string chosen;
+  t.choice("kernels", chosen, {"automatic", "lattice", "general"});
+  if (kinds.contains(chosen)) s->kernels = kinds.at(chosen);
+  if (s->kernels == Kernels::lattice && s->large_motion == LargeMotion::always)
+    t.refuse("kernels", "\"automatic\" or \"general\" with large_motion = \"always\", which the lattice does not have");
+}
+
 }  // namespace
 
 SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
   SolverSettings s;
   const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual, quality != nullptr);
+  const DampingKind damping = read_damping(t, usual);
   // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
   if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
   s.damping = damping;
@@ -97,26 +108,31 @@ SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
            "of the critical time step (0.6 of 2/omega_max is sound)");
-  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
-  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
-  if (!of_stage) read_large_motion(t, &s);
-  if (quality) {
-    if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
-      only_with("deformation_damping", {DampingKind::block}, "\"block\"");
-    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6),
+  const auto of_inertia = [&](const char* key, double& value, const Range& range, const char* text) {
+    if (t.number(key, value, range, text) && of_stage)
+      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+  };
+  of_inertia("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  of_inertia("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  of_inertia("deformation_inertia", s.deformation_inertia, between(1, 1e6),
              "times the true inertia against deformation");
-    t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
+  of_inertia("unit_inertia", s.unit_inertia, between(1, 1e6),
              "times the true inertia against motion of the halves of a unit on each other");
-    for (const auto& [key, factor] :
-         {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
-      if (factor == 1.0) continue;
-      if (s.selective_time_step > 0.0)
-        t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
-      if (damping == DampingKind::local)
-        t.refuse(key,
-                 "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
-                 "15 % too strong); use damping = \"block\"");
-    }
+  if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
+    only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+  for (const auto& [key, factor] :
+       {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
+    if (factor == 1.0) continue;
+    if (s.selective_time_step > 0.0)
+      t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
+    if (damping == DampingKind::local)
+      t.refuse(key,
+               "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
+               "15 % too strong); use damping = \"block\"");
+  }
+  if (!of_stage) {
+    read_large_motion(t, &s);
+    read_kernels(t, &s);
     std::string critical = "assembled";
     t.choice("critical_time_step", critical, {"assembled", "nodal"});
     if (critical == "nodal") {
@@ -511,22 +527,18 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   scene.file = path;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
-  const Quality* quality = &quality_named("standard");
-  if (of_blocks) {
-    scene.quality_as_is = false;  // its errors were measured on walls
-    scene.output.energy = true;
-    if (const auto* table = t.table("solver", "a table [solver]"))
-      scene.solver = read_solver({context, *table, "solver"}, nullptr);
-  } else {
-    scene.solver = quality->solver;
-  }
-  if (const auto* table = of_blocks ? nullptr : t.table("solver", "a table [solver]")) {
+  const Quality* quality = of_blocks ? nullptr : &quality_named("standard");
+  if (of_blocks) scene.output.energy = true;
+  if (quality) scene.solver = quality->solver;
+  if (const auto* table = t.table("solver", "a table [solver]")) {
     Table solver(context, *table, "solver");
-    std::vector<std::string> names;
-    for (const Quality& q : qualities()) names.push_back(q.name);
-    std::string name = quality->name;
-    solver.choice("quality", name, names);
-    quality = &quality_named(name);
+    if (!of_blocks || solver.has("quality")) {
+      std::vector<std::string> names;
+      for (const Quality& q : qualities()) names.push_back(q.name);
+      std::string name = "standard";
+      solver.choice("quality", name, names);
+      quality = &quality_named(name);
+    }
     // What a run does past the bound of small displacements changes no number before it.
     scene.quality_as_is = std::all_of(table->begin(), table->end(), [](const auto& entry) {
       const std::string_view key = entry.first.str();
@@ -534,9 +546,11 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
              key == "sliding_bound";
     });
     scene.solver = read_solver(std::move(solver), quality);
-    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;  // eq. 1 takes its place
+    // Its errors were measured with small displacements.
+    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;
   }
-  if (!of_blocks) scene.quality = quality->name;
+  if (of_blocks) scene.quality_as_is = false;  // its errors were measured on walls
+  if (quality) scene.quality = quality->name;
 
   auto each = [&](const char* kind, bool required, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);
@@ -561,10 +575,6 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   if (const auto* table = t.table("wall", "a table [wall]", !scene.building && !scene.blocks))
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
-  for (const char* kind : {"wall", "building"}) {
-    if (of_blocks && t.has(kind))
-      t.refuse(kind, "not beside [[block]], [[dry_wall]] and [[arch]]; remove one or the other");
-  }
 
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
   int index = 0;

@@ -288,7 +288,7 @@ class Table {
 };
 
 // Tables that every kind of scene has.
-// quality: of a wall, whose settings are the defaults; null: a scene of the general path, which has none.
+// quality: whose settings are the defaults; null: a scene with blocks of any shape that names none.
 SolverSettings read_solver(Table t, const Quality* quality, bool of_stage = false);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);

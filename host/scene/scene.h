@@ -58,6 +58,10 @@ enum class CriticalTimeStep { assembled, nodal };
 // from the start.
 enum class LargeMotion { automatic, never, always };
 
+// Which kernels move the blocks. lattice: vectorised ones of conforming bricks in small displacements. general: those
+// of blocks of any shape. automatic: walls and buildings on the lattice, all else as blocks/motion.h says.
+enum class Kernels { automatic, lattice, general };
+
 // Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
 struct MotionBound {
   double rotation = 0.004;  // of a block, rad
@@ -83,6 +87,7 @@ struct SolverSettings {
   double stiffness_damping = 0.0;    // viscous: beta, s
   LargeMotion large_motion = LargeMotion::automatic;
   MotionBound motion_bound;
+  Kernels kernels = Kernels::automatic;
 };
 
 enum class DofKind { free, velocity };
@@ -264,6 +269,7 @@ struct BlockSpec {
   std::optional<Vec3> box_lower, box_size;
   std::string mesh;    // file; every object becomes a block
   double scale = 1.0;  // of the mesh file's lengths
+  std::string unit;    // blocks that name the same one are parts of a masonry unit
   Source source;
 };
 
@@ -281,7 +287,9 @@ struct DryWallSpec {
   std::array<double, 2> trim_start{0, 0}, trim_end{0, 0};
   bool rigid = true;
   double zone_edge = 0.0;
-  struct Opening {  // m along the wall and above its foot
+  std::array<int, 3> zones{0, 0, 0};  // deformable: hexahedra of 5 zones per half unit, instead of zone_edge
+  bool mid_unit_joints = false;       // units are cut in the middle, into halves of one masonry unit
+  struct Opening {                    // m along the wall and above its foot
     double from, to, sill, head;
     double bearing;  // of the lintel each side, m; 0: no lintel
   };
@@ -307,6 +315,7 @@ struct JointRule {
   std::string family;                          // "none": the blocks pass through each other
   std::string normal = "any";                  // vertical (bed joints), horizontal (head joints), any
   std::array<std::string, 2> between{"", ""};  // names begin so; empty: any
+  bool inside_units = false;                   // only between parts of one masonry unit
 };
 
 // Blocks of any convex shape.
@@ -337,7 +346,7 @@ struct Scene {
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;
-  std::optional<WallSpec> wall;  // one of wall, building and blocks
+  std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
   std::vector<Stage> stages;

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '4'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '5'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -45,8 +45,19 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.fading_pressures);
   archive.value(s.riding_stage_start);
   archive.value(s.multiplier);
-  archive.value(s.monitor_block);
-  archive.value(s.outcome);
+  archive.array(s.monitor_blocks);
+  archive.value(s.outcome.collapse_multiplier);
+  archive.value(s.outcome.base_slip_at_uplift);
+}
+
+template <class Archive, class Promotion>
+void transfer_promotion(Archive& archive, Promotion& p) {
+  archive.array(p.why);
+  archive.value(p.stage);
+  archive.value(p.step);
+  archive.value(p.time);
+  archive.value(p.strain_energy);
+  archive.value(p.energy_jump);
 }
 
 }  // namespace
@@ -68,6 +79,9 @@ std::vector<std::uint8_t> Simulation::save() const {
   ArchiveWriter writer{bytes};
   writer.value(kCheckpointMark);
   writer.value(s.stage);
+  const std::optional<Promotion>& promotion = s.outcome.promotion;
+  writer.value(promotion.has_value());
+  if (promotion) transfer_promotion(writer, *promotion);
   for (const ContactFamily& family : s.model.families) {
     writer.array(std::string(family.material->api().id));
     writer.value(family.material->api().state_schema);
@@ -96,6 +110,17 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
   ArchiveReader reader{bytes, sizeof kCheckpointMark};
   reader.value(stage);
   if (stage < -1 || stage >= static_cast<int>(scene.stages.size())) throw of_another_model();
+  bool promoted = false;
+  reader.value(promoted);
+  if (promoted) {
+    Promotion promotion;
+    transfer_promotion(reader, promotion);
+    if (!riding) leave_lattice();
+    outcome.promotion = promotion;
+  } else if (outcome.promotion) {
+    return_to_lattice();
+    outcome.promotion.reset();
+  }
   std::vector<std::size_t> expected{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
                                     load_ramps.size()};
   for (const auto& column : traction) expected.push_back(column.size());
@@ -132,7 +157,7 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
   if (riding) {
     const auto is_block = [&](int i) { return i >= 0 && i < riding->block_count(); };
     riding->restore(reader);
-    if (monitor_block != -1 && !is_block(monitor_block)) throw of_another_model();
+    if (!std::all_of(monitor_blocks.begin(), monitor_blocks.end(), is_block)) throw of_another_model();
     for (const Drive& drive : drives) {
       if (!is_block(drive.block)) throw of_another_model();
     }

@@ -29,6 +29,7 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_dis
 // The joints of an assembly, with what their sliding is measured by.
 class JointSliding {
  public:
+  JointSliding() = default;
   explicit JointSliding(const Assembly& assembly);
   // Adds the motion of now. motion: one a brick.
   void look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const;

@@ -97,10 +97,13 @@ const char* condition_name(Condition condition) {
 }
 
 Simulation::BlockMesh Simulation::block_mesh(int block) const {
+  if (impl_->riding) return impl_->riding_mesh(block);
   const Model& model = impl_->model;
   const Brick& brick = model.assembly.bricks[at(block)];
   const Model::BlockPlace& place = model.place[at(block)];
   BlockMesh mesh;
+  mesh.unit = brick.unit, mesh.course = brick.course, mesh.fixed = brick.beam;
+  mesh.face = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   if (place.body >= 0) {
     for (int corner = 0; corner < 8; ++corner) {
       mesh.gridpoint.push_back({brick.origin[0] + (corner & 1) * brick.size[0],
@@ -113,6 +116,11 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   const BrickTemplate& shape = model.templates[at(group.brick_template)];
   for (int n = 0; n < shape.node_count; ++n)
     mesh.gridpoint.push_back(model.position[at((group.first_line + n) * kLanes + place.lane)]);
+  const auto& [nx, ny, nz] = shape.zones;
+  for (std::vector<int>& face : mesh.face) {
+    for (int& corner : face)
+      corner = shape.node_index(corner & 1 ? nx : 0, corner >> 1 & 1 ? ny : 0, corner >> 2 ? nz : 0);
+  }
   for (const Zone& zone : shape.zone) mesh.zone.push_back(zone.node);
   return mesh;
 }
@@ -138,15 +146,18 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
 }  // namespace
 
 std::vector<Vec3> Simulation::block_displacement(int block) const {
+  if (impl_->riding) return impl_->riding_displacements(block);
   return block_values(*impl_, block, impl_->displacement, &BodyLanes::displacement, &BodyLanes::rotation,
                       block_mesh(block));
 }
 
 std::vector<Vec3> Simulation::block_velocity(int block) const {
+  if (impl_->riding) return impl_->riding_velocities(block);
   return block_values(*impl_, block, impl_->velocity, &BodyLanes::velocity, &BodyLanes::spin, block_mesh(block));
 }
 
 std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
+  if (impl_->riding) return impl_->riding_stress(block);
   const Model& model = impl_->model;
   const Model::BlockPlace& place = model.place[at(block)];
   std::vector<std::array<double, 6>> result;

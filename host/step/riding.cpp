@@ -24,6 +24,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                                     std::vector<std::shared_ptr<const Material>> materials) {
   riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials));
   riding->track_energy(want_energy);
+  riding_start.clear(), on_base.clear();
   for (int i = 0; i < riding->block_count(); ++i) riding_start.push_back(riding->position(i));
   const auto& blocks = riding->assembly().blocks;
   for (const blocks::Contact& c : riding->contacts()) {
@@ -34,11 +35,11 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   }
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
-    for (const BodyControl& control : s.controls) block_named(control.body, s.source.text);
-    for (const PointForce& given : s.forces) block_named(given.block, s.source.text);
-    for (const FacePressure& given : s.pressures) block_named(given.block, s.source.text);
+    for (const BodyControl& control : s.controls) blocks_named(control.body, s.source.text);
+    for (const PointForce& given : s.forces) blocks_named(given.block, s.source.text);
+    for (const FacePressure& given : s.pressures) blocks_named(given.block, s.source.text);
     const std::string& watched = watched_block(s);
-    if (!watched.empty()) block_named(watched, s.source.text + ": monitor");
+    if (!watched.empty()) blocks_named(watched, s.source.text + ": monitor");
     if (s.displacement && watched.empty())
       throw Error(Exit::bad_input,
                   fmt::format("{}: stage '{}' ends by displacement but has no monitor; give stage.monitor or "
@@ -49,8 +50,8 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   time_step.model_mass = riding->mass();
 }
 
-int Simulation::Impl::block_named(const std::string& name, const std::string& where) const {
-  return blocks::find_block(riding->assembly(), name, where);
+std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {
+  return blocks::find_blocks(riding->assembly(), name, where);
 }
 
 const std::string& Simulation::Impl::watched_block(const Stage& settings) const {
@@ -66,8 +67,9 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
   multiplier = 0.0;
   if (settings.damping) m.set_damping(*settings.damping);
   const std::string& watched = watched_block(settings);
-  monitor_block = watched.empty() ? -1 : block_named(watched, settings.source.text);
-  if (monitor_block >= 0) monitor_start = riding_displacement(monitor_block);
+  monitor_blocks.clear();
+  if (!watched.empty()) monitor_blocks = blocks_named(watched, settings.source.text);
+  monitor_start = riding_displacement(monitor_blocks);
 
   bind_drives(settings);
   // Loads of before fade while those of this stage grow.
@@ -131,20 +133,22 @@ void Simulation::Impl::bind_drives(const Stage& settings) {
     return drive;
   };
   for (const BodyControl& control : settings.controls) {
-    Drive drive = start(block_named(control.body, settings.source.text));
-    for (int c = 0; c < 3; ++c) {
-      const auto k = static_cast<std::size_t>(c);
-      if (control.kind[k] == DofKind::velocity) {
-        drive.held |= static_cast<std::uint8_t>(1 << c);
-        drive.velocity_to[c] = control.velocity[k];
-        drive.force_from[c] = 0.0;
-      } else {
-        drive.force_to[c] = control.force[k];
+    for (const int block : blocks_named(control.body, settings.source.text)) {
+      Drive drive = start(block);
+      for (int c = 0; c < 3; ++c) {
+        const auto k = static_cast<std::size_t>(c);
+        if (control.kind[k] == DofKind::velocity) {
+          drive.held |= static_cast<std::uint8_t>(1 << c);
+          drive.velocity_to[c] = control.velocity[k];
+          drive.force_from[c] = 0.0;
+        } else {
+          drive.force_to[c] = control.force[k];
+        }
       }
+      if (!control.may_turn) drive.held |= 0x38;
+      drive.omega_to = geometry::vector(control.omega);
+      drives.push_back(drive);
     }
-    if (!control.may_turn) drive.held |= 0x38;
-    drive.omega_to = geometry::vector(control.omega);
-    drives.push_back(drive);
   }
   for (const Drive& old : before) {
     if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
@@ -162,7 +166,7 @@ void Simulation::Impl::add_loads(const Stage& settings) {
   const auto& assembly = m.assembly();
   for (const PointForce& given : settings.forces) {
     blocks::Load added{};
-    added.block = block_named(given.block, settings.source.text);
+    added.block = blocks_named(given.block, settings.source.text).front();
     added.force = geometry::vector(given.force);
     // The point moves with its block.
     added.point = m.position(added.block) +
@@ -172,7 +176,7 @@ void Simulation::Impl::add_loads(const Stage& settings) {
   }
   for (const FacePressure& pressure : settings.pressures) {
     blocks::Pressure added{};
-    added.block = block_named(pressure.block, settings.source.text), added.value = pressure.pressure;
+    added.block = blocks_named(pressure.block, settings.source.text).front(), added.value = pressure.pressure;
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
     const geometry::Matrix turned = matrix(block.orientation);
@@ -190,11 +194,12 @@ void Simulation::Impl::add_loads(const Stage& settings) {
 void Simulation::Impl::drive_blocks(double s) {
   blocks::Model& m = *riding;
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  for (const Drive& d : drives) {
+  for (Drive& d : drives) {
     m.prescribe(d.block, d.velocity_from + s * (d.velocity_to - d.velocity_from),
                 d.omega_from + s * (d.omega_to - d.omega_from), d.held);
-    const Vector applied = d.force_from + s * (d.force_to - d.force_from);
-    if (dot(applied, applied) > 0.0 || dot(d.force_from, d.force_from) > 0.0) m.apply_force(d.block, applied);
+    d.force_now = d.force_from + s * (d.force_to - d.force_from);
+    if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
+      m.apply_force(d.block, d.force_now);
   }
   for (std::size_t i = 0; i < m.loads().size(); ++i) m.loads()[i].scale = i < fading_loads ? 1.0 - s : s;
   for (std::size_t i = 0; i < m.pressures().size(); ++i) m.pressures()[i].scale = i < fading_pressures ? 1.0 - s : s;
@@ -206,6 +211,14 @@ void Simulation::Impl::drive_blocks(double s) {
          normalized(geometry::vector(settings.collapse->direction));
   }
   m.set_gravity(g);
+}
+
+// Along x, in place of what else is applied there.
+void Simulation::Impl::pull_block(int block, double pull) {
+  const auto drive = std::find_if(drives.begin(), drives.end(), [block](const Drive& d) { return d.block == block; });
+  Vector applied = drive == drives.end() ? Vector{} : drive->force_now;
+  applied.x = pull;
+  riding->apply_force(block, applied);
 }
 
 bool Simulation::Impl::collapse_ended() {
@@ -246,8 +259,9 @@ double Simulation::Impl::stage_time() const {
 
 void Simulation::Impl::end_riding_step() {
   const long detections = riding->detections();
+  const int units = riding->unit_count();
   riding->end_step();
-  if (riding->detections() == detections) return;
+  if (riding->detections() == detections && riding->unit_count() == units) return;
   partition_work();
   follow_time_step();
 }
@@ -262,8 +276,16 @@ void Simulation::Impl::measure_riding_step() {
   const blocks::Energies& e = riding->energies();
   kinetic = want_energy ? e.kinetic : riding->kinetic_energy();
   if (!want_energy) return;
-  energies = Energies{e.kinetic, e.strain, e.contact_stored, {}, e.external, e.damping, e.detection};
-  for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] = e.dissipated[k];
+  // On top of what the lattice has spent before a promotion.
+  const double jump = outcome.promotion ? outcome.promotion->energy_jump : 0.0;
+  energies = Energies{e.kinetic,
+                      e.strain,
+                      e.contact_stored,
+                      energy_dissipated,
+                      energy_external + e.external,
+                      energy_damping + e.damping,
+                      e.detection - jump};
+  for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] += e.dissipated[k];
 }
 
 // ---- Results -------------------------------------------------------------------------------------------------------
@@ -272,12 +294,23 @@ Vec3 Simulation::Impl::riding_displacement(int block) const {
   return geometry::array(riding->position(block) - riding_start[static_cast<std::size_t>(block)]);
 }
 
+Vec3 Simulation::Impl::riding_displacement(const std::vector<int>& blocks) const {
+  Vec3 mean{};
+  for (const int block : blocks) {
+    const Vec3 moved = riding_displacement(block);
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += moved[c] / static_cast<double>(blocks.size());
+  }
+  return mean;
+}
+
 double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
-  for (int i = 0; i < riding->block_count(); ++i) {
+  const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
+  for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
+    look(norm(geometry::vector(whole_motion_of(i).translation)));
+  for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
-    const double moved = norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]);
-    largest = moved <= largest ? largest : moved;  // NaN is kept
+    look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));
   }
   return largest;
 }
@@ -286,13 +319,35 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(row.stage)].direction);
   row.multiplier = multiplier;
   row.largest_displacement = largest_displacement();
-  row.dynamic_force = riding->net_force()[static_cast<int>(direction)];
-  if (monitor_block < 0) return;
-  row.monitor_displacement = riding_displacement(monitor_block);
-  row.joint_force = geometry::array(riding->contact_force(monitor_block));
+  const double whole = model.assembly.symmetry_factor;
+  row.dynamic_force = whole * riding->net_force()[static_cast<int>(direction)];
+  if (monitor_blocks.empty()) return;
+  row.monitor_displacement = riding_displacement(monitor_blocks);
+  for (const int block : monitor_blocks) {
+    const Vec3 joints = geometry::array(riding->contact_force(block));
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
+  }
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
-  row.vertical_force = row.joint_force[1];
+  row.vertical_force = scene.blocks || !stands_below(monitor_blocks) ? row.joint_force[1] : -row.joint_force[1];
+  if (whiffletree.empty()) return;
+  // The roof against the shear force that the walls carry to the ground.
+  row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
+  row.displacement = row.monitor_displacement[0] - monitor_start[0];
+  row.resistance = row.joint_force[0];
+}
+
+// What these blocks touch is above them, as over a bottom beam.
+bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
+  double arms = 0.0;
+  for (const blocks::Family& f : riding->families()) {
+    for (const blocks::Point& p : f.point) {
+      for (const int block : blocks) {
+        if (p.a == block || p.b == block) arms += p.at.y - riding->position(block).y;
+      }
+    }
+  }
+  return arms > 0.0;
 }
 
 // Rotations only: blocks that ride may leave their joints altogether.
@@ -339,6 +394,60 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointO
     outputs(batch, first_of_family);
     f.material->api().evaluate(f.material->handle(), &batch);
   }
+}
+
+Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  const blocks::Block& input = riding->assembly().blocks[static_cast<std::size_t>(block)];
+  BlockMesh mesh;
+  mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
+  mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
+  if (b.body >= 0) {
+    const geometry::Matrix turned = matrix(input.orientation);
+    for (const Vector& p : b.shape->vertices) mesh.gridpoint.push_back(geometry::array(input.position + turned * p));
+    return mesh;
+  }
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
+    mesh.gridpoint.push_back(geometry::array(riding->node_reference()[static_cast<std::size_t>(i)]));
+  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+    std::array<int, 4>& zone = mesh.zone.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) zone[k] = riding->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
+  }
+  return mesh;
+}
+
+std::vector<Vec3> Simulation::Impl::riding_displacements(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  std::vector<Vec3> result;
+  const BlockMesh mesh = riding_mesh(block);
+  for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
+    const Vector now = b.body >= 0 ? riding->corner(block, static_cast<int>(i))
+                                   : riding->node_positions()[static_cast<std::size_t>(b.first_node) + i];
+    result.push_back(geometry::array(now - geometry::vector(mesh.gridpoint[i])));
+  }
+  return result;
+}
+
+std::vector<Vec3> Simulation::Impl::riding_velocities(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  std::vector<Vec3> result;
+  for (int i = 0; b.body < 0 && i < b.node_count; ++i)
+    result.push_back(geometry::array(riding->node_velocities()[static_cast<std::size_t>(b.first_node + i)]));
+  for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
+    result.push_back(geometry::array(
+        riding->velocity(block) +
+        cross(riding->angular_velocity(block), riding->corner(block, static_cast<int>(i)) - riding->position(block))));
+  return result;
+}
+
+std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  std::vector<std::array<double, 6>> result;
+  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+    const geometry::Matrix s = riding->zone_stress(z);
+    result.push_back({s.row[0].x, s.row[1].y, s.row[2].z, s.row[0].y, s.row[1].z, s.row[2].x});
+  }
+  return result;
 }
 
 std::vector<ContactPoint> Simulation::Impl::riding_points() const {

@@ -7,9 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "blocks/from_bricks.h"
-#include "blocks/generate.h"
-#include "scene/generate.h"
+#include "blocks/motion.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 
@@ -174,6 +172,7 @@ double Simulation::Impl::mean_along_x(const LoadedBlock& block, const LaneVector
 
 double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
   const Floor& f = whiffletree[floor];
+  if (riding) return riding_displacement(f.riding)[0];
   double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
   for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
   return sum / f.count();
@@ -181,6 +180,11 @@ double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
 
 double Simulation::Impl::floor_displacement(std::size_t floor) const {
   const Floor& f = whiffletree[floor];
+  if (riding) {
+    double rate = 0.0;
+    for (const int block : f.riding) rate += riding->velocity(block).x / f.count();
+    return floor_displacement_now(floor) - data.time_step * rate;
+  }
   double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
   for (const int i : f.loaded) rate += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], velocity);
   return floor_displacement_now(floor) - data.time_step * rate / f.count();
@@ -198,7 +202,7 @@ void Simulation::Impl::pull_whiffletree() {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   const Whiffletree& tree = *settings.whiffletree;
   // Integral of the ramped velocity from the start of the stage.
-  const double elapsed = static_cast<double>(stage_step) * data.time_step;
+  const double elapsed = stage_time();
   double driven = elapsed;
   if (settings.ramp_time > 0.0) {
     const double t = std::min(1.0, elapsed / settings.ramp_time);
@@ -210,6 +214,7 @@ void Simulation::Impl::pull_whiffletree() {
     mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
   const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
   for (const Floor& floor : whiffletree) {
+    for (const int block : floor.riding) pull_block(block, pull / floor.count());
     for (const int body : floor.bodies) {
       const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
       body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
@@ -292,6 +297,7 @@ HistoryRow Simulation::Impl::measure() const {
     measure_riding(row);
     return row;
   }
+  if (scene.blocks) row.largest_displacement = largest_displacement();
   if (monitor.empty()) return row;
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
@@ -328,26 +334,26 @@ HistoryRow Simulation::Impl::measure() const {
 }
 
 // Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
+  const Model::BlockPlace& where = model.place[brick];
+  if (where.body >= 0)
+    return {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
+  const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
+  const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+  std::array<Vec3, 8> corner;
+  for (int k = 0; k < 8; ++k) {
+    const int node =
+        shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
+    const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
+    corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
+  }
+  return whole_motion(shape.size, corner);
+}
+
 void Simulation::Impl::look_at_motion() {
   if (riding) return look_at_riding_motion();
   whole_motions.resize(model.assembly.bricks.size());
-  for (std::size_t i = 0; i < whole_motions.size(); ++i) {
-    const Model::BlockPlace& where = model.place[i];
-    if (where.body >= 0) {
-      whole_motions[i] = {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
-      continue;
-    }
-    const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
-    const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-    std::array<Vec3, 8> corner;
-    for (int k = 0; k < 8; ++k) {
-      const int node =
-          shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
-      const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
-      corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
-    }
-    whole_motions[i] = whole_motion(shape.size, corner);
-  }
+  for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   joint_sliding.look(whole_motions, &motion_seen);
 }
 
@@ -407,10 +413,11 @@ Vec3 Simulation::Impl::joint_force(int body) const {
   return sum;
 }
 
-Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
+Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const { return jump_of(point, 1.0, -data.time_step); }
+
+Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, double of_velocity) const {
   const auto p = static_cast<std::size_t>(point);
   const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
-  const double dt = data.time_step;
   const auto displacement_of = [&](int block, std::int32_t gridpoint) {
     const int body = model.place[static_cast<std::size_t>(block)].body;
     Vec3 u, v;
@@ -422,7 +429,7 @@ Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const {
       u = of_body_at(body, &BodyLanes::displacement, &BodyLanes::rotation, model.point_position[p]);
       v = of_body_at(body, &BodyLanes::velocity, &BodyLanes::spin, model.point_position[p]);
     }
-    for (std::size_t c = 0; c < 3; ++c) u[c] -= dt * v[c];
+    for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
     return u;
   };
   const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
@@ -577,6 +584,7 @@ void Simulation::Impl::find_bodies_at_rest() {
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
   const SolverSettings& settings = scene.solver;
+  if (riding) riding->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
@@ -604,6 +612,11 @@ void Simulation::Impl::bind_whiffletree() {
   for (const auto& floor : settings.whiffletree->floors) {
     Floor& indices = whiffletree.emplace_back();
     for (const std::string& name : floor) {
+      if (riding) {
+        const std::vector<int> named = blocks_named(name, settings.source.text);
+        indices.riding.insert(indices.riding.end(), named.begin(), named.end());
+        continue;
+      }
       const std::vector<int> named = model.bodies_named(name);
       indices.bodies.insert(indices.bodies.end(), named.begin(), named.end());
       bool found = !named.empty();
@@ -627,11 +640,17 @@ long Simulation::Impl::chosen_record_interval() const {
     return std::max(1L, std::lround(scene.output.record_interval / data.time_step));
   double steps = std::numeric_limits<double>::infinity();
   if (settings.duration) steps = *settings.duration / data.time_step;
-  if (settings.displacement && !monitor.empty()) {
-    const double speed = settings.whiffletree
-                             ? std::abs(settings.whiffletree->velocity)
-                             : std::abs(ramps[static_cast<std::size_t>(monitor.front())]
-                                            .velocity_to[static_cast<std::size_t>(settings.direction)]);
+  if (settings.displacement) {
+    const auto direction = static_cast<std::size_t>(settings.direction);
+    double speed = 0.0;
+    if (settings.whiffletree)
+      speed = std::abs(settings.whiffletree->velocity);
+    else if (!monitor.empty())
+      speed = std::abs(ramps[static_cast<std::size_t>(monitor.front())].velocity_to[direction]);
+    for (const Drive& drive : drives) {
+      if (!monitor_blocks.empty() && drive.block == monitor_blocks.front())
+        speed = std::abs(drive.velocity_to[settings.direction]);
+    }
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
@@ -654,8 +673,10 @@ double Simulation::Impl::stage_fraction() const {
   }
   if (settings.displacement && riding) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    fraction =
-        std::max(fraction, std::abs(riding_displacement(monitor_block)[c] - monitor_start[c]) / *settings.displacement);
+    fraction = std::max(fraction, std::abs((whiffletree.empty() ? riding_displacement(monitor_blocks)[c]
+                                                                : floor_displacement_now(whiffletree.size() - 1)) -
+                                           monitor_start[c]) /
+                                      *settings.displacement);
   } else if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
     const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
@@ -711,15 +732,40 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law)
 Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials, const blocks::Assembly* shapes)
     : scene(std::move(scene_in)),
-      model(std::move(assembly), materials),
-      time_step(model.assembly.bricks.empty()
-                    ? TimeStepReport{}
-                    : choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
-      joint_sliding(model.assembly),
       want_energy(scene.output.energy),
       keep_diagnostics(scene.output.energy) {
+  take_bricks(std::move(assembly), materials);
+  for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_riding(*shapes, std::move(materials));
+  bind_step();
+}
+
+void Simulation::Impl::bind_step() {
+  data.time_step = time_step.time_step;
+  data.internal_forces = scene.solver.internal_forces;
+  data.energies = want_energy;
+  data.damping = scene.solver.damping;
+  data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
+  data.stiffness_damping = time_step.stiffness_damping;
+  choose_damping();
+  bind_columns();
+  partition_work();
+}
+
+void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials) {
+  model = Model(std::move(assembly), materials);
+  inertia = {};
+  time_step = {};
+  if (!model.assembly.bricks.empty())
+    time_step = choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages);
+  joint_sliding = JointSliding(model.assembly);
+  normal_shift.clear();
+  body_lanes.clear(), body_place.clear(), group_inertia.clear(), ramps.clear();
+  loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();
+  shared_dt_over_mass.clear(), inertia_tables.clear();
+  law_state.clear(), calls.clear();
+  monitor.clear(), ramped_bodies.clear(), whole_motions.clear();
   const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(model.point_count);
   displacement.assign(doubles, 0.0);
@@ -756,18 +802,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
     LaneVector<double> columns;
     for (double value : initial) columns.insert(columns.end(), static_cast<std::size_t>(family.point_count), value);
     law_state.push_back(std::move(columns));
-    first_materials.push_back(family.material);
   }
-
-  data.time_step = time_step.time_step;
-  data.internal_forces = scene.solver.internal_forces;
-  data.energies = want_energy;
-  data.damping = scene.solver.damping;
-  data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
-  data.stiffness_damping = time_step.stiffness_damping;
-  choose_damping();
-  bind_columns();
-  partition_work();
 }
 
 void Simulation::Impl::share_inertia() {
@@ -868,37 +903,24 @@ void Simulation::Impl::partition_work() {
 // ---- The public class ----------------------------------------------------------------------------------------------
 
 Simulation::Simulation(Scene scene, int threads) {
-  Assembly assembly;
-  if (scene.blocks) {
-    for (const auto& [name, family] : scene.joints) assembly.families.push_back(family);
-  } else {
-    assembly = assemble(scene);
-  }
-  auto materials = make_materials(assembly);
-  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
+  Motion motion = choose_motion(std::move(scene));
+  auto materials = make_materials(motion.bricks);
+  impl_ = make_impl(std::move(motion), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
   auto materials = make_materials(assembly);
-  impl_ = make_impl(std::move(scene), std::move(assembly), threads, std::move(materials));
+  impl_ = make_impl(choose_motion(std::move(scene), std::move(assembly)), threads, std::move(materials));
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads,
                        std::vector<std::shared_ptr<const Material>> materials)
-    : impl_(make_impl(std::move(scene), std::move(assembly), threads, std::move(materials))) {}
+    : impl_(make_impl(choose_motion(std::move(scene), std::move(assembly)), threads, std::move(materials))) {}
 
-std::unique_ptr<Simulation::Impl> Simulation::make_impl(Scene scene, Assembly assembly, int threads,
+std::unique_ptr<Simulation::Impl> Simulation::make_impl(Motion motion, int threads,
                                                         std::vector<std::shared_ptr<const Material>> materials) {
-  std::optional<blocks::Assembly> shapes;
-  if (scene.blocks) {
-    shapes = blocks::assemble(scene);
-  } else if (scene.solver.large_motion == LargeMotion::always) {
-    shapes = blocks::from_bricks(assembly, scene);
-    scene.solver = blocks::for_large_motion(scene.solver);
-    assembly.bricks.clear(), assembly.joints.clear();
-  }
-  return std::make_unique<Impl>(std::move(scene), std::move(assembly), threads, std::move(materials),
-                                shapes ? &*shapes : nullptr);
+  return std::make_unique<Impl>(std::move(motion.scene), std::move(motion.bricks), threads, std::move(materials),
+                                motion.shapes ? &*motion.shapes : nullptr);
 }
 
 Simulation::~Simulation() = default;
@@ -953,7 +975,12 @@ void Simulation::run(Observer& observer) {
                           "or solver.past_motion_bound = \"warn\" to go on all the same",
                           s.stage_step, settings.name, past));
         }
-        if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) observer.on_motion_bound(past);
+        if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
+          s.promote(past);
+          observer.on_promotion(*this);
+        } else if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) {
+          observer.on_motion_bound(past);
+        }
         while (s.next_row < s.stage_step) s.next_row += s.row_interval;
       }
       if (frame) observer.on_frame(*this, index, s.next_frame++);

@@ -71,13 +71,25 @@ struct Progress {
   double unbalanced_ratio = 0.0;
 };
 
+// From small displacements to large motion in mid-run, with the traction and state of every contact point kept.
+struct Promotion {
+  std::string why;  // which bound was passed, where
+  int stage = 0;
+  long step = 0;
+  double time = 0.0;           // s
+  double strain_energy = 0.0;  // of the zones before, J, as computed
+  double energy_jump = 0.0;    // after less before, J
+};
+
 // What stages found out.
 struct Outcome {
+  std::optional<Promotion> promotion;
   std::optional<double> collapse_multiplier;
   std::optional<double> base_slip_at_uplift;  // m: of blocks on fixed ones, when a bed joint first opens by 0.1 mm
 };
 
 class Simulation;
+struct Motion;
 
 // A law that has replaced another one with the traction of every point kept.
 struct LawSwap {
@@ -94,6 +106,7 @@ struct Observer {
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
   virtual void on_motion_bound(const std::string& /*what is exceeded, where*/) {}  // once, when the run goes on
+  virtual void on_promotion(const Simulation&) {}                                  // Simulation::outcome tells more
   virtual void on_row(const HistoryRow&) {}
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -180,10 +193,13 @@ class Simulation {
   const MotionSeen& motion_seen() const;  // looked at whenever run() writes a row
   std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
 
-  // Results by block (index into Assembly::bricks). Cold.
+  // Results by block. Cold.
   struct BlockMesh {
-    std::vector<Vec3> gridpoint;           // reference, m; rigid bricks: the 8 corners, x fastest, then y, then z
-    std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid bricks
+    std::vector<Vec3> gridpoint;           // at the start, m; rigid blocks: the corners (bricks: x fastest, then y, z)
+    std::vector<std::array<int, 4>> zone;  // tetrahedra; empty for rigid blocks
+    std::vector<std::vector<int>> face;    // of the whole block, corner by corner, counter-clockwise from outside
+    int unit = -1, course = -1;            // of masonry; -1: none
+    bool fixed = false;                    // a support, or a beam beside the masonry
   };
   BlockMesh block_mesh(int block) const;
   std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
@@ -211,7 +227,7 @@ class Simulation {
   struct Impl;  // state.h
 
  private:
-  static std::unique_ptr<Impl> make_impl(Scene scene, Assembly assembly, int threads,
+  static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
                                          std::vector<std::shared_ptr<const Material>> materials);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};

@@ -61,7 +61,7 @@ struct Drive {
   int block = -1;
   std::uint8_t held = 0;  // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
-  geometry::Vector force_from, force_to;                              // N, along free components
+  geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
 
 // One chunk's call of its law, with all columns in place; only the jumps differ by thread.
@@ -116,6 +116,8 @@ struct Simulation::Impl {
   void swap_law(const std::string& family, const std::string& law);
   // The law's material for a joint family: with the properties that it knows, as the scene gives them.
   HistoryRow measure() const;
+  double largest_displacement() const;  // of any block that is not fixed, m
+  WholeMotion whole_motion_of(std::size_t brick) const;
   void look_at_motion();
   std::string past_motion_bound() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
@@ -126,6 +128,8 @@ struct Simulation::Impl {
                   const Vec3& position) const;
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
+  Vec3 jump_of(std::int32_t point, double of_displacement,
+               double of_velocity) const;                // of their sum with these factors
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
   Vec3 mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
   double stage_fraction() const;  // by duration or displacement
@@ -135,7 +139,7 @@ struct Simulation::Impl {
 
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
   void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
-  int block_named(const std::string& name, const std::string& where) const;
+  std::vector<int> blocks_named(const std::string& name, const std::string& where) const;
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
@@ -143,12 +147,18 @@ struct Simulation::Impl {
   void bind_drives(const Stage& settings);
   void add_loads(const Stage& settings);
   void drive_blocks(double ramp);
+  void pull_block(int block, double pull);
+  bool stands_below(const std::vector<int>& blocks) const;
   bool collapse_ended();
   void watch_uplift();
-  Vec3 riding_displacement(int block) const;  // of the centre of mass since the start, m
-  double largest_displacement() const;        // of any block that is not fixed, m
+  Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
+  Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
   void measure_riding(HistoryRow& row) const;
   void look_at_riding_motion();
+  BlockMesh riding_mesh(int block) const;
+  std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
+  std::vector<Vec3> riding_velocities(int block) const;
+  std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
   std::vector<ContactPoint> riding_points() const;
   std::vector<double> riding_state(const std::string& id) const;
   void end_riding_step();
@@ -160,6 +170,16 @@ struct Simulation::Impl {
   void restore(const std::vector<std::uint8_t>& bytes);  // throws half way
   std::shared_ptr<const Material> material_in_stage(std::size_t family, int of_stage) const;
 
+  // --- from small displacements to large motion (promotion.cpp) -----------------------------------------------------
+  void promote(const std::string& why);
+  void leave_lattice();  // for large motion, at rest
+  void return_to_lattice();
+  std::optional<Assembly> left;  // by a promotion
+
+  // --- set-up -------------------------------------------------------------------------------------------------------
+  // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
+  void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
+  void bind_step();      // what a step reads, for the model of now
   void bind_columns();   // pointers of step data and law calls
   void share_inertia();  // where the blocks of a group are alike
   void partition_work();
@@ -207,7 +227,7 @@ struct Simulation::Impl {
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
   double riding_stage_start = 0.0;                     // s
   double multiplier = 0.0;                             // of the body force of a collapse stage
-  int monitor_block = -1;
+  std::vector<int> monitor_blocks;
   Outcome outcome;
 
   // Rebuilt from the state or derived.
@@ -232,7 +252,8 @@ struct Simulation::Impl {
   std::vector<WholeMotion> whole_motions;  // by brick
   struct Floor {
     std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
-    double count() const { return static_cast<double>(bodies.size() + loaded.size()); }
+    std::vector<int> riding;          // blocks in large motion, in place of both
+    double count() const { return static_cast<double>(bodies.size() + loaded.size() + riding.size()); }
   };
   std::vector<Floor> whiffletree;            // in stages that have one
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name

@@ -1,5 +1,6 @@
 // The program as a process: exit codes, messages, files, interruption.
 #include <gmock/gmock.h>
+#include <pty.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,7 +14,10 @@
 
 namespace {
 
+using ::testing::_;
 using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -109,6 +113,81 @@ TEST_F(Cli, Models) {
   EXPECT_EQ(quoin({"models", "fracture_energy"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("tensile_strength"), HasSubstr("Pa/m"), HasSubstr("required"), HasSubstr("xi_t"),
                           HasSubstr("bonded, dry")));
+  // Bounds as mathematicians write them; defaults by value, by another property, or none.
+  const auto row = [&](const std::string& id) {
+    const size_t at = out_.find("\n  " + id + " ") + 3;
+    std::istringstream words(out_.substr(at, out_.find('\n', at) - at));
+    return std::vector<std::string>(std::istream_iterator<std::string>(words), {});
+  };
+  EXPECT_THAT(row("normal_stiffness"),
+              ElementsAre("normal_stiffness", "kn", "Pa/m", "required", "(0,", "inf)", _, _, _));
+  EXPECT_THAT(row("compressive_strength"), Contains("[0,"));
+  EXPECT_EQ(row("compressive_strength")[3], "inf");
+  EXPECT_EQ(row("friction_angle")[4] + row("friction_angle")[5], "[0,90)");
+  EXPECT_EQ(row("friction_angle_residual")[3] + row("friction_angle_residual")[4], "=friction_angle");
+  EXPECT_THAT(out_, ::testing::ContainsRegex("linear +linear \\| exponential \\| table +shape"));
+  EXPECT_THAT(out_, ::testing::ContainsRegex("softening_table .* pairs x, y"));
+}
+
+// On a terminal a bar of 40 cells, as full as the percentage says; elsewhere a line when a stage begins, and then one
+// every 5 s. Each stage of this run lasts about a second.
+TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
+  const std::vector<std::string> run{QUOIN_PROGRAM,
+                                     "run",
+                                     small_,
+                                     "--out",
+                                     out(),
+                                     "--threads",
+                                     "1",
+                                     "--set",
+                                     "stage.shear.velocity=0.0005",
+                                     "--set",
+                                     "stage.precompression.duration=1",
+                                     "--set",
+                                     "output.plots=false",
+                                     "--set",
+                                     "output.frames=0"};
+  const auto shown_at = [&](unsigned short columns) {
+    int master = -1, slave = -1;
+    winsize size{50, columns, 0, 0};
+    EXPECT_EQ(openpty(&master, &slave, nullptr, nullptr, &size), 0);
+    const pid_t child = start(run, slave);
+    close(slave);
+    std::string shown;
+    char buffer[4096];
+    for (ssize_t n; (n = read(master, buffer, sizeof buffer)) > 0;) shown.append(buffer, static_cast<size_t>(n));
+    EXPECT_EQ(finish(child), 0);
+    close(master);
+    return shown;
+  };
+  const std::string wide = shown_at(200);
+  int bars = 0;
+  for (size_t at = wide.find("│"); at != std::string::npos; at = wide.find("│", at + 3)) {
+    const size_t begin = at + 3, end = wide.find("│", begin);
+    ASSERT_NE(end, std::string::npos);
+    const std::string bar = wide.substr(begin, end - begin);
+    int full = 0, cells = 0;
+    for (size_t i = 0; i < bar.size(); i += bar[i] == ' ' ? 1 : 3, ++cells) full += bar.compare(i, 3, "█") == 0;
+    EXPECT_EQ(cells, 40) << bar;
+    EXPECT_NEAR(100.0 * full / 40, std::stod(wide.substr(end + 3)), 2.5 + 0.5) << "a cell, and rounding";
+    at = end;
+    ++bars;
+  }
+  EXPECT_GT(bars, 0);
+  EXPECT_THAT(wide, HasSubstr("2/2 shear │"));
+  const std::string narrow = shown_at(40);
+  EXPECT_THAT(narrow, AllOf(Not(HasSubstr("│")), HasSubstr("2/2 shear ")));
+  for (size_t at = narrow.find("\r\033[K1/2"); at != std::string::npos; at = narrow.find("\r\033[K1/2", at + 1))
+    EXPECT_EQ(narrow.find('\r', at + 1) - at - 4, 39u) << "a line is not longer than the terminal";
+
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(finish(start(run)), 0);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  int lines = 0;
+  for (size_t at = error_.find("\n["); at != std::string::npos; at = error_.find("\n[", at + 1)) ++lines;
+  EXPECT_GE(lines, 2) << error_;
+  EXPECT_LE(lines, 2 + seconds / 5) << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr("\n[1/2 precompression] "), HasSubstr("\n[2/2 shear] "), Not(HasSubstr("│"))));
 }
 
 TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {

@@ -1,5 +1,6 @@
 // Where results go: hostile names and titles, folders that others use or that hold other things, and files that tools
 // read.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
@@ -8,6 +9,8 @@
 #include <csignal>
 #include <cstring>
 #include <map>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "program.h"
@@ -402,6 +405,233 @@ plots = false
     for (size_t axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(load.moment[axis] + centre_of_weight[axis], 0.0, tolerance * 0.5) << which;  // arms below 0.5 m
   }
+}
+
+// Rows of numbers between blank lines, as gnuplot reads them; what is no number ends a row.
+using Rows = std::vector<std::vector<double>>;
+std::vector<Rows> blocks_of(const std::string& text) {
+  std::vector<Rows> blocks(1);
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream numbers(line);
+    std::vector<double> row;
+    for (double x; numbers >> x;) row.push_back(x);
+    if (!row.empty())
+      blocks.back().push_back(row);
+    else if (!blocks.back().empty())
+      blocks.emplace_back();
+  }
+  if (blocks.back().empty()) blocks.pop_back();
+  return blocks;
+}
+std::string datablock(const std::string& script, const std::string& name) {
+  const std::string mark = name + " << EOD\n";
+  const size_t at = script.find(mark);
+  return at == std::string::npos ? "" : script.substr(at + mark.size(), script.find("\nEOD", at) - at - mark.size());
+}
+std::array<double, 2> range_of(const std::string& script, const std::string& axis) {
+  const std::string mark = "set " + axis + "range [";
+  const size_t at = script.find(mark) + mark.size();
+  return {std::stod(script.substr(at)), std::stod(script.substr(script.find(':', at) + 1))};
+}
+double signed_area(const Rows& polygon) {  // counter-clockwise positive
+  double area = 0.0;
+  for (size_t i = 0; i + 1 < polygon.size(); ++i)
+    area += (polygon[i][0] * polygon[i + 1][1] - polygon[i + 1][0] * polygon[i][1]) / 2;
+  return area;
+}
+
+// Pictures of the small wall: 2 courses of 62.5 mm, 440 mm long, between beams of 100 mm, top moved by 0.5 mm.
+TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
+  ASSERT_EQ(run_small({"--set", "output.frames=1"}), 0) << error_;
+  const fs::path plots = fs::path(out()) / "plots";
+
+  // The curve: mm, kN and MPa on 440 x 100 mm of the rows of the history from the end of the pressing on.
+  const Rows curve = blocks_of(read_all(plots / "curve.dat"))[0];
+  std::ifstream history(out() + "/history.csv");
+  Rows rows;
+  std::string line;
+  std::getline(history, line);
+  while (std::getline(history, line)) {
+    const std::string numbers = line.substr(0, 2) + line.substr(line.find("\",") + 2);
+    rows.emplace_back();
+    std::istringstream fields(numbers);
+    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(std::stod(field));
+  }
+  // stage, step, time, displacement, vertical displacement, horizontal force, vertical force
+  size_t shear = 0;
+  while (rows[shear][0] < 2) ++shear;
+  // Then what has not moved yet is left out.
+  const size_t still = rows.size() - shear + 1 - curve.size();
+  ASSERT_LT(still, 20u);
+  for (size_t i = 0; i < still; ++i) EXPECT_LE(std::abs(rows[shear + i][3]), 1e-9 * rows.back()[3]);
+  double peak = 0.0;
+  for (size_t i = 0; i < curve.size(); ++i) {
+    const auto& row = rows[i == 0 ? shear - 1 : shear - 1 + still + i];
+    EXPECT_NEAR(curve[i][0], 1e3 * row[3], 1e-6 * std::abs(1e3 * row[3]));
+    EXPECT_NEAR(curve[i][1], 1e-3 * row[5], 1e-6 * std::abs(1e-3 * row[5]));
+    EXPECT_NEAR(curve[i][2], row[6] / (0.44 * 0.1) / 1e6, 1e-6 * row[6] / 0.044 / 1e6);
+    peak = std::max(peak, row[5]);
+  }
+  EXPECT_EQ(summary()["peak_horizontal_force_N"].get<double>(), peak);
+  const std::string curve_script = read_all(plots / "curve.gp");
+  EXPECT_THAT(curve_script, HasSubstr("displacement of the top beam (mm)"));
+  EXPECT_NEAR(range_of(curve_script, "x")[1], 1.02 * curve.back()[0], 1e-3);
+  EXPECT_EQ(range_of(curve_script, "x")[0], 0.0);
+  EXPECT_NEAR(blocks_of(datablock(curve_script, "$peak"))[0][0][1], peak / 1e3, 1e-5 * peak / 1e3);
+
+  // The wall: bricks where the frame file has them, displacements 20 times larger: the greatest of 1, 2, 5, 10, ...
+  // that keeps half a millimetre below 7.5 % of 325 mm.
+  const std::string script = read_all(plots / "cracks.gp");
+  EXPECT_THAT(script, HasSubstr("drawn 20 times larger"));
+  EXPECT_THAT(script, HasSubstr(fmt::format("top beam moved {:.2f} mm, horizontal force {:.1f} kN, law fracture_energy",
+                                            curve.back()[0], curve.back()[1])));
+  const Vtu blocks(out() + "/blocks_0001.vtu");
+  const auto place = blocks.array<float>("position"), moved = blocks.array<float>("displacement_m");
+  ASSERT_EQ(place.size(), moved.size());
+  double largest = 0.0;
+  std::set<std::pair<long, long>> front;  // of all gridpoints at z = 0.1 m, in hundredths of a millimetre
+  for (size_t i = 0; i < place.size(); i += 3) {
+    largest = std::max<double>(largest, std::hypot(moved[i], moved[i + 1]));
+    if (place[i + 2] < 0.0999F) continue;
+    const double x = 1e5 * (place[i] + 20.0 * moved[i]), y = 1e5 * (place[i + 1] + 20.0 * moved[i + 1]);
+    for (const int dx : {-1, 0, 1})
+      for (const int dy : {-1, 0, 1}) front.emplace(std::lround(x) + dx, std::lround(y) + dy);
+  }
+  const auto bricks = blocks_of(read_all(plots / "bricks.dat")), beams = blocks_of(read_all(plots / "beams.dat"));
+  ASSERT_EQ(bricks.size(), 5u);
+  ASSERT_EQ(beams.size(), 2u);
+  const auto [x_low, x_high] = range_of(script, "x");
+  const auto [y_low, y_high] = range_of(script, "y");
+  double area = 0.0;
+  for (const auto* list : {&bricks, &beams})
+    for (const Rows& outline : *list) {
+      EXPECT_EQ(outline.front(), outline.back());
+      area += signed_area(outline);
+      for (const auto& p : outline) {
+        EXPECT_TRUE(front.contains({std::lround(100 * p[0]), std::lround(100 * p[1])})) << p[0] << ' ' << p[1];
+        EXPECT_TRUE(p[0] > x_low && p[0] < x_high && p[1] > y_low && p[1] < y_high) << p[0] << ' ' << p[1];
+      }
+    }
+  EXPECT_NEAR(area, 440.0 * 325.0, 0.01 * 440.0 * 325.0);  // 20 times a strain of 5e-4
+  for (const Rows& outline : bricks) {
+    const bool half = signed_area(outline) < 1.5 * 110 * 62.5;
+    EXPECT_EQ(outline.size(), half ? 7u : 11u) << "2 hexahedra along a half, 1 up";
+  }
+  // 3 % of the length beside the sway, and 0.3 of the sway above.
+  const double sway = 20e3 * largest, margin = 0.03 * 440.0;
+  EXPECT_NEAR(x_low, -margin - sway, 0.01);
+  EXPECT_NEAR(x_high, 440.0 + margin + sway, 0.01);
+  EXPECT_NEAR(y_low, -100.0 - margin, 0.01);
+  EXPECT_NEAR(y_high, 225.0 + margin + 0.3 * sway, 0.01);
+
+  // Joints: quads between their two sides; all together as long as three bed joints and three head joints.
+  double length = 0.0;
+  for (const int kind : {0, 1, 2, 3, 4, 5})
+    for (const Rows& quad : blocks_of(read_all(plots / fmt::format("joints_{}.dat", kind)))) {
+      ASSERT_EQ(quad.size(), 5u);
+      EXPECT_EQ(quad.front(), quad.back());
+      length += std::hypot(quad[1][0] - quad[0][0], quad[1][1] - quad[0][1]);
+    }
+  EXPECT_NEAR(length, 3 * 440.0 + 3 * 62.5, 0.01 * 1500.0);
+}
+
+// Cells of a frame: tetrahedra of the bricks and hexahedra of the beams fill their volumes, quads of joints their
+// areas.
+TEST_F(Outputs, CellsOfAFrameFillTheWall) {
+  ASSERT_EQ(run_small({"--set", "output.frames=1", "--set", "output.plots=false"}), 0) << error_;
+  const fs::path file = out() + "/blocks_0001.vtu", joints_file = out() + "/joints_0001.vtu";
+  const Vtu blocks(file), joints(joints_file);
+  const auto count = [](const fs::path& of, const std::string& what) {
+    const std::string text = read_all(of), mark = what + "=\"";
+    return std::stoul(text.substr(text.find(mark) + mark.size(), 20));
+  };
+  const auto place = blocks.array<float>("position");
+  const auto cell = blocks.array<std::int64_t>("connectivity"), end = blocks.array<std::int64_t>("offsets");
+  const auto type = blocks.array<std::uint8_t>("types");
+  EXPECT_EQ(count(file, "NumberOfPoints"), place.size() / 3);
+  EXPECT_EQ(count(file, "NumberOfCells"), type.size());
+  EXPECT_EQ(blocks.array<float>("stress_Pa").size(), 6 * type.size());
+  EXPECT_EQ(blocks.array<std::int32_t>("block").size(), type.size());
+  EXPECT_EQ(blocks.array<std::int32_t>("unit").size(), type.size());
+  EXPECT_EQ(blocks.array<std::int32_t>("course").size(), type.size());
+  ASSERT_EQ(end.size(), type.size());
+  ASSERT_EQ(static_cast<size_t>(end.back()), cell.size());
+  const auto edge = [](const std::vector<float>& at, std::int64_t from, std::int64_t to) {
+    const Vector a = vector_at(at, static_cast<size_t>(from)), b = vector_at(at, static_cast<size_t>(to));
+    return Vector{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  };
+  const auto dot = [](const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  double bricks = 0.0, beams = 0.0;
+  for (size_t i = 0; i < type.size(); ++i) {
+    const auto* p = &cell[i > 0 ? static_cast<size_t>(end[i - 1]) : 0];
+    const auto size = end[i] - (i > 0 ? end[i - 1] : 0);
+    const double box = dot(cross(edge(place, p[0], p[1]), edge(place, p[0], size == 8 ? p[3] : p[2])),
+                           edge(place, p[0], size == 8 ? p[4] : p[3]));
+    EXPECT_GT(box, 0.0) << "VTK's order of corners is right-handed";
+    EXPECT_EQ(type[i], size == 8 ? 12 : 10);
+    (size == 8 ? beams : bricks) += size == 8 ? box : box / 6;
+  }
+  EXPECT_NEAR(bricks, 0.44 * 0.125 * 0.1, 1e-6 * 0.0055);  // rounding to 24 bits
+  EXPECT_NEAR(beams, 2 * 0.44 * 0.1 * 0.1, 1e-6 * 0.0088);
+
+  const auto at = joints.array<float>("position");
+  const auto quad = joints.array<std::int64_t>("connectivity"), last = joints.array<std::int64_t>("offsets");
+  EXPECT_EQ(count(joints_file, "NumberOfPoints"), at.size() / 3);
+  EXPECT_EQ(count(joints_file, "NumberOfCells"), last.size());
+  EXPECT_EQ(joints.array<std::uint8_t>("types"), std::vector<std::uint8_t>(last.size(), 9));
+  double surface = 0.0, by_points = 0.0;
+  for (size_t i = 0; i < last.size(); ++i) {
+    ASSERT_EQ(last[i], static_cast<std::int64_t>(4 * i + 4));
+    const auto* p = &quad[4 * i];
+    const Vector a = cross(edge(at, p[0], p[1]), edge(at, p[0], p[3])),
+                 b = cross(edge(at, p[2], p[3]), edge(at, p[2], p[1]));
+    EXPECT_GT(dot(a, b), 0.0) << "no quad crosses itself";
+    surface += (std::sqrt(dot(a, a)) + std::sqrt(dot(b, b))) / 2;
+  }
+  for (const float area : joints.array<float>("area_m2")) by_points += area;
+  const double joint_area = 3 * 0.44 * 0.1 + 3 * 0.0625 * 0.1;
+  EXPECT_NEAR(surface, joint_area, 1e-5 * joint_area);
+  EXPECT_NEAR(by_points, joint_area, 1e-5 * joint_area);
+  for (const char* name : {"opening_m", "slip_m", "damage_tension", "damage_shear", "plastic_closure_m"})
+    EXPECT_EQ(joints.array<float>(name).size(), at.size() / 3) << name;
+}
+
+// Two blocks side by side on a longer one, all in one plane: their fronts, where they stand, and the three joints.
+TEST_F(Outputs, PicturesOfBlocksInAPlaneShowTheirFronts) {
+  ASSERT_EQ(quoin({"run", block_scene(), "--out", out()}), 0) << error_;
+  const std::string mechanism = read_all(out() + "/plots/mechanism.gp"), cracks = read_all(out() + "/plots/cracks.gp");
+  const Rows fronts[] = {{{0, -0.2}, {1, -0.2}, {1, 0}, {0, 0}, {0, -0.2}},
+                         {{0, 0}, {0.4, 0}, {0.4, 0.2}, {0, 0.2}, {0, 0}},
+                         {{0.4, 0}, {0.8, 0}, {0.8, 0.2}, {0.4, 0.2}, {0.4, 0}}};
+  for (const std::string& script : {mechanism, cracks}) {
+    const auto faces = blocks_of(datablock(script, "$faces"));
+    ASSERT_EQ(faces.size(), 3u);
+    for (size_t f = 0; f < 3; ++f) {
+      ASSERT_EQ(faces[f].size(), 5u);
+      for (size_t i = 0; i < 5; ++i)
+        for (size_t k = 0; k < 2; ++k) EXPECT_NEAR(faces[f][i][k], fronts[f][i][k], 1e-5);  // falls for a millisecond
+      EXPECT_EQ(faces[f][0][2] > 0, f > 0) << "the base is fixed";
+      EXPECT_NEAR(faces[f][0][2], f > 0 ? -1e3 * faces[1][0][1] : 0.0, 1e-9) << "mm";
+    }
+    // A tenth of the length of what can move on each side.
+    EXPECT_NEAR(range_of(script, "x")[0], -0.08, 1e-5);
+    EXPECT_NEAR(range_of(script, "x")[1], 0.88, 1e-5);
+    EXPECT_NEAR(range_of(script, "y")[0], -0.08, 1e-5);
+    EXPECT_NEAR(range_of(script, "y")[1], 0.28, 1e-5);
+  }
+  const auto lines = blocks_of(datablock(cracks, "$crack0"));
+  ASSERT_EQ(lines.size(), 3u);
+  double along_x = 0.0, along_y = 0.0;
+  for (const Rows& line : lines) {
+    ASSERT_EQ(line.size(), 2u);
+    along_x += std::abs(line[1][0] - line[0][0]), along_y += std::abs(line[1][1] - line[0][1]);
+  }
+  EXPECT_NEAR(along_x, 0.8, 1e-5);
+  EXPECT_NEAR(along_y, 0.2, 1e-5);
+  const auto cbrange = range_of(mechanism, "cb");
+  EXPECT_NEAR(cbrange[1], blocks_of(datablock(mechanism, "$faces"))[1][0][2], 1e-9) << "up to the largest displacement";
 }
 
 }  // namespace

@@ -30,14 +30,16 @@ class Cli : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  pid_t start(const std::vector<std::string>& words) {
+  // standard_error: where it goes; -1: to a file, which finish reads
+  pid_t start(const std::vector<std::string>& words, int standard_error = -1) {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     const pid_t child = fork();
     if (child == 0) {
       const int out = open((folder_ / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int error = open((folder_ / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+      const int error =
+          standard_error >= 0 ? standard_error : open((folder_ / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       dup2(out, STDOUT_FILENO);
       dup2(error, STDERR_FILENO);
       execv(arguments[0], arguments.data());

@@ -9,12 +9,14 @@ mkdir -p "$work"
 case $1 in
   installed)
     # Only the parts of the contract and the laws: the host is no concern of a consumer.
-    for part in plugin_api contact_models/elastic contact_models/coulomb_slip contact_models/fracture_energy; do
+    for part in plugin_api contact_models/elastic contact_models/coulomb_slip contact_models/fracture_energy contact_models/cyclic_joint; do
       cmake -DCMAKE_INSTALL_PREFIX="$work/usr" -P "$build/$part/cmake_install.cmake" >/dev/null
     done
     # In another place than it was configured for: the tree is relocatable.
     mv "$work/usr" "$work/elsewhere"
-    [ -s "$work/elsewhere/share/quoin/laws/fracture_energy/LAW.md" ] || { echo "the law in words is not installed"; exit 1; }
+    for law in fracture_energy cyclic_joint; do
+      [ -s "$work/elsewhere/share/quoin/laws/$law/LAW.md" ] || { echo "the law in words is not installed: $law"; exit 1; }
+    done
     cmake -S "$source/tests/consumer/find_package" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/elsewhere" >"$work/log"
     cmake --build "$work/build" >>"$work/log"
     (cd "$work/build" && ctest --output-on-failure)

@@ -181,5 +181,15 @@ TEST(BroadPhase, AgreesWithBruteForce) {
   EXPECT_EQ(pairs, brute);
 }
 
+// The smallest cases: nothing is lost at the ends of a list.
+TEST(BroadPhase, TwoAndThreeBoxes) {
+  const Box a{{0, 0, 0}, {1, 1, 1}}, b{{0.5, 0.5, 0.5}, {2, 2, 2}}, c{{1.5, 1.5, 1.5}, {3, 3, 3}};
+  EXPECT_TRUE(overlapping_pairs({}).empty());
+  EXPECT_TRUE(overlapping_pairs({a}).empty());
+  EXPECT_EQ(overlapping_pairs({a, b}), (std::vector<Pair>{{0, 1}}));
+  EXPECT_TRUE(overlapping_pairs({a, c}).empty());
+  EXPECT_EQ(overlapping_pairs({a, c, b}), (std::vector<Pair>{{0, 2}, {1, 2}}));
+}
+
 }  // namespace
 }  // namespace quoin::geometry

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <numbers>
@@ -35,6 +37,87 @@ ConvexPolyhedron prism(int sides, double radius, double height) {
     for (double z : {0.0, height}) p.push_back({radius * std::cos(a), radius * std::sin(a), z});
   }
   return from_vertices(p, "prism");
+}
+
+// Both branches of rotation(), and angles between them: |half angle|^2 = 1e-4 parts series from sine and cosine.
+TEST(Vectors, RotationsAreThoseOfSineAndCosine) {
+  for (const double angle : {1e-9, 1e-3, 0.0199, 0.0201, 0.5, 3.0}) {
+    const Vector axis = normalized(Vector{1, -2, 0.5});
+    const Quaternion q = rotation(angle * axis);
+    EXPECT_NEAR(q.w, std::cos(angle / 2), 3e-16);
+    EXPECT_NEAR(norm(q.v - std::sin(angle / 2) * axis), 0.0, 3e-16 * (1 + angle));
+  }
+}
+
+// Also where the trace is negative and each of the diagonal terms is the largest.
+TEST(Vectors, QuaternionsAndMatricesAreTheSameRotation) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  int negative[3] = {};
+  for (int i = 0; i < 200; ++i) {
+    const Quaternion q = normalized(Quaternion{normal(random), {normal(random), normal(random), normal(random)}});
+    const Matrix r = matrix(q), rr = transposed(r) * r;
+    const Quaternion back = quaternion(r);
+    const double sign = back.w * q.w + dot(back.v, q.v) > 0 ? 1.0 : -1.0;
+    EXPECT_NEAR(sign * back.w, q.w, 1e-14);
+    EXPECT_NEAR(norm(sign * back.v - q.v), 0.0, 1e-14);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(norm(rr.row[k] - Matrix{}.row[k]), 0.0, 1e-14);
+      EXPECT_EQ(norm(r.column(k) - transposed(r).row[k]), 0.0);
+      // r v = v + 2 w (q x v) + 2 q x (q x v)
+      const Vector e = Matrix{}.row[k], c = cross(q.v, e);
+      EXPECT_NEAR(norm(r.column(k) - (e + 2 * q.w * c + 2 * cross(q.v, c))), 0.0, 1e-14);
+    }
+    if (trace(r) < 0)
+      for (int k = 0; k < 3; ++k) negative[k] += r.row[k][k] >= std::max({r.row[0].x, r.row[1].y, r.row[2].z});
+  }
+  for (const int count : negative) EXPECT_GT(count, 5);
+}
+
+TEST(Vectors, AnyNormalIsAUnitNormalFarFromCancellation) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const Vector n = i < 3 ? Matrix{}.row[i] : normalized(Vector{normal(random), normal(random), normal(random)});
+    EXPECT_NEAR(dot(any_normal(n), n), 0.0, 1e-15);
+    EXPECT_NEAR(norm(any_normal(n)), 1.0, 1e-15);
+  }
+  // The first of the axes that lies far enough from n, less its part along n.
+  EXPECT_EQ(norm(any_normal({0, 0.6, 0.8}) - Vector{1, 0, 0}), 0.0);
+  EXPECT_EQ(norm(any_normal({1, 0, 0}) - Vector{0, 1, 0}), 0.0);
+  EXPECT_NEAR(norm(any_normal({0.8, 0.6, 0}) - Vector{0, 0, 1}), 0.0, 1e-16);
+}
+
+TEST(Vectors, EigenvectorsDiagonalise) {
+  // The third has nothing but one term off the diagonal, beside nothing on it: (1 +- sqrt 5)/2 and 0.
+  std::vector<Matrix> cases{Matrix{{{2, -1, 0}, {-1, 2, -1}, {0, -1, 2}}}, Matrix::diagonal({3, -1, 2}),
+                            Matrix{{{1, 1, 0}, {1, 0, 0}, {0, 0, 0}}},     Matrix{{{0, 0, 1}, {0, 0, 0}, {1, 0, 1}}},
+                            Matrix{{{0, 0, 0}, {0, 1, 1}, {0, 1, 0}}},     Matrix{{{5, 2, 1}, {2, -7, 3}, {1, 3, 4}}}};
+  for (const Matrix& m : cases) {
+    const Eigen3 e = symmetric_eigen(m);
+    EXPECT_LE(e.values.x, e.values.y);
+    EXPECT_LE(e.values.y, e.values.z);
+    EXPECT_NEAR(determinant(e.vectors), 1.0, 1e-14);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(norm(m * e.vectors.column(k) - e.values[k] * e.vectors.column(k)), 0.0, 1e-14);
+  }
+  EXPECT_NEAR(symmetric_eigen(cases[2]).values.z, (1 + std::sqrt(5.0)) / 2, 1e-14);
+  EXPECT_NEAR(symmetric_eigen(cases[0]).values.x, 2 - std::sqrt(2.0), 1e-14);
+}
+
+// Corners found first may turn out to lie in the middle of an edge, whatever the order.
+TEST(Polyhedron, PointsOnEdgesAreNoCornersInAnyOrder) {
+  const ConvexPolyhedron b = box({1, 2, 3}, {0.4, 0.175, 0.2});
+  std::vector<Vector> p = b.vertices;
+  for (const auto& f : b.faces)
+    for (size_t i = 0; i < f.size(); ++i) p.push_back(0.5 * (b.vertices[f[i]] + b.vertices[f[(i + 1) % f.size()]]));
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::shuffle(p.begin(), p.end(), std::mt19937(seed));
+    const ConvexPolyhedron s = from_vertices(p, "b");
+    EXPECT_EQ(s.vertices.size(), 8u);
+    EXPECT_EQ(s.edges.size(), 12u);
+    for (const auto& f : s.faces) EXPECT_EQ(f.size(), 4u);
+  }
 }
 
 TEST(Polyhedron, HullOfBoxHasSixQuadrilaterals) {
@@ -131,6 +214,26 @@ TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
   for (int i = 0; i < 6; ++i) lf.push_back({i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i});
   const std::string text = refusal([&] { from_faces(l, lf, "L"); });
   EXPECT_NE(text.find("block L: is not convex: vertex"), std::string::npos) << text;
+}
+
+// A tetrahedron is halved along the shortest of its three inner diagonals, whichever vertex comes first. Quality: 12 (3
+// V)^(2/3) over the sum of the squares of the edges, 1 for the regular one (Liu and Joe).
+TEST(Zoning, QualityIsNoMatterOfTheOrderOfVertices) {
+  std::vector<Vector> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.5, 3}};
+  std::vector<int> order{0, 1, 2, 3};
+  double first = 0.0;
+  do {
+    std::vector<Vector> corners;
+    for (const int i : order) corners.push_back(p[size_t(i)]);
+    const Zoning z = make_zones(from_vertices(corners, "t"), 1.6, "t");
+    if (first == 0.0) first = z.worst_quality;
+    EXPECT_NEAR(z.worst_quality, first, 1e-12);
+  } while (std::next_permutation(order.begin(), order.end()));
+  // A cube in five: corners of volume 1/6 with three edges of 1 and three of sqrt 2 about a regular one.
+  const Zoning cube = make_zones(box({0, 0, 0}, {1, 1, 1}), 1.0, "c");
+  ASSERT_EQ(cube.zones.size(), 5u);
+  EXPECT_NEAR(cube.worst_quality, 12 * std::cbrt(9.0 / 36) / 9, 1e-12);
+  EXPECT_NEAR(cube.longest_edge, std::sqrt(2.0), 1e-12);
 }
 
 TEST(Zoning, FillsTheVolumeAndCoversTheSurface) {

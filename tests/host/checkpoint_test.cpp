@@ -114,6 +114,21 @@ TEST(Checkpoint, WallGoesOnBitForBit) {
   expect_restores(scene);
 }
 
+// Damping by block, other damping while it settles, and units whose halves come apart on the way.
+TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
+  const Scene scene =
+      scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml",
+               {"solver.large_motion=always", "stage.shear.displacement=0.0001", "wall.mid_unit_joints=true",
+                "wall.unit_joint=mortar", "solver.rotation_bound=3e-5", "output.energy=true"});
+  Simulation start(scene, 1);
+  const int units = start.riding()->unit_count();
+  EXPECT_GT(units, 0);
+  Rows rows;
+  start.run(rows);
+  EXPECT_LT(start.riding()->unit_count(), units) << "none came apart";
+  expect_restores(scene);
+}
+
 TEST(Checkpoint, BuildingGoesOnBitForBit) {
   expect_restores(scene_of(QUOIN_HOST_TESTS "/small_building.toml",
                            {"stage.push.displacement=0.002", "stage.weight.equilibrium_ratio=0.1"}));

@@ -38,11 +38,11 @@ bool accepted(const quoin_law& law, Values values, const std::string& property, 
 }
 
 // Drives every material 60 steps on both sets and returns the largest difference of tractions over their scale.
-double difference(std::int64_t one, std::int64_t other, bool extreme, bool& same_bits) {
-  const quoin_law& law = load_law("fracture_energy");
+double difference(const char* id, std::int64_t one, std::int64_t other, bool extreme, bool& same_bits) {
+  const quoin_law& law = load_law(id);
   double worst = 0.0;
   same_bits = true;
-  for (const Values& values : materials("fracture_energy")) {
+  for (const Values& values : materials(id)) {
     std::vector<std::unique_ptr<TestMaterial>> pair;
     for (const std::int64_t target : {one, other}) {
       const OnTarget on(target);
@@ -74,19 +74,23 @@ double difference(std::int64_t one, std::int64_t other, bool extreme, bool& same
 }
 
 TEST(InstructionSets, AgreeToRoundingWithoutFusedMultiplyAdd) {
-  bool same_bits = false;
-  const double worst = difference(HWY_SSE4, hwy::SupportedTargets() & (HWY_AVX3 | HWY_AVX2), false, same_bits);
-  EXPECT_LT(worst, 1e-12);
-  RecordProperty("largest_difference", std::to_string(worst));
+  for (const char* id : {"fracture_energy", "cyclic_joint"}) {
+    bool same_bits = false;
+    const double worst = difference(id, HWY_SSE4, hwy::SupportedTargets() & (HWY_AVX3 | HWY_AVX2), false, same_bits);
+    EXPECT_LT(worst, 1e-12) << id;
+    RecordProperty("largest_difference", std::to_string(worst));
+  }
 }
 
 TEST(InstructionSets, AgreeBitForBitWithFusedMultiplyAdd) {
   if ((hwy::SupportedTargets() & HWY_AVX3) == 0 || (hwy::SupportedTargets() & HWY_AVX2) == 0) {
     GTEST_SKIP() << "this machine has not both AVX2 and AVX-512";
   }
-  bool same_bits = false;
-  EXPECT_EQ(difference(HWY_AVX2, HWY_AVX3, true, same_bits), 0.0);
-  EXPECT_TRUE(same_bits);
+  for (const char* id : {"fracture_energy", "cyclic_joint"}) {
+    bool same_bits = false;
+    EXPECT_EQ(difference(id, HWY_AVX2, HWY_AVX3, true, same_bits), 0.0) << id;
+    EXPECT_TRUE(same_bits) << id;
+  }
 }
 
 TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
@@ -124,7 +128,7 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
 // A call of one point has a path of its own, and so have vectors of points that all stay elastic.
 TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
   constexpr std::size_t kCount = 256;
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
     const quoin_law& law = load_law(id);
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
       const OnTarget on(targets & -targets);
@@ -134,7 +138,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
         Batch whole(law, kCount);
         for (int step = 0; step < 8; ++step) {
           randomise(whole, random);
-          make_some_extreme(whole, random);
+          if (std::string(id) != "cyclic_joint") make_some_extreme(whole, random);
           Batch parts = whole;
           const quoin_batch expected = whole.evaluate(material, true);
           for (const std::size_t size : {1, 2, 3, 8, 256}) {
@@ -172,7 +176,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
 
 // One point of an array of structures: in place, without diagnostics, without a stride that could mean anything.
 TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
     const quoin_law& law = load_law(id);
     for (const Values& values : materials(id)) {
       const TestMaterial material(law, values);
@@ -207,7 +211,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
 
 // C6.11 holds for one point too.
 TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
     const quoin_law& law = load_law(id);
     const TestMaterial material(law, materials(id)[0]);
     Batch points(law, 1);
@@ -254,6 +258,28 @@ TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
           EXPECT_EQ(b.out[0][i], i == 5 ? 0.0 : 82e9 * -1e-6);
           EXPECT_EQ(std::memcmp(&b.out[column - 3][5], &bad, sizeof bad), 0);
         }
+      }
+    }
+  }
+}
+
+// What the law reads of an elastic joint: tau, xi, q, l, w, v_m. The seat of a joint without uplift says nothing.
+TEST(Batches, AnOldValueOfCyclicJointThatIsNotFiniteFailsItsPointAmongElasticOnes) {
+  const quoin_law& law = load_law("cyclic_joint");
+  for (const Values& values : materials("cyclic_joint")) {
+    const TestMaterial material(law, values);
+    std::vector<double> bonded(law.state_count);
+    law.initial_state(material.handle, "bonded", bonded.data());
+    for (const std::size_t column : {4, 5, 6, 8, 9, 10, 14}) {
+      for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+        Batch b(law, 32);
+        for (std::size_t k = 0; k < bonded.size(); ++k) b.in[6 + k].assign(b.count, bonded[k]);
+        b.in[0].assign(b.count, -1e-6);
+        b.in[1].assign(b.count, 1e-8);
+        b.in[column][5] = bad;
+        EXPECT_EQ(b.evaluate(material, false).failed_count, 1u) << "column " << column << " = " << bad;
+        for (std::size_t i = 0; i < b.count; ++i) EXPECT_EQ(b.out[0][i], i == 5 ? 0.0 : 82e9 * -1e-6);
+        EXPECT_EQ(std::memcmp(&b.out[column - 3][5], &bad, sizeof bad), 0);
       }
     }
   }
@@ -310,7 +336,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
 
 // What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
 TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy"}) {
+  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
     const quoin_law& law = load_law(id);
     std::vector<Values> all = materials(id);
     all.push_back(materials("elastic")[0]);  // stiffness alone: every other mode is switched off

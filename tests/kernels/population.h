@@ -28,6 +28,32 @@ inline std::vector<Values> materials(const std::string& law) {
     return {first(5), residual};
   }
   std::vector<Values> all;
+  if (law == "cyclic_joint") {
+    // Neutral, without and with crushing; and everything at once.
+    for (const char* shape : {"linear", "exponential", "table"}) {
+      for (int variant = 0; variant < 3; ++variant) {
+        Values v = first(mortar::properties.size());
+        v.words = {{"softening", shape}};
+        if (std::strcmp(shape, "table") == 0) v.table = {0.0, 1.0, 0.3, 0.5, 1.0, 0.0};
+        if (variant == 0) v.numbers[5].second = HUGE_VAL;
+        if (variant == 2) {
+          v.numbers.insert(v.numbers.end(), {{"dilation_angle", 12.0},
+                                             {"friction_angle_residual", 28.0},
+                                             {"cohesion_residual", 0.05e6},
+                                             {"compressive_strength_residual", 0.5e6},
+                                             {"residual_opening", 0.3},
+                                             {"dilation_length", 1e-4},
+                                             {"dilation_pressure", 1.5e6},
+                                             {"compressive_yield", 2e6},
+                                             {"compressive_peak_closure", 2e-5},
+                                             {"crushing_recovery", 0.5},
+                                             {"cap_shear", 4.0}});
+        }
+        all.push_back(v);
+      }
+    }
+    return all;
+  }
   for (const char* shape : {"linear", "exponential", "table"}) {
     for (const char* coupling : {"shared", "none"}) {
       for (int variant = 0; variant < 3; ++variant) {

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Random mutants of the host and of the laws' shims: does the suite notice when one token is wrong?
 
-    tests/mutation/mutants.py --count 200 --seed 1 --out mutants_1.csv      two to four hours on two cores
+    tests/mutation/mutants.py --seed 1 2 --out mutants.csv         200 of each seed in one build; an hour or two on two cores
     tests/mutation/mutants.py --count 20 --seed 7 --only host/step          a part of the tree
     tests/mutation/mutants.py --list --count 10                             what would be planted
 
 One mutant is one changed token: a sign, an operator, a floating constant times 1.1, an integer by one, a branch negated.
 Places are drawn evenly from the code (no comments, texts or preprocessor lines), so the same seed gives the same mutants of
-the same tree. Each is built in a copy of the tree and run against the tests of ctest, quickest first, until one fails, crashes
-or takes five times its time. A mutant that does not compile, or compiles to the same bytes, is replaced by the next one.
-Results go to --out row by row; a run that was stopped goes on from there. Exit code 0: at least --goal killed, 1: fewer, 2: wrong use,
-3: the unchanged tree does not build or pass.
+the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks; every
+test of ctest is run once to see that it passes and which mutants it reaches; then each mutant is planted in turn and run
+against the tests that reach it, quickest first, until one fails, crashes or takes five times its time. What cannot be switched
+at run time (sizes of types, constants of the compiler) is built alone with --alone, otherwise replaced by the next one, as is
+what does not compile or, alone, compiles to the same bytes.
+Results go to --out row by row; a run that was stopped goes on from there, and --again runs the survivors once more.
+Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
 import argparse
 import concurrent.futures
@@ -27,10 +30,13 @@ import subprocess
 import sys
 import time
 
+from schemata import CAPACITY, HEADER, Mutant, blame, code_only, matching, with_schemata
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCOPE = ("host/", "contact_models/shim/")
 # Tests that build the project anew or look at files of the source tree see no mutant of this build, at a high price.
-LEFT_OUT = re.compile(r"consumer|mutant|abi|windows|instruction_sets|clang|demo|rebuilt|install")
+LEFT_OUT = re.compile(r"consumer|mutant|abi|windows|instruction_sets|clang|demo|rebuilt|install|docs\.|headers")
+TARGETS_LEFT_OUT = "(~(HWY_AVX2|HWY_SSE2))"
 
 SWAPS = {
     " + ": " - ", " - ": " + ", " += ": " -= ", " -= ": " += ", " * ": " / ", " / ": " * ",
@@ -40,31 +46,12 @@ SWAPS = {
 KINDS = {" + ": "sign", " - ": "sign", " += ": "sign", " -= ": "sign"}
 SWAP = re.compile("|".join(re.escape(text) for text in sorted(SWAPS, key=len, reverse=True)))
 FLOATING = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
-INTEGER = re.compile(r"(?<![\w.'])(\d+)(?![\w.'])")
+INTEGER = re.compile(r"(?<![\w.'])(?<!\de[-+])(\d+)(?![\w.'>])")  # not the size of a type
 BRANCH = re.compile(r"\bif \(")
 
 
-def code_only(text):
-    """The text with comments, string and character literals and preprocessor lines blanked, places kept."""
-    def blank(match):
-        return re.sub(r"[^\n]", "\0", match.group(0))
-    text = re.sub(r'R"\((?:.|\n)*?\)"|//[^\n]*|/\*(?:.|\n)*?\*/|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])*\'', blank, text)
-    text = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", blank, text, flags=re.M)
-    return re.sub(r"static_assert\((?:.|\n)*?\);", blank, text)
-
-
-def closing(code, start):
-    depth = 0
-    for i in range(start, len(code)):
-        depth += {"(": 1, ")": -1}.get(code[i], 0)
-        if depth == 0:
-            return i
-    return None
-
-
-def sites(file, text):
+def sites(file, code):
     """All changes of one token: (file, from, to, replacement, kind)."""
-    code = code_only(text)
     for m in SWAP.finditer(code):
         yield file, m.start(), m.end(), SWAPS[m.group(0)], KINDS.get(m.group(0), "operator")
     for m in FLOATING.finditer(code):
@@ -73,44 +60,123 @@ def sites(file, text):
     for m in INTEGER.finditer(code):
         yield file, m.start(), m.end(), str(int(m.group(1)) + 1), "off by one"
     for m in BRANCH.finditer(code):
-        end = closing(code, m.end() - 1)
-        if end:
-            yield file, m.end(), end, f"!({text[m.end():end]})", "branch"
+        end = matching(code, m.end() - 1, +1)
+        yield file, m.end(), end, f"!({code[m.end():end]})", "branch"
 
 
-def draw(only, seed):
-    listed = subprocess.run(["git", "ls-files", "-z", *SCOPE], cwd=ROOT, check=True, capture_output=True).stdout
-    files = [f for f in listed.decode().split("\0") if f.endswith((".cpp", ".h")) and f.startswith(only)]
-    found = [site for f in sorted(files) for site in sites(f, (ROOT / f).read_text())]
-    random.Random(seed).shuffle(found)
-    return found
+class Tree:
+    """A copy of the tracked files, changed ones included, with mutants in it."""
 
+    def __init__(self, root, folder, targets=()):
+        self.root, self.folder, self.targets = root, folder, targets
+        listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, check=True, capture_output=True).stdout
+        self.files = [f for f in filter(None, listed.decode().split("\0")) if (root / f).exists()]
+        self.texts = {f: (root / f).read_text() for f in self.files if f.startswith(SCOPE) and f.endswith((".cpp", ".h"))}
+        self.codes = {f: code_only(text) for f, text in self.texts.items()}
 
-def copy_tree(tree):
-    """The tracked files, changed ones included. Host libraries become shared: a mutant then links one of them."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True).stdout
-    for name in filter(None, listed.decode().split("\0")):
-        text = (ROOT / name).read_bytes()
-        if name.startswith("host/") and name.endswith("CMakeLists.txt"):
-            text = text.replace(b" STATIC", b" SHARED")
-        to = tree / name
+    def draw(self, only, seed):
+        found = [site for f in sorted(self.texts) if f.startswith(only) for site in sites(f, self.codes[f])]
+        random.Random(seed).shuffle(found)
+        return found
+
+    def mutant(self, number, site):
+        file, begin, end, replacement, kind = site
+        text = self.texts[file]
+        if kind == "branch":
+            replacement = f"!({text[begin:end]})"
+        return Mutant(number, (file, begin, end, replacement, kind), text, self.codes[file])
+
+    def write(self, name, text):
+        to = self.folder / name
+        if isinstance(text, str):
+            text = text.encode()
         if not to.exists() or to.read_bytes() != text:
             to.parent.mkdir(parents=True, exist_ok=True)
             to.write_bytes(text)
-            shutil.copymode(ROOT / name, to)
 
+    def copy(self, mutants):
+        """Quicker to build: host with -O1, tests with -O0, one instruction set beside the baseline. Host libraries are shared,
+        so that a mutant built alone links one of them; they use their own copies of inline functions, not those of tests."""
+        for name in self.files:
+            if name in self.texts:
+                mine = [m for m in mutants if m.file == name]
+                text = with_schemata(self.texts[name], mine) if mine else self.texts[name]
+            else:
+                text = (self.root / name).read_bytes()
+                if name.startswith("host/") and name.endswith("CMakeLists.txt"):
+                    text = text.replace(b" STATIC", b" SHARED")
+                if name == "host/CMakeLists.txt":
+                    options = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'
+                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text
+                if name == "CMakeLists.txt":
+                    for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
+                        adds = b"  add_subdirectory(" + part + b")"
+                        text = text.replace(adds, b"  add_compile_options(" + option + b")\n" + adds)
+            self.write(name, text)
+            shutil.copymode(self.root / name, self.folder / name)
+        for part in SCOPE:
+            self.write(part + "quoin_mutant.h", HEADER)
 
-def build(tree, timeout=3600):
-    return subprocess.run(["cmake", "--build", "build/release"], cwd=tree, capture_output=True, text=True,
-                          timeout=timeout)
+    def configure(self):
+        flags = "-Wall -Wextra -Wpedantic"  # as in the preset: ccache then knows what no mutant touches
+        return subprocess.run(["cmake", "--preset", "release", "-DQUOIN_BUILD_ADAPTERS=OFF", "-DQUOIN_BUILD_BENCHMARKS=OFF",
+                               f"-DQUOIN_DISABLED_TARGETS={TARGETS_LEFT_OUT}",
+                               f"-DCMAKE_CXX_FLAGS={flags} -Wshadow -Wconversion -Wno-sign-conversion -Werror -w",
+                               f"-DCMAKE_C_FLAGS={flags} -Werror -w"],
+                              cwd=self.folder, capture_output=True, text=True)
 
+    def build(self, jobs):
+        targets = ["--target", *self.targets] if self.targets else []
+        return subprocess.run(["cmake", "--build", "build/release", "-j", str(jobs), *targets, "--", "-k", "0"],
+                              cwd=self.folder, capture_output=True, text=True, env={**os.environ, "CCACHE_IGNOREOPTIONS": "-w", "LC_ALL": "C"})
 
-def object_hash(tree):
-    """Of the shared libraries and programs of the host, which any mutant in effect changes."""
-    digest = hashlib.sha256()
-    for file in sorted([*tree.glob("build/release/host/**/*.o"), *tree.glob("build/release/contact_models/**/*.o")]):
-        digest.update(file.read_bytes())
-    return digest.hexdigest()
+    def build_all(self, mutants, jobs):
+        """The build of all mutants that can be switched; the message of the compiler when there is none."""
+        self.recall(mutants)
+        while True:
+            self.copy(mutants)
+            done = self.configure()
+            if done.returncode == 0:
+                done = self.build(jobs)
+            if done.returncode == 0:
+                return None
+            (self.folder.parent / "build.log").write_text(done.stdout + done.stderr)
+            taken = blame(done.stdout + done.stderr, mutants)
+            if not taken:
+                return (done.stdout + done.stderr)[-4000:]
+            for m in taken:
+                print(f"not by a switch: {m.file}:{m.line}: {m.old} -> {m.new}: {m.form}", flush=True)
+            self.remember(mutants)
+
+    # What the compiler said of mutants, for the next run on the same text.
+    def memory(self):
+        return self.folder.parent / "not_switched.json"
+
+    def key(self, m):
+        return f"{m.file} {m.begin} {m.new} {hashlib.sha256(self.texts[m.file].encode()).hexdigest()[:16]}"
+
+    def remember(self, mutants):
+        known = json.loads(self.memory().read_text()) if self.memory().exists() else {}
+        known.update({self.key(m): m.form for m in mutants if m.form != "schemata"})
+        self.memory().write_text(json.dumps(known, indent=1))
+
+    def recall(self, mutants):
+        known = json.loads(self.memory().read_text()) if self.memory().exists() else {}
+        for m in mutants:
+            m.form = known.get(self.key(m), m.form)
+
+    def object_hash(self):
+        digest = hashlib.sha256()
+        for part in ("host", "contact_models"):
+            for file in sorted((self.folder / "build/release" / part).glob("**/*.o")):
+                digest.update(file.read_bytes())
+        return digest.hexdigest()
+
+    def tests(self):
+        listed = subprocess.run(["ctest", "--preset", "release", "--show-only=json-v1"], cwd=self.folder, check=True,
+                                capture_output=True, text=True).stdout
+        found = [Test(t) for t in json.loads(listed)["tests"] if "command" in t and not LEFT_OUT.search(t["name"])]
+        return [t for t in found if not any("NOT_BUILT" in part for part in t.command)]
 
 
 class Test:
@@ -119,11 +185,10 @@ class Test:
         properties = {p["name"]: p["value"] for p in entry.get("properties", [])}
         self.folder = properties.get("WORKING_DIRECTORY")
         self.environment = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []))
-        self.seconds = 0.0
 
-    def run(self, timeout):
+    def run(self, timeout, **environment):
         start = time.monotonic()
-        process = subprocess.Popen(self.command, cwd=self.folder, env={**os.environ, **self.environment},
+        process = subprocess.Popen(self.command, cwd=self.folder, env={**os.environ, **self.environment, **environment},
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                    start_new_session=True)
         try:
@@ -139,8 +204,37 @@ class Test:
         self.took = time.monotonic() - start
         return passed
 
+    def watch(self, folder, longest, kept):
+        """Runs without a mutant; keeps the time it takes and the mutants it reaches. kept: what the same test found before."""
+        if self.identity in kept:
+            self.passed, self.seconds, reached = kept[self.identity]
+            self.reached = set(reached)
+            return
+        reached = folder / (hashlib.sha256(self.name.encode()).hexdigest() + ".reached")
+        reached.write_bytes(bytes(CAPACITY))
+        self.passed = self.run(longest, QUOIN_MUTANTS_REACHED=str(reached))
+        self.seconds = self.took
+        self.reached = {i for i, byte in enumerate(reached.read_bytes()) if byte}
+        reached.unlink()
 
-def first_failure(tests, jobs):
+
+def watch_all(tests, tree, planted, longest, jobs):
+    """Every test once, or as it was when neither its program nor the code with its mutants has changed since."""
+    code = hashlib.sha256(repr((sorted(tree.texts.items()), [(site, m.form) for site, m in planted.items()])).encode()).hexdigest()
+    programs = {}
+    for t in tests:
+        program = t.command[0]
+        if program not in programs:
+            programs[program] = hashlib.sha256(pathlib.Path(program).read_bytes()).hexdigest()
+        t.identity = f"{t.name} {programs[program]} {code}"
+    memory = tree.folder.parent / "tests.json"
+    kept = json.loads(memory.read_text()) if memory.exists() else {}
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(lambda t: t.watch(tree.folder.parent, longest, kept), tests))
+    memory.write_text(json.dumps({t.identity: (t.passed, t.seconds, sorted(t.reached)) for t in tests}))
+
+
+def first_failure(tests, jobs, **environment):
     """Name of a test that fails, or None. Quickest first, `jobs` at a time."""
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         rest, running = iter(tests), {}
@@ -150,7 +244,7 @@ def first_failure(tests, jobs):
                 test = next(rest, None)
                 if test is None:
                     break
-                running[pool.submit(test.run, 5 * test.seconds + 10)] = test
+                running[pool.submit(test.run, 5 * test.seconds + 10, **environment)] = test
             if not running:
                 return failed
             done, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
@@ -160,98 +254,117 @@ def first_failure(tests, jobs):
                     failed = test.name
 
 
+def judge(mutant, tree, tests, jobs, alone):
+    """(result, name of the test that fails, number of tests that could)"""
+    if mutant.form == "does not compile" or (mutant.form == "alone" and not alone):
+        return mutant.form, "", 0
+    if mutant.form == "schemata":
+        mine = [t for t in tests if mutant.number in t.reached]
+        by = first_failure(mine, jobs, QUOIN_MUTANT=str(mutant.number))
+        return ("killed" if by else "survived"), by or "", len(mine)
+    kept = (tree.folder / mutant.file).read_text()
+    before = tree.object_hash()
+    text = tree.texts[mutant.file]
+    tree.write(mutant.file, text[:mutant.begin] + mutant.replacement + text[mutant.end:])
+    try:
+        if tree.build(jobs).returncode != 0:
+            return "does not compile", "", 0
+        if tree.object_hash() == before:
+            return "same code", "", 0
+        by = first_failure(tests, jobs)
+        return ("killed" if by else "survived"), by or "", len(tests)
+    finally:
+        tree.write(mutant.file, kept)
+        tree.build(jobs)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=200, help="mutants that compile and change something")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=200, help="mutants of each seed that compile and change something")
+    parser.add_argument("--seed", type=int, nargs="+", default=[1])
     parser.add_argument("--only", default="", help="files whose path begins so")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--goal", type=float, default=0.9, help="share that must be killed")
+    parser.add_argument("--tree", type=pathlib.Path, default=ROOT, help="the tree to look at, this one or another")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build" / "mutation", help="folder of the copy")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("mutants.csv"))
+    parser.add_argument("--part", default="", help="of the drawn ones, those in files that this regular expression begins")
+    parser.add_argument("--targets", nargs="+", default=[], help="test programs to be built, instead of all")
+    parser.add_argument("--longest", type=float, default=300, help="seconds; tests that take longer are left out")
+    parser.add_argument("--without", default="(?!)", help="tests to be left out, a regular expression")
+    parser.add_argument("--again", action="store_true", help="survivors of --out are run once more")
+    parser.add_argument("--alone", action="store_true", help="build what cannot be switched at run time, one by one")
     parser.add_argument("--list", action="store_true", help="print the mutants and stop")
     options = parser.parse_args()
 
-    candidates = draw(options.only, options.seed)
-    if not candidates:
+    tree = Tree(options.tree.resolve(), options.work.resolve() / "tree", options.targets)
+    spare = options.count + options.count // 6 + 5  # the last ones replace what does not compile
+    drawn = {seed: tree.draw(options.only, seed)[:options.count if options.list else spare] for seed in options.seed}
+    planted = {}
+    for site in [site for sites_drawn in drawn.values() for site in sites_drawn]:
+        planted.setdefault(site[:3], tree.mutant(len(planted), site))
+    if not planted:
         print(f"no code below '{options.only}' in {', '.join(SCOPE)}", file=sys.stderr)
         return 2
-    def describe(site):
-        file, begin, end, replacement, kind = site
-        text = (ROOT / file).read_text()
-        return text.count("\n", 0, begin) + 1, text[begin:end].strip(), replacement.strip()
     if options.list:
-        for site in candidates[:options.count]:
-            line, old, new = describe(site)
-            print(f"{site[0]}:{line}: {site[4]}: {old} -> {new}")
+        for m in planted.values():
+            print(f"{m.number}: {m.file}:{m.line}: {m.kind}: {m.old} -> {m.new}")
         return 0
+    if len(planted) > CAPACITY:
+        print(f"{len(planted)} mutants are more than one build holds: {CAPACITY}", file=sys.stderr)
+        return 2
 
-    tree = options.work / "tree"
-    copy_tree(tree)
-    print(f"{len(candidates)} places in the code; building the unchanged tree in {tree}", flush=True)
-    configured = subprocess.run(["cmake", "--preset", "release"], cwd=tree, capture_output=True, text=True)
-    built = build(tree) if configured.returncode == 0 else configured
-    if built.returncode != 0:
-        print((built.stdout + built.stderr)[-4000:], file=sys.stderr)
+    mutants = list(planted.values())
+    print(f"building {len(mutants)} mutants in {tree.folder}", flush=True)
+    failure = tree.build_all(mutants, options.jobs)
+    if failure:
+        print(failure, file=sys.stderr)
         return 3
-    listed = subprocess.run(["ctest", "--preset", "release", "--show-only=json-v1"], cwd=tree, check=True,
-                            capture_output=True, text=True).stdout
-    tests = [Test(t) for t in json.loads(listed)["tests"] if "command" in t and not LEFT_OUT.search(t["name"])]
-    tests = [t for t in tests if not any("NOT_BUILT" in part for part in t.command)]
-    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
-        passed = list(pool.map(lambda t: t.run(600), tests))
-    for test, ok in zip(tests, passed):
-        test.seconds = test.took
-        if not ok:
-            print(f"fails without a mutant, left out: {test.name}", flush=True)
-    tests = sorted((t for t, ok in zip(tests, passed) if ok), key=lambda t: t.seconds)
+    tests = [t for t in tree.tests() if not re.search(options.without, t.name)]
+    watch_all(tests, tree, planted, options.longest, options.jobs)
+    for test in tests:
+        if not test.passed:
+            print(f"fails without a mutant or takes more than {options.longest:g} s, left out: {test.name}", flush=True)
+    tests = sorted((t for t in tests if t.passed), key=lambda t: t.seconds)
     print(f"{len(tests)} tests, {sum(t.seconds for t in tests):.0f} s", flush=True)
     if not tests:
         return 3
-    unchanged = object_hash(tree)
 
+    def key(m):
+        return m.file, str(m.line), m.kind, m.old, m.new, str(m.begin)
     known = {}
     if options.out.exists():
         with options.out.open() as file:
-            known = {(r["file"], r["line"], r["old"], r["new"], r["place"]): r["result"] for r in csv.DictReader(file)}
-    new_file = not known
-    killed = survived = 0
+            rows = list(csv.DictReader(file))
+        known = {(r["file"], r["line"], r["kind"], r["old"], r["new"], r["place"]): r["result"] for r in rows}
+        if options.again:
+            known = {k: result for k, result in known.items() if result != "survived"}
+    new_file = not options.out.exists()
+    reached_goal = True
     with options.out.open("a", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         if new_file:
-            rows.writerow(["file", "line", "place", "kind", "old", "new", "result", "by", "seconds"])
-        for site in candidates:
-            if killed + survived >= options.count:
-                break
-            name, begin, end, replacement, kind = site
-            line, old, new = describe(site)
-            result = known.get((name, str(line), old, new, str(begin)))
-            if result is None:
-                start = time.monotonic()
-                source = tree / name
-                text = source.read_text()
-                source.write_text(text[:begin] + replacement + text[end:])
-                by = ""
-                try:
-                    if build(tree).returncode != 0:
-                        result = "does not compile"
-                    elif object_hash(tree) == unchanged:
-                        result = "same code"
-                    else:
-                        by = first_failure(tests, options.jobs) or ""
-                        result = "killed" if by else "survived"
-                finally:
-                    source.write_text(text)
-                rows.writerow([name, line, begin, kind, old, new, result, by, f"{time.monotonic() - start:.0f}"])
-                file.flush()
-            killed += result == "killed"
-            survived += result == "survived"
-            if result in ("killed", "survived"):
-                print(f"{killed + survived:4} {result:8} {name}:{line}: {kind}: {old} -> {new}", flush=True)
-    build(tree)
-    score = killed / max(1, killed + survived)
-    print(f"{killed} of {killed + survived} killed: {100 * score:.1f} %")
-    return 0 if score >= options.goal else 1
+            rows.writerow(["seed", "file", "line", "place", "kind", "old", "new", "result", "by", "seconds", "form", "tests"])
+        for seed, sites_drawn in drawn.items():
+            count = {"killed": 0, "survived": 0}
+            for m in [planted[site[:3]] for site in sites_drawn if re.match(options.part, site[0])]:
+                if sum(count.values()) >= options.count:
+                    break
+                result = known.get(key(m))
+                if result is None:
+                    start = time.monotonic()
+                    result, by, reaching = judge(m, tree, tests, options.jobs, options.alone)
+                    known[key(m)] = result
+                    rows.writerow([seed, m.file, m.line, m.begin, m.kind, m.old, m.new, result, by,
+                                   f"{time.monotonic() - start:.1f}", m.form, reaching])
+                    file.flush()
+                if result in count:
+                    count[result] += 1
+                    print(f"{sum(count.values()):4} {result:8} {m.file}:{m.line}: {m.kind}: {m.old} -> {m.new}", flush=True)
+            total = sum(count.values())
+            print(f"seed {seed}: {count['killed']} of {total} killed: {100 * count['killed'] / max(1, total):.1f} %", flush=True)
+            reached_goal = reached_goal and total > 0 and count["killed"] >= options.goal * total
+    return 0 if reached_goal else 1
 
 
 if __name__ == "__main__":

@@ -258,5 +258,42 @@ TEST(GenerateWall, PatternsOfFacingBlocksConform) {
   }
 }
 
+// Half units of transverse walls lie along z: their zones turn with them, and none stands beside its corner.
+TEST(GenerateBuilding, TransverseWallsAreTheSameBricksTurned) {
+  const Scene scene = read_scene(QUOIN_SCENES "/pavia_window.toml");
+  const BuildingSpec& spec = *scene.building;
+  const Assembly a = assemble(scene);
+  int along_x = 0, along_z = 0;
+  for (const Brick& b : a.bricks) {
+    if (b.rigid || b.beam) continue;
+    const bool thick_x = std::abs(b.size[0] - spec.thickness) < 1e-9,
+               thick_z = std::abs(b.size[2] - spec.thickness) < 1e-9;
+    ASSERT_TRUE(thick_x || thick_z);
+    if (thick_x && thick_z) continue;  // a corner
+    const size_t length = thick_z ? 0 : 2;
+    const Vec3& size = b.size;
+    const double half_unit = spec.walls[thick_z ? 0 : 1].half_unit;
+    EXPECT_NEAR(size[length] / b.zones[length], half_unit / spec.zones[0], 1e-9);
+    EXPECT_EQ(b.zones[1], spec.zones[1]);
+    EXPECT_EQ(b.zones[2 - length], spec.zones[2]);
+    (thick_z ? along_x : along_z) += b.zones[length] / spec.zones[0];
+  }
+  // Wall B less six windows of 5 half units by 6 courses; walls A and C whole.
+  EXPECT_EQ(along_x, 28 * 40 - 6 * 5 * 6);
+  EXPECT_EQ(along_z, 2 * 19 * 40);
+}
+
+// Running bond: the first two half units of a wall are one unit in every other course.
+TEST(GenerateBuilding, UnitsAreTwoHalvesInEveryOtherCourse) {
+  const Assembly a = assemble(read_scene(QUOIN_SCENES "/pavia_door.toml"));
+  std::map<int, std::map<double, int>> units;  // course -> x -> unit
+  for (const Brick& b : a.bricks)
+    if (!b.rigid && !b.beam) units[b.course][b.origin[0]] = b.unit;
+  for (int course = 0; course + 1 < 10; ++course) {
+    const auto together = [&](int of) { return units[of].begin()->second == std::next(units[of].begin())->second; };
+    EXPECT_NE(together(course), together(course + 1)) << course;
+  }
+}
+
 }  // namespace
 }  // namespace quoin

@@ -1,6 +1,7 @@
 // What the errors of the qualities speak of: the walls that they were measured on, and no others.
 #include "scene/measured.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +11,7 @@ namespace quoin {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string outside(const std::string& scene, const std::vector<std::string>& overrides = {}) {
   return outside_measured(read_scene(std::string(QUOIN_SCENES) + "/" + scene + ".toml", overrides));
@@ -63,6 +65,66 @@ TEST(Measured, OutsideTheFirstReasonIsNamed) {
   EXPECT_THAT(outside("hollow_wall", {"wall.opening.1.courses=7"}), HasSubstr("2 half units by 7 courses"));
   EXPECT_THAT(outside("pavia_door"), HasSubstr("building"));
   EXPECT_THAT(outside("cyclic_wall_121"), HasSubstr("settings of quality standard changed"));
+}
+
+// The table of host/scenes/README.md: its ends are inside, 2 % beyond them is not.
+TEST(Measured, RangesAreThoseOfTheTable) {
+  const struct {
+    const char* key;  // of the scene; units by the place of their length in wall.unit
+    double low, high;
+    const char* named;
+  } ranges[] = {
+      {"wall.unit=[{}, 0.0625, 0.1]", 0.22, 0.66, "wall.unit length"},
+      {"wall.unit=[0.22, {}, 0.1]", 0.0625, 0.2, "wall.unit height"},
+      {"wall.unit=[0.22, 0.0625, {}]", 0.1, 0.25, "wall.unit thickness"},
+      {"materials.brick.young_modulus={}", 2.4e9, 33.4e9, "young_modulus"},
+      {"materials.brick.poisson_ratio={}", 0.15, 0.2, "poisson_ratio"},
+      {"materials.brick.density={}", 1750, 1900, "density"},
+      {"joints.mortar.normal_stiffness={}", 20e9, 164e9, "joints.mortar.normal_stiffness"},
+      {"joints.mortar.shear_stiffness={}", 8e9, 72e9, "joints.mortar.shear_stiffness"},
+      {"joints.mortar.tensile_strength={}", 0.05e6, 0.4e6, "joints.mortar.tensile_strength"},
+      {"joints.mortar.cohesion={}", 0.15e6, 0.6e6, "joints.mortar.cohesion"},
+      {"joints.mortar.friction_angle={}", 30, 35, "joints.mortar.friction_angle"},
+      {"joints.mortar.compressive_strength={}", 5e6, 10e6, "joints.mortar.compressive_strength"},
+      {"joints.mortar.fracture_energy_tension={}", 5, 30, "joints.mortar.fracture_energy_tension"},
+      {"joints.mortar.fracture_energy_shear={}", 20, 250, "joints.mortar.fracture_energy_shear"},
+      {"joints.mortar.fracture_energy_compression={}", 8e3, 16e3, "joints.mortar.fracture_energy_compression"},
+      {"joints.unit.normal_stiffness={}", 120e9, 1000e9, "joints.unit.normal_stiffness"},
+      {"joints.unit.shear_stiffness={}", 50e9, 1000e9, "joints.unit.shear_stiffness"},
+      {"joints.unit.tensile_strength={}", 1e6, 2e6, "joints.unit.tensile_strength"},
+      {"joints.unit.cohesion={}", 1.5e6, 3e6, "joints.unit.cohesion"},
+      {"joints.unit.friction_angle={}", 35, 35, "joints.unit.friction_angle"},
+      {"joints.unit.compressive_strength={}", 12e6, 15e6, "joints.unit.compressive_strength"},
+      {"joints.unit.fracture_energy_tension={}", 80, 80, "joints.unit.fracture_energy_tension"},
+      {"joints.unit.fracture_energy_shear={}", 125, 550, "joints.unit.fracture_energy_shear"},
+      {"joints.unit.fracture_energy_compression={}", 19e3, 21e3, "joints.unit.fracture_energy_compression"},
+      {"wall.courses={}", 9, 32, "wall.courses"},
+      {"wall.units_per_course={}", 2.5, 9, "wall.units_per_course"}};
+  for (const auto& r : ranges) {
+    const std::string key = r.key;
+    const auto reason = [&](double value) {
+      const std::string number = std::string(key).find("courses") == std::string::npos ? fmt::format("{:.6f}", value)
+                                                                                       : fmt::format("{:g}", value);
+      return outside("solid_wall_121", {fmt::format(fmt::runtime(key), number)});
+    };
+    const bool whole = key.starts_with("wall.courses"), halves = key.starts_with("wall.units_per");
+    const double beyond = whole ? 1.0 : halves ? 0.5 : 0.0;
+    for (const double inside : {r.low, r.high})
+      EXPECT_THAT(reason(inside), Not(HasSubstr(std::string(r.named) + " =")));
+    for (const double out : {beyond > 0 ? r.low - beyond : 0.98 * r.low, beyond > 0 ? r.high + beyond : 1.02 * r.high})
+      EXPECT_THAT(reason(out),
+                  HasSubstr(fmt::format("{} = {:g}, measured from {:g} to {:g}", r.named, out, r.low, r.high)))
+          << out;
+  }
+  // 0.3 to 2.12 MPa on the whole bed; 0.25 to 2 % of the height of 16 courses of 62.5 mm.
+  EXPECT_EQ(outside("solid_wall_121", {"stage.precompression.pressure=0.3e6"}), "");
+  EXPECT_EQ(outside("solid_wall_121", {"stage.precompression.pressure=2.12e6"}), "");
+  EXPECT_THAT(outside("solid_wall_121", {"stage.precompression.pressure=0.29e6"}), HasSubstr("pressure = 290000,"));
+  EXPECT_THAT(outside("solid_wall_121", {"stage.precompression.pressure=2.16e6"}), HasSubstr("pressure = 2.16e+06,"));
+  EXPECT_EQ(outside("solid_wall_121", {"stage.shear.displacement=0.0025"}), "");
+  EXPECT_EQ(outside("solid_wall_121", {"stage.shear.displacement=0.02"}), "");
+  EXPECT_THAT(outside("solid_wall_121", {"stage.shear.displacement=0.0024"}), HasSubstr("wall = 0.0024, measured"));
+  EXPECT_THAT(outside("solid_wall_121", {"stage.shear.displacement=0.021"}), HasSubstr("wall = 0.021, measured"));
 }
 
 }  // namespace

@@ -73,6 +73,31 @@ class ReadBlockScene : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ReadBlockScene, DampingByBlockAndScaledInertiaAreTaken) {
+  EXPECT_EQ(read({}).solver.damping, DampingKind::local);
+  EXPECT_EQ(read({}).solver.deformation_inertia, 1.0);
+  const SolverSettings s = read({"solver.damping=block", "solver.local_damping=0.3", "solver.deformation_inertia=64",
+                                 "solver.deformation_damping=0.1", "solver.settling_damping=0.5"})
+                               .solver;
+  EXPECT_EQ(s.damping, DampingKind::block);
+  EXPECT_EQ(s.deformation_inertia, 64.0);
+  EXPECT_EQ(s.deformation_damping, 0.1);
+  EXPECT_EQ(s.settling_damping, 0.5);
+}
+
+TEST_F(ReadBlockScene, InertiaThatCannotBeScaledIsRefused) {
+  EXPECT_THAT(fault("solver.deformation_inertia=64"), HasSubstr("use damping = \"block\""));
+  EXPECT_THAT(fault("solver.deformation_damping=0.1"), HasSubstr("only with damping = \"block\""));
+  const auto of_stage = [&](const std::string& solver, const std::string& stage) {
+    return refusal([&] { read_scene(write("s.toml", kScene + ("solver = " + stage + "\n[solver]\n") + solver)); });
+  };
+  EXPECT_THAT(of_stage("damping = \"none\"\n", "{ damping = \"block\", deformation_inertia = 2 }"),
+              HasSubstr("inertia is of the whole run; give it in [solver]"));
+  EXPECT_THAT(of_stage("damping = \"none\"\n", "{ mass_scaling = 2 }"), HasSubstr("inertia is of the whole run"));
+  EXPECT_THAT(of_stage("damping = \"block\"\ndeformation_inertia = 64\n", "{ damping = \"local\" }"),
+              HasSubstr("damping other than \"local\""));
+}
+
 TEST_F(ReadBlockScene, RecordsMayHaveCommentsAndAHeader) {
   for (const char* text : {
            "# station 7\ntime, acceleration\n0, 0.5\n0.01, -1.5e0 # peak\n\n+0.02, 0\n",
@@ -194,6 +219,42 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
     const std::string file = with("[[0,0," + std::string(wrong) + "],[1,0,0],[0,1,0],[0,0,1]]", "[]");
     EXPECT_THAT(refusal([&] { read_scene(file); }), HasSubstr("s.toml:12: block.1.vertices")) << wrong;
   }
+}
+
+TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
+  const auto scene = [&](const std::string& rule) {
+    return read_scene(write("rules.toml", std::string(kScene) + "[[joint_rule]]\nfamily = \"dry\"\n" + rule));
+  };
+  const JointRule any = scene("").blocks->rules.at(0);
+  EXPECT_EQ(any.normal, "any");
+  EXPECT_THAT(any.between, ElementsAre("", ""));
+  const JointRule rule = scene("normal = \"vertical\"\nbetween = [\"arch\", \"pier\"]\n").blocks->rules.at(0);
+  EXPECT_EQ(rule.family, "dry");
+  EXPECT_EQ(rule.normal, "vertical");
+  EXPECT_THAT(rule.between, ElementsAre("arch", "pier"));
+  for (const char* wrong : {"[\"a\"]", "[\"a\", 1]", "[1, \"a\"]", "[\"a\", \"b\", \"c\"]", "\"a\""})
+    EXPECT_THAT(refusal([&] { scene(std::string("between = ") + wrong + "\n"); }),
+                AllOf(HasSubstr("joint_rule.1.between"), HasSubstr("two beginnings of block names")));
+}
+
+TEST_F(ReadBlockScene, DeformableBlocksAreDividedOneWayOrTheOther) {
+  EXPECT_THAT(fault("block.1.rigid=false"), HasSubstr("a deformable block needs zone_edge (m) or divisions"));
+  EXPECT_EQ(read({"block.1.rigid=false", "block.1.zone_edge=0.5"}).blocks->blocks.at(0).zone_edge, 0.5);
+  EXPECT_THAT(read({"block.1.rigid=false", "block.1.divisions=[1, 1, 1]"}).blocks->blocks.at(0).divisions,
+              ElementsAre(1, 1, 1));
+  EXPECT_THAT(fault("block.1.divisions=[1, 1, 1]"), HasSubstr("only with rigid = false"));
+}
+
+// The inner radius of an arch is more than nothing.
+TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
+  const auto arch = [&](const char* thickness) {
+    return read_scene(
+        write("arch.toml", std::string(kScene) + "[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\n" +
+                               "radius = 1.0\ndepth = 0.5\nangles = [0, 180]\nvoussoirs = 9\nthickness = " + thickness +
+                               "\n"));
+  };
+  EXPECT_EQ(arch("1.9").blocks->arches.at(0).thickness, 1.9);
+  EXPECT_THAT(refusal([&] { arch("2.0"); }), HasSubstr("less than twice the radius"));
 }
 
 }  // namespace

@@ -367,6 +367,43 @@ TEST_F(ReadScene, StagesThatNeverEndAreRefused) {
   EXPECT_THAT(fault("velocity = 0.01", "velocity = 0"), HasSubstr("never reach its displacement"));
 }
 
+// A shear stage keeps the force of the pressing, 1e5 Pa on 0.3 x 0.1 m, when `vertical` says so; else it holds the
+// place.
+TEST_F(ReadScene, ShearKeepsTheForceOrTheHeight) {
+  for (const bool free : {false, true}) {
+    const Scene s = read(kScene, {std::string("stage.2.vertical=") + (free ? "pressure" : "held")});
+    const auto& press = s.stages[0].controls;
+    const auto top = [](const std::vector<BodyControl>& controls) {
+      for (const BodyControl& c : controls)
+        if (c.body == "top_beam") return c;
+      return BodyControl{};
+    };
+    EXPECT_NEAR(top(press).force[1], -3000.0, 1e-9);
+    EXPECT_EQ(top(press).kind[1], DofKind::free);
+    EXPECT_EQ(top(s.stages[1].controls).kind[1] == DofKind::free, free);
+    EXPECT_NEAR(top(s.stages[1].controls).force[1], free ? -3000.0 : 0.0, 1e-9);
+    EXPECT_EQ(top(s.stages[1].controls).velocity[0], 0.01);
+  }
+}
+
+TEST(ReadBuilding, RampsAreThoseOfTheSceneOrTheDefault) {
+  const std::string scene = QUOIN_SCENES "/pavia_door.toml";
+  const auto ramps = [&](const std::vector<std::string>& overrides) {
+    std::vector<double> list;
+    for (const Stage& s : read_scene(scene, overrides).stages) list.push_back(s.ramp_time);
+    return list;
+  };
+  EXPECT_EQ(ramps({}), (std::vector<double>{0.05, 0.05}));
+  EXPECT_EQ(ramps({"stage.1.ramp_time=0.3", "stage.2.ramp_time=0.2"}), (std::vector<double>{0.3, 0.2}));
+}
+
+TEST_F(ReadScene, MassScalingHasItsBounds) {
+  EXPECT_EQ(read(kScene, {"solver.quality=reference", "solver.mass_scaling=1e9"}).solver.mass_scaling, 1e9);
+  for (const char* wrong : {"1.01e9", "0.99"})
+    EXPECT_THAT(message(kScene, {"solver.quality=reference", std::string("solver.mass_scaling=") + wrong}),
+                HasSubstr("solver.mass_scaling"));
+}
+
 TEST_F(ReadScene, CustomStages) {
   const Scene s =
       read(std::string(kScene) +

@@ -56,8 +56,9 @@ void drop(const JointFamily& family, double fraction, const Bounds& bounds) {
   check_balance("dropped block, " + family.law, *m, 0.0, 2000 * 0.4 * 0.2 * 0.3 * gravity * 0.15, bounds);
 }
 TEST(EnergyBalance, BlockDroppedOnAnother) {
-  drop(mortar("dry"), 0.5, {0.05, 0.005});
-  drop(dry_joint(2e9, 1e9, 33), 0.5, {0.05, 0.005});
+  // New points with less pressure give up the shear that it cannot hold: 0.007 in these steps, 4e-5 in short ones.
+  drop(mortar("dry"), 0.5, {0.05, 0.01});
+  drop(dry_joint(2e9, 1e9, 33), 0.5, {0.05, 0.01});
 }
 TEST(EnergyBalance, BlockDroppedOnAnotherInShortSteps) { drop(mortar("dry"), 0.1, {0.002, 0.002}); }
 

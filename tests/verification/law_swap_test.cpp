@@ -99,6 +99,7 @@ normal_stiffness = 2e9
 shear_stiffness = 1e9
 friction_angle = 33.0
 [solver]
+kernels = "general"
 damping = "viscous"
 mass_damping = 0.3
 stiffness_damping = 4e-5
@@ -172,6 +173,7 @@ friction_angle = 35.0
 fracture_energy_tension = 10.0
 fracture_energy_shear = 50.0
 [solver]
+kernels = "general"
 damping = "none"
 [[block]]
 name = "base"

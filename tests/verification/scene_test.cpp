@@ -118,8 +118,8 @@ between = ["hull", "mesh"]
   // two walls, corner counted once, less the opening (0.6 x 0.6)
   expected = (2.0 * 1.2 + 1.6 * 1.2 - 0.2 * 1.2 - 0.36) * 0.2;
   EXPECT_NEAR(wall, expected, 1e-9);
-  find_block(a, "arch/5", "test");
-  EXPECT_THROW(find_block(a, "arch/55", "test"), Error);
+  EXPECT_EQ(find_blocks(a, "arch/5", "test").size(), 1u);
+  EXPECT_THROW(find_blocks(a, "arch/55", "test"), Error);
   run_through(run);
   // the free hull, wedge and soft block rest on the floor; the corner holds together
   EXPECT_LT(run.measure().largest_displacement, 0.02);

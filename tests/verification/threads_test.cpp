@@ -19,6 +19,7 @@ normal_stiffness = 2e9
 shear_stiffness = 1e9
 friction_angle = 33.0
 [solver]
+kernels = "general"
 damping = "viscous"
 mass_damping = 0.3
 stiffness_damping = 4e-5
@@ -90,6 +91,12 @@ TEST(BlockThreads, CollapseWithDetection) { same_at_any_number_of_threads(collap
 TEST(BlockThreads, DeformableBlocks) {
   const quoin::Scene scene = deformable();
   EXPECT_GT(Simulation(scene).zone_count(), 0);
+  same_at_any_number_of_threads(scene, false);
+}
+TEST(BlockThreads, DeformableBlocksUnderDampingByBlock) {
+  quoin::Scene scene = deformable();
+  scene.solver.damping = DampingKind::block, scene.solver.local_damping = 0.3;
+  scene.solver.deformation_inertia = 64.0;
   same_at_any_number_of_threads(scene, false);
 }
 TEST(BlockThreads, Arch) { same_at_any_number_of_threads(arch(), true); }

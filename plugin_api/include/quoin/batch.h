@@ -51,6 +51,9 @@ typedef struct quoin_property_column {
 #define QUOIN_FLAG_CRUSHED 64u            /* plastic closure > 0 */
 #define QUOIN_FLAG_CRUSHING_COMPLETE 128u /* compressive softening complete */
 #define QUOIN_FLAG_YIELDING 256u          /* any internal variable moved during this step */
+/* Since 1.1, of laws whose faces have a seat and whose cracks keep a residual opening */
+#define QUOIN_FLAG_RESEATING 512u /* came down towards the seat during this step */
+#define QUOIN_FLAG_GAVE_WAY 1024u /* lost residual opening during this step */
 
 /* Dissipation outputs */
 #define QUOIN_DISSIPATED_TENSION 0

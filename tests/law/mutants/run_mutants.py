@@ -21,7 +21,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 EQUATIONS = "fracture_energy/equations.h"
-SOFTENING = "fracture_energy/softening.h"
+SOFTENING = "shim/softening.h"
 
 # name -> (what is wrong, [(file, text, replacement)]). Spaces and line breaks in the text match any white space.
 MUTANTS = {

@@ -1,26 +1,25 @@
-// The softening function f(xi) in its three shapes: LAW.md, "Softening function". Each shape gives
+// The softening function f(xi) in its three shapes: fracture_energy/LAW.md, "Softening function". Each shape gives
 //   factor(xi)       f
 //   slope(xi)        f', from the right
 //   drop(a, b)       f(a) - f(b), without cancellation for close a and b
 //   area(a, b)       integral of f from a to b
-#if defined(QUOIN_SOFTENING_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef QUOIN_SOFTENING_H
-#undef QUOIN_SOFTENING_H
+#if defined(QUOIN_SHIM_SOFTENING_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_SHIM_SOFTENING_H
+#undef QUOIN_SHIM_SOFTENING_H
 #else
-#define QUOIN_SOFTENING_H
+#define QUOIN_SHIM_SOFTENING_H
 #endif
 
-#include "fracture_energy/parameters.h"
 #include "hwy/contrib/math/math-inl.h"
 #include "shim/lanes.h"
+#include "shim/softening_shape.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace quoin::fracture_energy::HWY_NAMESPACE {
-using namespace quoin::shim::HWY_NAMESPACE;
+namespace quoin::shim::HWY_NAMESPACE {
 
 struct LinearSoftening {
   static constexpr Shape kShape = Shape::linear;
-  explicit LinearSoftening(const Parameters&) {}
+  explicit LinearSoftening(const SofteningShape&) {}
 
   HWY_INLINE V factor(V xi) const { return positive_part(hn::Sub(splat(1.0), xi)); }
   HWY_INLINE V slope(V xi) const { return hn::IfThenElseZero(hn::Lt(xi, splat(1.0)), splat(-1.0)); }
@@ -33,7 +32,7 @@ struct LinearSoftening {
 
 struct ExponentialSoftening {
   static constexpr Shape kShape = Shape::exponential;
-  explicit ExponentialSoftening(const Parameters&) {}
+  explicit ExponentialSoftening(const SofteningShape&) {}
 
   HWY_INLINE V factor(V xi) const {
     if (all(hn::Eq(xi, zero()))) return splat(1.0);  // most joints of a wall, and crushing of nearly all
@@ -50,7 +49,7 @@ struct ExponentialSoftening {
 
 struct TableSoftening {
   static constexpr Shape kShape = Shape::table;
-  explicit TableSoftening(const Parameters& material) : table(material.table) {}
+  explicit TableSoftening(const SofteningShape& material) : table(material.table) {}
   const SofteningTable& table;
 
   // The segment that holds xi: its start, factor, slope and the area up to it. Beyond the last point all is 0.
@@ -93,6 +92,6 @@ struct TableSoftening {
   }
 };
 
-}  // namespace quoin::fracture_energy::HWY_NAMESPACE
+}  // namespace quoin::shim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -1,16 +1,15 @@
 // Root of a falling scalar function, one problem a lane.
-#if defined(QUOIN_ROOT_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef QUOIN_ROOT_H
-#undef QUOIN_ROOT_H
+#if defined(QUOIN_SHIM_ROOT_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef QUOIN_SHIM_ROOT_H
+#undef QUOIN_SHIM_ROOT_H
 #else
-#define QUOIN_ROOT_H
+#define QUOIN_SHIM_ROOT_H
 #endif
 
 #include "shim/lanes.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace quoin::fracture_energy::HWY_NAMESPACE {
-using namespace quoin::shim::HWY_NAMESPACE;
+namespace quoin::shim::HWY_NAMESPACE {
 
 // Newton's method kept inside a shrinking bracket, for the active lanes; x is the first guess, for other lanes the
 // answer. function(x, value, slope) gives value > 0 at low and <= 0 at high; its last call is at the answer. A lane
@@ -39,6 +38,6 @@ HWY_INLINE V find_root(M active, V x, V low, V high, V tolerance, const Function
   return x;
 }
 
-}  // namespace quoin::fracture_energy::HWY_NAMESPACE
+}  // namespace quoin::shim::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif

@@ -1,0 +1,254 @@
+// The loop over points around the equations, compiled for every instruction set.
+#include "cyclic_joint/kernel.h"
+
+#include <new>
+#include <type_traits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "cyclic_joint/kernel.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+
+// After foreach_target.h, which includes this file once for every instruction set.
+#include "cyclic_joint/equations.h"
+#include "shim/friction_column.h"
+#include "shim/loop.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::cyclic_joint::HWY_NAMESPACE {
+using namespace quoin::shim;
+
+HWY_INLINE Lanes material_lanes(const Parameters& m) {
+  const Properties& g = m.given;
+  return Lanes(m, {splat(g.kn),      splat(g.ks), splat(g.ft),  splat(g.c0), splat(g.cr),  splat(g.mu0), splat(g.mur),
+                   splat(g.tan_psi), splat(g.fc), splat(g.fcr), splat(g.G1), splat(g.G2),  splat(g.Gc),  splat(g.beta),
+                   splat(g.sd),      splat(g.pd), splat(g.fy),  splat(g.wp), splat(g.chi), splat(g.Cs)});
+}
+
+// Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
+// residual friction follows the friction column down and the yield stress the compressive strength, as their defaults
+// do: one with no hardening length all the way.
+inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
+  const Properties& g = m.given;
+  const auto number = [&](int k, V value) {
+    const double* column = c.in[kProperty + k];
+    return column == nullptr ? value : load(column, i);
+  };
+  const auto material = [&](int k, double value) { return number(k, splat(value)); };
+  const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(g.mu0));
+  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(g.mur), mu0));
+  const V tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, splat(g.tan_psi));
+  const V fc = material(kColumnFc, g.fc), wp = material(kColumnWp, g.wp);
+  const V fy = number(kColumnFy, select(wp > zero(), hn::Min(splat(g.fy), fc), fc));
+  return Lanes(m, {material(kColumnKn, g.kn),
+                   material(kColumnKs, g.ks),
+                   material(kColumnFt, g.ft),
+                   material(kColumnC0, g.c0),
+                   material(kColumnCr, g.cr),
+                   mu0,
+                   mur,
+                   tan_psi,
+                   fc,
+                   material(kColumnFcr, g.fcr),
+                   material(kColumnG1, g.G1),
+                   material(kColumnG2, g.G2),
+                   material(kColumnGc, g.Gc),
+                   material(kColumnBeta, g.beta),
+                   material(kColumnSd, g.sd),
+                   material(kColumnPd, g.pd),
+                   fy,
+                   wp,
+                   material(kColumnChi, g.chi),
+                   material(kColumnCs, g.Cs)});
+}
+
+template <class Law>
+HWY_INLINE V flags_of(const Law& law, const Result& r) {
+  const Lanes& p = law.p;
+  const State& s = r.state;
+  const M moved = hn::Or(hn::Or(r.opens, r.slips), hn::Or(r.crushes, r.gives_way));
+  const M crushed = s.l > p.wp, softens = p.wu > zero();
+  const M crushed_out = hn::And(softens, law.beyond_peak(s.l) >= p.end);
+  const M no_bond = hn::And(crushed_out, p.fcr == zero());
+  V flags = flag_if(r.h > zero(), QUOIN_FLAG_OPEN);
+  flags = flags + flag_if(r.slips, QUOIN_FLAG_SLIPPING);
+  const M damaged = hn::Or(s.xi > zero(), hn::And(crushed, softens));
+  const M complete = hn::Or(s.xi >= p.end, no_bond);
+  flags = flags + flag_if(damaged, QUOIN_FLAG_TENSION_DAMAGED | QUOIN_FLAG_SHEAR_DAMAGED);
+  flags = flags + flag_if(complete, QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE);
+  flags = flags + flag_if(s.l > zero(), QUOIN_FLAG_CRUSHED);
+  flags = flags + flag_if(crushed_out, QUOIN_FLAG_CRUSHING_COMPLETE);
+  flags = flags + flag_if(moved, QUOIN_FLAG_YIELDING);
+  flags = flags + flag_if(r.reseats, QUOIN_FLAG_RESEATING);
+  return flags + flag_if(r.gives_way, QUOIN_FLAG_GAVE_WAY);
+}
+
+// Tension and cohesion share the bond, 1 - B; crushing: of fc - fcr.
+template <class Law>
+HWY_INLINE V damage_of(const Law& law, const State& s, int mode) {
+  const V one = splat(1.0);
+  if (mode == QUOIN_DAMAGE_CRUSHING) return positive_part(one - law.f.factor(law.beyond_peak(s.l)));
+  return positive_part(one - law.crushed(s.l).b * law.f.factor(s.xi));
+}
+
+// The points from i on in the columns, as Access reaches them.
+template <class Access>
+struct At {
+  const Columns& c;
+  std::size_t i;
+
+  HWY_INLINE V in(int k) const { return Access::load(c.in[k], i); }
+  HWY_INLINE void out(int k, V value) const { Access::store(value, c.out[k], i); }
+
+  HWY_INLINE Increment increment() const { return {in(kNormalJump), in(kSlipIncrement), in(kSlipIncrement + 1)}; }
+  HWY_INLINE State state() const {
+    const auto old = [&](int k) { return in(kStateOld + k); };
+    return {old(kXi),
+            old(kKappa),
+            old(kQ),
+            old(kL),
+            old(kW),
+            old(kGs),
+            old(kGt),
+            old(kRm),
+            old(kVm),
+            in(kTractionOld + 1),
+            in(kTractionOld + 2)};
+  }
+  // Of a joint without residual opening, crushing and uplift: no more than the short path wants.
+  HWY_INLINE State untouched_state() const {
+    State s{};
+    s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);
+    s.tau_s = in(kTractionOld + 1), s.tau_t = in(kTractionOld + 2);
+    return s;
+  }
+  HWY_INLINE void put_traction(V sigma, V tau_s, V tau_t) const {
+    out(kTractionNew, sigma);
+    out(kTractionNew + 1, tau_s);
+    out(kTractionNew + 2, tau_t);
+  }
+  HWY_INLINE void put_history(const State& s) const {
+    const auto put = [&](int k, V value) { out(kStateNew + k, value); };
+    put(kXi, s.xi), put(kKappa, s.kappa), put(kQ, s.q), put(kL, s.l), put(kW, s.w);
+    put(kGs, s.g_s), put(kGt, s.g_t), put(kRm, s.r_m), put(kVm, s.v_m);
+  }
+  HWY_INLINE void keep_history() const {
+    for (int k = 0; k < kSlip; ++k) out(kStateNew + k, in(kStateOld + k));
+    put_slip(zero());
+  }
+  HWY_INLINE void put_slip(V slip) const {
+    if (c.out[kStateNew + kSlip]) out(kStateNew + kSlip, in(kStateOld + kSlip) + slip);
+  }
+};
+
+template <bool kFull, bool kColumns, class Access, class Law>
+HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  const At<Access> at{c, i};
+  const State old = at.state();
+  Energies energies;
+  Tangent tangent;
+  Result r = law.template evaluate<kFull, kFull>(at.increment(), old, &energies, &tangent);
+
+  // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
+  M sound = is_finite(gather_non_finite(r.state.xi, gather_non_finite(r.trial, gather_non_finite(r.sigma, r.used))));
+  if constexpr (kColumns) sound = hn::And(sound, law.p.admissible);
+  if (!all(sound)) {
+    r.sigma = select(sound, r.sigma, at.in(kTractionOld));
+    r.state = either(sound, r.state, old);
+    r.gamma = hn::IfThenElseZero(sound, r.gamma);
+    r.opens = hn::And(sound, r.opens), r.slips = hn::And(sound, r.slips);
+    r.crushes = hn::And(sound, r.crushes), r.gives_way = hn::And(sound, r.gives_way);
+    summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - i)));
+  }
+
+  if (!summary.yielding) {
+    summary.yielding = !none(hn::Or(hn::Or(r.opens, r.slips), hn::Or(r.crushes, r.gives_way)));
+  }
+  at.put_slip(r.gamma);
+  if constexpr (kFull) {
+    put_extras(
+        c, i, sound, energies, tangent, [&] { return flags_of(law, r); },
+        [&](int mode) { return damage_of(law, r.state, mode); });
+  }
+  at.put_traction(r.sigma, r.state.tau_s, r.state.tau_t);
+  at.put_history(r.state);
+}
+
+template <class Access, class Law>
+HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::size_t i,
+                                      typename Law::Traction& traction) {
+  const At<Access> at{c, i};
+  return law.template elastic<Access::kOnePoint, false>(at.increment(), at.state(), traction);
+}
+
+template <class Access, class Law>
+HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
+  const At<Access> at{c, i};
+  const auto old = [&](int k) { return at.in(kStateOld + k); };
+  typename Law::Traction traction;
+  if (all(old(kQ) + old(kL) + old(kVm) == zero())) {
+    const State state = at.untouched_state();
+    if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) return false;
+  } else {
+    typename Law::Traction touched;
+    if (!elastic_and_touched<Access>(law, c, i, touched)) return false;
+    traction = touched;
+  }
+  if (!c.in_place) at.keep_history();
+  at.put_traction(traction.sigma, traction.tau_s, traction.tau_t);
+  return true;
+}
+
+template <class Softening, bool kFull, bool kColumns>
+void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  Lanes point_lanes;
+  const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
+  const Equations<Softening> law{p, Softening(material.parameters)};
+  if constexpr (kFull) {
+    run_full<kColumns>(law, c, count, summary, [&](std::size_t i) {
+      if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
+    });
+  } else {
+    run_lean(law, c, count, summary);
+  }
+}
+
+template <class Softening>
+void run_one(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
+  const Lanes& p = *reinterpret_cast<const Lanes*>(material.lanes);
+  run_one(Equations<Softening>{p, Softening(material.parameters)}, c, count, summary);
+}
+
+template <class Softening>
+void choose_shape(Material& m) {
+  m.lean = &run<Softening, false, false>;
+  m.one = &run_one<Softening>;
+  m.full = &run<Softening, true, false>;
+  m.columns = &run<Softening, true, true>;
+}
+
+void choose_for_target(Material& m) {
+  static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
+  static_assert(std::is_trivially_copyable_v<Lanes>);
+  new (m.lanes) Lanes(material_lanes(m.parameters));
+  switch (m.parameters.shape) {
+    case Shape::linear:
+      return choose_shape<LinearSoftening>(m);
+    case Shape::exponential:
+      return choose_shape<ExponentialSoftening>(m);
+    case Shape::table:
+      return choose_shape<TableSoftening>(m);
+  }
+}
+
+}  // namespace quoin::cyclic_joint::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace quoin::cyclic_joint {
+
+HWY_EXPORT(choose_for_target);
+
+void choose_kernels(Material& material) { HWY_DYNAMIC_DISPATCH(choose_for_target)(material); }
+
+}  // namespace quoin::cyclic_joint
+#endif

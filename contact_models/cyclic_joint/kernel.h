@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+
+#include "cyclic_joint/parameters.h"
+#include "shim/columns.h"
+
+namespace quoin::cyclic_joint {
+
+// Order of the states in the metadata and in Columns.
+enum StateColumn : int { kXi, kKappa, kQ, kL, kW, kGs, kGt, kRm, kVm, kSlip, kStateCount };
+// Order of the per-point properties in Columns; angles in degrees, as users give them.
+enum PropertyColumn : int {
+  kColumnKn,
+  kColumnKs,
+  kColumnFt,
+  kColumnC0,
+  kColumnCr,
+  kColumnPhi0,
+  kColumnPhir,
+  kColumnPsi0,
+  kColumnFc,
+  kColumnFcr,
+  kColumnG1,
+  kColumnG2,
+  kColumnGc,
+  kColumnBeta,
+  kColumnSd,
+  kColumnPd,
+  kColumnFy,
+  kColumnWp,
+  kColumnChi,
+  kColumnCs,
+  kPropertyColumnCount
+};
+
+struct Material;
+using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
+
+// A material as the kernels of the best instruction set of this machine want it.
+struct Material {
+  Parameters parameters;
+  Kernel lean = nullptr;     // tractions and states only
+  Kernel one = nullptr;      // the same for a call of one point
+  Kernel full = nullptr;     // whatever outputs are asked for
+  Kernel columns = nullptr;  // per-point properties, whatever outputs are asked for
+  // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
+  static constexpr std::size_t kLaneVectors = 46;
+  alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
+};
+
+// Fills in all but the parameters.
+void choose_kernels(Material& material);
+
+}  // namespace quoin::cyclic_joint

@@ -1,0 +1,30 @@
+// Parameters of the cyclic joint law, derived once when a material is made. Symbols as in LAW.md.
+#pragma once
+
+#include "shim/softening_shape.h"
+
+namespace quoin::cyclic_joint {
+
+using shim::Shape;
+
+// What a user gives. Friction and dilation as coefficients: angles are turned into tangents before anything is
+// interpolated.
+struct Properties {
+  double kn, ks;      // stiffness, Pa/m
+  double ft, c0, cr;  // strengths, Pa
+  double mu0, mur;    // friction coefficients
+  double tan_psi;     // dilation
+  double fc, fcr;     // compressive strength and residual, Pa
+  double G1, G2, Gc;  // fracture energies, J/m2
+  double beta;        // share of the softening opening that stays
+  double sd, pd;      // slip (m; 0: su) and pressure (Pa) at which dilation ends
+  double fy, wp;      // where crushing starts, Pa; l at fc, m
+  double chi;         // compliance by crushing
+  double Cs;          // shear in the cap
+};
+
+struct Parameters : shim::SofteningShape {
+  Properties given;
+};
+
+}  // namespace quoin::cyclic_joint

@@ -1,0 +1,27 @@
+// How the blocks of a scene move: which kernels, and why.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "blocks/assembly.h"
+#include "scene/assembly.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct Motion {
+  Scene scene;                             // stages and settings as the kernels have them
+  Assembly bricks;                         // on the lattice; with no brick where blocks are of any shape
+  std::optional<blocks::Assembly> shapes;  // blocks of any shape
+  std::string why_not_lattice;             // of a scene with blocks of any shape
+};
+
+// Everything that the scene holds. Throws Error(bad_input), with the reason, where solver.kernels or a setting asks for
+// what the blocks cannot do.
+Motion choose_motion(Scene scene);
+
+// Bricks that were made otherwise, in place of the scene's wall or building.
+Motion choose_motion(Scene scene, Assembly bricks);
+
+}  // namespace quoin

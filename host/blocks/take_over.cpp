@@ -1,0 +1,80 @@
+// A model of blocks in large motion that goes on from one of small displacements.
+#include <fmt/format.h>
+
+#include <map>
+
+#include "blocks/model.h"
+#include "scene/error.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+// Contact points of both models stand at the same gridpoints: nearer than this, of the least extent of a block.
+constexpr double kSamePlace = 1e-6;
+
+}  // namespace
+
+void Model::set_pose(int block, const Vector& centre, const Quaternion& turn) {
+  Body& body = bodies_[size_t(blocks_[size_t(block)].body)];
+  body.x = centre;
+  body.q = normalized(turn * body.q);
+  body.r = matrix(body.q);
+}
+
+void Model::take_over(const std::vector<PointHistory>& histories) {
+  std::map<Pair, std::vector<const PointHistory*>> of_pair;
+  for (const PointHistory& h : histories)
+    of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);
+  const double near2 = kSamePlace * kSamePlace * size_ * size_;
+  size_t taken = 0;
+  for (Family& f : families_) {
+    for (size_t i = 0; i < f.size(); ++i) {
+      Point& p = f.point[i];
+      const PointHistory* history = nullptr;
+      for (const PointHistory* h : of_pair[{std::min(p.a, p.b), std::max(p.a, p.b)}]) {
+        const Vector d = h->position - p.at;  // still of the start
+        if (dot(d, d) <= near2) history = h;
+      }
+      // Axes of the start, as the history has them.
+      const bool rides_on_facet = p.facet_a >= 0;
+      const Matrix start = rides_on_facet ? Matrix{} : start_r_[size_t(p.a)];
+      const Vector s = start * p.s, t = start * p.t;
+      if (rides_on_facet) refresh_facet_frame(p, facets_[size_t(p.facet_a)]);
+
+      const Location now = locate(p, facets_);
+      double opening = std::max(0.0, now.jump), slip[2] = {};
+      if (history) {
+        ++taken;
+        opening = history->opening;
+        f.normal_jump[i] = history->opening_at_traction;
+        f.traction[0][i] = history->traction[0];
+        // Seen from the other block, normal, traction and slip change their signs together: sigma and the opening stay.
+        const double sign = history->block_a == p.a ? 1.0 : -1.0;
+        const double ss = sign * dot(s, history->s), st = sign * dot(s, history->t);
+        const double ts = sign * dot(t, history->s), tt = sign * dot(t, history->t);
+        const auto turn = [&](double along_s, double along_t, double& new_s, double& new_t) {
+          new_s = ss * along_s + st * along_t, new_t = ts * along_s + tt * along_t;
+        };
+        turn(history->traction[1], history->traction[2], f.traction[1][i], f.traction[2][i]);
+        turn(history->slip[0], history->slip[1], slip[0], slip[1]);
+        for (size_t k = 0; k < f.state.size(); ++k) f.state[k][i] = history->state[k];
+        for (size_t k = 0; k + 1 < f.state.size(); ++k) {
+          if (f.material->api().states[k]->kind != QUOIN_STATE_PAIR_S) continue;
+          turn(history->state[k], history->state[k + 1], f.state[k][i], f.state[k + 1][i]);
+        }
+      }
+      p.at = now.at;
+      p.reference += now.jump - opening;
+      if (!rides_on_facet) p.offset += now.jump - opening;
+      for (int k = 0; k < 2; ++k) p.slid[k] = now.slid[k] - slip[k];
+    }
+  }
+  if (taken == histories.size()) return;
+  throw Error(Exit::numerical, fmt::format("large motion finds {} of the {} contact points of small displacements",
+                                           taken, histories.size()));
+}
+
+}  // namespace quoin::blocks

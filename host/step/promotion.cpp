@@ -1,0 +1,235 @@
+// A run that leaves small displacements goes on in large motion: the same gridpoints, bodies and contact points, with
+// velocities, tractions and states as they are.
+//
+// Small displacements turn blocks by the linear field theta x r, which stretches them by theta^2/2. So the displacement
+// u of a block is split into its rigid motion U + theta x r about its centre of mass (by mass) and the rest w, and the
+// block goes on at X + U + R(theta) (r + w): its strain is that of w, as before, up to terms of the order of strain
+// squared. What this moves gaps by is taken up by the reference from which every contact point counts its opening.
+#include <cmath>
+#include <map>
+
+#include "blocks/from_bricks.h"
+#include "blocks/model.h"
+#include "step/state.h"
+
+namespace quoin {
+
+using geometry::Matrix;
+using geometry::Vector;
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Gridpoints of a deformable block of the lattice.
+struct Field {
+  std::vector<Vector> place, displacement, velocity;  // place: of the start, m; m; m/s
+  std::vector<double> mass;                           // kg
+};
+
+// Rigid part of a vector field by mass: that of U + theta x (X - centre) which leaves a rest without momentum and
+// angular momentum. On a plane of symmetry only what keeps it.
+struct RigidPart {
+  Vector centre, mean, turn;
+};
+
+RigidPart rigid_part(const Field& f, const std::vector<Vector>& of, bool symmetry_plane) {
+  RigidPart part;
+  double mass = 0.0;
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    mass += f.mass[i];
+    part.centre += f.mass[i] * f.place[i];
+    part.mean += f.mass[i] * of[i];
+  }
+  part.centre = part.centre / mass, part.mean = part.mean / mass;
+  Matrix inertia = Matrix::zero();
+  Vector moment;
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    const Vector r = f.place[i] - part.centre;
+    inertia += f.mass[i] * (dot(r, r) * Matrix{} - outer(r, r));
+    moment += f.mass[i] * cross(r, of[i]);
+  }
+  if (symmetry_plane) {
+    part.mean.z = 0.0;
+    part.turn = {0.0, 0.0, moment.z / inertia.row[2].z};
+  } else {
+    part.turn = inverse(inertia) * moment;
+  }
+  return part;
+}
+
+// Where the gridpoints at these places of a brick are among those of its block in large motion.
+std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<Vector>& place,
+                                         const std::vector<Vector>& reference, const blocks::ModelBlock& block) {
+  const auto key = [&](const Vector& x) {
+    std::array<long, 3> steps{};
+    for (int c = 0; c < 3; ++c)
+      steps[at(c)] = std::lround((x[c] - brick.origin[at(c)]) / brick.size[at(c)] * brick.zones[at(c)]);
+    return steps;
+  };
+  std::map<std::array<long, 3>, std::size_t> index;
+  for (std::int32_t i = block.first_node; i < block.first_node + block.node_count; ++i)
+    index[key(reference[at(i)])] = at(i);
+  std::vector<std::size_t> order;
+  for (const Vector& x : place) order.push_back(index.at(key(x)));
+  return order;
+}
+
+double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
+  double sum = 0.0;
+  for (const blocks::Zone& zone : m.zones()) {
+    Matrix h = Matrix::zero();
+    for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(zone.node[k])], zone.gradient[k]);
+    const Matrix strain = 0.5 * (h + transposed(h));
+    double squares = 0.0;
+    for (const Vector& row : strain.row) squares += dot(row, row);
+    sum += zone.volume * (0.5 * zone.lambda * trace(strain) * trace(strain) + zone.mu * squares);
+  }
+  return sum;
+}
+
+}  // namespace
+
+void Simulation::Impl::promote(const std::string& why) {
+  const Assembly& bricks = model.assembly;
+  Promotion promotion{why, stage, step_count, now(), 0.0, 0.0};
+  const double dt = data.time_step;
+
+  // What the lattice knows, while it is there.
+  std::vector<blocks::PointHistory> histories;
+  for (std::int32_t i = 0; i < model.point_count; ++i) {
+    const auto p = at(i);
+    const Joint& joint = bricks.joints[at(model.point_joint[p])];
+    const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
+    blocks::PointHistory& h = histories.emplace_back();
+    h.block_a = in_order ? joint.block_a : joint.block_b;
+    h.block_b = in_order ? joint.block_b : joint.block_a;
+    h.position = geometry::vector(model.point_position[p]);
+    const int n = model.point_axis[p];
+    h.n[n] = h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
+    const double shift = normal_shift.empty() ? 0.0 : normal_shift[p];
+    h.opening = jump_of(i, 1.0, 0.0)[0] + shift;
+    h.opening_at_traction = opening_at_traction(i);
+    const Vec3 pending = jump_of(i, 0.0, dt);
+    h.slip = {pending[1], pending[2]};
+    h.traction = {traction[0][p], traction[1][p], traction[2][p]};
+    for (std::size_t f = 0; f < model.families.size(); ++f) {
+      const ContactFamily& family = model.families[f];
+      const auto k = static_cast<std::int32_t>(i - family.first_point);
+      if (k < 0 || k >= family.point_count) continue;
+      for (std::size_t s = 0; s < family.material->api().state_count; ++s)
+        h.state.push_back(law_state[f][s * at(family.point_count) + at(k)]);
+    }
+  }
+  std::vector<Field> fields(bricks.bricks.size());
+  struct BodyState {
+    Vec3 centre, displacement, rotation, velocity, spin;
+  };
+  std::vector<BodyState> bodies(bricks.bricks.size());
+  for (std::size_t b = 0; b < bricks.bricks.size(); ++b) {
+    const int body = model.place[b].body;
+    if (body >= 0) {
+      bodies[b] = {model.bodies[at(body)].centre, of_body(body, &BodyLanes::displacement),
+                   of_body(body, &BodyLanes::rotation), of_body(body, &BodyLanes::velocity),
+                   of_body(body, &BodyLanes::spin)};
+      continue;
+    }
+    model.for_each_gridpoint(static_cast<int>(b), [&](std::size_t o, double mass) {
+      fields[b].place.push_back(geometry::vector(model.node_position(static_cast<std::int32_t>(o))));
+      fields[b].displacement.push_back({displacement[o], displacement[o + kLanes], displacement[o + 2 * kLanes]});
+      fields[b].velocity.push_back({velocity[o], velocity[o + kLanes], velocity[o + 2 * kLanes]});
+      fields[b].mass.push_back(mass);
+    });
+  }
+  std::vector<Drive> continued;
+  const auto keep_drive = [&](int block, const Drive& drive) {
+    continued.push_back(drive);
+    continued.back().block = block;
+  };
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [lanes, lane] = body_place[b];
+    Drive drive;
+    for (std::size_t c = 0; c < 6; ++c)
+      if (body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
+    drive.velocity_from = geometry::vector(ramps[b].velocity_from);
+    drive.velocity_to = geometry::vector(ramps[b].velocity_to);
+    drive.force_from = geometry::vector(ramps[b].force_from), drive.force_to = geometry::vector(ramps[b].force_to);
+    const Vec3 none{};
+    if (drive.held != 0 || ramps[b].force_from != none || ramps[b].force_to != none)
+      keep_drive(model.bodies[b].block, drive);
+  }
+  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+    Drive drive;
+    drive.force_from = geometry::vector(load_ramps[i].from), drive.force_to = geometry::vector(load_ramps[i].to);
+    keep_drive(loaded_blocks[i].block, drive);
+  }
+
+  // The same blocks in large motion, at rest, then where they are.
+  leave_lattice();
+  blocks::Model& m = *riding;
+  m.start_at(promotion.time, step_count);
+  std::vector<Vector> before(m.node_positions().size());
+  const bool plane = left->symmetry_plane_z0;
+  for (std::size_t b = 0; b < left->bricks.size(); ++b) {
+    const blocks::ModelBlock& block = m.block(static_cast<int>(b));
+    if (block.body >= 0) {
+      const BodyState& s = bodies[b];
+      m.set_pose(static_cast<int>(b), geometry::vector(s.centre) + geometry::vector(s.displacement),
+                 geometry::rotation(geometry::vector(s.rotation)));
+      m.set_velocity(static_cast<int>(b), geometry::vector(s.velocity), geometry::vector(s.spin));
+      continue;
+    }
+    const Field& f = fields[b];
+    const RigidPart moved = rigid_part(f, f.displacement, plane), moving = rigid_part(f, f.velocity, plane);
+    const Matrix turn = matrix(geometry::rotation(moved.turn));
+    const auto order = gridpoint_order(left->bricks[b], f.place, m.node_reference(), block);
+    for (std::size_t i = 0; i < f.place.size(); ++i) {
+      const Vector r = f.place[i] - moved.centre;
+      const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
+      Vector& x = m.node_positions()[order[i]];
+      Vector& v = m.node_velocities()[order[i]];
+      before[order[i]] = f.displacement[i];
+      x = moved.centre + moved.mean + turn * strained;
+      v = moving.mean + cross(moving.turn, turn * strained) +
+          turn * (f.velocity[i] - moving.mean - cross(moving.turn, r));
+      if (plane && f.place[i].z == 0.0) x.z = v.z = 0.0;
+    }
+  }
+  m.take_over(histories);
+
+  drives = std::move(continued);
+  const Stage& settings = scene.stages[at(stage)];
+  riding_stage_start = promotion.time - static_cast<double>(stage_step) * dt;
+  const std::string& watched = watched_block(settings);
+  if (!watched.empty()) monitor_blocks = blocks_named(watched, settings.source.text);
+  bind_whiffletree();
+  controls_settled = false;  // what they impose is bound anew
+  row_interval = std::max(1L, std::lround(static_cast<double>(row_interval) * dt / data.time_step));
+  promotion.strain_energy = strain_energy(m, before);
+  promotion.energy_jump = m.strain_energy() - promotion.strain_energy;
+  outcome.promotion = promotion;
+}
+
+void Simulation::Impl::leave_lattice() {
+  std::vector<std::shared_ptr<const Material>> materials;
+  for (const ContactFamily& family : model.families) materials.push_back(family.material);
+  left = std::move(model.assembly);
+  Assembly families_alone;
+  families_alone.families = left->families;
+  families_alone.symmetry_factor = left->symmetry_factor;
+  take_bricks(std::move(families_alone), materials);
+  build_riding(blocks::from_bricks(*left), materials);
+  bind_step();
+}
+
+void Simulation::Impl::return_to_lattice() {
+  std::vector<std::shared_ptr<const Material>> materials;
+  for (const ContactFamily& family : model.families) materials.push_back(family.material);
+  riding.reset();
+  drives.clear(), monitor_blocks.clear();
+  take_bricks(std::move(*left), materials);
+  left.reset();
+  bind_step();
+}
+
+}  // namespace quoin

@@ -1,0 +1,56 @@
+// Random joints and steps for the tests of the cyclic joint law, and the law as one point at a time.
+#pragma once
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "page_update.h"
+#include "tests/kernels/plugin.h"
+
+namespace quoin::cyclic {
+
+using Random = std::mt19937_64;
+
+inline double uniform(Random& random, double low, double high) {
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+}
+inline double log_uniform(Random& random, double low, double high) {
+  return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+inline bool chance(Random& random, double probability) { return uniform(random, 0.0, 1.0) < probability; }
+
+// 1 in ctest; $QUOIN_TEST_SCALE multiplies the numbers of random joints in long runs.
+double test_scale();
+
+// Table 1 of the paper with the page's starting values.
+Joint mortar();
+// Any joint that the page does not refuse, energies from margin times their bounds.
+Joint random_joint(Random& random, double margin);
+bool admissible(const Joint& joint);
+
+quoin::test::Values values_of(const Joint& joint);
+std::string text_of(const Joint& joint);
+
+// Lengths that a random step should reach: opening, closing, slip.
+struct Reach {
+  double open, close, slide;
+};
+Reach reach_of(const Joint& joint);
+double normal_scale(const Joint& joint);
+double shear_scale(const Joint& joint);
+
+// The law, many points side by side, each with everything that it says of a step.
+struct LawPoints {
+  quoin::test::TestMaterial material;
+  quoin::test::Batch batch;
+  LawPoints(const quoin_law& law, const Joint& joint, std::size_t count, bool dry);
+  History history(std::size_t i) const;  // old
+  double out(std::size_t k, std::size_t i) const { return batch.out[k][i]; }
+  double state(int k, std::size_t i) const { return batch.out[3 + k][i]; }
+  double stored(std::size_t i) const { return batch.out[3 + batch.states][i]; }
+  double dissipated(int mode, std::size_t i) const { return batch.out[4 + batch.states + mode][i]; }
+  double tangent(int entry, std::size_t i) const { return batch.out[8 + batch.states + entry][i]; }
+};
+
+}  // namespace quoin::cyclic

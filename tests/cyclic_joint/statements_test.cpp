@@ -1,0 +1,391 @@
+// contact_models/cyclic_joint/LAW.md, "What must hold" and "Refused": each a test, with closed forms or the page's own
+// inequalities, on the loaded library.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+
+#include "joints.h"
+
+namespace {
+
+using namespace quoin::cyclic;
+
+const quoin_law& law() {
+  static const quoin_law& loaded = quoin::test::load_law("cyclic_joint");
+  return loaded;
+}
+
+double real(Real x) { return static_cast<double>(x); }
+
+enum { kTension, kCohesion, kFriction, kCrushing };
+enum { kXi, kKappa, kQ, kL, kW, kGs, kGt, kRm, kVm, kSlip };
+
+// One point on a path; sums what the law says.
+struct Point {
+  Joint joint;
+  LawPoints points;
+  double dn = 0.0, ds = 0.0, dt = 0.0, work = 0.0;
+  double spent[4] = {0.0, 0.0, 0.0, 0.0};
+
+  explicit Point(const Joint& j, bool dry = false) : joint(j), points(law(), j, 1, dry) {}
+  double sigma() const { return points.batch.in[3][0]; }
+  double tau_s() const { return points.batch.in[4][0]; }
+  double tau() const { return std::hypot(points.batch.in[4][0], points.batch.in[5][0]); }
+  double state(int k) const { return points.batch.in[6 + k][0]; }
+  double stored() const { return points.stored(0); }
+  double total() const { return spent[0] + spent[1] + spent[2] + spent[3]; }
+
+  void step(double to_n, double to_s, double to_t = 0.0) {
+    auto& b = points.batch;
+    b.in[0][0] = to_n, b.in[1][0] = to_s - ds, b.in[2][0] = to_t - dt;
+    b.evaluate(points.material);
+    work += 0.5 * (b.in[3][0] + b.out[0][0]) * (to_n - dn) + 0.5 * (b.in[4][0] + b.out[1][0]) * (to_s - ds) +
+            0.5 * (b.in[5][0] + b.out[2][0]) * (to_t - dt);
+    dn = to_n, ds = to_s, dt = to_t;
+    for (int mode = 0; mode < 4; ++mode) {
+      EXPECT_GE(points.dissipated(mode, 0), 0.0);
+      spent[mode] += points.dissipated(mode, 0);
+    }
+    b.advance();
+  }
+  void go(double to_n, double to_s, int steps, double to_t = 0.0) {
+    const double n0 = dn, s0 = ds, t0 = dt;
+    for (int i = 1; i <= steps; ++i) {
+      const double x = static_cast<double>(i) / steps;
+      step(n0 + (to_n - n0) * x, s0 + (to_s - s0) * x, t0 + (to_t - t0) * x);
+    }
+  }
+};
+
+Joint plain(Shape shape) {  // one mode at a time
+  Joint j;
+  j.kn = 82e9, j.ks = 36e9, j.ft = 0.2e6, j.c0 = 0.3e6, j.phi0 = j.phir = 35, j.G1 = 15, j.G2 = 125;
+  j.shape = shape;
+  if (shape == Shape::table) j.table = {{0, 1}, {0.25L, 0.6L}, {0.6L, 0.2L}, {1.5L, 0}};
+  return j;
+}
+double far_end(const Joint& j) { return j.shape == Shape::exponential ? 60.0 : 1.2 * real(j.end()); }
+
+class EveryShape : public ::testing::TestWithParam<std::tuple<int, int>> {
+ protected:
+  Shape shape() const { return static_cast<Shape>(std::get<0>(GetParam())); }
+  int steps() const { return std::get<1>(GetParam()); }
+};
+INSTANTIATE_TEST_SUITE_P(ShapesSteps, EveryShape,
+                         ::testing::Combine(::testing::Values(0, 1, 2), ::testing::Values(1, 2, 7, 100)));
+
+// 1: curves enclose their G whatever the step; residual opening takes nothing from G1 until it gives way.
+TEST_P(EveryShape, TensionEnclosesG1) {
+  for (const double beta : {0.0, 0.4}) {
+    Joint j = plain(shape());
+    j.beta = beta;
+    Point p(j);
+    p.go(real(j.u0()) + far_end(j) * real(j.lt()), 0.0, steps());
+    EXPECT_NEAR(p.spent[kTension] + p.stored(), 15.0, 1e-11);
+    EXPECT_NEAR(p.state(kQ), real(j.beta * j.lt() * j.total_area()), 1e-12 * real(j.lt()));
+    EXPECT_EQ(p.spent[kCohesion] + p.spent[kFriction] + p.spent[kCrushing], 0.0);
+  }
+}
+TEST_P(EveryShape, ShearEnclosesG2AboveResidualAndFriction) {
+  for (const double pressure : {0.0, 0.6e6}) {
+    Joint j = plain(shape());
+    j.cr = 0.05e6, j.phir = 25;
+    Point p(j);
+    p.go(-pressure / real(j.kn), 0.0, 1);
+    const double reach = far_end(j) * real(j.su()) + (0.3e6 + 0.7002 * pressure) / real(j.ks);
+    p.go(-pressure / real(j.kn), reach, steps());
+    const double slip = p.state(kSlip), scale = 125.0 + (0.05e6 + pressure) * slip;
+    EXPECT_NEAR(p.spent[kCohesion], 125.0 + 0.05e6 * slip, 1e-12 * scale);
+    const double friction = pressure * (real(j.mur()) * slip + real((j.mu0() - j.mur()) * j.total_area() * j.su()));
+    EXPECT_NEAR(p.spent[kFriction], friction, 1e-12 * scale);
+  }
+}
+TEST_P(EveryShape, CrushingEnclosesGcHardeningIncluded) {
+  Joint j = plain(shape());
+  j.fc = 5e6, j.fcr = 0.5e6, j.Gc = 8000, j.fy = 2e6, j.wp = 0.09e-3L, j.chi = 0.5L;
+  const double l = real(j.wp) + far_end(j) * real(j.wu());
+  const double expected = real(j.F_area(0, l));
+  EXPECT_NEAR(expected, real(j.wp * (j.fy + 2 * (j.fc - j.fy) / 3) + j.Gc + j.fcr * (l - j.wp)), 1e-9 * expected);
+  Point p(j);
+  // C(l) p + w = -d_n with dw = dl p (1/F - chi/(2 fc)), p = F: closes in two integrals
+  const double w = l - real(j.chi / (2 * j.fc) * j.F_area(0, l));
+  p.go(-(w + real(j.compliance(l) * j.F(l))), 0.0, steps());
+  EXPECT_NEAR(p.state(kL), l, 1e-11 * l);
+  EXPECT_NEAR(p.state(kW), w, 1e-11 * l);
+  EXPECT_NEAR(p.spent[kCrushing], expected, 1e-11 * expected);
+}
+
+// 1: Gc when crushed under slip, in any mix of pressure and shear: what is spent on crushing is Gc when F has come down
+// to fcr, and outside work is what is stored and spent, to first order.
+TEST(Statement1, GcIsSpentUnderSlipToo) {
+  for (const double angle : {0.2, 0.6, 1.1}) {
+    Joint j = plain(Shape::linear);
+    j.fc = 5e6, j.fcr = 0.5e6, j.Gc = 8000;
+    double gap[2];
+    int k = 0;
+    for (const int steps : {2000, 8000}) {
+      Point p(j);
+      const double length = 12.0 * real(j.wu());
+      p.go(-length * std::cos(angle), length * std::sin(angle), steps);
+      EXPECT_GT(p.state(kL), real(j.wu()));
+      EXPECT_NEAR(p.spent[kCrushing], 8000.0 + 0.5e6 * p.state(kL), 1e-9 * p.spent[kCrushing]);
+      gap[k++] = std::abs(p.work - p.stored() - p.total()) / p.work;
+    }
+    EXPECT_LT(gap[1], 0.4 * gap[0] + 1e-12) << angle;
+    EXPECT_LT(gap[1], 1e-2) << angle;
+  }
+}
+
+// 2: monotonic opening with slip spends between the two energies, whatever the mix.
+TEST(Statement2, MixedOpeningSpendsBetweenTheEnergies) {
+  for (const double G2 : {15.0, 60.0, 125.0}) {
+    for (const double degrees : {15.0, 30.0, 45.0, 60.0, 75.0, 85.0}) {
+      for (const Shape shape : {Shape::linear, Shape::exponential}) {
+        Joint j = plain(shape);
+        j.G1 = 60, j.G2 = G2, j.ft = 0.16e6, j.c0 = 0.2e6;
+        const double angle = degrees * M_PI / 180.0, far = shape == Shape::linear ? 4.0 : 40.0;
+        Point p(j);
+        p.go(far * real(j.lt()) * std::cos(angle), far * real(j.su()) * std::sin(angle), 20000);
+        const double u = real(j.ft * j.u0() / 2), spent = p.total() + p.stored();
+        EXPECT_GE(spent, std::min(60.0 - u, G2) * (1 - 1e-3)) << degrees;
+        EXPECT_LE(spent, std::max(60.0, G2 + u) * (1 + 1e-3)) << degrees;
+      }
+    }
+  }
+}
+
+// 3: cycles over the seat neither lose uplift nor gain it.
+TEST(Statement3, TwentyEqualCyclesRepeatTheFirstUplift) {
+  for (const bool dry : {false, true}) {
+    Joint j = mortar();
+    j.ks = 60e9, j.fc = std::numeric_limits<Real>::infinity(), j.fy = -1, j.wp = 0, j.chi = 0, j.psi0 = 10;
+    Point p(j, dry);
+    const double pressed = -0.2e6 / 82e9, amplitude = 0.5e-3;
+    p.go(pressed, 0.0, 1);
+    std::vector<double> highest;
+    for (int cycle = 0; cycle < 20; ++cycle) {
+      double most = 0.0;
+      for (const double goal : {amplitude, -amplitude, 0.0}) {
+        const double from = p.ds;
+        for (int i = 1; i <= 50; ++i) {
+          p.step(pressed, from + (goal - from) * i / 50);
+          most = std::max(most, -p.sigma());
+        }
+      }
+      highest.push_back(most);
+    }
+    ASSERT_GT(highest[0], 0.25e6);  // held d_n: uplift shows as pressure
+    // The bond goes in the first cycles, and friction with it; uplift is that of a seat.
+    for (std::size_t k = 2; k < highest.size(); ++k) EXPECT_NEAR(highest[k], highest[1], 1e-9 * highest[1]) << k;
+    EXPECT_NEAR(p.state(kVm), real(uplift({0, 0, 0, 0, 0, {p.state(kRm), 0}, p.state(kRm), p.state(kVm), {0, 0}})),
+                0.0);
+  }
+}
+
+struct Surfaces {
+  double over;   // of the traction beyond the strengths, Pa
+  double scale;  // Pa
+};
+Surfaces beyond(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
+  const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
+  const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q);
+  const double scale = real(std::max({j.ft, j.c0, reach, static_cast<Real>(trial)}));
+  if (std::abs(h) < 1e-15L * reach / j.kn) return {0.0, scale};
+  const double p = std::max(0.0, -sigma);
+  if (h > 0) {
+    const Real s0 = j.ft > 0 ? j.ft * h / (std::max(s.kappa, j.u0()) - s.q) : 0;
+    return {std::max(real(sigma - j.ft * B), real(tau - B * std::max(Real(0), j.c0 - j.mu0() * s0))), scale};
+  }
+  const Real mu = j.mur() + (j.mu0() - j.mur()) * f;
+  double over = real(tau - (j.cr + (j.c0 - j.cr) * B + mu * p));
+  if (j.crushes()) over = std::max(over, std::sqrt(p * p + real(j.Cs) * tau * tau) - real(j.F(s.l)));
+  if (s.q > 0) over = std::max(over, real(p - j.ft));
+  return {over, scale};
+}
+
+// 4, 7, and that no dissipation is negative, on random paths of random joints.
+TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
+  Random random(4);
+  double worst = 0.0;
+  const int joints = static_cast<int>(150 * test_scale());  // of 1600 steps each
+  for (int number = 0; number < joints; ++number) {
+    const Joint j = random_joint(random, chance(random, 0.5) ? 1.02 : 1.3);
+    LawPoints points(law(), j, 16, chance(random, 0.2));
+    const Reach reach = reach_of(j);
+    const double q_most = real(j.beta * j.total_area() * j.lt());
+    const double v_most = real(j.tan_psi() * j.dilation_length() * j.total_area());
+    for (int step = 0; step < 100; ++step) {
+      std::vector<double> trial(16);
+      for (std::size_t i = 0; i < 16; ++i) {
+        if (chance(random, 0.7))
+          points.batch.in[0][i] =
+              chance(random, 0.5) ? -reach.close * uniform(random, 0, 1) : reach.open * uniform(random, 0, 1);
+        points.batch.in[1][i] = reach.slide * uniform(random, -0.3, 0.3);
+        points.batch.in[2][i] = reach.slide * uniform(random, -0.3, 0.3);
+        trial[i] = std::hypot(points.batch.in[4][i] + real(j.ks) * points.batch.in[1][i],
+                              points.batch.in[5][i] + real(j.ks) * points.batch.in[2][i]);
+      }
+      points.batch.evaluate(points.material);
+      points.batch.advance();
+      for (std::size_t i = 0; i < 16; ++i) {
+        const History s = points.history(i);
+        const double sigma = points.batch.in[3][i], tau = std::hypot(points.batch.in[4][i], points.batch.in[5][i]);
+        const Surfaces at = beyond(j, s, sigma, tau, points.batch.in[0][i], trial[i]);
+        worst = std::max(worst, at.over / at.scale);
+        EXPECT_LE(at.over, 1e-11 * at.scale) << "joint " << number << text_of(j);
+        EXPECT_LE(real(s.q), q_most * (1 + 1e-12));
+        EXPECT_LE(real(s.v_m), v_most * (1 + 1e-9));
+        EXPECT_GE(real(std::max(s.kappa, j.u0()) - s.q), real(j.u0()) * (1 - 1e-12));  // K <= kn
+        for (int mode = 0; mode < 4; ++mode) EXPECT_GE(points.dissipated(mode, i), 0.0);
+      }
+    }
+  }
+  std::printf("largest excess %.1e of the scale\n", worst);
+}
+
+// 5: at the cap, at the corner, where contact is lost on the seat, and while the residual opening gives way, increments
+// of 1e-18 m move nothing.
+TEST(Statement5, NoCreep) {
+  struct Place {
+    const char* name;
+    std::function<void(Point&)> go;
+  };
+  const Joint j = [] {
+    Joint m = mortar();
+    m.ks = 60e9;  // no residual cohesion: an opening of 1e-18 m would lose it
+    return m;
+  }();
+  const Place places[] = {{"cap", [&](Point& p) { p.go(-0.3e-3, 0.0, 40); }},
+                          {"corner", [&](Point& p) { p.go(-0.2e-3, 0.4e-3, 200); }},
+                          {"lost contact",
+                           [&](Point& p) {
+                             p.go(-1e-6, 0.0, 1), p.go(-1e-6, 1e-3, 200), p.go(real(p.state(kVm)) * 0.3, 1e-3, 20),
+                                 p.go(p.dn, 0.5e-3, 100);
+                           }},
+                          {"gives way", [&](Point& p) {
+                             p.go(0.15e-3, 0.0, 100);
+                             p.go(0.5 * p.state(kQ), 0.0, 100);
+                           }}};
+  for (const Place& place : places) {
+    Point p(j);
+    place.go(p);
+    std::vector<double> before;
+    for (const auto& column : p.points.batch.in) before.push_back(column[0]);
+    const double dn = p.dn;
+    for (int k = 0; k < 20000; ++k) {
+      auto& b = p.points.batch;
+      b.in[0][0] = dn + (k % 2 == 0 ? 1e-18 : -1e-18);
+      b.in[1][0] = k % 2 == 0 ? 1e-18 : -1e-18;
+      b.in[2][0] = k % 3 == 0 ? 1e-18 : -0.5e-18;
+      b.evaluate(p.points.material, false);
+      b.advance();
+    }
+    const double lengths = 1e-3;
+    for (std::size_t k = 3; k < before.size(); ++k) {
+      const double scale = k < 6 ? 5e6 : k == 6 ? 1.0 : lengths;
+      EXPECT_NEAR(p.points.batch.in[k][0], before[k], 1e-9 * scale) << place.name << ", column " << k;
+    }
+  }
+}
+
+// contact_models/fracture_energy/LAW.md, 4: rotation of (s, t).
+TEST(Statement1, RotationTurnsAndChangesNothingElse) {
+  Random random(9);
+  double worst = 0.0;
+  for (int number = 0; number < 60; ++number) {
+    const Joint j = random_joint(random, 1.3);
+    LawPoints points(law(), j, 16, false), turned(law(), j, 16, false);
+    const Reach reach = reach_of(j);
+    const double scale = shear_scale(j) + normal_scale(j);
+    for (int step = 0; step < 40; ++step) {
+      for (std::size_t i = 0; i < 16; ++i) {
+        const double angle = 0.1 + 0.37 * static_cast<double>(i), c = std::cos(angle), s = std::sin(angle);
+        if (chance(random, 0.7))
+          points.batch.in[0][i] =
+              chance(random, 0.5) ? -reach.close * uniform(random, 0, 1) : reach.open * uniform(random, 0, 1);
+        for (int k : {1, 2}) points.batch.in[k][i] = reach.slide * uniform(random, -0.3, 0.3);
+        for (std::size_t k = 0; k < points.batch.in.size(); ++k) turned.batch.in[k][i] = points.batch.in[k][i];
+        for (const auto& [a, b] : {std::pair{1, 2}, {4, 5}, {11, 12}}) {
+          turned.batch.in[a][i] = c * points.batch.in[a][i] - s * points.batch.in[b][i];
+          turned.batch.in[b][i] = s * points.batch.in[a][i] + c * points.batch.in[b][i];
+        }
+      }
+      points.batch.evaluate(points.material);
+      turned.batch.evaluate(turned.material);
+      for (std::size_t i = 0; i < 16; ++i) {
+        const double angle = 0.1 + 0.37 * static_cast<double>(i), c = std::cos(angle), s = std::sin(angle);
+        const double ts = points.out(1, i), tt = points.out(2, i);
+        const History old = points.history(i);
+        const double h = real(points.batch.in[0][i] + old.w - uplift(old) - old.q);
+        if (std::abs(h) < 1e-14 * (reach.open + reach.close + reach.slide))
+          continue;  // open to one, closed to the other
+        const double gap =
+            std::max({std::abs(turned.out(0, i) - points.out(0, i)), std::abs(turned.out(1, i) - (c * ts - s * tt)),
+                      std::abs(turned.out(2, i) - (s * ts + c * tt))}) /
+            scale;
+        worst = std::max(worst, gap);
+        EXPECT_LT(gap, 1e-9) << "joint " << number << text_of(j);
+      }
+      points.batch.advance();
+    }
+  }
+  std::printf("largest change by rotation %.1e\n", worst);
+}
+
+// "Refused": every bound, a hair on either side of it, each with the property's name in the message.
+TEST(Refused, EveryBound) {
+  const auto made = [](const Joint& j, std::string* text = nullptr) {
+    const quoin::test::TestMaterial material(law(), values_of(j));
+    if (text != nullptr) *text = material.text;
+    return material.handle != nullptr;
+  };
+  const auto expect_bound = [&](const char* id, Joint j, Real Joint::*number, Real bound, bool from_above) {
+    std::string text;
+    j.*number = bound * (from_above ? 1 + 1e-9L : 1 - 1e-9L);
+    EXPECT_TRUE(made(j, &text)) << id << ": " << text;
+    j.*number = bound * (from_above ? 1 - 1e-9L : 1 + 1e-9L);
+    EXPECT_FALSE(made(j, &text)) << id;
+    EXPECT_NE(text.find(id), std::string::npos) << text;
+  };
+  Joint j = mortar();
+  j.ks = 60e9, j.phir = 28;
+  const Real A = j.total_area();
+  expect_bound("fracture_energy_tension", j, &Joint::G1, j.ft * j.ft / j.kn / 2, true);  // 1
+  const Real steepest = std::max(j.c0, j.c0 + j.fc * (j.mu0() - j.mur()));
+  const Real left = j.ks - j.mu0() * j.kn * j.tan_psi();
+  expect_bound("fracture_energy_shear", j, &Joint::G2, steepest * j.c0 * A / left, true);  // 2
+  Joint flat = j;
+  flat.cr = flat.c0, flat.sd = 1e-3L;
+  expect_bound("shear_stiffness", flat, &Joint::ks, j.mu0() * j.kn * j.tan_psi(), true);
+  const Real loss = j.fc - j.fcr;
+  expect_bound("fracture_energy_compression", j, &Joint::Gc,
+               loss * loss * A * (1 / j.kn + j.chi * j.wp / j.fc) / (1 - loss * j.chi / j.fc), true);  // 3
+  expect_bound("cap_shear", j, &Joint::Cs, (1 + j.chi) * j.kn / j.ks, true);                           // 4
+  Joint steep = j;
+  steep.ks = 400e9;
+  expect_bound("dilation_angle", steep, &Joint::psi0, steep.phir, false);  // 5
+  expect_bound("compressive_yield", j, &Joint::fy, j.fc, false);           // 6
+  expect_bound("residual_opening", j, &Joint::beta, 1, false);
+  expect_bound(
+      "crushing_recovery",
+      [&] {
+        Joint k = j;
+        k.Gc = 1e6, k.Cs = 20;
+        return k;
+      }(),
+      &Joint::chi, 1, false);
+  Joint k = j;
+  k.wp = 0;
+  EXPECT_FALSE(made(k)) << "fy < fc without a length to harden over";
+  k = j, k.cr = k.c0;
+  EXPECT_FALSE(made(k)) << "dilation without a length to fade over";
+  for (Real Joint::*number : {&Joint::pd, &Joint::fy, &Joint::Cs}) {
+    k = j, k.*number = 0;
+    EXPECT_FALSE(made(k));
+  }
+}
+
+}  // namespace

@@ -1,0 +1,237 @@
+// Runs that leave small displacements for large motion in mid-run.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "blocks/model.h"
+#include "scene/read_scene.h"
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+// Promoted at the first row past the bound; its motion is small enough that both ways must agree.
+Scene wall(const std::string& large_motion, std::vector<std::string> more = {}) {
+  more.insert(more.end(), {"solver.damping=local", "solver.large_motion=" + large_motion, "solver.rotation_bound=1e-4",
+                           "wall.units_per_course=3", "output.frames=0"});
+  return read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", more);
+}
+
+// A contact point whatever its two blocks are called first: place and blocks, then what acts on the block of the lower
+// number, along fixed axes.
+struct Seen {
+  double sigma;
+  Vec3 shear;
+  std::vector<double> state;
+};
+using Key = std::array<long, 5>;
+
+std::map<Key, Seen> look(const Simulation& simulation, const std::vector<Vec3>& places) {
+  std::map<Key, Seen> seen;
+  std::vector<std::vector<double>> states;
+  for (const char* id : {"xi_t", "xi_s", "w", "v"}) states.push_back(simulation.state(id));
+  for (const ContactPoint& p : simulation.contact_points()) {
+    const Vec3& x = places.empty() ? p.position : places[static_cast<std::size_t>(p.index)];
+    const auto um = [](double length) { return std::lround(1e5 * length); };
+    Seen s{p.traction[0], {}, {}};
+    for (std::size_t c = 0; c < 3; ++c)
+      s.shear[c] = (p.block_a < p.block_b ? 1.0 : -1.0) * (p.traction[1] * p.s[c] + p.traction[2] * p.t[c]);
+    for (const auto& column : states) s.state.push_back(column[static_cast<std::size_t>(p.index)]);
+    const auto [low, high] = std::minmax(p.block_a, p.block_b);
+    EXPECT_TRUE(seen.try_emplace({um(x[0]), um(x[1]), um(x[2]), low, high}, s).second);
+  }
+  return seen;
+}
+
+struct Watch : Observer {
+  const Simulation* simulation = nullptr;
+  std::vector<HistoryRow> rows;
+  std::map<Key, Seen> before, after;
+  double strain_energy = 0.0;
+  int promotions = 0, warnings = 0;
+  std::vector<std::uint8_t> saved;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  void on_motion_bound(const std::string&) override {
+    ++warnings;
+    if (simulation) before = look(*simulation, {});
+  }
+  void on_promotion(const Simulation& promoted) override {
+    ++promotions;
+    saved = promoted.save();
+    if (!simulation) return;
+    // Points of large motion stand where they have moved to: found by where they were in the assembly.
+    const Simulation at_start(wall("always"));
+    after = look(promoted, [&] {
+      std::vector<Vec3> places;
+      for (const ContactPoint& p : at_start.contact_points()) places.push_back(p.position);
+      return places;
+    }());
+  }
+};
+
+double peak(const std::vector<HistoryRow>& rows) {
+  double largest = 0.0;
+  for (const HistoryRow& row : rows) {
+    if (row.stage == 1) largest = std::max(largest, row.resistance);
+  }
+  return largest;
+}
+
+// Tractions and states are those of the run that stays with small displacements, bit for bit, at the step where the
+// other leaves them. Contact points of both stand at the same gridpoints, on the same axes.
+TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
+  Scene stays = wall("never");
+  stays.solver.motion_bound.stop = false;
+  Simulation small(stays), promoted(wall("automatic"));
+  Watch of_small, of_promoted;
+  of_small.simulation = &small, of_promoted.simulation = &promoted;
+  small.run(of_small);
+  promoted.run(of_promoted);
+  ASSERT_EQ(of_small.warnings, 1);
+  ASSERT_EQ(of_promoted.promotions, 1);
+  ASSERT_TRUE(promoted.riding());
+  const Promotion& p = *promoted.outcome().promotion;
+  EXPECT_GT(p.step, 0);
+  EXPECT_EQ(p.stage, 1);
+  EXPECT_THAT(p.why, ::testing::HasSubstr("has turned by"));
+
+  const auto &before = of_small.before, &after = of_promoted.after;
+  ASSERT_GT(before.size(), 100u);
+  ASSERT_EQ(before.size(), after.size());
+  int loaded = 0, damaged = 0;
+  for (const auto& [key, a] : before) {
+    const auto found = after.find(key);
+    ASSERT_NE(found, after.end());
+    const Seen& b = found->second;
+    EXPECT_EQ(a.sigma, b.sigma);
+    // Axes of blocks that have turned by 1e-4: the components are the same, their directions in space are not.
+    EXPECT_NEAR(std::hypot(a.shear[0], a.shear[1], a.shear[2]), std::hypot(b.shear[0], b.shear[1], b.shear[2]),
+                1e-15 * (std::abs(a.sigma) + 1e6));
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a.shear[c], b.shear[c], 5e-4 * (std::abs(a.sigma) + 1e6));
+    EXPECT_EQ(a.state, b.state);
+    loaded += a.sigma != 0.0;
+    damaged += a.state[0] > 0.0 || a.state[1] > 0.0;
+  }
+  EXPECT_GT(loaded, 100);
+  EXPECT_GT(damaged, 0);
+}
+
+// To 0.5 mm the two are the same wall up to what small displacements leave out, as for large motion from the start
+// (large_motion_test): 0.5 % of the peak.
+TEST(Promotion, GoesOnAlongTheSameCurve) {
+  Scene stays = wall("never");
+  stays.solver.motion_bound.stop = false;
+  Simulation small(stays), promoted(wall("automatic"));
+  Watch of_small, of_promoted;
+  small.run(of_small);
+  promoted.run(of_promoted);
+  ASSERT_GT(peak(of_small.rows), 1e3);
+  EXPECT_NEAR(peak(of_promoted.rows), peak(of_small.rows), 0.005 * peak(of_small.rows));
+  // No step in force or displacement where it goes over: neighbouring rows differ by less than 2 % of the peak.
+  const long step = promoted.outcome().promotion->step;
+  const auto& rows = of_promoted.rows;
+  const auto next = std::find_if(rows.begin(), rows.end(), [&](const HistoryRow& r) { return r.step > step; });
+  ASSERT_NE(next, rows.end());
+  ASSERT_NE(next, rows.begin());
+  EXPECT_NEAR(next->resistance, (next - 1)->resistance, 0.02 * peak(rows));
+  EXPECT_GT(next->time, (next - 1)->time);
+  EXPECT_GE(next->displacement, (next - 1)->displacement);
+  EXPECT_NEAR(next->vertical_force, (next - 1)->vertical_force, 0.02 * (next - 1)->vertical_force);
+}
+
+// Strain energy is that of the field without its rigid rotation: equal up to strain (1e-4) times itself. And the
+// balance goes on closing: what is missing at the end is no more than 1 % of the work done.
+TEST(Promotion, EnergyGoesOnToClose) {
+  Simulation promoted(wall("automatic", {"output.energy=true"}));
+  Watch watch;
+  promoted.run(watch);
+  ASSERT_EQ(watch.promotions, 1);
+  const Promotion& p = *promoted.outcome().promotion;
+  EXPECT_GT(p.strain_energy, 0.0);
+  EXPECT_LT(std::abs(p.energy_jump), 1e-3 * p.strain_energy);
+  const Energies& end = *watch.rows.back().energies;
+  EXPECT_GT(end.external, 0.0);
+  EXPECT_LT(std::abs(end.balance_error()), 0.01 * end.external);
+}
+
+// Bits after a restore are those of the run that was not stopped; also back to before the promotion.
+TEST(Promotion, IsKeptByCheckpoints) {
+  const Scene scene = wall("automatic");
+  Simulation whole(scene);
+  Watch watch;
+  whole.run(watch);
+  ASSERT_FALSE(watch.saved.empty());
+  Simulation resumed(scene, 2);
+  const std::vector<std::uint8_t> start = resumed.save();
+  resumed.restore(watch.saved);
+  ASSERT_TRUE(resumed.riding());
+  EXPECT_EQ(resumed.outcome().promotion->step, whole.outcome().promotion->step);
+  Watch rest;
+  resumed.run(rest);
+  EXPECT_EQ(resumed.hash(), whole.hash());
+  EXPECT_EQ(rest.rows.back().resistance, watch.rows.back().resistance);
+
+  resumed.restore(start);
+  EXPECT_FALSE(resumed.riding());
+  EXPECT_FALSE(resumed.outcome().promotion);
+  Watch again;
+  resumed.run(again);
+  EXPECT_EQ(resumed.hash(), whole.hash());
+}
+
+// What touches the plane of symmetry stays on it, and forces are those of the whole wall.
+TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
+  Simulation half(wall("automatic", {"wall.zones=[2,1,2]", "wall.half_thickness=true"})),
+      all(wall("automatic", {"wall.zones=[2,1,2]"}));
+  Watch of_half, of_all;
+  half.run(of_half);
+  all.run(of_all);
+  ASSERT_EQ(of_half.promotions, 1);
+  ASSERT_EQ(of_all.promotions, 1);
+  EXPECT_NEAR(peak(of_half.rows), peak(of_all.rows), 0.01 * peak(of_all.rows));
+  for (int b = 0; b < half.block_count(); ++b) {
+    const auto mesh = half.block_mesh(b);
+    const auto moved = half.block_displacement(b);
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      if (mesh.gridpoint[i][2] != 0.0) continue;
+      EXPECT_NEAR(moved[i][2], 0.0, 1e-16);  // corners of a beam: rounding
+    }
+  }
+}
+
+// Floors under a whiffletree and deformable blocks with loads go on as they were driven: the roof follows the same way
+// and the same force, which rises by 15 kN in a millimetre when the tree starts anew (seen once: elapsed time counted
+// in steps of the new length). 2 % of the peak, as above.
+TEST(Promotion, WhiffletreeGoesOn) {
+  const std::vector<std::string> more = {"solver.rotation_bound=5e-4", "stage.push.displacement=0.0025",
+                                         "stage.push.record_interval=50", "output.frames=0"};
+  const auto building = [&](const std::string& large_motion) {
+    std::vector<std::string> settings = more;
+    settings.push_back("solver.large_motion=" + large_motion);
+    Scene scene = read_scene(QUOIN_HOST_TESTS "/small_building.toml", settings);
+    scene.solver.motion_bound.stop = false;
+    return scene;
+  };
+  Simulation small(building("never")), promoted(building("automatic"));
+  Watch of_small, of_promoted;
+  small.run(of_small);
+  promoted.run(of_promoted);
+  ASSERT_EQ(of_promoted.promotions, 1);
+  EXPECT_LT(promoted.outcome().promotion->step, small.step());
+  const double largest = peak(of_small.rows);
+  ASSERT_GT(largest, 5e3);
+  EXPECT_NEAR(peak(of_promoted.rows), largest, 0.02 * largest);
+  EXPECT_NEAR(of_promoted.rows.back().time, of_small.rows.back().time, 0.02 * of_small.rows.back().time);
+  double before = 0.0;
+  for (const HistoryRow& row : of_promoted.rows) {
+    if (row.stage == 0) continue;
+    EXPECT_GT(row.displacement, before - 5e-5) << "at step " << row.step;
+    before = row.displacement;
+  }
+}
+
+}  // namespace
+}  // namespace quoin

@@ -1,0 +1,307 @@
+// Inertia scaled apart from rigid motion, and damping by block, in large motion (host/blocks/inertia.h).
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+SolverSettings scaled(double deformation, double unit = 1.0, double fraction = 0.7) {
+  SolverSettings s = undamped(fraction);
+  s.deformation_inertia = deformation, s.unit_inertia = unit;
+  return s;
+}
+SolverSettings by_block(double deformation, double unit = 1.0, double fraction = 0.7) {
+  SolverSettings s = scaled(deformation, unit, fraction);
+  s.damping = DampingKind::block, s.local_damping = 0.3, s.deformation_damping = 0.2;
+  return s;
+}
+
+// One block, or the two halves of a unit on an elastic joint; turned about the origin. Contacts as those of walls in
+// large motion: points of the joint ride on their blocks.
+Scene unit_scene(int halves, const Quaternion& turn = {}, const JointFamily& joint = elastic_joint(1e11, 5e10)) {
+  Scene scene(joint, 2000, 1e9, 0.2);
+  scene.assembly.contact.small_displacement = 0.0, scene.assembly.contact.joint_motion = 0.05;
+  const double half = 0.2;
+  for (int i = 0; i < halves; ++i) {
+    Block b;
+    b.rigid = false, b.divisions = {2, 1, 1}, b.parity = i, b.orientation = turn, b.unit = 0;
+    const double x = halves == 1 ? -0.5 * half : (i - 1) * half;
+    scene.assembly.add(box({x, -0.06, -0.1}, {half, 0.12, 0.2}), b);
+  }
+  return scene;
+}
+
+void add_noise(Model& m, double size) {
+  uint64_t random = 88172645463325252u;
+  for (Vector& v : m.node_velocities()) {
+    for (int k = 0; k < 3; ++k) {
+      random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+      v[k] += size * (double(random >> 11) / 9007199254740992.0 - 0.5);
+    }
+  }
+}
+
+double energy_of(const Model& m) {
+  const Energies& e = m.energies();
+  return e.kinetic + e.strain + e.contact_stored;
+}
+
+// All deformable blocks turning about the origin with the spin `omega`.
+void spin(Model& m, const Vector& omega, const Vector& velocity = {}) {
+  for (int i = 0; i < m.block_count(); ++i) m.set_velocity(i, velocity + cross(omega, m.position(i)), omega);
+}
+
+// Free, vibrating and tumbling about no principal axis: momenta stand, energy swings but does not drift.
+TEST(ScaledInertia, TumblingKeepsMomentumAndEnergy) {
+  const Vector omega{13.0, 33.0, 20.0};
+  for (const int halves : {1, 2}) {
+    auto m = unit_scene(halves).model(scaled(64.0, 16.0));
+    spin(*m, omega, {3.0, -1.0, 2.0});
+    add_noise(*m, 0.1);
+    m->track_energy(true);
+    m->step();
+    const Vector about = m->position(0), linear = m->linear_momentum(), angular = m->angular_momentum(about);
+    const double start = energy_of(*m), end = 20 * 2 * pi / norm(omega);
+    double early = 0.0, all = 0.0;
+    while (m->time() < end) {
+      m->step();
+      all = std::max(all, std::abs(energy_of(*m) / start - 1));
+      if (m->time() < 0.1 * end) early = all;
+    }
+    const std::string name = std::string(halves == 1 ? "block" : "unit") + ", inertia scaled, tumbling 20 turns: ";
+    check_error(name + "momentum", norm(m->linear_momentum() - linear) / norm(linear), 1e-11, "-", "relative");
+    check_error(name + "angular momentum", norm(m->angular_momentum(about) - angular) / norm(angular), 1e-10, "-",
+                "relative");
+    check_error(name + "energy", all, 2e-3, "-", "relative, swinging");
+    EXPECT_LT(all, 2.0 * early) << "it drifts";
+  }
+}
+
+// Steadily turning about a principal axis, vibrations damped: stretch and joint traction are those of the true mass.
+// Without the convective terms they would be s times larger.
+TEST(ScaledInertia, CentrifugalStretchIsThatOfTheTrueMass) {
+  for (const int halves : {1, 2}) {
+    const auto stretch = [&](double s, double* tension) {
+      SolverSettings solver = by_block(s, s > 1 ? 16.0 : 1.0, 0.5);
+      solver.local_damping = 0.0, solver.deformation_damping = 0.5;
+      auto m = unit_scene(halves).model(solver);
+      const double omega = 100.0;
+      spin(*m, {0, omega, 0});
+      m->run(3 * 2 * pi / omega);
+      double longest = 0.0;
+      for (const Vector& x : m->node_positions()) {
+        for (const Vector& y : m->node_positions()) longest = std::max(longest, norm(x - y));
+      }
+      double rest = 0.0;
+      for (const Vector& x : m->node_reference()) {
+        for (const Vector& y : m->node_reference()) rest = std::max(rest, norm(x - y));
+      }
+      m->step();
+      *tension = norm(m->contact_force(0));
+      return longest - rest;
+    };
+    double true_tension = 0.0, tension = 0.0;
+    const double true_stretch = stretch(1.0, &true_tension), scaled_stretch = stretch(64.0, &tension);
+    const std::string name = halves == 1 ? "spinning block" : "spinning unit";
+    check(name + ": centrifugal stretch, s_b = 64", true_stretch, scaled_stretch, 1e-3, "m", "that of s = 1");
+    if (halves == 1) continue;
+    const double mass = 2000 * 0.2 * 0.12 * 0.2;
+    check(name + ": joint tension, s_u = 16", true_tension, tension, 1e-3, "N", "that of s = 1");
+    check(name + ": joint tension", mass * 1e4 * 0.1, tension, 5e-3, "N", "m omega^2 r; the unit stretches");
+  }
+}
+
+// A free block falls and turns as a rigid body whatever the factors; the spin of a symmetric top stands.
+TEST(ScaledInertia, FreeFallIsExact) {
+  for (const int halves : {1, 2}) {
+    SolverSettings solver = by_block(100.0, 30.0);
+    solver.local_damping = 0.0;
+    auto m = unit_scene(halves, geometry::rotation({0.4, -0.7, 0.5})).model(solver);
+    m->set_gravity({1.0, -9.81, 0.5});
+    const Vector start = m->position(0);
+    for (int i = 0; i < 500; ++i) m->step();
+    const double t = m->time(), dt = m->time_step();
+    // Central differences from rest: x = g t (t + dt)/2.
+    const Vector fall = m->position(0) - start;
+    check("fall of a turned block, inertia scaled", 0.5 * 9.81 * t * (t + dt), -fall.y, 1e-9, "m");
+    check("its drift along x", 0.5 * 1.0 * t * (t + dt), fall.x, 1e-9, "m");
+    check_error("its strain energy over its kinetic energy", m->strain_energy() / m->kinetic_energy(), 1e-18, "-");
+  }
+}
+
+double first_frequency(const SolverSettings& solver) {
+  Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.0);
+  scene.soft({0, 0, 0}, {1.0, 0.2, 0.1}, {10, 2, 1});
+  auto m = scene.model(solver);
+  std::vector<int> tip;
+  for (size_t i = 0; i < m->node_positions().size(); ++i) {
+    const double x = m->node_reference()[i].x;
+    if (x < 1e-9) m->hold_node(int(i), 7);
+    if (x > 1 - 1e-9) tip.push_back(int(i));
+    m->node_velocities()[i] = {0.0, x < 1e-9 ? 0.0 : 0.01 * x * x, 0.0};
+  }
+  const auto mean = [&] {
+    double sum = 0.0;
+    for (int i : tip) sum += m->node_positions()[size_t(i)].y - m->node_reference()[size_t(i)].y;
+    return sum;
+  };
+  double first = -1, last = -1, before = mean();
+  int count = -1;
+  while (count < 6) {
+    m->step();
+    const double now = mean();
+    if (before < 0 && now >= 0) {
+      last = m->time() - m->time_step() * now / (now - before);
+      if (++count == 0) first = last;
+    }
+    before = now;
+  }
+  return count / (last - first);
+}
+
+// A held block has no rigid motion: all of it is deformation, slowed by sqrt(s_b). Both runs have 2/omega_max in the
+// same proportion, so their errors in time are the same.
+TEST(ScaledInertia, CantileverIsSlowedByTheRoot) {
+  const double free = first_frequency(scaled(1.0)), slow = first_frequency(scaled(64.0));
+  check("first frequency of a cantilever, s_b = 64, times 8", free, 8 * slow, 1e-4, "Hz", "slowed by sqrt(s_b)");
+}
+
+// Turned by any rotation, the step is the same; just below it vibrations stay, just above they grow.
+TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
+  for (const int halves : {1, 2}) {
+    double at_rest = 0.0;
+    for (const bool turned : {false, true}) {
+      const Quaternion turn = turned ? geometry::rotation({0.9, -1.7, 0.5}) : Quaternion{};
+      for (const double fraction : {0.98, 1.02}) {
+        auto m = unit_scene(halves, turn).model(scaled(64.0, 16.0, fraction));
+        if (!turned) at_rest = m->critical_time_step();
+        EXPECT_NEAR(m->critical_time_step(), at_rest, 1e-5 * at_rest);
+        add_noise(*m, 1e-6);
+        double largest = 0.0;
+        for (int i = 0; i < 3000 && largest < 1e3; ++i) {
+          m->step();
+          for (const Vector& v : m->node_velocities()) largest = std::max(largest, norm(v));
+        }
+        if (fraction < 1)
+          EXPECT_LT(largest, 1e-3) << halves << turned;
+        else
+          EXPECT_GT(largest, 1e1) << halves << turned;
+      }
+    }
+    if (halves == 1)
+      check("critical step of a block, s_b = 64 over s = 1", 8.0,
+            at_rest / unit_scene(1).model(scaled(1.0))->critical_time_step(), 1e-5, "-", "sqrt(s_b)");
+  }
+}
+
+// Kinetic energy counts M', and what damping takes is counted: in zones, on rigid motion of blocks and of units. What
+// is left is of the first order in the step, because energies are of its middle and what it took is booked whole: half
+// a step of the power with which damping begins.
+TEST(ScaledInertia, EnergyBalanceCloses) {
+  const auto error = [](bool block, int halves, double fraction) {
+    SolverSettings solver = block ? by_block(16.0, 5.0, fraction) : viscous(300.0, 2e-6, fraction);
+    solver.deformation_inertia = 16.0, solver.unit_inertia = 5.0;
+    auto m = unit_scene(halves, geometry::rotation({0.4, -0.7, 0.5})).model(solver);
+    m->set_gravity({0, -9.81, 0});
+    spin(*m, {3.0, -2.0, 5.0}, {1.0, 0.5, 0.0});
+    add_noise(*m, 1.0);
+    m->track_energy(true);
+    m->step();
+    const double start = m->energies().balance_error(0.0), kinetic = m->energies().kinetic;
+    while (m->time() < 0.02) m->step();
+    EXPECT_GT(m->energies().damping, 0.02 * kinetic);
+    return std::abs(m->energies().balance_error(start)) / kinetic;
+  };
+  for (const bool block : {true, false}) {
+    for (const int halves : {1, 2}) {
+      const double coarse = error(block, halves, 0.2), fine = error(block, halves, 0.05);
+      const std::string name = std::string(halves == 1 ? "block" : "unit") + (block ? ", block" : ", viscous") +
+                               " damping, inertia scaled: ";
+      check_error(name + "energy balance", fine, 8e-3, "-", "of the kinetic energy of the start");
+      EXPECT_LT(fine, 0.3 * coarse) << name;
+    }
+  }
+}
+
+// Halves on a dry joint fly apart at 1 m/s each: from 0.007 of their height on they are two blocks. Momenta stay, the
+// energy of the inertia that goes, (s_u - 1)/2 m v^2 of both, is booked.
+TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
+  auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
+  m->set_velocity(0, {-1.0, 0.2, 0.0}, {0.0, 0.0, 0.5});
+  m->set_velocity(1, {1.0, 0.2, 0.0}, {0.0, 0.0, 0.5});
+  m->track_energy(true);
+  m->step();
+  EXPECT_EQ(m->unit_count(), 1);
+  const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
+  const double start = m->energies().balance_error(0.0), step = m->time_step();
+  while (m->unit_count() == 1 && m->time() < 0.01) m->step();
+  EXPECT_EQ(m->unit_count(), 0);
+  const double opening = m->position(1).x - m->position(0).x - 0.2;
+  EXPECT_GT(opening, 0.007 * 0.12);
+  EXPECT_LT(opening, 0.02 * 0.12);
+  const double mass = 2000 * 0.2 * 0.12 * 0.2;
+  m->step();
+  check("energy booked when a unit comes apart, s_u = 16", 15 * mass, m->energies().detection, 1e-2, "J",
+        "(s_u - 1) m v^2; a little spin of the halves on each other");
+  check_error("energy balance over it", m->energies().balance_error(start) / (16 * mass), 1e-3, "-");
+  check_error("momentum over it", norm(m->linear_momentum() - linear) / norm(linear), 1e-12, "-");
+  check_error("angular momentum over it", norm(m->angular_momentum() - angular) / norm(angular), 1e-12, "-");
+  EXPECT_LE(m->time_step(), step);
+}
+
+// A block at rest under load feels nothing when its damping becomes viscous: the rate of strain is that of its
+// velocities.
+TEST(ScaledInertia, AChangeOfDampingIsNoJolt) {
+  Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
+  scene.soft({0, 0, 0}, {0.2, 0.1, 0.1}, {2, 1, 1});
+  auto m = scene.model(local(0.8, 0.5));
+  m->add(Pressure{0, 0, 1e6, {}, {}, {}, {}});
+  m->add(Pressure{0, 1, 1e6, {}, {}, {}, {}});
+  settle(*m, 1e-20);
+  EXPECT_GT(m->strain_energy(), 0.5);
+  m->set_damping(viscous(0.0, 1e-6));
+  m->step();
+  check_error("kinetic over strain energy after a change of damping", m->kinetic_energy() / m->strain_energy(), 1e-15,
+              "-");
+}
+
+// Vibration brakes no motion under damping by block.
+TEST(ScaledInertia, VibrationBrakesNoMotion) {
+  for (const int halves : {1, 2}) {
+    auto m = unit_scene(halves).model(by_block(16.0, 16.0));
+    spin(*m, {0, 2.0, 0}, {0.5, 0.2, 0.1});
+    add_noise(*m, 0.5);
+    m->step();
+    const Vector linear = m->linear_momentum(), angular = m->angular_momentum(m->position(0));
+    const Vector about = m->position(0);
+    for (int i = 0; i < 3000; ++i) m->step();
+    const Vector drift = m->angular_momentum(about) - angular;
+    check_error("momentum lost to vibration, damping by block", norm(m->linear_momentum() - linear) / norm(linear),
+                1e-11, "-");
+    check_error("angular momentum lost", norm(drift) / norm(angular), 1e-9, "-");
+  }
+}
+
+// Eq. 1 on rigid motion in free fall: (1 - gamma) g, whichever way the block is turned.
+TEST(ScaledInertia, DampedFallIsTheSameHoweverTheBlockIsTurned) {
+  for (const Vector& turn : {Vector{}, Vector{0.7, 0.3, -1.1}}) {
+    for (const bool soft : {true, false}) {
+      Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
+      Block b;
+      b.rigid = !soft, b.orientation = geometry::rotation(turn);
+      if (soft) b.divisions = {2, 1, 1};
+      scene.assembly.add(box({-0.1, -0.06, -0.1}, {0.2, 0.12, 0.2}), b);
+      SolverSettings solver = by_block(64.0);
+      auto m = scene.model(solver);
+      m->set_velocity(0, {0, -1e-9, 0});
+      m->set_gravity({0, -9.81, 0});
+      const Vector start = m->position(0);
+      for (int i = 0; i < 500; ++i) m->step();
+      const double t = m->time(), dt = m->time_step();
+      check("damped fall", 0.5 * 0.7 * 9.81 * t * (t + dt), (start - m->position(0)).y, 1e-6, "m",
+            "(1 - gamma) g t (t + dt)/2");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace quoin::verification
