@@ -27,6 +27,7 @@ struct Increment {
 struct State {
   M failed;
   V tau_s, tau_t;
+  V sigma;  // for energies alone
 };
 
 struct Result {
@@ -105,13 +106,18 @@ struct Equations {
       const V freed = hn::Sub(normal_energy(opening_at_drop, p.ft), normal_energy(opening_at_drop, p.ftr));
       energies->crushing = zero();
       energies->tension = hn::IfThenElseZero(r.fails, positive_part(freed));
+      // The pressure changes in a straight line over the step, the share of cohesion in S does not.
       const V pressure = positive_part(hn::Neg(r.sigma));
-      energies->friction = hn::IfThenElseZero(r.slips, hn::Mul(hn::Mul(pressure, p.mur), r.slip));
-      // Slip at S, and the excess over S that a drop frees at once.
+      const V mean_pressure = hn::Mul(half, hn::Add(positive_part(hn::Neg(old.sigma)), pressure));
+      const V slip_friction = hn::Mul(p.mur, r.slip);
+      energies->friction = hn::IfThenElseZero(r.slips, hn::Mul(mean_pressure, slip_friction));
+      // Slip at S, and the excess over S that a drop of the strengths frees at once.
       const V held = hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, hn::Mul(old.tau_t, old.tau_t)));
-      const V excess = positive_part(hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), S));
-      const V cohesive = hn::Sub(hn::Mul(S, r.slip), energies->friction);
-      const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(excess, excess)), p.ks);
+      const V excess = hn::Sub(hn::Min(trial, hn::Max(held, S_before_slip)), S);
+      const V whole = hn::NegMulAdd(r.sigma, select(old.failed, p.mur, p.mu0), select(old.failed, p.cr, p.c0));
+      const V lost = positive_part(hn::Min(excess, hn::Sub(whole, S)));
+      const V cohesive = hn::NegMulAdd(pressure, slip_friction, hn::Mul(S, r.slip));
+      const V freed_at_once = hn::Div(hn::Mul(half, hn::Mul(lost, lost)), p.ks);
       energies->cohesion = hn::IfThenElseZero(r.slips, hn::Add(positive_part(cohesive), freed_at_once));
 
       const M plateau = hn::Gt(elastic, cut_off);

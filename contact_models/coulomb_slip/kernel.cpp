@@ -56,7 +56,7 @@ HWY_INLINE void run(const Parameters& material, const Columns& c, std::size_t co
     const Equations law{p};
     const Increment in{at(kNormalJump), at(kSlipIncrement), at(kSlipIncrement + 1)};
     const V failed_old = at(kStateOld + kFailed);
-    const State old{hn::Gt(failed_old, zero()), at(kTractionOld + 1), at(kTractionOld + 2)};
+    const State old{hn::Gt(failed_old, zero()), at(kTractionOld + 1), at(kTractionOld + 2), at(kTractionOld)};
 
     Energies energies;
     Tangent tangent;

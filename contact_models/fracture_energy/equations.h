@@ -81,6 +81,7 @@ struct Lanes {
 struct State {
   V xi_t, xi_s, w, v;
   V tau_s, tau_t;
+  V sigma;  // for energies alone
 };
 
 struct Increment {
@@ -512,7 +513,8 @@ struct Equations {
     // Slip. Exact integrals over the slip of mu and of the closed joint's cohesion.
     const V softened = hn::Mul(p.su, f.area(step.xi_s, a.xi_s));  // integral of f over the slip
     const V friction_path = hn::MulAdd(p.mu_drop, softened, hn::Mul(p.mur, r.slip));
-    const V pressure = positive_part(hn::Neg(r.sigma));
+    // The pressure changes in a straight line over the step: what blows and unloading take is then second order in it.
+    const V pressure = hn::Mul(half, hn::Add(positive_part(hn::Neg(old.sigma)), positive_part(hn::Neg(r.sigma))));
     E.friction = positive_part(hn::Mul(pressure, hn::Sub(friction_path, hn::Sub(a.v, step.v_old))));
     const V cohesion_closed = hn::MulAdd(p.c_drop, softened, hn::Mul(p.cr, r.slip));
     V cohesion_open;

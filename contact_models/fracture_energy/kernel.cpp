@@ -78,7 +78,13 @@ struct At {
   template <bool kShared>
   HWY_INLINE State state() const {
     const V xi_t = in(kStateOld + kXiT), xi_s = kShared ? xi_t : in(kStateOld + kXiS);
-    return {xi_t, xi_s, in(kStateOld + kW), in(kStateOld + kV), in(kTractionOld + 1), in(kTractionOld + 2)};
+    return {xi_t,
+            xi_s,
+            in(kStateOld + kW),
+            in(kStateOld + kV),
+            in(kTractionOld + 1),
+            in(kTractionOld + 2),
+            in(kTractionOld)};
   }
   HWY_INLINE void put_traction(const Result& r) const {
     out(kTractionNew, r.sigma);

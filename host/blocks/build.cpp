@@ -80,6 +80,18 @@ double least_extent_of(const ConvexPolyhedron& s) {
   return least;
 }
 
+// What the triangles of the surface give to the corner gridpoints, m2: a contact there is then no stiffer than a joint.
+double area_at_corners(const ModelBlock& b, const std::vector<Vector>& x) {
+  double sum = 0.0;
+  for (const auto& t : b.surface) {
+    const double third = norm(cross(x[t.node[1]] - x[t.node[0]], x[t.node[2]] - x[t.node[0]])) / 6;
+    for (int node : t.node) {
+      if (node - b.first_node < int(b.shape->vertices.size())) sum += third;
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 Model::Model(const Assembly& assembly, const SolverSettings& solver,
@@ -108,6 +120,7 @@ void Model::set_damping(const SolverSettings& solver) {
     for (Family& f : families_) {
       for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
       f.old_jump.assign(f.size(), std::nan(""));
+      for (auto& column : f.viscous) column.assign(energy_ ? f.size() : 0, 0.0);
     }
   }
   bind_columns();
@@ -219,6 +232,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
         for (int& n : t.node) n += b.first_node;
         b.surface.push_back(t);
       }
+      b.corner_area = area_at_corners(b, node_x_) / (3.0 * double(shape.vertices.size()));
       corner_.resize(corner_.size() + shape.vertices.size());
       body_normal_.resize(body_normal_.size() + shape.normals.size());
     }
@@ -408,6 +422,7 @@ void Model::track_energy(bool on) {
   for (Family& f : families_) {
     f.stored.assign(on ? f.size() : 0, 0.0);
     for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
+    for (auto& column : f.viscous) column.assign(on && viscous_contacts() ? f.size() : 0, 0.0);
   }
   bind_columns();
 }

@@ -41,6 +41,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
     archive.array(f.old_jump);
     archive.array(f.stored);
     for (auto& column : f.dissipated) archive.array(column);
+    for (auto& column : f.viscous) archive.array(column);
   }
   archive.array(m.facets_);
   archive.array(m.contacts_);
@@ -117,6 +118,7 @@ void Model::restore(ArchiveReader& reader) {
     for (const auto& column : f.old_traction) fits = fits && (column.size() == n || !viscous_contacts());
     fits = fits && (f.old_jump.size() == n || !viscous_contacts()) && (f.stored.size() == n || !energy_);
     for (const auto& column : f.dissipated) fits = fits && (column.size() == n || !energy_);
+    for (const auto& column : f.viscous) fits = fits && (column.size() == n || !energy_ || !viscous_contacts());
     for (const Point& p : f.point)
       fits = fits && is_block(p.a) && is_block(p.b) && is_facet(p.facet_a, p.a) && is_facet(p.facet_b, p.b);
     if (!fits) throw Error(Exit::bad_input, kOther);

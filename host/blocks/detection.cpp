@@ -70,6 +70,14 @@ double Model::pair_motion(const Contact& c) const {
   return norm(shift) + angle * std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, norm(xb - xa)));
 }
 
+double Model::motion_since_broad_phase(int block) const {
+  const ModelBlock& b = blocks_[block];
+  Vector x;
+  Matrix r;
+  pose(block, x, r);
+  return norm(x - b.broad_x) + angle_between(r, b.broad_r) * b.radius;
+}
+
 double Model::detection_fraction() const {
   return assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
 }
@@ -97,11 +105,7 @@ bool Model::moved_enough() {
 
   bool moved = false;
   for (size_t i = 0; i < blocks_.size() && !moved && !small_; ++i) {
-    Vector x;
-    Matrix r;
-    pose(int(i), x, r);
-    const double angle = angle_between(r, blocks_[i].broad_r);
-    moved = norm(x - blocks_[i].broad_x) + angle * blocks_[i].radius > 0.25 * skin_;
+    moved = motion_since_broad_phase(int(i)) > 0.25 * skin_;
   }
   for (size_t i = 0; i < contacts_.size() && !moved; ++i) {
     const Contact& c = contacts_[i];
@@ -119,238 +123,299 @@ bool Model::moved_enough() {
   return moved;
 }
 
+struct Model::Finding {
+  bool fresh = false;             // points placed anew, or none any more
+  size_t begin = 0, end = 0;      // of its points in Detection::points
+  uint32_t first = 0, count = 0;  // its points of before, in their family
+};
+
+struct Model::Detection {
+  bool at_start;
+  std::vector<Contact> contacts;  // in the order of the pairs
+  std::vector<Finding> findings;  // of each contact
+  std::vector<NewPoint> points;
+  std::vector<Contact> lost;  // had points, and are no longer close to each other
+  bool changed = false;       // some contact has other points than before
+};
+
+// What a new point has from its nearest old one.
+struct Model::Heir {
+  double closure = 0.0;           // plastic, m
+  double opening = std::nan("");  // since the last step, m; not known for a point without history
+};
+
+// What contact points were before they were placed anew: families without their laws, and where they sat.
+struct Model::Before {
+  std::vector<Family> families;
+  std::vector<Facet> facets;
+};
+
 void Model::detect_contacts(bool everything) {
-  const bool at_start = detections_ == 0;
-  ++detections_;
+  Detection found;
+  found.at_start = detections_++ == 0;
   place_blocks();
-
-  // Broad phase, when some block has used up its part of the skin.
-  bool broad = everything;
-  for (size_t i = 0; i < blocks_.size() && !broad; ++i) {
-    Vector x;
-    Matrix r;
-    pose(int(i), x, r);
-    const double angle = angle_between(r, blocks_[i].broad_r);
-    broad = norm(x - blocks_[i].broad_x) + angle * blocks_[i].radius > 0.2 * skin_;
-  }
-  std::vector<Pair> pairs;
-  if (broad) {
-    std::vector<Box> boxes(blocks_.size());
-    const Vector inflate{0.5 * skin_, 0.5 * skin_, 0.5 * skin_};
-    for (size_t i = 0; i < blocks_.size(); ++i) {
-      const ModelBlock& b = blocks_[i];
-      for (size_t k = 0; k < b.shape->vertices.size(); ++k) boxes[i].include(placed_corner_[b.first_corner + k]);
-      boxes[i].lower -= inflate, boxes[i].upper += inflate;
-      pose(int(i), blocks_[i].broad_x, blocks_[i].broad_r);
-    }
-    pairs = overlapping_pairs(boxes);
-    const auto held = [&](int i) {
-      return blocks_[i].body >= 0 && bodies_[blocks_[i].body].held == 0x3f && assembly_.blocks[i].fixed;
-    };
-    std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });
+  look_closely(close_pairs(everything), everything, found);
+  if (found.changed || found.at_start) {
+    place_points(found);
   } else {
+    contacts_ = std::move(found.contacts);
+  }
+}
+
+// Broad phase: all pairs within the skin, found anew when some block has used up its part of it.
+std::vector<Pair> Model::close_pairs(bool everything) {
+  bool stale = everything;
+  for (size_t i = 0; i < blocks_.size() && !stale; ++i) stale = motion_since_broad_phase(int(i)) > 0.2 * skin_;
+  std::vector<Pair> pairs;
+  if (!stale) {
     for (const Contact& c : contacts_) pairs.push_back(c.pair);
+    return pairs;
   }
-
-  // Narrow phase, for new pairs and those that have moved enough.
-  std::vector<Contact> next;
-  next.reserve(pairs.size());
-  struct Source {
-    long old = -1;              // contact of before, or -1
-    bool fresh = false;         // points made anew
-    size_t begin = 0, end = 0;  // in `made`
+  std::vector<Box> boxes(blocks_.size());
+  const Vector inflate{0.5 * skin_, 0.5 * skin_, 0.5 * skin_};
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    const ModelBlock& b = blocks_[i];
+    for (size_t k = 0; k < b.shape->vertices.size(); ++k) boxes[i].include(placed_corner_[b.first_corner + k]);
+    boxes[i].lower -= inflate, boxes[i].upper += inflate;
+    pose(int(i), blocks_[i].broad_x, blocks_[i].broad_r);
+  }
+  pairs = overlapping_pairs(boxes);
+  const auto held = [&](int i) {
+    return blocks_[i].body >= 0 && bodies_[blocks_[i].body].held == 0x3f && assembly_.blocks[i].fixed;
   };
-  std::vector<Source> sources;
-  sources.reserve(pairs.size());
-  std::vector<NewPoint> made;
-  size_t old_index = 0;
-  bool changed = false;
-  for (const Pair& pair : pairs) {
-    while (old_index < contacts_.size() && contacts_[old_index].pair < pair)
-      changed |= contacts_[old_index++].count > 0;
-    const bool known = old_index < contacts_.size() && contacts_[old_index].pair == pair;
-    Contact c;
-    Source source;
-    if (known) {
-      c = contacts_[old_index];
-      source.old = long(old_index++);
-      if (!everything && pair_motion(c) <= 0.8 * allowed_motion(c)) {
-        next.push_back(c), sources.push_back(source);
-        continue;
-      }
-    }
-    c.pair = pair;
-    ++narrow_calls_;
-    const Placed a = placed(pair.a), b = placed(pair.b);
-    c.separation = separate(a, b, skin_, preference_fraction * size_, known ? &c.separation : nullptr);
-    Vector xa, xb;
-    Matrix ra, rb;
-    pose(pair.a, xa, ra), pose(pair.b, xb, rb);
-    c.relative_x = transposed_times(ra, xb - xa);
-    c.relative_r = transposed(ra) * rb;
-    if (at_start && c.separation.distance < -joint_tolerance_) {
-      throw Error(
-          Exit::bad_input,
-          fmt::format(
-              "blocks {} and {} overlap by {:.3g} m near {} (more than the joint tolerance {:.3g} m); move or cut one "
-              "of them",
-              label(assembly_, pair.a), label(assembly_, pair.b), -c.separation.distance,
-              place(0.5 * (a.centre + b.centre)), joint_tolerance_));
-    }
-    source.begin = source.end = made.size();
-    if (c.separation.distance <= reach_) {
-      make_points(c, at_start, made);
-      source.end = made.size();
-      source.fresh = true;
-    } else if (c.count > 0) {
-      // Beyond reach: the points go, unless one still carries something (a joint that stretches further than the skin).
-      bool carries = false;
-      const Family& f = families_[c.family];
-      for (uint32_t i = c.first; i < c.first + c.count; ++i) {
-        carries |= f.traction[0][i] != 0.0 || f.traction[1][i] != 0.0 || f.traction[2][i] != 0.0;
-      }
-      source.fresh = !carries;
-    } else {
-      source.fresh = true;
-    }
-    if (source.end > source.begin && c.family < 0) {
-      Vector middle;
-      for (size_t i = source.begin; i < source.end; ++i) middle += made[i].point.at / double(source.end - source.begin);
-      c.family = assembly_.family_of ? assembly_.family_of({pair.a, pair.b, middle, c.separation.normal}) : 0;
-      if (c.family >= int(families_.size())) {
-        throw Error(Exit::bad_input, fmt::format("blocks {} and {} meet near {}, and no joint family is given for them",
-                                                 label(assembly_, pair.a), label(assembly_, pair.b), place(middle)));
-      }
-    }
-    if (c.family < 0) source.end = source.begin;  // declared to pass through each other
-    changed |= source.end > source.begin || (source.fresh && c.count > 0);
-    next.push_back(c), sources.push_back(source);
-  }
-  while (old_index < contacts_.size()) changed |= contacts_[old_index++].count > 0;
-  if (!changed && !at_start) {
-    contacts_ = std::move(next);
-    return;
-  }
+  std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });
+  return pairs;
+}
 
-  // New arrays in the order of the pairs; history goes along.
-  const double energy_before = energy_ ? energy_of_contacts_now() : 0.0;
-  std::vector<Family> old(families_.size());
+// Narrow phase: pairs that are new, or have moved enough, are looked at; the others go on as they are.
+void Model::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
+  found.contacts.reserve(pairs.size());
+  found.findings.reserve(pairs.size());
+  auto old = contacts_.begin();
+  const auto lose = [&] {
+    if (old->count > 0) found.lost.push_back(*old);
+    ++old;
+  };
+  for (const Pair& pair : pairs) {
+    while (old != contacts_.end() && old->pair < pair) lose();
+    const bool known = old != contacts_.end() && old->pair == pair;
+    Contact c;
+    if (known) c = *old++;
+    c.pair = pair;
+    Finding finding;
+    finding.first = c.first, finding.count = c.count;
+    if (!known || everything || pair_motion(c) > 0.8 * allowed_motion(c)) look_at(c, known, finding, found);
+    found.contacts.push_back(c);
+    found.findings.push_back(finding);
+  }
+  while (old != contacts_.end()) lose();
+  found.changed |= !found.lost.empty();
+}
+
+// Where the two blocks of a pair touch, and the points that belong there.
+void Model::look_at(Contact& c, bool known, Finding& finding, Detection& found) {
+  ++narrow_calls_;
+  const Pair pair = c.pair;
+  const Placed a = placed(pair.a), b = placed(pair.b);
+  c.separation = separate(a, b, skin_, preference_fraction * size_, known ? &c.separation : nullptr);
+  Vector xa, xb;
+  Matrix ra, rb;
+  pose(pair.a, xa, ra), pose(pair.b, xb, rb);
+  c.relative_x = transposed_times(ra, xb - xa);
+  c.relative_r = transposed(ra) * rb;
+  if (found.at_start && c.separation.distance < -joint_tolerance_) {
+    throw Error(
+        Exit::bad_input,
+        fmt::format(
+            "blocks {} and {} overlap by {:.3g} m near {} (more than the joint tolerance {:.3g} m); move or cut one "
+            "of them",
+            label(assembly_, pair.a), label(assembly_, pair.b), -c.separation.distance,
+            place(0.5 * (a.centre + b.centre)), joint_tolerance_));
+  }
+  finding.begin = found.points.size();
+  if (c.separation.distance <= reach_) {
+    make_points(c, found.at_start, found.points);
+    finding.fresh = true;
+    c.beside_joint |=
+        found.at_start && found.points.size() == finding.begin && c.separation.distance <= joint_tolerance_;
+  } else {
+    // Beyond reach the points go, unless one still carries something: a joint that stretches further than the skin.
+    c.beside_joint = false;
+    finding.fresh = !carries(c);
+  }
+  finding.end = found.points.size();
+  if (finding.end > finding.begin && c.family < 0) name_family(c, std::span(found.points).subspan(finding.begin));
+  if (c.family < 0) finding.end = finding.begin;  // declared to pass through each other
+  found.changed |= finding.end > finding.begin || (finding.fresh && c.count > 0);
+}
+
+bool Model::carries(const Contact& c) const {
+  for (uint32_t i = c.first; i < c.first + c.count; ++i) {
+    for (const auto& traction : families_[c.family].traction) {
+      if (traction[i] != 0.0) return true;
+    }
+  }
+  return false;
+}
+
+void Model::name_family(Contact& c, std::span<const NewPoint> points) const {
+  Vector middle;
+  for (const NewPoint& p : points) middle += p.point.at / double(points.size());
+  c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, middle, c.separation.normal}) : 0;
+  if (c.family >= int(families_.size())) {
+    throw Error(Exit::bad_input, fmt::format("blocks {} and {} meet near {}, and no joint family is given for them",
+                                             label(assembly_, c.pair.a), label(assembly_, c.pair.b), place(middle)));
+  }
+}
+
+// Points in the order of the pairs: those that go on are moved, the others made anew with the history of those nearby.
+void Model::place_points(Detection& found) {
   std::vector<size_t> count(families_.size(), 0);
-  for (size_t i = 0; i < next.size(); ++i) {
-    if (next[i].family >= 0)
-      count[next[i].family] += sources[i].fresh ? sources[i].end - sources[i].begin : next[i].count;
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    const Finding& finding = found.findings[i];
+    if (found.contacts[i].family < 0) continue;
+    count[found.contacts[i].family] += finding.fresh ? finding.end - finding.begin : finding.count;
   }
+  Before before;
+  before.families.resize(families_.size());
   for (size_t k = 0; k < families_.size(); ++k) {
-    Family& f = families_[k];
-    old[k] = f;
-    resize(f, count[k]);
+    take_points(families_[k], before.families[k]);
+    resize(families_[k], count[k]);
   }
-  const std::vector<Facet> old_facets = facets_;
+  before.facets = std::move(facets_);
   facets_.clear();
+
+  double freed = 0.0;
+  for (const Contact& c : found.lost)
+    freed += energy_of_points(before.families[c.family], before.facets, c.first, c.count);
   std::vector<uint32_t> fill(families_.size(), 0);
-  for (size_t i = 0; i < next.size(); ++i) {
-    Contact& c = next[i];
-    const Source& source = sources[i];
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    Contact& c = found.contacts[i];
+    const Finding& finding = found.findings[i];
     if (c.family < 0) {
       c.count = 0;
       continue;
     }
-    Family& f = families_[c.family];
-    const Family& before = old[c.family];
-    const uint32_t first = fill[c.family];
-    const auto copy_history = [&](uint32_t from, uint32_t to) {
-      for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = before.state[s][from];
-      for (int k = 0; k < 3; ++k) f.traction[k][to] = before.traction[k][from];
-      f.normal_jump[to] = before.normal_jump[from];
-      if (!f.old_jump.empty() && !before.old_jump.empty() && !source.fresh) f.old_jump[to] = before.old_jump[from];
-      if (!before.stored.empty()) f.stored[to] = before.stored[from];
-    };
-    const auto carry_facet = [&](int32_t& index) {
-      if (index < 0) return;
-      facets_.push_back(old_facets[index]);
-      index = int32_t(facets_.size()) - 1;
-    };
-    if (!source.fresh) {
-      for (uint32_t k = 0; k < c.count; ++k) {
-        f.point[first + k] = before.point[c.first + k];
-        copy_history(c.first + k, first + k);
-        carry_facet(f.point[first + k].facet_a), carry_facet(f.point[first + k].facet_b);
-      }
-      fill[c.family] += c.count;
-      c.first = first;
-      continue;
+    c.first = fill[c.family];
+    if (finding.fresh) {
+      c.count = uint32_t(finding.end - finding.begin);
+      c.initial = c.initial || (found.at_start && c.count > 0);
+      freed += energy_of_points(before.families[c.family], before.facets, finding.first, finding.count);
+      hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
+      freed -= energy_of_points(families_[c.family], facets_, c.first, c.count);
+    } else {
+      keep_points(before, finding, c);
     }
-    const auto in_space = [&](const Point& z, const Vector& v) {
-      return z.facet_a >= 0 || blocks_[z.a].body < 0 ? v : bodies_[blocks_[z.a].body].r * v;
-    };
-    // History is matched by place: old points have moved along with their blocks.
-    double old_area = 0.0;
-    for (uint32_t k = 0; k < c.count; ++k) old_area += before.point[c.first + k].area;
-    const double radius2 = c.count > 0 ? std::max(2.0 * old_area / c.count, 1e-4 * size_ * size_) : 0.0;
-    for (size_t k = source.begin; k < source.end; ++k) {
-      NewPoint& made_point = made[k];
-      const uint32_t to = first + uint32_t(k - source.begin);
-      Point& p = f.point[to];
-      p = made_point.point;
-      if (p.facet_a >= 0) facets_.push_back(made_point.facet_a), p.facet_a = int32_t(facets_.size()) - 1;
-      if (p.facet_b >= 0) facets_.push_back(made_point.facet_b), p.facet_b = int32_t(facets_.size()) - 1;
-      long nearest = -1;
-      double best = radius2;
-      for (uint32_t j = 0; j < c.count; ++j) {
-        const Vector d = before.point[c.first + j].at - p.at;
-        if (dot(d, d) < best) best = dot(d, d), nearest = long(c.first + j);
-      }
-      if (nearest >= 0) {
-        const Point& q = before.point[nearest];
-        copy_history(uint32_t(nearest), to);
-        const bool open = before.traction[0][nearest] == 0.0 && before.traction[1][nearest] == 0.0 &&
-                          before.traction[2][nearest] == 0.0;
-        p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
-        // Traction keeps its direction in space: tau is turned from the old frame into the new one. The roles of a and
-        // b may have changed with the reference face; sigma and the traction on the block that was a change together
-        // with it.
-        const double sign = q.a == p.a ? 1.0 : -1.0;
-        const Vector tau =
-            sign * (before.traction[1][nearest] * in_space(q, q.s) + before.traction[2][nearest] * in_space(q, q.t));
-        const Vector s = in_space(p, p.s), t = in_space(p, p.t);
-        const double size_before = norm(tau);
-        double ts = dot(tau, s), tt = dot(tau, t);
-        const double size_after = std::sqrt(ts * ts + tt * tt);
-        if (size_after > 0) ts *= size_before / size_after, tt *= size_before / size_after;
-        f.traction[1][to] = ts, f.traction[2][to] = tt;
-      } else {
-        const bool bonded = at_start && made_point.joint;
-        const auto& values = bonded ? f.initial : f.dry;
-        for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = values[s];
-        if (!bonded) p.reference = 0.0;
-      }
-      // The zero of the jumps: d_n counts from the reference gap, slip from here, less what the last step has moved and
-      // the law has not seen yet.
-      if (p.facet_a < 0) p.offset += p.reference;
-      const Location now = locate(p, facets_);
-      p.at = now.at;
-      for (int axis = 0; axis < 2; ++axis) p.slid[axis] = now.slid[axis];
-      if (nearest >= 0) {
-        const Point& q = before.point[nearest];
-        const Location moved = locate(q, old_facets);
-        const Vector pending = in_space(q, (moved.slid[0] - q.slid[0]) * q.s + (moved.slid[1] - q.slid[1]) * q.t);
-        const double sign = q.a == p.a ? 1.0 : -1.0;
-        p.slid[0] -= sign * dot(pending, in_space(p, p.s)), p.slid[1] -= sign * dot(pending, in_space(p, p.t));
-      }
-    }
-    if (!at_start) keep_energy(f, before, old_facets, c, first, uint32_t(source.end - source.begin));
-    c.initial = c.initial || (at_start && source.end > source.begin);
-    c.first = first, c.count = uint32_t(source.end - source.begin);
     fill[c.family] += c.count;
   }
-  contacts_ = std::move(next);
-  // Both sides at the positions of now: what appears or vanishes with the new points is booked, not hidden.
-  if (energy_) energies_.detection += energy_before - energy_of_contacts_now();
+  if (energy_) energies_.detection += freed;
+  contacts_ = std::move(found.contacts);
   divide_work();
-  if (!at_start) {
-    const double bound = local_stiffness_bound();
-    if (bound > 1.01 * stiffness_bound_) find_time_step();
+  if (!found.at_start && local_stiffness_bound() > 1.01 * stiffness_bound_) find_time_step();
+}
+
+void Model::take_points(Family& f, Family& into) {
+  into = std::move(f);
+  f = {};
+  f.material = into.material, f.initial = into.initial, f.dry = into.dry, f.kn = into.kn, f.ks = into.ks;
+  f.state.resize(into.state.size());
+}
+
+void Model::keep_points(const Before& before, const Finding& finding, const Contact& c) {
+  const Family& old = before.families[c.family];
+  Family& f = families_[c.family];
+  const auto copy = [&](const auto& from, auto& to) {
+    if (!from.empty() && !to.empty()) std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
+  };
+  copy(old.point, f.point);
+  for (size_t s = 0; s < f.state.size(); ++s) copy(old.state[s], f.state[s]);
+  for (int k = 0; k < 3; ++k) copy(old.traction[k], f.traction[k]);
+  copy(old.normal_jump, f.normal_jump);
+  copy(old.old_jump, f.old_jump);
+  copy(old.stored, f.stored);
+  for (int k = 0; k < 3; ++k) copy(old.viscous[k], f.viscous[k]);
+  const auto carry = [&](int32_t& index) {
+    if (index < 0) return;
+    facets_.push_back(before.facets[index]);
+    index = int32_t(facets_.size()) - 1;
+  };
+  for (uint32_t i = c.first; i < c.first + c.count; ++i) carry(f.point[i].facet_a), carry(f.point[i].facet_b);
+}
+
+// New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
+void Model::hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
+                      bool at_start) {
+  Family& f = families_[c.family];
+  const Family& old = before.families[c.family];
+  double old_area = 0.0;
+  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
+  const double radius2 = finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * size_ * size_) : 0.0;
+  std::vector<Heir> heirs(points.size());
+  for (size_t k = 0; k < points.size(); ++k) {
+    const uint32_t to = c.first + uint32_t(k);
+    Point& p = f.point[to];
+    p = points[k].point;
+    if (p.facet_a >= 0) facets_.push_back(points[k].facet_a), p.facet_a = int32_t(facets_.size()) - 1;
+    if (p.facet_b >= 0) facets_.push_back(points[k].facet_b), p.facet_b = int32_t(facets_.size()) - 1;
+    long nearest = -1;
+    double best = radius2;
+    for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
+      const Vector d = old.point[j].at - p.at;
+      if (dot(d, d) < best) best = dot(d, d), nearest = long(j);
+    }
+    if (nearest >= 0) {
+      inherit(old, size_t(nearest), c, f, to);
+    } else {
+      const bool bonded = at_start && points[k].joint;
+      const auto& values = bonded ? f.initial : f.dry;
+      for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = values[s];
+      if (!bonded) p.reference = 0.0;
+    }
+    // The zero of the jumps: d_n counts from the reference gap, slip from here, less what the last step has moved and
+    // the law has not seen yet.
+    if (p.facet_a < 0) p.offset += p.reference;
+    const Location now = locate(p, facets_);
+    p.at = now.at;
+    for (int axis = 0; axis < 2; ++axis) p.slid[axis] = now.slid[axis];
+    if (nearest >= 0) {
+      const Point& q = old.point[nearest];
+      const Location moved = locate(q, before.facets);
+      heirs[k] = {plastic_closure(old, size_t(nearest)), moved.jump - old.normal_jump[nearest]};
+      const Vector pending = in_space(q, (moved.slid[0] - q.slid[0]) * q.s + (moved.slid[1] - q.slid[1]) * q.t);
+      const double sign = q.a == p.a ? 1.0 : -1.0;
+      p.slid[0] -= sign * dot(pending, in_space(p, p.s)), p.slid[1] -= sign * dot(pending, in_space(p, p.t));
+    }
   }
+  if (!at_start) keep_energy(before, finding, c, heirs);
+}
+
+Vector Model::in_space(const Point& p, const Vector& v) const {
+  return p.facet_a >= 0 || blocks_[p.a].body < 0 ? v : bodies_[blocks_[p.a].body].r * v;
+}
+
+void Model::inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const {
+  for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = old.state[s][from];
+  f.normal_jump[to] = old.normal_jump[from];
+  if (!old.stored.empty()) f.stored[to] = old.stored[from];
+  const Point& q = old.point[from];
+  Point& p = f.point[to];
+  const bool open = old.traction[0][from] == 0.0 && old.traction[1][from] == 0.0 && old.traction[2][from] == 0.0;
+  p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
+  // Traction keeps its direction in space: tau is turned from the old frame into the new one. The roles of a and
+  // b may have changed with the reference face; sigma and the traction on the block that was a change together
+  // with it.
+  const double sign = q.a == p.a ? 1.0 : -1.0;
+  const Vector s = in_space(p, p.s), t = in_space(p, p.t);
+  const auto turn = [&](const auto& then, auto& now) {
+    const Vector tau = sign * (then[1][from] * in_space(q, q.s) + then[2][from] * in_space(q, q.t));
+    const double size_before = norm(tau);
+    double ts = dot(tau, s), tt = dot(tau, t);
+    const double size_after = std::sqrt(ts * ts + tt * tt);
+    if (size_after > 0) ts *= size_before / size_after, tt *= size_before / size_after;
+    now[0][to] = then[0][from], now[1][to] = ts, now[2][to] = tt;
+  };
+  turn(old.traction, f.traction);
+  if (!old.viscous[0].empty() && !f.viscous[0].empty()) turn(old.viscous, f.viscous);
 }
 
 void Model::resize(Family& f, size_t n) const {
@@ -366,78 +431,116 @@ void Model::resize(Family& f, size_t n) const {
   if (energy_) {
     f.stored.assign(n, 0.0);
     for (auto& c : f.dissipated) c.assign(n, 0.0);
+    for (auto& c : f.viscous) c.assign(viscous, 0.0);
   }
 }
 
-// New points must not hold more energy than those they replace (more area on the same overlap would): the overlap
-// counts from a shifted reference, and shear traction is scaled down. Both are estimated with the elastic stiffness;
-// the exact change is booked.
-void Model::keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
-                        uint32_t first, uint32_t count) {
-  double normal_before = 0.0, normal_after = 0.0, shear_before = 0.0, shear_after = 0.0;
-  for (uint32_t i = c.first; i < c.first + c.count; ++i) {
-    const Point& q = before.point[i];
-    const double d = std::min(0.0, locate(q, old_facets).jump);
-    normal_before += q.area * d * d;
-    shear_before +=
-        q.area * (before.traction[1][i] * before.traction[1][i] + before.traction[2][i] * before.traction[2][i]);
-  }
-  for (uint32_t i = first; i < first + count; ++i) {
-    const double d = std::min(0.0, locate(f.point[i], facets_).jump);
-    normal_after += f.point[i].area * d * d;
-    shear_after += f.point[i].area * (f.traction[1][i] * f.traction[1][i] + f.traction[2][i] * f.traction[2][i]);
-  }
-  if (normal_after > normal_before) {
-    const double scale = std::sqrt(normal_before / normal_after);
-    for (uint32_t i = first; i < first + count; ++i) {
-      Point& p = f.point[i];
-      const double d = locate(p, facets_).jump;
-      if (d >= 0) continue;
-      p.reference += (1 - scale) * d;
-      if (p.facet_a < 0) p.offset += (1 - scale) * d;
+// What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.
+double Model::plastic_closure(const Family& f, size_t i) {
+  return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
+}
+
+// New points hold the elastic energy of those that they replace: the overlap counts from a shifted reference, and shear
+// traction is scaled. Fewer of them, or less area, hold it deeper; never deeper than the lost area explains.
+void Model::keep_energy(const Before& before, const Finding& finding, const Contact& c, std::span<const Heir> heirs) {
+  struct Sums {
+    double area = 0.0, normal = 0.0, shear = 0.0;  // m2; sums of area * overlap^2 and of area * tau^2
+    double deepest = 0.0, largest = 0.0;           // overlap^2, tau^2
+    void add(const Family& f, size_t i, double overlap) {
+      const double d2 = std::min(0.0, overlap) * std::min(0.0, overlap),
+                   tau2 = f.traction[1][i] * f.traction[1][i] + f.traction[2][i] * f.traction[2][i];
+      area += f.point[i].area;
+      normal += f.point[i].area * d2, shear += f.point[i].area * tau2;
+      deepest = std::max(deepest, d2), largest = std::max(largest, tau2);
     }
-  }
-  if (shear_after > shear_before) {
-    const double scale = std::sqrt(shear_before / shear_after);
-    for (uint32_t i = first; i < first + count; ++i) f.traction[1][i] *= scale, f.traction[2][i] *= scale;
+  };
+  Family& f = families_[c.family];
+  const Family& old = before.families[c.family];
+  Sums then, now;
+  for (uint32_t i = finding.first; i < finding.first + finding.count; ++i)
+    then.add(old, i, locate(old.point[i], before.facets).jump + plastic_closure(old, i));
+  for (uint32_t k = 0; k < c.count; ++k)
+    now.add(f, c.first + k, locate(f.point[c.first + k], facets_).jump + heirs[k].closure);
+  const auto scale = [&](double sum_then, double sum_now, double most_then, double most_now) {
+    if (sum_now == 0) return 1.0;
+    const double most = std::max(1.0, then.area / now.area) * most_then / most_now;
+    return std::sqrt(std::min(sum_then / sum_now, most));
+  };
+  const double deeper = scale(then.normal, now.normal, then.deepest, now.deepest);
+  const double stronger = scale(then.shear, now.shear, then.largest, now.largest);
+  for (uint32_t k = 0; k < c.count; ++k) {
+    const uint32_t i = c.first + k;
+    Point& p = f.point[i];
+    const double overlap = locate(p, facets_).jump + heirs[k].closure;
+    if (overlap < 0) {
+      p.reference += (1 - deeper) * overlap;
+      if (p.facet_a < 0) p.offset += (1 - deeper) * overlap;
+    }
+    if (std::isnan(heirs[k].opening)) continue;
+    const double pressed = f.traction[0][i];
+    // As if the point had been there in the last step: stiffness damping sees motion alone.
+    f.normal_jump[i] = locate(p, facets_).jump - heirs[k].opening;
+    if (f.traction[0][i] <= 0) f.traction[0][i] = std::min(0.0, f.kn * (f.normal_jump[i] + heirs[k].closure));
+    if (!f.old_jump.empty()) f.old_jump[i] = f.normal_jump[i];
+    // Shear goes no further than the pressure goes with it: a traction within its strength stays there.
+    const double share = std::min(stronger, pressed < 0 ? f.traction[0][i] / pressed : 1.0);
+    f.traction[1][i] *= share, f.traction[2][i] *= share;
   }
 }
 
-// Stored energy that the contact points would have at the positions of now without further slip, and what they would
-// dissipate on the way there, J.
-double Model::energy_of_contacts_now() {
+// What these points store at the positions of now, and dissipate on the way there from the last step, J.
+double Model::energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first,
+                               uint32_t count) const {
+  if (!energy_ || count == 0) return 0.0;
+  Family trial;
+  trial.material = f.material;
+  const auto part = [&](const auto& column) {
+    return std::vector(column.begin() + first, column.begin() + first + count);
+  };
+  trial.point = part(f.point);
+  for (const auto& column : f.state) trial.state.push_back(part(column));
+  for (int k = 0; k < 3; ++k) trial.traction[k] = part(f.traction[k]);
+  for (auto* column : {&trial.normal_jump, &trial.slip[0], &trial.slip[1], &trial.stored}) column->resize(count);
+  for (auto& column : trial.dissipated) column.resize(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    const Point& p = trial.point[i];
+    const Location now = locate(p, facets);
+    trial.normal_jump[i] = now.jump;
+    for (int k = 0; k < 2; ++k) trial.slip[k][i] = now.slid[k] - p.slid[k];
+  }
+  Chunk all;
+  all.count = count;
+  bind(trial, all);
+  trial.material->api().evaluate(trial.material->handle(), &all.batch);
   double sum = 0.0;
-  for (const Family& f : families_) {
-    if (f.size() == 0) continue;
-    Family trial = f;
-    for (size_t i = 0; i < f.size(); ++i) trial.normal_jump[i] = locate(f.point[i], facets_).jump;
-    for (auto& slip : trial.slip) std::fill(slip.begin(), slip.end(), 0.0);
-    Chunk all;
-    all.count = uint32_t(f.size());
-    bind(trial, all);
-    trial.material->api().evaluate(trial.material->handle(), &all.batch);
-    for (size_t i = 0; i < trial.size(); ++i) {
-      double density = trial.stored[i];
-      for (const auto& d : trial.dissipated) density += d[i];
-      sum += density * trial.point[i].area;
-    }
+  for (uint32_t i = 0; i < count; ++i) {
+    double density = trial.stored[i];
+    for (const auto& d : trial.dissipated) density += d[i];
+    sum += density * trial.point[i].area;
   }
   return sum;
 }
 
-void Model::make_points(Contact& c, bool at_start, std::vector<NewPoint>& out) {
+void Model::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out) {
   const Separation& s = c.separation;
+  // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
+  // since the start, as four units around a joint's end do: their neighbours keep them apart, and the nominal area
+  // would lock units that slide past each other by a height of some micrometres.
+  const double nominal = c.beside_joint ? 0.0 : std::min(blocks_[c.pair.a].corner_area, blocks_[c.pair.b].corner_area);
+  const double of_faces = at_start ? 0.0 : nominal;
   if (s.feature == Separation::edges) {
-    edge_point(c, out);
+    if (nominal > 0) edge_point(c, nominal, out);
   } else if (s.feature == Separation::face_of_a) {
-    face_points(c.pair.a, s.index_a, c.pair.b, at_start, out);
+    face_points(c.pair.a, s.index_a, c.pair.b, at_start, of_faces, out);
   } else {
-    face_points(c.pair.b, s.index_b, c.pair.a, at_start, out);
+    face_points(c.pair.b, s.index_b, c.pair.a, at_start, of_faces, out);
   }
 }
 
 // Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
-void Model::face_points(int owner, int owner_face, int carrier, bool at_start, std::vector<NewPoint>& out) {
+// They have the nominal area (m2) at least.
+void Model::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal,
+                        std::vector<NewPoint>& out) {
   const Placed a = placed(owner), b = placed(carrier);
   const Vector n = a.normals[owner_face];
   const auto& corners = a.shape->faces[owner_face];
@@ -500,7 +603,6 @@ void Model::face_points(int owner, int owner_face, int carrier, bool at_start, s
       }
     }
   }
-  const double corner_area = std::min(blocks_[owner].corner_area, blocks_[carrier].corner_area);
   const auto make = [&](const Vector& at, double area, double gap) {
     NewPoint made;
     Point& p = made.point;
@@ -528,13 +630,13 @@ void Model::face_points(int owner, int owner_face, int carrier, bool at_start, s
       const Point2 p = flat(a.vertices[corners[k]]), q = flat(a.vertices[corners[(k + 1) % corners.size()]]);
       inside = (q.x - p.x) * (at.y - p.y) - (q.y - p.y) * (at.x - p.x) >= 0;
     }
-    if (inside && blocks_[carrier].body >= 0) make(b.vertices[deepest], corner_area, gap);
+    if (inside && nominal > 0 && blocks_[carrier].body >= 0) make(b.vertices[deepest], nominal, gap);
     return;
   }
   // Slivers of overlap would be soft springs; a nominal area keeps corners from sinking in.
   double total = 0.0;
   for (const QuadraturePoint& q : points) total += q.area;
-  const double stiffen = at_start ? 1.0 : std::max(1.0, 0.5 * corner_area / total);
+  const double stiffen = std::max(1.0, 0.5 * nominal / total);
   const Vector on_b = b.vertices[b.shape->faces[facing_face][0]];
   for (const QuadraturePoint& q : points) {
     const Vector foot = origin + q.at.x * s + q.at.y * t;
@@ -544,7 +646,7 @@ void Model::face_points(int owner, int owner_face, int carrier, bool at_start, s
   }
 }
 
-void Model::edge_point(const Contact& c, std::vector<NewPoint>& out) {
+void Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
   const Placed a = placed(c.pair.a), b = placed(c.pair.b);
   const auto &ea = a.shape->edges[c.separation.index_a], &eb = b.shape->edges[c.separation.index_b];
   const Vector u = a.vertices[ea.head] - a.vertices[ea.tail], v = b.vertices[eb.head] - b.vertices[eb.tail];
@@ -554,7 +656,7 @@ void Model::edge_point(const Contact& c, std::vector<NewPoint>& out) {
   p.a = c.pair.a, p.b = c.pair.b;
   p.n = c.separation.normal;
   p.s = normalized(u - dot(u, p.n) * p.n), p.t = cross(p.n, p.s);
-  p.area = std::min(blocks_[p.a].corner_area, blocks_[p.b].corner_area);
+  p.area = area;
   p.at = pb;
   made.joint = false;
   anchor(made, p.a, pa, ea.left, true);

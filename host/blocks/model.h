@@ -90,6 +90,7 @@ struct Family {
   std::vector<double> old_traction[3];  // when stiffness damping or contact inspection needs it
   std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   std::vector<double> old_jump;
+  std::vector<double> viscous[3];  // traction of stiffness damping in the last step, when energies are asked for, Pa
   size_t size() const { return point.size(); }
 };
 
@@ -140,6 +141,7 @@ struct Contact {
   int family = -1;
   uint32_t first = 0, count = 0;  // points in Family::point
   bool initial = false;           // a joint of the start
+  bool beside_joint = false;      // blocks that only touch along an edge or at a corner since the start
   // pose of b seen from a at the last narrow detection
   Vector relative_x;
   Matrix relative_r;
@@ -390,12 +392,32 @@ class Model {
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
   double pair_motion(const Contact& c) const;
-  double detection_fraction() const;              // of a block's least extent
-  double allowed_motion(const Contact& c) const;  // of a pair until it is detected anew, m
+  double motion_since_broad_phase(int block) const;  // translation plus rotation times radius, m
+  double detection_fraction() const;                 // of a block's least extent
+  double allowed_motion(const Contact& c) const;     // of a pair until it is detected anew, m
   struct NewPoint;
-  void make_points(Contact& c, bool at_start, std::vector<NewPoint>& out);
-  void face_points(int owner, int owner_face, int carrier, bool at_start, std::vector<NewPoint>& out);
-  void edge_point(const Contact& c, std::vector<NewPoint>& out);
+  struct Finding;
+  struct Heir;
+  struct Detection;
+  struct Before;
+  std::vector<geometry::Pair> close_pairs(bool everything);
+  void look_closely(const std::vector<geometry::Pair>& pairs, bool everything, Detection& found);
+  void look_at(Contact& c, bool known, Finding& finding, Detection& found);
+  bool carries(const Contact& c) const;
+  void name_family(Contact& c, std::span<const NewPoint> points) const;
+  void place_points(Detection& found);
+  static void take_points(Family& f, Family& into);
+  void keep_points(const Before& before, const Finding& finding, const Contact& c);
+  void hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
+                 bool at_start);
+  void inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const;
+  void keep_energy(const Before& before, const Finding& finding, const Contact& c, std::span<const Heir> heirs);
+  static double plastic_closure(const Family& f, size_t i);
+  double energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first, uint32_t count) const;
+  Vector in_space(const Point& p, const Vector& v) const;  // of p's frame
+  void make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out);
+  void face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, std::vector<NewPoint>& out);
+  void edge_point(const Contact& c, double area, std::vector<NewPoint>& out);
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
   void refresh_facet_frame(Point& p, Facet& facet) const;
   struct Location {
@@ -403,9 +425,6 @@ class Model {
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
   Location locate(const Point& p, const std::vector<Facet>& facets) const;
-  double energy_of_contacts_now();
-  void keep_energy(Family& f, const Family& before, const std::vector<Facet>& old_facets, const Contact& c,
-                   uint32_t first, uint32_t count);
   void resize(Family& f, size_t n) const;
 
   Assembly assembly_;

@@ -139,20 +139,26 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     double sigma = f.traction[0][i], tau_s = f.traction[1][i], tau_t = f.traction[2][i];
     Point& p = f.point[i];
-    if (beta > 0 && std::isnan(f.old_jump[i])) {
-      f.old_jump[i] = f.normal_jump[i];  // placed anew: the change since the last step is no motion
-    } else if (beta > 0) {
-      // Stiffness-proportional: the rate of the traction itself, so that slip and open joints are not damped. It may
-      // slow a closed contact but never pull on it.
-      const double rate = beta / dt_;
-      double normal = rate * (sigma - f.old_traction[0][i]);
-      if (sigma <= 0) normal = std::min(normal, -sigma);
-      if (sigma == 0) normal = 0;
-      const double shear_s = tau_s == 0 ? 0 : rate * (tau_s - f.old_traction[1][i]);
-      const double shear_t = tau_t == 0 ? 0 : rate * (tau_t - f.old_traction[2][i]);
+    if (beta > 0) {
+      double normal = 0.0, shear_s = 0.0, shear_t = 0.0, opening = 0.0;
+      if (!std::isnan(f.old_jump[i])) {  // a point born since: no rate is known
+        // Stiffness-proportional: the rate of the traction itself, so that slip and open joints are not damped. It may
+        // slow a closed contact but never pull on it.
+        const double rate = beta / dt_;
+        normal = rate * (sigma - f.old_traction[0][i]);
+        if (sigma <= 0) normal = std::min(normal, -sigma);
+        if (sigma == 0) normal = 0;
+        shear_s = tau_s == 0 ? 0 : rate * (tau_s - f.old_traction[1][i]);
+        shear_t = tau_t == 0 ? 0 : rate * (tau_t - f.old_traction[2][i]);
+        opening = f.normal_jump[i] - f.old_jump[i];
+      }
       if (energy_) {
-        chunk.damping +=
-            p.area * (normal * (f.normal_jump[i] - f.old_jump[i]) + shear_s * f.slip[0][i] + shear_t * f.slip[1][i]);
+        // Central differences: half of the motion is under the traction of the step before.
+        auto& before = f.viscous;
+        chunk.damping += 0.5 * p.area *
+                         ((before[0][i] + normal) * opening + (before[1][i] + shear_s) * f.slip[0][i] +
+                          (before[2][i] + shear_t) * f.slip[1][i]);
+        before[0][i] = normal, before[1][i] = shear_s, before[2][i] = shear_t;
       }
       sigma += normal, tau_s += shear_s, tau_t += shear_t;
       f.old_jump[i] = f.normal_jump[i];
