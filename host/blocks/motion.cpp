@@ -54,8 +54,8 @@ Motion choose_motion(Scene scene, Assembly bricks) {
   const bool at_once = scene.solver.large_motion == LargeMotion::always;
   if (!at_once && scene.solver.kernels != Kernels::general) return {std::move(scene), std::move(bricks), {}, {}};
   blocks::Assembly shapes = blocks::from_bricks(bricks);
-  refuse_settings_of_the_lattice(
-      scene, shapes, at_once ? "solver.large_motion = \"always\"" : "solver.kernels = \"general\"");
+  refuse_settings_of_the_lattice(scene, shapes,
+                                 at_once ? "solver.large_motion = \"always\"" : "solver.kernels = \"general\"");
   if (!at_once) shapes.contact.small_displacement = blocks::ContactSettings{}.small_displacement;
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.bricks.symmetry_factor = bricks.symmetry_factor;
