@@ -161,7 +161,7 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
     for (const Drive& drive : drives) {
       if (!is_block(drive.block)) throw of_another_model();
     }
-    time_step.time_step = data.time_step = riding->time_step();
+    follow_time_step();
     partition_work();
   }
   if (reader.left() != 0) throw of_another_model();
