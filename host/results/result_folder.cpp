@@ -73,6 +73,11 @@ bool made_plots(const Manifest& manifest) {
                      [](const std::string& name) { return name == "plots" || name.starts_with("plots/"); });
 }
 
+// A file that the last run had begun when it was killed, before the manifest knew of it: its token tells.
+bool is_part_of(const Manifest& manifest, const std::string& name) {
+  return !manifest.token.empty() && name.ends_with(fmt::format(".{}.part", manifest.token));
+}
+
 void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) {
   std::vector<std::string> foreign;
   std::error_code error;
@@ -81,14 +86,16 @@ void refuse_what_others_wrote(const fs::path& folder, const Manifest& manifest) 
   if (fs::is_directory(kind) && made_plots(manifest)) {
     for (const auto& entry : fs::directory_iterator(plots, error)) {
       const std::string name = "plots/" + entry.path().filename().string();
-      if (is_name_of_a_result(name) && !manifest.names.contains(name)) foreign.push_back(name);
+      if (is_name_of_a_result(name) && !manifest.names.contains(name) && !is_part_of(manifest, name))
+        foreign.push_back(name);
     }
   } else if (fs::exists(kind) && !(fs::is_directory(kind) && fs::is_empty(plots, error))) {
     foreign.emplace_back("plots");
   }
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (is_name_of_a_result(name) && !manifest.names.contains(name)) foreign.push_back(name);
+    if (is_name_of_a_result(name) && !manifest.names.contains(name) && !is_part_of(manifest, name))
+      foreign.push_back(name);
   }
   if (foreign.empty()) return;
   std::sort(foreign.begin(), foreign.end());
@@ -113,6 +120,15 @@ bool remove_old_results(const fs::path& folder, const Manifest& manifest, const 
                                                  "with --out",
                                                  (folder / file).string(), error.message()));
     }
+  }
+  for (const fs::path& place : {folder, folder / "plots"}) {
+    std::vector<fs::path> parts;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(place, none)) {
+      if (is_part_of(manifest, entry.path().filename().string()) && entry.is_regular_file(none))
+        parts.push_back(entry.path());
+    }
+    for (const fs::path& part : parts) fs::remove(part, none);
   }
   if (!made_plots(manifest)) return false;
   std::error_code not_empty;
