@@ -330,15 +330,27 @@ void Model::replace_law(int family, std::shared_ptr<const Material> material, st
 
 void Model::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
 
+// The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to the
+// support.
+void Model::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
+  const int changed = held ^ next;
+  for (int k = 0; changed != 0 && k < 3; ++k)
+    if (changed >> k & 1) energies_.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
+  held = next;
+}
+
 void Model::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
-    body.held = held | body.support, body.held_v = velocity, body.held_omega = omega;
+    hold(body.held, held | body.support, body.mass, body.v);
+    body.held_v = velocity, body.held_omega = omega;
     return;
   }
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    node_held_[i] = uint8_t((held & 7) | node_support_[i]), node_held_v_[i] = velocity;
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
+    hold(node_held_[i], uint8_t((held & 7) | node_support_[i]), node_mass_[i], node_v_[i]);
+    node_held_v_[i] = velocity;
+  }
 }
 
 void Model::release(int block) { prescribe(block, {}, {}, 0); }
@@ -419,6 +431,7 @@ void Model::apply_force(int block, const Vector& force) {
 void Model::track_energy(bool on) {
   energy_ = on;
   energies_ = {};
+  later_ = {};
   for (Family& f : families_) {
     f.stored.assign(on ? f.size() : 0, 0.0);
     for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);

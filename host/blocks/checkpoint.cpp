@@ -93,6 +93,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.unbalanced_);
   archive.value(m.net_);
   archive.value(m.energies_);
+  archive.value(m.later_);
 }
 
 void Model::save(ArchiveWriter& writer) const { transfer_state(writer, *this); }

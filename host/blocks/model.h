@@ -161,11 +161,12 @@ struct Gridpoints {
   std::span<const uint8_t> held;
 };
 
-struct Energies {  // J
-  double kinetic = 0.0, strain = 0.0, contact_stored = 0.0;
+struct Energies {        // J
+  double kinetic = 0.0;  // of components that are free to move
+  double strain = 0.0, contact_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
   double damping = 0.0;                            // taken by damping
-  double external = 0.0;                           // done by weight, loads and prescribed velocities
+  double external = 0.0;  // done by weight, loads and supports: what joints take from these, whatever their inertia
   // Energy lost (> 0) or gained when contact points were placed anew, and lost with the inertia of halves on each other
   // when a unit came apart.
   double detection = 0.0;
@@ -174,6 +175,11 @@ struct Energies {  // J
   double balance_error(double at_start) const {
     return kinetic + strain + contact_stored + dissipated_total() + damping + detection - external - at_start;
   }
+};
+
+// Work of forces in the second half of their step.
+struct HalfStep {
+  double damping = 0.0, external = 0.0;  // J
 };
 
 struct Load {
@@ -376,6 +382,7 @@ class Model {
   Gridpoints gridpoints_of(int block) const;
   UnitInertia inertia_of(const Unit& unit) const;
   double rigid_kinetic_energy(const Unit& unit) const;
+  void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void find_units();
   void part_units();
   void scale_motion(std::vector<Vector>& y, bool of_forces) const;
@@ -473,6 +480,7 @@ class Model {
   double total_force_ = 0.0, unbalanced_ = 0.0;
   Vector net_;
   Energies energies_;
+  HalfStep later_;
 };
 
 }  // namespace quoin::blocks

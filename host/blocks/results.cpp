@@ -98,12 +98,13 @@ double Model::strain_energy() const {
 double Model::kinetic_energy() const {
   double sum = 0.0;
   for (const Body& b : bodies_) {
-    sum += 0.5 * b.mass * dot(b.v, b.v);
+    for (int k = 0; k < 3; ++k)
+      if (!(b.held >> k & 1)) sum += 0.5 * b.mass * b.v[k] * b.v[k];
     if ((b.held >> 3) != 7) sum += 0.5 * dot(b.momentum, b.omega);
   }
   for (size_t i = 0; i < node_v_.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      const double factor = node_held_[i] >> k & 1 ? 1.0 : solver_.deformation_inertia;
+      const double factor = node_held_[i] >> k & 1 ? 0.0 : solver_.deformation_inertia;
       sum += 0.5 * factor * node_mass_[i] * node_v_[i][k] * node_v_[i][k];
     }
   }

@@ -434,10 +434,7 @@ void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, Blo
     for (int k = 0; k < 3; ++k) {
       if (node_held_[i] >> k & 1) {
         v[k] = node_held_v_[i][k];
-        energy += (before[k] + v[k]) * (before[k] + v[k]);
-        if (energy_)
-          sums.external += (node_mass_[i] * (v[k] - before[k]) / dt_ - force[k] + node_weight_mass_[i] * g[k]) * 0.5 *
-                           (v[k] + before[k]) * dt_;
+        if (energy_) sums.external += (node_weight_mass_[i] * g[k] - force[k]) * 0.5 * (v[k] + before[k]) * dt_;
       } else {
         v[k] = damper.velocity(v[k], driving[k], node_mass_[i], taken);
         free += force[k] * force[k];
@@ -465,9 +462,7 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
   for (int k = 0; k < 3; ++k) {
     if (b.held >> k & 1) {
       b.v[k] = b.held_v[k];
-      if (energy_)
-        sums.external += (b.mass * (b.v[k] - v_before[k]) / dt_ - b.force[k] + b.weight_mass * g[k]) * 0.5 *
-                         (b.v[k] + v_before[k]) * dt_;
+      if (energy_) sums.external += (b.weight_mass * g[k] - b.force[k]) * 0.5 * (b.v[k] + v_before[k]) * dt_;
     } else {
       b.v[k] = damper.velocity(b.v[k], b.force[k], b.mass, sums.damping);
       free += b.force[k] * b.force[k];
@@ -522,7 +517,8 @@ void Model::integrate_body(Body& b, BlockSums& sums) {
   sums.positions = b.x.x + b.x.y + b.x.z + b.q.w;
   if (energy_) {
     const Vector mean = 0.5 * (v_before + b.v);
-    sums.kinetic += 0.5 * b.mass * dot(mean, mean);
+    for (int k = 0; k < 3; ++k)
+      if (!(b.held >> k & 1)) sums.kinetic += 0.5 * b.mass * mean[k] * mean[k];
     if ((b.held >> 3) != 7) sums.kinetic += 0.125 * dot(b.momentum + momentum_before, b.omega + omega_before);
   }
 }
@@ -543,12 +539,18 @@ void Model::sum_up() {
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) energies_.dissipated[k] += chunk.dissipated[k];
     energies_.damping += chunk.damping;
   }
+  // Forces act from half a step before their time to half a step after it; energies are those at their time.
+  energies_.damping += later_.damping;
+  energies_.external += later_.external;
+  later_ = {};
   for (const BlockSums& sums : block_sums_) {
     energies_.kinetic += sums.kinetic;
     energies_.strain += sums.strain;
-    energies_.damping += sums.damping;
-    energies_.external += sums.external;
+    later_.damping += 0.5 * sums.damping;
+    later_.external += 0.5 * sums.external;
   }
+  energies_.damping += later_.damping;
+  energies_.external += later_.external;
 }
 
 // ---- Who does what -------------------------------------------------------------------------------------------------

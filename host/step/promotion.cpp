@@ -169,6 +169,8 @@ void Simulation::Impl::promote(const std::string& why) {
   leave_lattice();
   blocks::Model& m = *riding;
   m.start_at(promotion.time, step_count);
+  for (const Drive& drive : continued)
+    m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
   std::vector<Vector> before(m.node_positions().size());
   const bool plane = left->symmetry_plane_z0;
   for (std::size_t b = 0; b < left->bricks.size(); ++b) {

@@ -529,8 +529,14 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
       ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
       ramps[b].force_from[c] = prescribed ? 0.0 : carried;
       ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+      const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = controlled && !control->may_turn;
+      // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
+      // the support.
+      const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
+      const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
+      energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
       body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
-      body.prescribed[c + 3][lane] = controlled && !control->may_turn ? 1.0 : 0.0;
+      body.prescribed[c + 3][lane] = held ? 1.0 : 0.0;
     }
   }
   for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {

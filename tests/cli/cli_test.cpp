@@ -132,6 +132,7 @@ TEST_F(Cli, Models) {
 // On a terminal a bar of 40 cells, as full as the percentage says; elsewhere a line when a stage begins, and then one
 // every 5 s. Each stage of this run lasts about a second.
 TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
+  // Each stage takes several times the period of a report, on a fast machine too.
   const std::vector<std::string> run{QUOIN_PROGRAM,
                                      "run",
                                      small_,
@@ -140,9 +141,9 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
                                      "--threads",
                                      "1",
                                      "--set",
-                                     "stage.shear.velocity=0.0005",
+                                     "stage.shear.velocity=0.00015",
                                      "--set",
-                                     "stage.precompression.duration=1",
+                                     "stage.precompression.duration=3.5",
                                      "--set",
                                      "output.plots=false",
                                      "--set",

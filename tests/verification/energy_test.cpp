@@ -97,6 +97,34 @@ TEST(EnergyBalance, BlockSlidingOverAGap) {
   check_balance("block sliding over a gap", *m, start, start, {0.006, 0.012});
 }
 
+// A block carried sideways in the air, let go, and caught again in its fall: what is imposed is no kinetic energy, so
+// m v^2/2 comes from the support when it lets go, and goes to it when it catches. Gravity alone works in between, and
+// the balance closes to rounding.
+TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
+  Scene scene(mortar("dry"));
+  scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
+  const int b = scene.brick({0, 5, 0}, {0.4, 0.2, 0.3});
+  auto m = scene.model(viscous(0, 0));
+  m->track_energy(true);
+  m->set_gravity({0, -gravity, 0});
+  const double mass = m->mass_of(b);
+  m->prescribe(b, {2, 0, 0});
+  m->run_steps(100);
+  EXPECT_DOUBLE_EQ(m->energies().kinetic, 0.0);
+  EXPECT_DOUBLE_EQ(m->energies().external, 0.0);
+  m->release(b);
+  m->run(0.2);
+  const double kinetic = 0.5 * mass * (4 + gravity * gravity * 0.2 * 0.2);
+  EXPECT_NEAR(m->energies().kinetic, kinetic, 1e-3 * kinetic);
+  const double first = mass * std::pow(gravity * m->time_step(), 2) / 8;  // weight does not begin at a half step
+  EXPECT_NEAR(m->energies().balance_error(0.0), -first, 1e-12 * kinetic);
+  m->prescribe(b, {});
+  m->run_steps(2);
+  EXPECT_DOUBLE_EQ(m->energies().kinetic, 0.0);
+  // It is caught half a step after the time of the energies.
+  EXPECT_NEAR(m->energies().balance_error(0.0), 0.0, 2 * mass * gravity * 3 * m->time_step());
+}
+
 // Pushed out of its plane: first as one, then in pieces that fall on each other and on the ground.
 void wall(const std::string& what, const JointFamily& family, int courses, int width, const Vector& push, double end,
           const Bounds& bounds) {
