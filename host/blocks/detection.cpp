@@ -529,7 +529,14 @@ void Model::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& 
   const double nominal = c.beside_joint ? 0.0 : std::min(blocks_[c.pair.a].corner_area, blocks_[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   if (s.feature == Separation::edges) {
-    if (nominal > 0) edge_point(c, nominal, out);
+    if (edge_point(c, nominal, out)) return;
+    // Edges that keep blocks apart but pass beside each other, as the rims of units that lie on one another do.
+    const Placed a = placed(c.pair.a), b = placed(c.pair.b);
+    const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
+    if (dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal))
+      face_points(c.pair.a, face_of_a, c.pair.b, at_start, of_faces, out);
+    else
+      face_points(c.pair.b, face_of_b, c.pair.a, at_start, of_faces, out);
   } else if (s.feature == Separation::face_of_a) {
     face_points(c.pair.a, s.index_a, c.pair.b, at_start, of_faces, out);
   } else {
@@ -646,11 +653,15 @@ void Model::face_points(int owner, int owner_face, int carrier, bool at_start, d
   }
 }
 
-void Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
+// Whether edges cross, and the point where they do, unless its area (m2) is nothing.
+bool Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
   const Placed a = placed(c.pair.a), b = placed(c.pair.b);
   const auto &ea = a.shape->edges[c.separation.index_a], &eb = b.shape->edges[c.separation.index_b];
   const Vector u = a.vertices[ea.head] - a.vertices[ea.tail], v = b.vertices[eb.head] - b.vertices[eb.tail];
-  const auto [pa, pb] = closest_points(a.vertices[ea.tail], u, b.vertices[eb.tail], v);
+  const auto crossing = crossing_points(a.vertices[ea.tail], u, b.vertices[eb.tail], v);
+  if (!crossing) return false;
+  if (area <= 0) return true;
+  const auto& [pa, pb] = *crossing;
   NewPoint made;
   Point& p = made.point;
   p.a = c.pair.a, p.b = c.pair.b;
@@ -662,6 +673,7 @@ void Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out
   anchor(made, p.a, pa, ea.left, true);
   anchor(made, p.b, pb, eb.left, false);
   out.push_back(made);
+  return true;
 }
 
 // Ties one side of a point to its block: in the body frame of a rigid block, on the nearest surface triangle of a

@@ -424,7 +424,7 @@ class Model {
   Vector in_space(const Point& p, const Vector& v) const;  // of p's frame
   void make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out);
   void face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, std::vector<NewPoint>& out);
-  void edge_point(const Contact& c, double area, std::vector<NewPoint>& out);
+  bool edge_point(const Contact& c, double area, std::vector<NewPoint>& out);
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
   void refresh_facet_frame(Point& p, Facet& facet) const;
   struct Location {

@@ -31,13 +31,17 @@ bool arcs_cross(const Edge& a, const Edge& b) {
   return cba * dba < 0 && adc * bdc < 0 && cba * bdc > 0;
 }
 
-bool edge_axis(const Placed& a, const Edge& ea, const Edge& eb, Separation& s) {
+bool edge_axis(const Placed& a, const Placed& b, const Edge& ea, const Edge& eb, Separation& s) {
   const Vector m = cross(ea.direction, eb.direction);
   const double sine2 = dot(m, m), scale2 = dot(ea.direction, ea.direction) * dot(eb.direction, eb.direction);
   if (sine2 < 1e-6 * scale2) return false;  // parallel: a face normal is as good
   s.normal = m / std::sqrt(sine2);
   if (dot(s.normal, ea.point - a.centre) < 0) s.normal = -s.normal;
-  s.distance = dot(s.normal, eb.point - ea.point);
+  // Of all corners, not of the edges: faces that are bent by their load have arcs that seem to cross where they do not.
+  double lowest = 1e300, highest = -1e300;
+  for (size_t i = 0; i < b.shape->vertices.size(); ++i) lowest = std::min(lowest, dot(s.normal, b.vertices[i]));
+  for (size_t i = 0; i < a.shape->vertices.size(); ++i) highest = std::max(highest, dot(s.normal, a.vertices[i]));
+  s.distance = lowest - highest;
   s.feature = Separation::edges;
   return true;
 }
@@ -67,7 +71,8 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
       kept.normal = -b.normals[kept.index_b];
     } else {
       const Edge ea = edge(a, kept.index_a), eb = edge(b, kept.index_b);
-      if (!arcs_cross(ea, eb) || !edge_axis(a, ea, eb, kept)) kept.distance = -1e300, kept.feature = Separation::none;
+      if (!arcs_cross(ea, eb) || !edge_axis(a, b, ea, eb, kept))
+        kept.distance = -1e300, kept.feature = Separation::none;
     }
     if (kept.distance > stop_beyond) return kept;
   }
@@ -94,7 +99,7 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
       const Edge eb = edge(b, int(j));
       if (!arcs_cross(ea, eb)) continue;
       Separation s;
-      if (!edge_axis(a, ea, eb, s) || s.distance <= crossing.distance) continue;
+      if (!edge_axis(a, b, ea, eb, s) || s.distance <= crossing.distance) continue;
       s.index_a = int(i), s.index_b = int(j);
       crossing = s;
       found = true;
@@ -106,11 +111,13 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
   return best;
 }
 
-std::pair<Vector, Vector> closest_points(const Vector& p, const Vector& u, const Vector& q, const Vector& v) {
+std::optional<std::pair<Vector, Vector>> crossing_points(const Vector& p, const Vector& u, const Vector& q,
+                                                         const Vector& v) {
   const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), det = uu * vv - uv * uv;
   const Vector w = q - p;
   const double a = (dot(w, u) * vv - dot(w, v) * uv) / det, b = (dot(w, u) * uv - dot(w, v) * uu) / det;
-  return {p + a * u, q + b * v};
+  if (!(a >= 0 && a <= 1 && b >= 0 && b <= 1)) return std::nullopt;  // not a number where they are parallel
+  return std::pair{p + a * u, q + b * v};
 }
 
 }  // namespace quoin::geometry

@@ -2,6 +2,9 @@
 // normal of 3DEC's common plane. Candidates are the face normals of both and the cross products of their edges.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "geometry/polyhedron.h"
 
 namespace quoin::geometry {
@@ -34,7 +37,9 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
 // Face of p whose outward normal is closest to `direction`.
 int facing(const Placed& p, const Vector& direction);
 
-// Points of two lines (point, direction) that are closest to each other.
-std::pair<Vector, Vector> closest_points(const Vector& p, const Vector& u, const Vector& q, const Vector& v);
+// Points of two edges, p to p + u and q to q + v, where their lines are closest to each other; none where the lines
+// pass each other beyond the end of an edge, however near, as those of almost parallel edges do.
+std::optional<std::pair<Vector, Vector>> crossing_points(const Vector& p, const Vector& u, const Vector& q,
+                                                         const Vector& v);
 
 }  // namespace quoin::geometry
