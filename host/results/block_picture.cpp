@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "geometry/overlap.h"
 #include "geometry/vector.h"
 #include "results/crack_styles.h"
 #include "results/gnuplot.h"
@@ -72,7 +73,8 @@ View choose_view(const std::vector<Drawn>& blocks) {
 }
 
 struct Face {
-  std::vector<Vector> corners;
+  geometry::Polygon outline;  // on paper, m
+  bool fixed;
   double depth, displacement;
 };
 
@@ -84,10 +86,13 @@ std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& vi
       if (dot(normal, view.towards) <= 0.1 * norm(normal)) continue;
       Vector centre;
       for (const Vector& p : corners) centre += p / double(corners.size());
-      faces.push_back({corners, view.depth(centre), block.displacement});
+      Face& face = faces.emplace_back(Face{{}, block.fixed, view.depth(centre), block.displacement});
+      for (const Vector& p : corners) face.outline.push_back({view.x(p), view.y(p)});
     }
   }
-  std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.depth < b.depth; });
+  // From back to front; first the ground and other supports, whose middle says nothing of what stands on them.
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const Face& a, const Face& b) { return a.fixed != b.fixed ? a.fixed : a.depth < b.depth; });
   return faces;
 }
 
@@ -124,9 +129,10 @@ std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View&
 
 std::string point_text(const View& view, const Vector& p) { return fmt::format("{:.6g} {:.6g}", view.x(p), view.y(p)); }
 
-// Script up to the plot command: sizes, title, outlines of the faces as the datablock $faces.
+// Script up to the plot command: sizes, title, and every face as a polygon with its outline, the nearer over the
+// further. fill: of faces that have no displacement to show; empty: by displacement, as a place in the colour bar.
 std::string scene_of(const Scene& scene, const View& view, const std::vector<Drawn>& blocks,
-                     const std::vector<Face>& faces) {
+                     const std::vector<Face>& faces, const std::string& fill, const std::string& outline) {
   double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
   for (const Drawn& block : blocks) {
     if (block.fixed) continue;
@@ -137,21 +143,28 @@ std::string scene_of(const Scene& scene, const View& view, const std::vector<Dra
       }
     }
   }
-  std::string data;
-  for (const Face& face : faces) {
-    for (size_t k = 0; k <= face.corners.size(); ++k)
-      data +=
-          fmt::format("{} {:.6g}\n", point_text(view, face.corners[k % face.corners.size()]), face.displacement * 1e3);
-    data += "\n";
-  }
   const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
+  x0 -= margin, x1 += margin, y0 -= margin, y1 += margin;
+  // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
+  const geometry::Polygon paper{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+  std::string polygons;
+  int number = 0;
+  for (const Face& face : faces) {
+    geometry::Polygon seen, scratch;
+    clip(face.outline, paper, 0.0, seen, scratch);
+    if (seen.empty()) continue;
+    polygons += fmt::format("set object {} polygon from ", ++number);
+    for (const geometry::Point2& p : seen) polygons += fmt::format("{:.6g},{:.6g} to ", p.x, p.y);
+    polygons +=
+        fmt::format("{:.6g},{:.6g} fillcolor {} fillstyle solid 1.0 border linecolor {}\n", seen[0].x, seen[0].y,
+                    fill.empty() ? fmt::format("palette cb {:.6g}", face.displacement * 1e3) : fill, outline);
+  }
   const bool plane = view.towards.z == 1.0;
   return fmt::format(
       "set terminal pngcairo size 1200,1000 font 'Sans,16'\nset size ratio -1\nset title {} noenhanced\n{}"
-      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n$faces << EOD\n{}EOD\n",
+      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n{}",
       gnuplot_text(scene.title.empty() ? scene.file : scene.title),
-      plane ? "set xlabel 'x, m'\nset ylabel 'y, m'\n" : "unset tics\nunset border\n", x0 - margin, x1 + margin,
-      y0 - margin, y1 + margin, data);
+      plane ? "set xlabel 'x, m'\nset ylabel 'y, m'\n" : "unset tics\nunset border\n", x0, x1, y0, y1, polygons);
 }
 
 }  // namespace
@@ -165,11 +178,10 @@ std::string plot_mechanism(const std::filesystem::path& folder, const Simulation
   double largest = 1e-12;
   for (const Face& face : faces) largest = std::max(largest, face.displacement);
   return draw_picture(folder, "mechanism",
-                      scene_of(simulation.scene(), view, blocks, faces) +
+                      scene_of(simulation.scene(), view, blocks, faces, "", "rgb '#333333' linewidth 1.5") +
                           fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
                                       "set palette defined (0 '#e9e2d0', 1 '#c0392b')\n"
-                                      "plot $faces using 1:2:3 with filledcurves closed fillcolor palette, "
-                                      "$faces using 1:2 with lines linewidth 1.5 linecolor '#333333'\n",
+                                      "plot NaN with lines linecolor palette cb 0\n",
                                       largest * 1e3));
 }
 
@@ -182,10 +194,9 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
   std::array<std::string, kCrackCount> data;
   for (const Line& line : crack_lines(surfaces.joint_points(simulation), view))
     data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
-  std::string script = scene_of(simulation.scene(), view, blocks, visible_faces(blocks, view));
-  std::string plot =
-      "plot $faces using 1:2 with filledcurves closed fillcolor rgb '#f1ece0' notitle, "
-      "$faces using 1:2 with lines linewidth 1 linecolor rgb '#b5aa98' notitle";
+  std::string script =
+      scene_of(simulation.scene(), view, blocks, visible_faces(blocks, view), "rgb '#f1ece0'", "rgb '#b5aa98'");
+  std::string plot = "plot NaN notitle";
   for (const CrackStyle& style : kCrackStyles) {
     const std::string& lines = data[size_t(style.crack)];
     if (lines.empty()) continue;
