@@ -270,6 +270,7 @@ void run(RunOptions options, int& exit_code) {
     }
   }
   info.quasi_static = check_quasi_static(rows, simulation.scene());
+  info.crushed_out = find_crushed_out(simulation);
   info.wall_clock_s = process_seconds();
   write_summary(folder / "summary.json", simulation, rows, info);
   std::error_code ignored;
@@ -285,8 +286,8 @@ void run(RunOptions options, int& exit_code) {
                                             : "error not known: " + unknown;
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
-  const std::string warning = info.quasi_static.warning();
-  if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
+  for (const std::string& warning : {info.quasi_static.warning(), info.crushed_out.warning()})
+    if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
   if (failure) {
     recorder.progress().message(failure->exit_code == Exit::interrupted
                                     ? "quoin: interrupted; what was computed is kept in " + folder.string()

@@ -178,6 +178,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
                             Condition::crushing, Condition::crushed_out})
     states[condition_name(c)] = counts[static_cast<size_t>(c)];
+  json["overlap_of_crushed_out_m"] = info.crushed_out.overlap;
   json["laws"] = laws_of(simulation);
   const std::string unknown = why_error_unknown(scene, info);
   Json errors = nullptr;

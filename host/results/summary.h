@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "results/crushed_out.h"
 #include "results/quasi_static.h"
 #include "step/simulation.h"
 
@@ -16,6 +17,7 @@ struct RunInfo {
   std::vector<std::string> overrides;
   double wall_clock_s = 0.0;  // process start to end
   QuasiStatic quasi_static;
+  CrushedOut crushed_out;
 };
 
 // The laws in use: one name, or "mortar: a, unit: b" when families differ.

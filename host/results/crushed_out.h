@@ -1,0 +1,19 @@
+// Contact points that are crushed out: with a residual compressive strength of 0 they carry nothing, and blocks sink
+// into each other there (contact_models/fracture_energy/LAW.md).
+#pragma once
+
+#include <string>
+
+#include "step/simulation.h"
+
+namespace quoin {
+
+struct CrushedOut {
+  long points = 0;
+  double overlap = 0.0;         // of the blocks at the deepest of them, m
+  std::string warning() const;  // empty: none
+};
+
+CrushedOut find_crushed_out(const Simulation& simulation);
+
+}  // namespace quoin
