@@ -64,8 +64,8 @@ enum class Kernels { automatic, lattice, general };
 
 // Up to here small displacements give curves within 1 % of those of large motion (benchmarks/README.md).
 struct MotionBound {
-  double rotation = 0.004;  // of a block, rad
-  double sliding = 0.007;   // of two joined blocks on each other, over the length of their joint
+  double rotation = 0.013;  // of a block, rad
+  double sliding = 0.03;    // of two joined blocks on each other, over the length of their joint
   bool stop = true;         // past it, with LargeMotion::never; else only a warning
 };
 
