@@ -17,6 +17,11 @@
 
 namespace quoin {
 
+using Clock = std::chrono::steady_clock;
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 // Rigid bodies in motion, one a lane: those of a group, or a lone one in lane 0. Rotations are small: a vector.
 struct BodyLanes {
   using Quantity = double[3][kLanes];

@@ -1,0 +1,257 @@
+// What acts on bodies and blocks in a stage: imposed velocities, forces, gravity, the whiffletree.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "step/state.h"
+
+namespace quoin {
+
+void Simulation::Impl::apply_controls() {
+  if (!controls_settled)
+    follow_ramps();
+  else if (riding && scene.stages[static_cast<std::size_t>(stage)].collapse)
+    drive_blocks(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
+  else if (!rest_known)
+    find_bodies_at_rest();
+  if (!whiffletree.empty()) pull_whiffletree();
+}
+
+double Simulation::Impl::mean_along_x(const LoadedBlock& block, const LaneVector<double>& field) const {
+  double sum = 0.0;
+  model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) { sum += mass * field[offset]; });
+  return sum / block.mass;
+}
+
+double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
+  const Floor& f = whiffletree[floor];
+  if (riding) return riding_displacement(f.riding)[0];
+  double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
+  for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
+  return sum / f.count();
+}
+
+double Simulation::Impl::floor_displacement(std::size_t floor) const {
+  const Floor& f = whiffletree[floor];
+  if (riding) {
+    double rate = 0.0;
+    for (const int block : f.riding) rate += riding->velocity(block).x / f.count();
+    return floor_displacement_now(floor) - data.time_step * rate;
+  }
+  double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
+  for (const int i : f.loaded) rate += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], velocity);
+  return floor_displacement_now(floor) - data.time_step * rate / f.count();
+}
+
+void Simulation::Impl::apply_load(std::size_t loaded) {
+  const LoadedBlock& block = loaded_blocks[loaded];
+  const Model::BlockPlace& where = model.place[static_cast<std::size_t>(block.block)];
+  const auto first = static_cast<std::size_t>(load_of_group[static_cast<std::size_t>(where.group)] - load.data());
+  for (std::size_t c = 0; c < 3; ++c)
+    load[first + c * kLanes + static_cast<std::size_t>(where.lane)] = load_ramps[loaded].now[c] / block.mass;
+}
+
+void Simulation::Impl::pull_whiffletree() {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  const Whiffletree& tree = *settings.whiffletree;
+  // Integral of the ramped velocity from the start of the stage.
+  const double elapsed = stage_time();
+  double driven = elapsed;
+  if (settings.ramp_time > 0.0) {
+    const double t = std::min(1.0, elapsed / settings.ramp_time);
+    driven = settings.ramp_time * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, elapsed - settings.ramp_time);
+  }
+  // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
+  double mean = 0.0;
+  for (std::size_t f = 0; f < whiffletree.size(); ++f)
+    mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
+  const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
+  for (const Floor& floor : whiffletree) {
+    for (const int block : floor.riding) pull_block(block, pull / floor.count());
+    for (const int body : floor.bodies) {
+      const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
+      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
+    }
+    for (const int i : floor.loaded) {
+      load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
+      apply_load(static_cast<std::size_t>(i));
+    }
+  }
+}
+
+void Simulation::Impl::follow_ramps() {
+  const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
+  const double elapsed =
+      riding ? stage_time() + 0.5 * riding->time_step() : (static_cast<double>(stage_step) + 0.5) * data.time_step;
+  const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
+  const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
+  for (const int body : ramped_bodies) {
+    const auto b = static_cast<std::size_t>(body);
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      lanes.prescribed_velocity[c][lane] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
+      lanes.applied_force[c][lane] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
+    }
+  }
+  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+    LoadRamp& of_block = load_ramps[i];
+    for (std::size_t c = 0; c < 3; ++c) of_block.now[c] = between(of_block.from[c], of_block.to[c]);
+    apply_load(i);
+  }
+  for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
+  controls_settled = s >= 1.0;
+  if (riding) drive_blocks(s);
+}
+
+void Simulation::Impl::control_bodies(const Stage& settings) {
+  for (const BodyControl& control : settings.controls) {
+    const bool deformable = !model.deformable_blocks_named(control.body).empty();
+    if (model.bodies_named(control.body).empty() && !deformable) {
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' controls the body '{}', but the assembly has no block of "
+                              "that name",
+                              settings.source.text, settings.name, control.body));
+    }
+    if (deformable && control.kind != std::array{DofKind::free, DofKind::free, DofKind::free}) {
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' holds or moves '{}', a deformable block: it can only be loaded; make all "
+                              "of its velocity \"free\"",
+                              settings.source.text, settings.name, control.body));
+    }
+  }
+  const std::vector<int> new_monitor = model.bodies_named(settings.monitor);
+  if (!settings.monitor.empty() && new_monitor.empty()) {
+    throw Error(Exit::bad_input,
+                fmt::format("{}: stage '{}' monitors the body '{}', but the assembly has no rigid block of that "
+                            "name",
+                            settings.source.text, settings.name, settings.monitor));
+  }
+  if (settings.displacement && new_monitor.empty()) {
+    throw Error(Exit::bad_input, fmt::format("{}: stage '{}' ends by displacement but has no monitor body",
+                                             settings.source.text, settings.name));
+  }
+
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [place, lane] = body_place[b];
+    BodyLanes& body = body_lanes[static_cast<std::size_t>(place)];
+    const Vec3 joints = joint_force(static_cast<int>(b));
+    const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
+      return !c.body.empty() && c.body == model.bodies[b].name;
+    });
+    const bool controlled = control != settings.controls.end();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool was_prescribed = body.prescribed[c][lane] != 0.0;
+      const bool prescribed = controlled && control->kind[c] == DofKind::velocity;
+      // What a support has carried so far is the force from which a newly freed component starts.
+      const double carried =
+          was_prescribed ? -joints[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c][lane];
+      ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
+      ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
+      ramps[b].force_from[c] = prescribed ? 0.0 : carried;
+      ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+      const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = controlled && !control->may_turn;
+      // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
+      // the support.
+      const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
+      const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
+      energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
+      body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
+      body.prescribed[c + 3][lane] = held ? 1.0 : 0.0;
+    }
+  }
+  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+    const std::string& name = model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body;
+    const auto control = std::find_if(settings.controls.begin(), settings.controls.end(),
+                                      [&](const BodyControl& c) { return c.body == name; });
+    load_ramps[i].from = load_ramps[i].now;
+    load_ramps[i].to = control != settings.controls.end() ? control->force : Vec3{};
+  }
+  monitor = new_monitor;
+  monitor_start = mean_of(monitor, &BodyLanes::displacement);
+}
+
+void Simulation::Impl::bind_controls() {
+  ramped_bodies.clear();
+  for (BodyLanes& lanes : body_lanes) lanes.any_prescribed = false;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    for (const auto& prescribed : lanes.prescribed)
+      lanes.any_prescribed = lanes.any_prescribed || prescribed[lane] != 0.0;
+    const BodyRamp& ramp = ramps[b];
+    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to)
+      ramped_bodies.push_back(static_cast<int>(b));
+    for (std::size_t c = 0; c < 3; ++c) {
+      lanes.prescribed_velocity[c][lane] = ramp.velocity_from[c];
+      lanes.applied_force[c][lane] = ramp.force_from[c];
+    }
+  }
+  find_bodies_at_rest();
+  rest_known = false;  // the end of the ramps may bring others to rest
+}
+
+void Simulation::Impl::find_bodies_at_rest() {
+  for (BodyLanes& lanes : body_lanes) lanes.at_rest = scene.solver.skip_resting_bodies;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const bool held = (lanes.prescribed[c][lane] != 0.0 || model.bodies[b].held[c]) &&
+                        (lanes.prescribed[3 + c][lane] != 0.0 || model.bodies[b].held[3 + c]);
+      const bool still = lanes.velocity[c][lane] == 0.0 && lanes.spin[c][lane] == 0.0 &&
+                         (controls_settled ? lanes.prescribed_velocity[c][lane] == 0.0
+                                           : ramps[b].velocity_from[c] == 0.0 && ramps[b].velocity_to[c] == 0.0);
+      lanes.at_rest = lanes.at_rest && held && still;
+    }
+  }
+  rest_known = true;
+}
+
+void Simulation::Impl::find_loaded_blocks() {
+  std::vector<int> place(model.groups.size(), -1);
+  int count = 0;
+  for (std::size_t i = 0; i < model.assembly.bricks.size(); ++i) {
+    const Brick& brick = model.assembly.bricks[i];
+    if (brick.rigid || brick.body.empty()) continue;
+    LoadedBlock& loaded = loaded_blocks.emplace_back();
+    loaded.block = static_cast<int>(i);
+    model.for_each_gridpoint(loaded.block, [&](std::size_t, double mass) { loaded.mass += mass; });
+    int& group = place[static_cast<std::size_t>(model.place[i].group)];
+    if (group < 0) group = count++;
+  }
+  load.assign(static_cast<std::size_t>(count) * kLine, 0.0);
+  for (const int group : place) load_of_group.push_back(group < 0 ? nullptr : load.data() + group * kLine);
+  load_ramps.resize(loaded_blocks.size());
+}
+
+void Simulation::Impl::bind_whiffletree() {
+  whiffletree.clear();
+  if (stage < 0 || !scene.stages[static_cast<std::size_t>(stage)].whiffletree) return;
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  for (const auto& floor : settings.whiffletree->floors) {
+    Floor& indices = whiffletree.emplace_back();
+    for (const std::string& name : floor) {
+      if (riding) {
+        const std::vector<int> named = blocks_named(name, settings.source.text);
+        indices.riding.insert(indices.riding.end(), named.begin(), named.end());
+        continue;
+      }
+      const std::vector<int> named = model.bodies_named(name);
+      indices.bodies.insert(indices.bodies.end(), named.begin(), named.end());
+      bool found = !named.empty();
+      for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
+        if (model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body != name) continue;
+        indices.loaded.push_back(static_cast<int>(i));
+        found = true;
+      }
+      if (!found)
+        throw Error(Exit::bad_input, fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no block "
+                                                 "of that name",
+                                                 settings.source.text, settings.name, name));
+    }
+  }
+}
+
+}  // namespace quoin

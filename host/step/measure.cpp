@@ -1,0 +1,213 @@
+// What a run reports of its step: a row of the history, energies, how far blocks have moved.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "step/state.h"
+
+namespace quoin {
+
+void Simulation::Impl::sum_measurements() {
+  if (riding) return measure_riding_step();
+  double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
+  Energies now;
+  for (const Measured& m : measured) {
+    unbalanced = std::max(unbalanced, m.unbalanced_squared);
+    if (std::isnan(m.unbalanced_squared)) unbalanced = m.unbalanced_squared;
+    now.kinetic += m.kinetic;
+    now.strain += m.strain;
+    damping_before += m.damping_before;
+    damping_after += m.damping_after;
+    external_before += m.external_before;
+    external_after += m.external_after;
+  }
+  double force_sum = 0.0;
+  for (const LawCall& call : calls) {
+    force_sum += call.force_sum;
+    now.contact_stored += call.stored;
+    for (std::size_t k = 0; k < 4; ++k) energy_dissipated[k] += call.dissipated[k];
+  }
+  kinetic = now.kinetic;
+  const double mean = model.point_count > 0 ? force_sum / model.point_count : 0.0;
+  unbalanced_ratio = unbalanced == 0.0 ? 0.0
+                     : mean > 0.0      ? std::sqrt(unbalanced) / mean
+                                       : std::numeric_limits<double>::infinity();
+  if (!want_energy) return;
+  now.dissipated = energy_dissipated;
+  now.damping = energy_damping + damping_before;
+  now.external = energy_external + external_before;
+  energy_damping += damping_before + damping_after;
+  energy_external += external_before + external_after;
+  energies = now;
+}
+
+HistoryRow Simulation::Impl::measure() const {
+  HistoryRow row;
+  row.stage = std::max(stage, 0);
+  row.step = step_count;
+  row.time = now();
+  row.unbalanced_ratio = unbalanced_ratio;
+  row.kinetic_energy = kinetic;
+  row.energies = energies;
+  if (riding) {
+    measure_riding(row);
+    return row;
+  }
+  if (scene.blocks) row.largest_displacement = largest_displacement();
+  if (monitor.empty()) return row;
+
+  // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
+  const Vec3 moved = mean_of(monitor, &BodyLanes::displacement), velocity_now = mean_of(monitor, &BodyLanes::velocity);
+  double arms = 0.0;
+  for (const int b : monitor) {
+    const Vec3 joints = joint_force(b);
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
+    for (const Vec3& arm : model.bodies[static_cast<std::size_t>(b)].arm) arms += arm[1];
+  }
+  const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];
+  row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
+  row.resistance = -row.joint_force[direction];
+  if (!whiffletree.empty()) {
+    // The roof against the shear force that the walls carry to the ground.
+    row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
+    row.displacement = row.monitor_displacement[0] - monitor_start[0];
+    row.resistance = row.joint_force[0];
+  }
+  const double whole = model.assembly.symmetry_factor;
+  row.dynamic_force = whole * model.total_mass() * data.gravity[direction];
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const auto [index, lane] = body_place[b];
+    const BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
+    const double weight = model.bodies[b].mass * data.gravity[direction];
+    row.dynamic_force +=
+        whole * (lanes.prescribed[direction][lane] != 0.0 ? -joint_force(static_cast<int>(b))[direction] - weight
+                                                          : lanes.applied_force[direction][lane]);
+  }
+  for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
+  row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
+  return row;
+}
+
+// Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
+WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
+  const Model::BlockPlace& where = model.place[brick];
+  if (where.body >= 0)
+    return {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
+  const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
+  const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+  std::array<Vec3, 8> corner;
+  for (int k = 0; k < 8; ++k) {
+    const int node =
+        shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
+    const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
+    corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
+  }
+  return whole_motion(shape.size, corner);
+}
+
+void Simulation::Impl::look_at_motion() {
+  if (riding) return look_at_riding_motion();
+  whole_motions.resize(model.assembly.bricks.size());
+  for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
+  joint_sliding.look(whole_motions, &motion_seen);
+}
+
+std::string Simulation::Impl::past_motion_bound() const {
+  if (!riding) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
+  // Blocks of any shape leave small displacements by themselves.
+  if (scene.solver.large_motion != LargeMotion::never || riding->small_displacement()) return "";
+  return "blocks have moved further than small displacements allow (contact.small_displacement)";
+}
+
+// What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
+void Simulation::Impl::require_finite(const HistoryRow& row) const {
+  const std::pair<const char*, double> values[] = {
+      {"kinetic energy", row.kinetic_energy},
+      {"displacement of the monitor", row.displacement},
+      {"force on the monitor", row.resistance},
+      {"largest displacement", row.largest_displacement},
+      {"energy balance", row.energies.value_or(Energies{}).balance_error()},
+  };
+  for (const auto& [name, value] : values) {
+    if (std::isfinite(value)) continue;
+    throw Error(Exit::numerical,
+                fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check the velocities "
+                            "and forces of the stage, or reduce solver.time_step_fraction (the time step is {:.4g} s, "
+                            "{:g} of 2/omega_max)",
+                            scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, name, value,
+                            data.time_step, data.time_step / time_step.critical.value));
+  }
+}
+
+Vec3 Simulation::Impl::of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const {
+  const auto [index, lane] = body_place[static_cast<std::size_t>(body)];
+  const BodyLanes::Quantity& value = body_lanes[static_cast<std::size_t>(index)].*quantity;
+  return {value[0][lane], value[1][lane], value[2][lane]};
+}
+
+Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*translation,
+                                  BodyLanes::Quantity BodyLanes::*rotation, const Vec3& position) const {
+  const Vec3 turned = of_body(body, rotation);
+  const Vec3& centre = model.bodies[static_cast<std::size_t>(body)].centre;
+  Vec3 result = of_body(body, translation);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
+    result[c] =
+        result[c] + turned[next] * (position[last] - centre[last]) - turned[last] * (position[next] - centre[next]);
+  }
+  return result;
+}
+
+Vec3 Simulation::Impl::joint_force(int body) const {
+  const RigidBody& b = model.bodies[static_cast<std::size_t>(body)];
+  Vec3 sum{};
+  for (std::size_t i = 0; i < b.point.size(); ++i) {
+    const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(model.point_axis[p]);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (model.area[p] * traction[c][p]);
+  }
+  return sum;
+}
+
+Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const { return jump_of(point, 1.0, -data.time_step); }
+
+Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, double of_velocity) const {
+  const auto p = static_cast<std::size_t>(point);
+  const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
+  const auto displacement_of = [&](int block, std::int32_t gridpoint) {
+    const int body = model.place[static_cast<std::size_t>(block)].body;
+    Vec3 u, v;
+    if (body < 0) {
+      const auto i = static_cast<std::size_t>(gridpoint);
+      u = {displacement[i], displacement[i + kLanes], displacement[i + 2 * kLanes]};
+      v = {velocity[i], velocity[i + kLanes], velocity[i + 2 * kLanes]};
+    } else {
+      u = of_body_at(body, &BodyLanes::displacement, &BodyLanes::rotation, model.point_position[p]);
+      v = of_body_at(body, &BodyLanes::velocity, &BodyLanes::spin, model.point_position[p]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
+    return u;
+  };
+  const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
+  const Vec3 a = displacement_of(in_order ? joint.block_a : joint.block_b, model.node_a[p]);
+  const Vec3 b = displacement_of(in_order ? joint.block_b : joint.block_a, model.node_b[p]);
+  const std::size_t n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
+  return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
+}
+
+double Simulation::Impl::opening_at_traction(std::int32_t point) const {
+  return jump_at_traction(point)[0] + (normal_shift.empty() ? 0.0 : normal_shift[static_cast<std::size_t>(point)]);
+}
+
+Vec3 Simulation::Impl::mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const {
+  Vec3 mean{};
+  for (const int b : indices) {
+    const Vec3 value = of_body(b, quantity);
+    for (std::size_t c = 0; c < 3; ++c) mean[c] += value[c] / static_cast<double>(indices.size());
+  }
+  return mean;
+}
+
+}  // namespace quoin

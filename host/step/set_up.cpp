@@ -1,0 +1,180 @@
+// From scene and bricks to the arrays that the step goes over.
+#include <algorithm>
+#include <cstring>
+
+#include "step/state.h"
+
+namespace quoin {
+
+Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
+                       std::vector<std::shared_ptr<const Material>> materials, const blocks::Assembly* shapes)
+    : scene(std::move(scene_in)),
+      pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+      want_energy(scene.output.energy),
+      keep_diagnostics(scene.output.energy) {
+  take_bricks(std::move(assembly), materials);
+  for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
+  if (shapes) build_riding(*shapes, std::move(materials));
+  bind_step();
+}
+
+void Simulation::Impl::bind_step() {
+  data.time_step = time_step.time_step;
+  data.internal_forces = scene.solver.internal_forces;
+  data.energies = want_energy;
+  data.damping = scene.solver.damping;
+  data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
+  data.stiffness_damping = time_step.stiffness_damping;
+  choose_damping();
+  bind_columns();
+  partition_work();
+}
+
+void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials) {
+  model = Model(std::move(assembly), materials);
+  inertia = {};
+  time_step = {};
+  if (!model.assembly.bricks.empty())
+    time_step = choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages);
+  joint_sliding = JointSliding(model.assembly);
+  normal_shift.clear();
+  body_lanes.clear(), body_place.clear(), group_inertia.clear(), ramps.clear();
+  loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();
+  shared_dt_over_mass.clear(), inertia_tables.clear();
+  law_state.clear(), calls.clear();
+  monitor.clear(), ramped_bodies.clear(), whole_motions.clear();
+  const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
+  const auto points = static_cast<std::size_t>(model.point_count);
+  displacement.assign(doubles, 0.0);
+  velocity.assign(doubles, 0.0);
+  for (auto& column : traction) column.assign(points, 0.0);
+  for (auto& column : force) column.assign(points + kLanes, 0.0);
+  flags.assign(points, 0);
+  if (want_energy) {
+    for (auto& column : energy_columns) column.assign(points, 0.0);
+  }
+  ramps.resize(model.bodies.size());
+  find_loaded_blocks();
+  measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
+  body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
+  body_place.resize(model.bodies.size());
+  for (std::size_t g = 0; g < model.body_groups.size(); ++g) {
+    const BodyGroup& group = model.body_groups[g];
+    for (int lane = 0; lane < group.body_count; ++lane)
+      body_place[static_cast<std::size_t>(group.body[static_cast<std::size_t>(lane)])] = {static_cast<int>(g), lane};
+    group_inertia.push_back(inertia_of(group, model, inertia, time_step.time_step));
+  }
+  for (std::size_t i = 0; i < model.lone_bodies.size(); ++i)
+    body_place[static_cast<std::size_t>(model.lone_bodies[i])] = {static_cast<int>(model.body_groups.size() + i), 0};
+
+  dt_over_mass.assign(doubles, 0.0);
+  for (std::size_t i = 0; i < doubles; ++i) {
+    if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0)
+      dt_over_mass[i] = time_step.time_step / (inertia.deformation * inertia.node[i]);
+  }
+  share_inertia();
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    const std::vector<double> initial = family.material->initial_state(model.assembly.families[f].initial_state);
+    LaneVector<double> columns;
+    for (double value : initial) columns.insert(columns.end(), static_cast<std::size_t>(family.point_count), value);
+    law_state.push_back(std::move(columns));
+  }
+}
+
+void Simulation::Impl::share_inertia() {
+  for (const BlockGroup& group : model.groups) {
+    std::vector<double> table;
+    bool alike = true;
+    for (int n = 0; n < model.templates[static_cast<std::size_t>(group.brick_template)].node_count; ++n) {
+      for (int c = 0; c < 3; ++c) {
+        const double* lane = dt_over_mass.data() + (group.first_line + n) * kLine + c * kLanes;
+        table.push_back(lane[0]);
+        alike = alike && std::all_of(lane, lane + group.block_count, [&](double x) { return x == lane[0]; });
+      }
+    }
+    shared_dt_over_mass.push_back(alike ? inertia_tables.insert(std::move(table)).first->data() : nullptr);
+  }
+}
+
+void Simulation::Impl::bind_columns() {
+  data.displacement = displacement.data();
+  data.velocity = velocity.data();
+  data.dt_over_mass = dt_over_mass.data();
+  data.shared_dt_over_mass = shared_dt_over_mass.data();
+  data.load = load_of_group.data();
+  data.deformation_inertia = inertia.deformation;
+  data.unit_inertia = inertia.unit;
+  data.block_motion = inertia.rigid.block.empty() ? nullptr : inertia.rigid.block.data();
+  data.unit_motion = inertia.rigid.unit.empty() ? nullptr : inertia.rigid.unit.data();
+  data.normal_shift = normal_shift.empty() ? nullptr : normal_shift.data();
+  for (std::size_t k = 0; k < 3; ++k) {
+    data.traction[k] = traction[k].data();
+    data.force[k] = force[k].data();
+  }
+  calls.resize(model.chunks.size());
+  for (std::size_t c = 0; c < model.chunks.size(); ++c) {
+    const ContactChunk& chunk = model.chunks[c];
+    const auto f = static_cast<std::size_t>(chunk.family);
+    const ContactFamily& family = model.families[f];
+    const quoin_law& law = family.material->api();
+    LawCall& call = calls[c];
+    call.state_old.clear();
+    call.state_new.clear();
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      double* column = law_state[f].data() + k * static_cast<std::size_t>(family.point_count) +
+                       (chunk.first_point - family.first_point);
+      if (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !keep_diagnostics) column = nullptr;
+      call.state_old.push_back({column, 1});
+      call.state_new.push_back({column, 1});
+    }
+    call.batch = {};
+    call.batch.struct_size = sizeof(quoin_batch);
+    call.batch.count = static_cast<std::uint64_t>(chunk.point_count);
+    for (std::size_t k = 0; k < 3; ++k) {
+      call.batch.traction_old[k] = {traction[k].data() + chunk.first_point, 1};
+      call.batch.traction_new[k] = {traction[k].data() + chunk.first_point, 1};
+    }
+    call.batch.state_old = call.state_old.data();
+    call.batch.state_new = call.state_new.data();
+    if (want_energy && (law.capabilities & QUOIN_CAN_ENERGY)) {
+      call.batch.energy_stored = {energy_columns[0].data() + chunk.first_point, 1};
+      for (std::size_t k = 0; k < 4; ++k)
+        call.batch.dissipated[k] = {energy_columns[k + 1].data() + chunk.first_point, 1};
+    }
+  }
+}
+
+void Simulation::Impl::partition_work() {
+  std::vector<double> weight;
+  for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
+  for (int c = 0; riding && c < riding->chunk_count(); ++c) weight.push_back(riding->chunk_work(c));
+  chunk_end = shares(weight, pool.thread_count());
+
+  // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
+  constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
+  weight.clear();
+  std::size_t largest = 0;
+  for (const UnitGroup& unit : model.unit_groups) {
+    weight.push_back(0.0);
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = model.groups[static_cast<std::size_t>(g)];
+      const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
+      weight.back() += static_cast<double>(shape.coefficient.size());
+      largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
+    }
+  }
+  for (const BodyGroup& group : model.body_groups)
+    weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
+  for (const int b : model.lone_bodies)
+    weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
+  for (int b = 0; riding && b < riding->block_count(); ++b) weight.push_back(riding->block_work(b));
+  item_end = shares(weight, pool.thread_count());
+  data.scratch_doubles = kScratchColumns * largest;
+  for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {
+    scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
+    jumps.push_back(std::make_unique<ChunkJumps>());
+  }
+}
+
+}  // namespace quoin

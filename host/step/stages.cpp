@@ -1,0 +1,151 @@
+// A stage of the loading: how it begins, how far it has come, when it has ended.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "step/law_swap.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+constexpr int kCalmChecks = 5;        // looks in a row that must pass: one may catch a swing at its turning point
+constexpr long kDefaultRows = 1000;   // rows of a stage with record_interval 0
+constexpr long kUnknownLength = 200;  // steps between rows of a stage whose length cannot be foreseen
+
+}  // namespace
+
+void Simulation::Impl::begin_stage(int index) {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
+  if (riding)
+    begin_riding_stage(settings, index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr);
+  else
+    control_bodies(settings);
+  gravity_from = data.gravity;
+  gravity_to = settings.gravity;
+  controls_settled = false;
+  stage = index;
+  stage_step = 0;
+  in_stage = true;
+  bind_controls();
+  bind_whiffletree();
+  choose_damping();
+  if (!whiffletree.empty()) {
+    // The tree starts without force: from the mean displacement of the floors.
+    monitor_start = {};
+    for (std::size_t f = 0; f < whiffletree.size(); ++f)
+      monitor_start[0] += floor_displacement(f) / static_cast<double>(whiffletree.size());
+  }
+  calm_checks = 0;
+  next_frame = 0;
+  next_row = 0;
+  swaps.clear();
+  row_interval = chosen_record_interval();
+  for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+}
+
+void Simulation::Impl::choose_damping() {
+  const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
+  const SolverSettings& settings = scene.solver;
+  if (riding) riding->settle(settling);
+  data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
+}
+
+long Simulation::Impl::chosen_record_interval() const {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (settings.record_interval > 0) return settings.record_interval;
+  if (scene.output.record_interval > 0.0)
+    return std::max(1L, std::lround(scene.output.record_interval / data.time_step));
+  double steps = std::numeric_limits<double>::infinity();
+  if (settings.duration) steps = *settings.duration / data.time_step;
+  if (settings.displacement) {
+    const auto direction = static_cast<std::size_t>(settings.direction);
+    double speed = 0.0;
+    if (settings.whiffletree)
+      speed = std::abs(settings.whiffletree->velocity);
+    else if (!monitor.empty())
+      speed = std::abs(ramps[static_cast<std::size_t>(monitor.front())].velocity_to[direction]);
+    for (const Drive& drive : drives) {
+      if (!monitor_blocks.empty() && drive.block == monitor_blocks.front())
+        speed = std::abs(drive.velocity_to[settings.direction]);
+    }
+    if (speed > 0.0)
+      steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
+  }
+  if (settings.collapse)
+    steps = std::min(
+        steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
+                   data.time_step);
+  if (!std::isfinite(steps)) return kUnknownLength;
+  return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
+}
+
+double Simulation::Impl::stage_fraction() const {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  double fraction = 0.0;
+  if (settings.duration) fraction = stage_time() / *settings.duration;
+  if (settings.collapse) {
+    // Where it will end is not known; the limit ends it for certain, and frames and progress go by it.
+    const Collapse& c = *settings.collapse;
+    fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - c.start) / (c.limit - c.start)));
+  }
+  if (settings.displacement && riding) {
+    const auto c = static_cast<std::size_t>(settings.direction);
+    fraction = std::max(fraction, std::abs((whiffletree.empty() ? riding_displacement(monitor_blocks)[c]
+                                                                : floor_displacement_now(whiffletree.size() - 1)) -
+                                           monitor_start[c]) /
+                                      *settings.displacement);
+  } else if (settings.displacement) {
+    const auto c = static_cast<std::size_t>(settings.direction);
+    const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
+                                           : floor_displacement(whiffletree.size() - 1);
+    const double moved = std::abs(now - monitor_start[c]);
+    fraction = std::max(fraction, moved / *settings.displacement);
+  }
+  return fraction;
+}
+
+bool Simulation::Impl::equilibrium_reached(const Stage& settings) {
+  if (!settings.equilibrium_ratio) return false;
+  const bool ramped = stage_time() >= settings.ramp_time;
+  calm_checks = ramped && unbalanced_ratio <= *settings.equilibrium_ratio ? calm_checks + 1 : 0;
+  return calm_checks >= kCalmChecks;
+}
+
+void Simulation::Impl::swap_law(const std::string& name, const std::string& law) {
+  const auto& families = model.assembly.families;
+  const auto found = std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.name == name; });
+  if (found == families.end()) {
+    throw Error(Exit::bad_input, fmt::format("stage '{}' swaps the law of joint family '{}', which does not exist",
+                                             scene.stages[static_cast<std::size_t>(stage)].name, name));
+  }
+  const auto f = static_cast<std::size_t>(found - families.begin());
+  auto material = successor(*found, law);
+  if (riding) return swap_riding_law(f, std::move(material));
+
+  ContactFamily& family = model.families[f];
+  const auto count = static_cast<std::size_t>(family.point_count), first = static_cast<std::size_t>(family.first_point);
+  // The opening that belongs to the standing tractions: displacements have moved on by one step since.
+  std::vector<double> opening(count);
+  for (std::size_t i = 0; i < count; ++i) opening[i] = opening_at_traction(static_cast<std::int32_t>(first + i));
+  FamilyColumns points;
+  points.count = count;
+  points.opening = opening.data();
+  points.area = model.area.data() + first;
+  for (std::size_t k = 0; k < 3; ++k) points.traction[k] = traction[k].data() + first;
+  for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)
+    points.state.push_back(law_state[f].data() + k * count);
+  MigratedFamily migrated = migrate(*found, *family.material, std::move(material), points);
+
+  if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
+  for (std::size_t i = 0; i < count; ++i) normal_shift[first + i] += migrated.opening_shift[i];
+  swaps.push_back(migrated.report);
+  family.material = std::move(migrated.material);
+  law_state[f].assign(migrated.state.begin(), migrated.state.end());
+  bind_columns();
+}
+
+}  // namespace quoin

@@ -1,0 +1,132 @@
+// The step of central differences, and what it says when a law fails.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "step/state.h"
+
+namespace quoin {
+
+// One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
+// Both phases go over independent pieces, so the bits do not depend on which thread does which.
+void Simulation::Impl::step_once(bool measure_step, bool report) {
+  apply_controls();
+  if (riding) riding->begin_step();
+  const auto start = timing ? Clock::now() : Clock::time_point();
+
+  auto contacts = [&](int thread, int i) {
+    if (riding) return riding->advance_contacts(i);
+    ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
+    const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(i)];
+    contact_jumps(model, chunk, data, jump);
+    evaluate_law(i, *jump, measure_step, report);
+    contact_forces(model, chunk, data);
+  };
+  pool.for_each(chunk_end, contacts);
+  if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
+  const auto middle = timing ? Clock::now() : Clock::time_point();
+
+  auto blocks_and_bodies = [&](int thread, int i) {
+    if (riding) return riding->advance_block(i);
+    double* const memory = scratch[static_cast<std::size_t>(thread)].data();
+    advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
+  };
+  pool.for_each(item_end, blocks_and_bodies);
+  if (riding) end_riding_step();
+  if (measure_step) sum_measurements();
+  if (report) flags_step = step_count;
+  ++step_count;
+  ++stage_step;
+
+  if (timing) {
+    times.contacts += std::chrono::duration<double>(middle - start).count();
+    times.blocks += seconds_since(middle);
+    ++times.steps;
+  }
+}
+
+void Simulation::Impl::advance_item(int item, double* memory, Measured* record) {
+  auto i = static_cast<std::size_t>(item);
+  if (i < model.unit_groups.size()) return advance_units(model, model.unit_groups[i], data, memory, record);
+  i -= model.unit_groups.size();
+  if (body_lanes[i].at_rest) {
+    if (record) *record = {};
+    return;
+  }
+  if (i < model.body_groups.size())
+    return advance_bodies(model, model.body_groups[i], group_inertia[i], data, &body_lanes[i], record);
+  const auto b = static_cast<std::size_t>(model.lone_bodies[i - model.body_groups.size()]);
+  advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &body_lanes[i], record);
+}
+
+void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, bool measure_step, bool report) {
+  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(chunk_index)];
+  const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
+  LawCall& call = calls[static_cast<std::size_t>(chunk_index)];
+  quoin_batch& batch = call.batch;
+  batch.normal_jump = {jump.normal, 1};
+  batch.slip_increment[0] = {jump.slip_s, 1};
+  batch.slip_increment[1] = {jump.slip_t, 1};
+  const std::uint64_t capabilities = family.material->api().capabilities;
+  batch.flags = {report && (capabilities & QUOIN_CAN_FLAGS) ? flags.data() + chunk.first_point : nullptr, 1};
+  const quoin_status status = family.material->api().evaluate(family.material->handle(), &batch);
+  if (status != QUOIN_OK || batch.failed_count != 0) {
+    call.failed = true;
+    call.status = status;
+    law_failed.store(true, std::memory_order_relaxed);
+  }
+  if (!measure_step) return;
+
+  call.force_sum = call.stored = 0.0;
+  call.dissipated = {};
+  for (int i = chunk.first_point; i < chunk.first_point + chunk.point_count; ++i) {
+    const auto p = static_cast<std::size_t>(i);
+    call.force_sum += model.area[p] * std::sqrt(traction[0][p] * traction[0][p] + traction[1][p] * traction[1][p] +
+                                                traction[2][p] * traction[2][p]);
+    if (!batch.energy_stored.data) continue;
+    call.stored += model.area[p] * energy_columns[0][p];
+    for (std::size_t k = 0; k < 4; ++k) call.dissipated[k] += model.area[p] * energy_columns[k + 1][p];
+  }
+}
+
+void Simulation::Impl::report_failed_points() {
+  for (std::size_t c = 0; c < calls.size(); ++c) {
+    LawCall& call = calls[c];
+    if (!call.failed) continue;
+    const ContactChunk& chunk = model.chunks[c];
+    const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
+    const std::string law = family.material->api().id;
+    if (call.status != QUOIN_OK) {
+      throw Error(Exit::numerical,
+                  fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}", law,
+                              family.name, call.status, step_count));
+    }
+    // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
+    ChunkJumps jump;
+    contact_jumps(model, chunk, data, &jump);
+    std::vector<std::uint32_t> point_status(kChunk, QUOIN_POINT_OK);
+    call.batch.normal_jump = {jump.normal, 1};
+    call.batch.slip_increment[0] = {jump.slip_s, 1};
+    call.batch.slip_increment[1] = {jump.slip_t, 1};
+    call.batch.status = {point_status.data(), 1};
+    family.material->api().evaluate(family.material->handle(), &call.batch);
+    call.batch.status = {};
+    for (std::size_t i = 0; i < static_cast<std::size_t>(chunk.point_count); ++i) {
+      if (point_status[i] != QUOIN_POINT_FAILED) continue;
+      const std::size_t p = static_cast<std::size_t>(chunk.first_point) + i;
+      const Vec3& x = model.point_position[p];
+      const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
+      throw Error(
+          Exit::numerical,
+          fmt::format("law '{}' failed at step {}, time {:.6g} s: joint {} (family '{}', blocks {} and {}), contact "
+                      "point at ({:.4f}, {:.4f}, {:.4f}) m, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, "
+                      "traction ({:.6g}, {:.6g}, {:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
+                      law, step_count, static_cast<double>(step_count) * data.time_step, model.point_joint[p],
+                      family.name, joint.block_a, joint.block_b, x[0], x[1], x[2], jump.normal[i], jump.slip_s[i],
+                      jump.slip_t[i], traction[0][p], traction[1][p], traction[2][p], scene.solver.time_step_fraction));
+    }
+  }
+  throw Error(Exit::numerical, fmt::format("a law failed at step {}", step_count));
+}
+
+}  // namespace quoin
