@@ -182,9 +182,10 @@ struct Equations {
 
   // What is not finite in v_m shows in v, and so does g and r_m where v_m is not 0.
   HWY_INLINE V uplift(const State& s) const {
-    if (all(s.v_m == zero())) return zero();
+    const M none_left = s.v_m == zero();
+    if (all(none_left)) return zero();
     const V r = hn::Sqrt(hn::MulAdd(s.g_s, s.g_s, s.g_t * s.g_t));
-    return hn::MulAdd(r + s.r_m, zero(), on_ramp(s, r));
+    return hn::IfThenZeroElse(none_left, hn::MulAdd(r + s.r_m, zero(), on_ramp(s, r)));
   }
   HWY_INLINE V on_ramp(const State& s, V r) const {
     return s.v_m * hn::IfThenZeroElse(s.r_m == zero(), hn::Min(splat(1.0), r / s.r_m));
@@ -479,7 +480,7 @@ struct Equations {
     const V residual = hn::IfThenElseZero(p.cr > zero(), p.cr * inv_F1);
     const V bonded = p.c_drop * select(past_peak, p.inv_fc, inv_F1);  // (c0 - cr) b1/F1
     const V P_by = p_by * c.inv_a, Q_by = T1_by * c.inv_k, D_by = crushing_by(c, P_by, Q_by);
-    const V F_by = hn::IfThenElseZero(D_by != zero(), c.F1_slope * D_by * inv_F1);
+    const V F_by = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope * D_by * inv_F1);
     Corner j;
     j.J = c.Q - residual - bonded * factor - mu * c.P;
     j.J_by = Q_by - c.Q * c.k_rate * D_by + residual * F_by + hn::IfThenZeroElse(past_peak, bonded * factor * F_by) -

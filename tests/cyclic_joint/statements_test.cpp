@@ -246,6 +246,65 @@ TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
   std::printf("largest excess %.1e of the scale\n", worst);
 }
 
+quoin_stiffness_bounds bounds_of(const LawPoints& points) {
+  quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
+  EXPECT_EQ(law().stiffness_bounds(points.material.handle, &bounds), QUOIN_OK);
+  return bounds;
+}
+
+// "Stiffness bounds": no slope of random steps beyond them, as far as they hold for the slip of the step.
+TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
+  Random random(14);
+  double most_open = 0.0, most_closed = 0.0;
+  for (int number = 0; number < static_cast<int>(150 * test_scale()); ++number) {
+    const Joint j = random_joint(random, chance(random, 0.5) ? 1.02 : 1.3);
+    LawPoints points(law(), j, 16, chance(random, 0.2));
+    const quoin_stiffness_bounds bounds = bounds_of(points);
+    const Reach reach = reach_of(j);
+    const bool any_slip = j.ft * j.mu0() < 0.75L * j.c0;
+    for (int step = 0; step < 100; ++step) {
+      for (std::size_t i = 0; i < 16; ++i) {
+        if (chance(random, 0.7))
+          points.batch.in[0][i] =
+              chance(random, 0.5) ? -reach.close * uniform(random, 0, 0.2) : reach.open * uniform(random, 0, 0.1);
+        points.batch.in[1][i] = reach.slide * uniform(random, -0.5, 0.5);
+        points.batch.in[2][i] = reach.slide * uniform(random, -0.5, 0.5);
+      }
+      points.batch.evaluate(points.material);
+      for (std::size_t i = 0; i < 16; ++i) {
+        const double slip = points.state(kSlip, i) - points.batch.in[6 + kSlip][i];
+        if (!any_slip && slip > 4.0 * real(j.su())) continue;
+        const double normal = points.tangent(0, i) / bounds.normal;
+        double& most = points.out(0, i) > 0.0 ? most_open : most_closed;
+        most = std::max(most, points.tangent(0, i) / real(j.kn));
+        EXPECT_LE(normal, 1.0 + 1e-9) << "joint " << number << " slip " << slip << text_of(j);
+        EXPECT_LE(points.tangent(4, i), bounds.shear * (1.0 + 1e-9)) << "joint " << number << text_of(j);
+        EXPECT_LE(points.tangent(8, i), bounds.shear * (1.0 + 1e-9)) << "joint " << number << text_of(j);
+      }
+      points.batch.advance();
+    }
+  }
+  std::printf("steepest dsigma/dd_n: open %.2f kn, closed %.2f kn\n", most_open, most_closed);
+  EXPECT_GT(most_open, 1.2);
+  EXPECT_GT(most_closed, 1.2);
+}
+// The bond of a joint that stands just below ft falls to nearly nothing in one slip: there the slope of open joints
+// comes up to its bound, and the formula of the page gives it.
+TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
+  Joint j = plain(Shape::linear);
+  j.phi0 = j.phir = 45;  // z = 2/3, k = 2/(1 - 1/9 c0/(ks su))
+  LawPoints points(law(), j, 1, false);
+  const double z = 2.0 / 3.0, su = real(j.su()), ks = real(j.ks), c0 = real(j.c0), T = c0 * (1 - z);
+  const double k = z / ((1 - z) * (1 - (1 - z) * (1 - z) * c0 / (ks * su)));
+  const double bound = bounds_of(points).normal;
+  EXPECT_NEAR(bound, k * real(j.kn), 1e-12 * bound);
+  points.batch.in[0][0] = real(j.u0()) * (1 - 1e-9);
+  points.batch.in[1][0] = 0.999 * su * c0 / T;
+  points.batch.evaluate(points.material);
+  EXPECT_NEAR(points.tangent(0, 0), bound, 2e-3 * bound);
+  EXPECT_LE(points.tangent(0, 0), bound);
+}
+
 // 5: at the cap, at the corner, where contact is lost on the seat, and while the residual opening gives way, increments
 // of 1e-18 m move nothing.
 TEST(Statement5, NoCreep) {
