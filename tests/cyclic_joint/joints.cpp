@@ -85,7 +85,9 @@ Joint random_joint(Random& random, double margin) {
     const Real A = j.total_area(), m = j.steepest();
     const auto above = [&](Real bound) { return bound * (margin + log_uniform(random, 0.01, 30.0)); };
     j.G1 = above(j.ft * j.ft / j.kn / 2);
-    const Real P = j.crushes() ? j.fc : 0, left = j.ks - j.mu0() * j.kn * j.tan_psi();
+    // Without a cap no refusal bounds the pressure under which friction softens: here that of the tests, and what
+    // uplift adds to it.
+    const Real P = j.crushes() ? j.fc : 4 * normal_scale(j), left = j.ks - j.mu0() * j.kn * j.tan_psi();
     if (left <= 0.02L * j.ks) continue;
     j.G2 = above(m * std::max(j.c0, j.c0 - j.cr + P * (j.mu0() - j.mur())) * (j.c0 - j.cr) * A / left);
     if (j.crushes()) {
