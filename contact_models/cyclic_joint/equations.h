@@ -169,7 +169,12 @@ struct Equations {
     V E, F, b;  // 1/C, strength, bond that crushing has left
   };
   HWY_INLINE Crushed crushed(V l) const {
-    return none(l > zero()) ? Crushed{p.kn, p.yield, splat(1.0)} : crushed_before(l);
+    Crushed c{p.kn, p.yield, splat(1.0)};
+    if (!none(l > zero())) {
+      const Crushed softer = crushed_before(l);
+      c.E = softer.E, c.F = softer.F, c.b = softer.b;  // one by one: the three stay in registers
+    }
+    return c;
   }
   HWY_NOINLINE Crushed crushed_before(V l) const {
     const V strength = F(l);
@@ -194,7 +199,7 @@ struct Equations {
   // ---- What both kinds of joint know of a step: LAW.md, ORDER, 0 ----------------------------------------------------
 
   struct Step {
-    State old;
+    const State& old;
     V d_n;
     V v, e, h;  // with the old states
     V trial_s, trial_t, t, n_s, n_t;
@@ -202,11 +207,11 @@ struct Equations {
     V floor;          // of the scale of every test: kn reach, |tau*|
     Crushed crushed;  // at the old l
     M open;
+    explicit HWY_INLINE Step(const State& state) : old(state) {}
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
   HWY_INLINE Step step_of(const Increment& in, const State& old) const {
-    Step s;
-    s.old = old;
+    Step s(old);
     s.d_n = in.d_n;
     s.v = uplift(old);
     s.e = in.d_n - s.v + old.w;
@@ -401,7 +406,7 @@ struct Equations {
   }
 
   // t - ks gamma = c + mu min(p, F): the closed joint's slip with the seat moving under it.
-  HWY_NOINLINE V slip_on_seat(M slips, Step s, V xi, V stop, V tolerance) const {
+  HWY_NOINLINE V slip_on_seat(M slips, const Step& s, V xi, V stop, V tolerance) const {
     return find_root(slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
       const V x = hn::MulAdd(gamma, p.inv_su, xi);
       const V factor = f.factor(x);
@@ -524,9 +529,8 @@ struct Equations {
     return a;
   }
 
-  // By value here and in slip_on_seat: rare, and what they are given stays in registers elsewhere.
   // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
-  HWY_NOINLINE Cap cap(M capped, Step s, Course c, V p_start, V factor_no_slip, V& gamma) const {
+  HWY_NOINLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
     Cap at = crush(capped, s, p_start, s.t);
     const M may_slip = hn::And(capped, gamma > zero());
     if (none(may_slip)) return at;
@@ -597,7 +601,8 @@ struct Equations {
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
       if (c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
-        gamma = select(c.on_seat, slip_on_seat(c.on_seat, s, c.line.xi, c.stop, tolerance), gamma);
+        const Step kept = s;  // here and at the cap: whose address a call takes, so that s stays in registers
+        gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
       }
       a = slide(s, c, p_start, gamma);
       a.tau = select(c.slips, a.tau, s.t);
@@ -614,7 +619,9 @@ struct Equations {
       r.crushes = hn::AndNot(s.open, outside_cap(s, N_of(a.p, T1)));
       if (!none(r.crushes)) {
         V gamma = a.gamma;
-        cap_end = cap(r.crushes, s, c, p_start, factor_no_slip, gamma);
+        const Step kept = s;
+        const Course course = c;
+        cap_end = cap(r.crushes, kept, course, p_start, factor_no_slip, gamma);
         if (!none(c.slips)) {
           const Slid once_more = slide(s, c, p_start, gamma);
           const M stays = hn::And(r.crushes, gamma == zero());
