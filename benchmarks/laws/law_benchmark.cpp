@@ -1,5 +1,5 @@
 // Nanoseconds per contact point of the fracture-energy law, through the C ABI: by population of states, batch size and
-// instruction set, beside the same equations compiled as scalar code in the same run.
+// instruction set, beside the same equations compiled as scalar code, and the cyclic joint law, in the same run.
 #include <benchmark/benchmark.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -44,6 +44,7 @@ void measure(benchmark::State& state, const LoadedLaw& loaded, Population popula
   state.counters["ns/point"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * 1e-9 * static_cast<double>(state.range(0)),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  if (std::string_view(loaded.law.id) != "fracture_energy") return;
   if (population != Population::elastic && population != Population::softening) return;
   // Fractions of what the machine can do, measured in this run.
   const Work work = population == Population::elastic ? kElasticWork : kSofteningWork;
@@ -61,11 +62,10 @@ int main(int argc, char** argv) {
   const std::string shipped = quoin::test::law_file("fracture_energy");
   const LoadedLaw scalar(QUOIN_SCALAR_LAW);
   std::deque<LoadedLaw> laws;  // materials do not move
-  const std::pair<const char*, Population> populations[] = {{"elastic", Population::elastic},
-                                                            {"softening", Population::softening},
-                                                            {"damaged", Population::damaged},
-                                                            {"mixed", Population::mixed},
-                                                            {"random", Population::random}};
+  const std::pair<const char*, Population> populations[] = {
+      {"elastic", Population::elastic}, {"softening", Population::softening}, {"crushing", Population::crushing},
+      {"corner", Population::corner},   {"damaged", Population::damaged},     {"mixed", Population::mixed},
+      {"random", Population::random}};
   const auto add = [&](const std::string& name, const LoadedLaw& law, bool all_sizes) {
     for (const auto& [population_name, population] : populations) {
       auto* entry = benchmark::RegisterBenchmark(
@@ -86,8 +86,11 @@ int main(int argc, char** argv) {
     }
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const bool all_sizes = target == HWY_AVX2 || target == HWY_AVX3;
     laws.emplace_back(shipped);
-    add(hwy::TargetName(target), laws.back(), target == HWY_AVX2 || target == HWY_AVX3);
+    add(hwy::TargetName(target), laws.back(), all_sizes);
+    laws.emplace_back(quoin::test::law_file("cyclic_joint"));
+    add(std::string(hwy::TargetName(target)) + " cyclic_joint", laws.back(), all_sizes);
   }
   hwy::SetSupportedTargetsForTest(0);
   // Another build of the law, in the same run: law_benchmark --beside=FILE.so

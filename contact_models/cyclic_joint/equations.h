@@ -8,8 +8,6 @@
 #define QUOIN_CYCLIC_JOINT_EQUATIONS_H
 #endif
 
-#include <limits>
-
 #include "cyclic_joint/parameters.h"
 #include "shim/extras.h"
 #include "shim/root.h"
@@ -34,11 +32,12 @@ struct Lanes {
   V hardening;                              // fc - fy
   V compliance_by_crushing;                 // chi/fc
   V half_chi;                               // chi/(2 fc)
-  V yield;                                  // F(0)
+  V yield, yield_squared;                   // F(0)
   V xi_at_first_opening, xi_at_first_slip;  // a mode without strength drop completes at once: its end, else 0
   V inv_c0_su;                              // 1/(c0 su)
   V end;                                    // f(xi >= end) = 0
   M admissible;                             // LAW.md, "Refused"; false only for columns
+  bool hardens;                             // any of them, before the peak
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, const Given& g)
@@ -74,9 +73,11 @@ struct Lanes {
     inv_sd = hn::IfThenElseZero(sd > zero(), one / sd);
     inv_pd = one / g.pd;
     wp = hn::IfThenElseZero(crushes, g.wp);
+    hardens = !none(wp > zero());
     inv_wp = hn::IfThenElseZero(wp > zero(), one / wp);
     hardening = hn::IfThenElseZero(crushes, fc - fy);
     yield = select(wp > zero(), fy, fc);
+    yield_squared = yield * yield;
     compliance_by_crushing = g.chi * inv_fc, half_chi = half * compliance_by_crushing;
     xi_at_first_opening = hn::IfThenZeroElse(drops_t, end);
     xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
@@ -148,20 +149,24 @@ struct Equations {
   HWY_INLINE V beyond_peak(V l) const { return positive_part(l - p.wp) * p.inv_wu; }
 
   HWY_INLINE V F(V l) const {
-    const V x = l * p.inv_wp;
     const V softened = hn::MulAdd(p.fc_drop, f.factor(beyond_peak(l)), p.fcr);
+    if (!p.hardens) return softened;
+    const V x = l * p.inv_wp;
     return select(l < p.wp, hn::MulAdd(p.hardening, x * (splat(2.0) - x), p.fy), softened);
   }
   HWY_INLINE V F_slope(V l) const {
-    const V hardens = splat(2.0) * p.hardening * p.inv_wp * (splat(1.0) - l * p.inv_wp);
-    return select(l < p.wp, hardens, p.fc_drop * p.inv_wu * f.slope(beyond_peak(l)));
+    const V softens = p.fc_drop * p.inv_wu * f.slope(beyond_peak(l));
+    if (!p.hardens) return softens;
+    const V rises = splat(2.0) * p.hardening * p.inv_wp * (splat(1.0) - l * p.inv_wp);
+    return select(l < p.wp, rises, softens);
   }
   HWY_INLINE V F_area(V l0, V l1) const {  // integral of F from l0 to l1
+    const V softening = p.fc_drop * p.wu * f.area(beyond_peak(l0), beyond_peak(l1));
+    const V softened = hn::MulAdd(p.fcr, positive_part(l1 - p.wp) - positive_part(l0 - p.wp), softening);
+    if (!p.hardens) return softened;
     const V a = hn::Min(l0, p.wp) * p.inv_wp, b = hn::Min(l1, p.wp) * p.inv_wp;
     const V mean = a + b - splat(1.0 / 3.0) * (a * a + a * b + b * b);  // of x (2 - x)
-    const V hardened = p.wp * (b - a) * hn::MulAdd(p.hardening, mean, p.fy);
-    const V softened = p.fc_drop * p.wu * f.area(beyond_peak(l0), beyond_peak(l1));
-    return hardened + hn::MulAdd(p.fcr, positive_part(l1 - p.wp) - positive_part(l0 - p.wp), softened);
+    return hn::MulAdd(p.wp * (b - a), hn::MulAdd(p.hardening, mean, p.fy), softened);
   }
   HWY_INLINE V C(V l) const { return hn::MulAdd(p.compliance_by_crushing, l, p.inv_kn); }
 
@@ -169,7 +174,12 @@ struct Equations {
     V E, F, b;  // 1/C, strength, bond that crushing has left
   };
   HWY_INLINE Crushed crushed(V l) const {
-    return none(l > zero()) ? Crushed{p.kn, p.yield, splat(1.0)} : crushed_before(l);
+    Crushed c{p.kn, p.yield, splat(1.0)};
+    if (!none(l > zero())) {
+      const Crushed softer = crushed_before(l);
+      c.E = softer.E, c.F = softer.F, c.b = softer.b;  // one by one: the three stay in registers
+    }
+    return c;
   }
   HWY_NOINLINE Crushed crushed_before(V l) const {
     const V strength = F(l);
@@ -182,9 +192,10 @@ struct Equations {
 
   // What is not finite in v_m shows in v, and so does g and r_m where v_m is not 0.
   HWY_INLINE V uplift(const State& s) const {
-    if (all(s.v_m == zero())) return zero();
+    const M none_left = s.v_m == zero();
+    if (all(none_left)) return zero();
     const V r = hn::Sqrt(hn::MulAdd(s.g_s, s.g_s, s.g_t * s.g_t));
-    return hn::MulAdd(r + s.r_m, zero(), on_ramp(s, r));
+    return hn::IfThenZeroElse(none_left, hn::MulAdd(r + s.r_m, zero(), on_ramp(s, r)));
   }
   HWY_INLINE V on_ramp(const State& s, V r) const {
     return s.v_m * hn::IfThenZeroElse(s.r_m == zero(), hn::Min(splat(1.0), r / s.r_m));
@@ -193,7 +204,7 @@ struct Equations {
   // ---- What both kinds of joint know of a step: LAW.md, ORDER, 0 ----------------------------------------------------
 
   struct Step {
-    State old;
+    const State& old;
     V d_n;
     V v, e, h;  // with the old states
     V trial_s, trial_t, t, n_s, n_t;
@@ -201,11 +212,11 @@ struct Equations {
     V floor;          // of the scale of every test: kn reach, |tau*|
     Crushed crushed;  // at the old l
     M open;
+    explicit HWY_INLINE Step(const State& state) : old(state) {}
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
   HWY_INLINE Step step_of(const Increment& in, const State& old) const {
-    Step s;
-    s.old = old;
+    Step s(old);
     s.d_n = in.d_n;
     s.v = uplift(old);
     s.e = in.d_n - s.v + old.w;
@@ -255,11 +266,11 @@ struct Equations {
     const V trial_squared = hn::MulAdd(trial_s, trial_s, trial_t * trial_t);
     // Less, not equal: squares that overflow take the long path. So does what is not a number, or infinite.
     const M held = trial_squared < S * hn::Abs(S);
-    const V pressure = positive_part(zero() - sigma);
-    const M within_cap = hn::MulAdd(pressure, pressure, p.Cs * trial_squared) < c.F * c.F;
+    // The cap of a joint in tension, too: safe, and a sigma that is not finite is within none.
+    const V F_squared = kUntouched ? p.yield_squared : c.F * c.F;
+    const M within_cap = hn::MulAdd(sigma, sigma, p.Cs * trial_squared) < F_squared;
     M elastic = hn::And(hn::And(held, full_stiffness), within_cap);
-    elastic = hn::And(elastic, sigma >= splat(std::numeric_limits<double>::lowest()));
-    if constexpr (!kUntouched) elastic = hn::And(elastic, hn::Or(old.q == zero(), pressure < p.ft));
+    if constexpr (!kUntouched) elastic = hn::And(elastic, hn::Or(old.q == zero(), zero() - sigma < p.ft));
     if (!all(elastic)) return false;
     traction = {sigma, trial_s, trial_t};
     return true;
@@ -400,7 +411,7 @@ struct Equations {
   }
 
   // t - ks gamma = c + mu min(p, F): the closed joint's slip with the seat moving under it.
-  HWY_NOINLINE V slip_on_seat(M slips, Step s, V xi, V stop, V tolerance) const {
+  HWY_NOINLINE V slip_on_seat(M slips, const Step& s, V xi, V stop, V tolerance) const {
     return find_root(slips, zero(), zero(), s.t * p.inv_ks, splat(0.25) * tolerance, [&](V gamma, V& value, V& slope) {
       const V x = hn::MulAdd(gamma, p.inv_su, xi);
       const V factor = f.factor(x);
@@ -445,17 +456,22 @@ struct Equations {
 
   // D > 0 with P^2 + Cs Q^2 = 1 for the active lanes that are outside the cap, 0 for others.
   HWY_INLINE Cap crush(M active, const Step& s, V pressure, V T1) const {
-    const V one = splat(1.0), N = N_of(pressure, T1);
+    const V N = N_of(pressure, T1);
     const M outside = hn::And(active, outside_cap(s, N));
-    const V highest = hn::IfThenElseZero(outside, N / (s.crushed.E * hn::NegMulAdd(p.half_chi, p.fc, one)));
     // Newton's step from D = 0, in a form that a joint without strength can use too.
     const V slope_0 = F_slope(s.old.l), shear = p.ks * p.Cs;
-    const V a_slope = hn::MulAdd(slope_0, C(s.old.l), hn::MulAdd(p.half_chi, s.crushed.F, one)) * s.crushed.E;
+    const V a_slope = hn::MulAdd(slope_0, C(s.old.l), hn::MulAdd(p.half_chi, s.crushed.F, splat(1.0))) * s.crushed.E;
     const V rise = hn::MulAdd(pressure * pressure, a_slope, p.Cs * (T1 * T1) * (slope_0 + shear));
     const V guess = (N - s.crushed.F) * (N * N) / positive_part(rise);
+    return crush_from(outside, s, pressure, T1, N, hn::IfThenElseZero(outside, guess));
+  }
+  // From a first guess, which is the answer for lanes that are not active; none where it is not a number.
+  HWY_INLINE Cap crush_from(M active, const Step& s, V pressure, V T1, V N, V guess) const {
+    const V one = splat(1.0);
+    const V highest = N / (s.crushed.E * hn::NegMulAdd(p.half_chi, p.fc, one));
     Cap c;
     find_root(
-        outside, hn::IfThenElseZero(outside, hn::Min(guess, highest)), zero(), highest,
+        active, select(active, hn::Min(hn::IfThenElseZero(guess > zero(), guess), highest), guess), zero(), highest,
         splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V D, V & value, V & slope) __attribute__((always_inline)) {
           c = cap_at(s, pressure, T1, D);
           const V inv_R = one / hn::Sqrt(hn::MulAdd(c.P, c.P, p.Cs * (c.Q * c.Q)));
@@ -471,7 +487,7 @@ struct Equations {
 
   // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0, and its change where p, T1 and f change so.
   struct Corner {
-    V J, J_by;
+    V J, J_by, D_by;
   };
   HWY_INLINE Corner corner(const Cap& c, V factor, V p_by, V T1_by, V factor_by) const {
     const V mu = hn::MulAdd(p.mu_drop, factor, p.mur), inv_F1 = splat(1.0) / c.F1;
@@ -479,8 +495,9 @@ struct Equations {
     const V residual = hn::IfThenElseZero(p.cr > zero(), p.cr * inv_F1);
     const V bonded = p.c_drop * select(past_peak, p.inv_fc, inv_F1);  // (c0 - cr) b1/F1
     const V P_by = p_by * c.inv_a, Q_by = T1_by * c.inv_k, D_by = crushing_by(c, P_by, Q_by);
-    const V F_by = hn::IfThenElseZero(D_by != zero(), c.F1_slope * D_by * inv_F1);
+    const V F_by = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope * D_by * inv_F1);
     Corner j;
+    j.D_by = D_by;
     j.J = c.Q - residual - bonded * factor - mu * c.P;
     j.J_by = Q_by - c.Q * c.k_rate * D_by + residual * F_by + hn::IfThenZeroElse(past_peak, bonded * factor * F_by) -
              bonded * factor_by - p.mu_drop * factor_by * c.P - mu * (P_by - c.P * c.a_rate * D_by);
@@ -523,9 +540,8 @@ struct Equations {
     return a;
   }
 
-  // By value here and in slip_on_seat: rare, and what they are given stays in registers elsewhere.
   // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
-  HWY_NOINLINE Cap cap(M capped, Step s, Course c, V p_start, V factor_no_slip, V& gamma) const {
+  HWY_NOINLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
     Cap at = crush(capped, s, p_start, s.t);
     const M may_slip = hn::And(capped, gamma > zero());
     if (none(may_slip)) return at;
@@ -543,14 +559,20 @@ struct Equations {
     if (none(slips)) return at;
     const V N = N_of(p_start, s.t);
     const V guess = hn::Min(gamma_A, positive_part(zero() - no_slip.J / no_slip.J_by));
-    Cap met;
-    const V root = find_root(slips, guess, zero(), gamma_A, splat(0.25) * s.tolerance(s.crushed.F) / N,
-                             [&](V x, V& value, V& slope) {
-                               const Slid a = slide(s, c, p_start, x);
-                               met = crush(slips, s, a.p, hn::NegMulAdd(p.ks, x, s.t));
-                               const Corner j = corner(met, a.factor, p_by(x), T1_by, factor_by(x));
-                               value = j.J, slope = j.J_by;
-                             });
+    // Each crushing begins at the tangent of the one before. A lane whose slip has been found keeps its crushing.
+    Cap met = at;
+    V last = zero(), D_by = no_slip.D_by;
+    const V root = find_root(
+        slips, guess, zero(), gamma_A, splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V x, V& value, V& slope) {
+          const Slid a = slide(s, c, p_start, x);
+          const V T1 = hn::NegMulAdd(p.ks, x, s.t), N_now = N_of(a.p, T1);
+          const M outside = hn::And(slips, outside_cap(s, N_now)), moved = x != last;
+          const V first = select(moved, hn::MulAdd(D_by, x - last, met.D), met.D);
+          met = crush_from(hn::And(outside, moved), s, a.p, T1, N_now, hn::IfThenElseZero(outside, first));
+          const Corner j = corner(met, a.factor, p_by(x), T1_by, factor_by(x));
+          value = j.J, slope = j.J_by;
+          last = x, D_by = j.D_by;
+        });
     gamma = select(slips, root, gamma);
     const auto both = [&](V Cap::*member) { at.*member = select(slips, met.*member, at.*member); };
     for (V Cap::*member : {&Cap::D, &Cap::l, &Cap::F1, &Cap::F1_slope, &Cap::P, &Cap::Q, &Cap::inv_a, &Cap::inv_k,
@@ -596,7 +618,8 @@ struct Equations {
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
       if (c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
-        gamma = select(c.on_seat, slip_on_seat(c.on_seat, s, c.line.xi, c.stop, tolerance), gamma);
+        const Step kept = s;  // here and at the cap: whose address a call takes, so that s stays in registers
+        gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
       }
       a = slide(s, c, p_start, gamma);
       a.tau = select(c.slips, a.tau, s.t);
@@ -613,7 +636,9 @@ struct Equations {
       r.crushes = hn::AndNot(s.open, outside_cap(s, N_of(a.p, T1)));
       if (!none(r.crushes)) {
         V gamma = a.gamma;
-        cap_end = cap(r.crushes, s, c, p_start, factor_no_slip, gamma);
+        const Step kept = s;
+        const Course course = c;
+        cap_end = cap(r.crushes, kept, course, p_start, factor_no_slip, gamma);
         if (!none(c.slips)) {
           const Slid once_more = slide(s, c, p_start, gamma);
           const M stays = hn::And(r.crushes, gamma == zero());

@@ -45,7 +45,7 @@ struct Material {
   Kernel full = nullptr;     // whatever outputs are asked for
   Kernel columns = nullptr;  // per-point properties, whatever outputs are asked for
   // Lanes of equations.h, whose size depends on the instruction set: made once, read by every call.
-  static constexpr std::size_t kLaneVectors = 46;
+  static constexpr std::size_t kLaneVectors = 48;
   alignas(sizeof(double) * shim::kMaxLanes) std::byte lanes[kLaneVectors * sizeof(double) * shim::kMaxLanes];
 };
 

@@ -101,6 +101,21 @@ double crushing_strength(const Parameters& m, double l) {  // F
   return g.fc > g.fcr ? g.fcr + (g.fc - g.fcr) * m.factor((l - g.wp) / lengths(m).wu) : g.fc;
 }
 
+// The largest f + k xi |f'|.
+double most_of_bond(const Parameters& m, double k) {
+  if (m.shape == Shape::linear) return std::max(1.0, k);
+  if (m.shape == Shape::exponential) return k > 1.0 ? k * std::exp(1.0 / k - 1.0) : 1.0;
+  const shim::SofteningTable& t = m.table;
+  double most = 1.0;
+  for (int i = 1; i < t.points; ++i) {
+    const double fall = k * (t.f[i - 1] - t.f[i]) / (t.x[i] - t.x[i - 1]);
+    most = std::max({most, t.f[i - 1] + t.x[i - 1] * fall, t.f[i] + t.x[i] * fall});
+  }
+  return most;
+}
+// Slip of one step, over su, up to which the bound on the normal stiffness holds where ft mu0 is close to c0 or beyond.
+constexpr double kLongestSlip = 4.0;
+
 // LAW.md, "Refused": order of strengths and angles, and one answer to every step.
 void check_admissible(const Parameters& m, const PropertyValues& values, Report& report) {
   const Properties& g = m.given;
@@ -233,13 +248,22 @@ struct CyclicJointLaw {
     return true;
   }
 
-  // While a seat falls, more pressure holds it up: sigma then rises by more than kn.
+  // While a seat falls, more pressure holds it up; and the wider an open joint stands, the less of its bond a slip
+  // spends: LAW.md, "Stiffness bounds".
   static void stiffness_bounds(const Material& material, double& normal, double& shear) {
     const Parameters& m = material.parameters;
     const Properties& g = m.given;
     const double drop = g.c0 - g.cr, P = std::isfinite(g.fc) ? g.fc : 0.0;
-    const double softening = drop > 0.0 ? m.slope * std::max(g.c0, drop + P * (g.mu0 - g.mur)) / lengths(m).su : 0.0;
-    normal = g.kn / (1.0 - g.mu0 * g.kn * g.tan_psi / (g.ks - softening));
+    const double su = lengths(m).su;
+    const double softening = drop > 0.0 ? m.slope * std::max(g.c0, drop + P * (g.mu0 - g.mur)) / su : 0.0;
+    const double closed = 1.0 / (1.0 - g.mu0 * g.kn * g.tan_psi / (g.ks - softening));
+    double open = 1.0;
+    if (drop > 0.0) {
+      const double z = std::min(1.0, g.ft * g.mu0 / g.c0), left = 1.0 - z;
+      const double rate = z / (1.0 - m.slope * g.c0 / (g.ks * su) * left * left);
+      open = std::min(most_of_bond(m, rate / left), 1.0 + m.slope * kLongestSlip * rate);
+    }
+    normal = g.kn * std::max(closed, open);
     shear = g.ks;
   }
 

@@ -45,24 +45,25 @@ bool admissible(const Joint& j) {
   return !(j.psi0 > 0) || j.dilation_length() > 0;
 }
 
-Joint random_joint(Random& random, double margin) {
+Joint random_joint(Random& random, double margin, double spread) {
+  const auto size = [&](double low, double high) { return log_uniform(random, low / spread, high * spread); };
   for (;;) {
     Joint j;
-    j.kn = log_uniform(random, 1e9, 1e12);
+    j.kn = size(1e9, 1e12);
     j.ks = j.kn * uniform(random, 0.2, 1.5);
-    j.ft = chance(random, 0.1) ? 0.0 : log_uniform(random, 2e4, 2e6);
-    j.c0 = chance(random, 0.1) ? 0.0 : log_uniform(random, 3e4, 3e6);
+    j.ft = chance(random, 0.1) ? 0.0 : size(2e4, 2e6);
+    j.c0 = chance(random, 0.1) ? 0.0 : size(3e4, 3e6);
     j.cr = chance(random, 0.5) ? 0.0L : chance(random, 0.1) ? j.c0 : j.c0 * uniform(random, 0.05, 0.6);
     j.phi0 = chance(random, 0.05) ? 0.0 : uniform(random, 5.0, 50.0);
     j.phir = chance(random, 0.5) ? j.phi0 : j.phi0 * uniform(random, 0.4, 1.0);
     if (chance(random, 0.6)) j.psi0 = j.phir * uniform(random, 0.05, 0.9);
-    if (chance(random, 0.5)) j.sd = log_uniform(random, 1e-5, 1e-2);
+    if (chance(random, 0.5)) j.sd = size(1e-5, 1e-2);
     const double strength = static_cast<double>(std::max(j.ft, j.c0)) + 1e4;
     if (chance(random, 0.8)) {
       j.fc = strength * log_uniform(random, 2.0, 30.0);
       j.fcr = chance(random, 0.3) ? 0.0L : chance(random, 0.1) ? j.fc : j.fc * uniform(random, 0.02, 0.7);
       if (chance(random, 0.5)) {
-        j.wp = log_uniform(random, 1e-6, 1e-3);
+        j.wp = size(1e-6, 1e-3);
         if (chance(random, 0.8)) j.fy = j.fc * uniform(random, 0.1, 1.0);
       }
       if (chance(random, 0.5)) j.chi = uniform(random, 0.0, 0.95);
@@ -85,7 +86,9 @@ Joint random_joint(Random& random, double margin) {
     const Real A = j.total_area(), m = j.steepest();
     const auto above = [&](Real bound) { return bound * (margin + log_uniform(random, 0.01, 30.0)); };
     j.G1 = above(j.ft * j.ft / j.kn / 2);
-    const Real P = j.crushes() ? j.fc : 0, left = j.ks - j.mu0() * j.kn * j.tan_psi();
+    // Without a cap no refusal bounds the pressure under which friction softens: here that of the tests, and what
+    // uplift adds to it.
+    const Real P = j.crushes() ? j.fc : 4 * normal_scale(j), left = j.ks - j.mu0() * j.kn * j.tan_psi();
     if (left <= 0.02L * j.ks) continue;
     j.G2 = above(m * std::max(j.c0, j.c0 - j.cr + P * (j.mu0() - j.mur())) * (j.c0 - j.cr) * A / left);
     if (j.crushes()) {
@@ -153,6 +156,33 @@ Reach reach_of(const Joint& j) {
   r.close = static_cast<double>(normal_scale(j) / j.kn + (j.crushes() ? j.wp + 0.8L * end * j.wu() : 0));
   r.slide = static_cast<double>(j.su() > 0 ? 1.2L * end * j.su() + 0.2L * elastic : 3 * elastic + 1e-7L);
   return r;
+}
+
+Surfaces beyond_surfaces(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
+  const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
+  const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q);
+  const double scale = static_cast<double>(std::max({j.ft, j.c0, reach, static_cast<Real>(trial)}));
+  if (std::abs(h) < 1e-15L * reach / j.kn) return {0.0, scale};
+  const double p = std::max(0.0, -sigma);
+  if (h > 0) {
+    const Real s0 = j.ft > 0 ? j.ft * h / (std::max(s.kappa, j.u0()) - s.q) : 0;
+    return {std::max(static_cast<double>(sigma - j.ft * B),
+                     static_cast<double>(tau - B * std::max(Real(0), j.c0 - j.mu0() * s0))),
+            scale};
+  }
+  const Real mu = j.mur() + (j.mu0() - j.mur()) * f;
+  double over = static_cast<double>(tau - (j.cr + (j.c0 - j.cr) * B + mu * p));
+  if (j.crushes())
+    over = std::max(over, std::sqrt(p * p + static_cast<double>(j.Cs) * tau * tau) - static_cast<double>(j.F(s.l)));
+  if (s.q > 0) over = std::max(over, static_cast<double>(p - j.ft));
+  return {over, scale};
+}
+
+const char* beyond_bounds(const Joint& j, const History& s) {
+  if (s.q > j.beta * j.total_area() * j.lt() * (1 + 1e-12L)) return "q > beta A lt";
+  if (s.v_m > j.tan_psi() * j.dilation_length() * j.total_area() * (1 + 1e-9L)) return "v_m > tan(psi0) sd A";
+  if (std::max(s.kappa, j.u0()) - s.q < j.u0() * (1 - 1e-12L)) return "K > kn";
+  return nullptr;
 }
 
 LawPoints::LawPoints(const quoin_law& law, const Joint& joint, std::size_t count, bool dry)

@@ -25,8 +25,9 @@ double test_scale();
 
 // Table 1 of the paper with the page's starting values.
 Joint mortar();
-// Any joint that the page does not refuse, energies from margin times their bounds.
-Joint random_joint(Random& random, double margin);
+// Any joint that the page does not refuse, energies from margin times their bounds; stiffnesses, strengths and lengths
+// from 1/spread to spread times what masonry has.
+Joint random_joint(Random& random, double margin, double spread = 1.0);
 bool admissible(const Joint& joint);
 
 quoin::test::Values values_of(const Joint& joint);
@@ -39,6 +40,15 @@ struct Reach {
 Reach reach_of(const Joint& joint);
 double normal_scale(const Joint& joint);
 double shear_scale(const Joint& joint);
+
+// LAW.md, "What must hold", 4: of the traction at the end of a step.
+struct Surfaces {
+  double over;   // of the traction beyond the strengths, Pa
+  double scale;  // Pa
+};
+Surfaces beyond_surfaces(const Joint& joint, const History& state, double sigma, double tau, double d_n, double trial);
+// 7: what is beyond its bound, else null.
+const char* beyond_bounds(const Joint& joint, const History& state);
 
 // The law, many points side by side, each with everything that it says of a step.
 struct LawPoints {

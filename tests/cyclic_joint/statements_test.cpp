@@ -185,27 +185,6 @@ TEST(Statement3, TwentyEqualCyclesRepeatTheFirstUplift) {
   }
 }
 
-struct Surfaces {
-  double over;   // of the traction beyond the strengths, Pa
-  double scale;  // Pa
-};
-Surfaces beyond(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
-  const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
-  const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q);
-  const double scale = real(std::max({j.ft, j.c0, reach, static_cast<Real>(trial)}));
-  if (std::abs(h) < 1e-15L * reach / j.kn) return {0.0, scale};
-  const double p = std::max(0.0, -sigma);
-  if (h > 0) {
-    const Real s0 = j.ft > 0 ? j.ft * h / (std::max(s.kappa, j.u0()) - s.q) : 0;
-    return {std::max(real(sigma - j.ft * B), real(tau - B * std::max(Real(0), j.c0 - j.mu0() * s0))), scale};
-  }
-  const Real mu = j.mur() + (j.mu0() - j.mur()) * f;
-  double over = real(tau - (j.cr + (j.c0 - j.cr) * B + mu * p));
-  if (j.crushes()) over = std::max(over, std::sqrt(p * p + real(j.Cs) * tau * tau) - real(j.F(s.l)));
-  if (s.q > 0) over = std::max(over, real(p - j.ft));
-  return {over, scale};
-}
-
 // 4, 7, and that no dissipation is negative, on random paths of random joints.
 TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
   Random random(4);
@@ -215,8 +194,6 @@ TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
     const Joint j = random_joint(random, chance(random, 0.5) ? 1.02 : 1.3);
     LawPoints points(law(), j, 16, chance(random, 0.2));
     const Reach reach = reach_of(j);
-    const double q_most = real(j.beta * j.total_area() * j.lt());
-    const double v_most = real(j.tan_psi() * j.dilation_length() * j.total_area());
     for (int step = 0; step < 100; ++step) {
       std::vector<double> trial(16);
       for (std::size_t i = 0; i < 16; ++i) {
@@ -233,17 +210,97 @@ TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
       for (std::size_t i = 0; i < 16; ++i) {
         const History s = points.history(i);
         const double sigma = points.batch.in[3][i], tau = std::hypot(points.batch.in[4][i], points.batch.in[5][i]);
-        const Surfaces at = beyond(j, s, sigma, tau, points.batch.in[0][i], trial[i]);
+        const Surfaces at = beyond_surfaces(j, s, sigma, tau, points.batch.in[0][i], trial[i]);
         worst = std::max(worst, at.over / at.scale);
         EXPECT_LE(at.over, 1e-11 * at.scale) << "joint " << number << text_of(j);
-        EXPECT_LE(real(s.q), q_most * (1 + 1e-12));
-        EXPECT_LE(real(s.v_m), v_most * (1 + 1e-9));
-        EXPECT_GE(real(std::max(s.kappa, j.u0()) - s.q), real(j.u0()) * (1 - 1e-12));  // K <= kn
+        EXPECT_EQ(beyond_bounds(j, s), nullptr) << "joint " << number << text_of(j);
         for (int mode = 0; mode < 4; ++mode) EXPECT_GE(points.dissipated(mode, i), 0.0);
       }
     }
   }
   std::printf("largest excess %.1e of the scale\n", worst);
+}
+
+// A slip that crosses the whole of a brittle cap: J rises where gamma_A ends, and still the step ends on both surfaces.
+TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
+  Joint j;
+  j.kn = 1.13e9, j.ks = 0.392e9, j.c0 = 1.55e6, j.cr = 0.56e6, j.phi0 = 27, j.phir = 23;
+  j.fc = 10e6, j.fcr = 5e6, j.G2 = 63700, j.Gc = 22900, j.Cs = 23.5, j.shape = Shape::exponential;
+  LawPoints points(law(), j, 1, false);
+  points.batch.in[0][0] = -4e-3;
+  points.batch.in[1][0] = 0.244;
+  points.batch.in[6][0] = 5.7;  // xi
+  points.batch.evaluate(points.material);
+  points.batch.advance();
+  const double sigma = points.batch.in[3][0], tau = points.batch.in[4][0], xi = points.batch.in[6][0];
+  const double l = points.batch.in[6 + kL][0], mu = real(j.mur() + (j.mu0() - j.mur()) * j.f(xi));
+  const double cohesion = real(j.cr + (j.c0 - j.cr) * j.bond(l) * j.f(xi));
+  EXPECT_GT(l, 1e-3);
+  EXPECT_NEAR(tau, cohesion - mu * sigma, 1e-9 * tau);
+  EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(l)), 1e-9 * real(j.fc));
+}
+
+quoin_stiffness_bounds bounds_of(const LawPoints& points) {
+  quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
+  EXPECT_EQ(law().stiffness_bounds(points.material.handle, &bounds), QUOIN_OK);
+  return bounds;
+}
+
+// "Stiffness bounds": no slope of random steps beyond them, as far as they hold for the slip of the step.
+TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
+  Random random(14);
+  double most_open = 0.0, most_closed = 0.0;
+  for (int number = 0; number < static_cast<int>(150 * test_scale()); ++number) {
+    const Joint j = random_joint(random, chance(random, 0.5) ? 1.02 : 1.3);
+    LawPoints points(law(), j, 16, chance(random, 0.2));
+    const quoin_stiffness_bounds bounds = bounds_of(points);
+    const Reach reach = reach_of(j);
+    const bool any_slip = j.ft * j.mu0() < 0.75L * j.c0;
+    for (int step = 0; step < 100; ++step) {
+      for (std::size_t i = 0; i < 16; ++i) {
+        if (chance(random, 0.7))
+          points.batch.in[0][i] =
+              chance(random, 0.5) ? -reach.close * uniform(random, 0, 0.2) : reach.open * uniform(random, 0, 0.1);
+        points.batch.in[1][i] = reach.slide * uniform(random, -0.5, 0.5);
+        points.batch.in[2][i] = reach.slide * uniform(random, -0.5, 0.5);
+      }
+      points.batch.evaluate(points.material);
+      for (std::size_t i = 0; i < 16; ++i) {
+        const double slip = points.state(kSlip, i) - points.batch.in[6 + kSlip][i];
+        // Both surfaces at once over a falling seat: the page proves no bound there, and long runs have seen 1.14 ks.
+        constexpr std::uint32_t kFallingCorner = QUOIN_FLAG_SLIPPING | QUOIN_FLAG_CRUSHED | QUOIN_FLAG_RESEATING;
+        const bool falling_corner = (points.batch.flags[i] & kFallingCorner) == kFallingCorner;
+        const double shear = bounds.shear * (falling_corner ? 1.5 : 1.0 + 1e-9);
+        if (!any_slip && slip > 4.0 * real(j.su())) continue;
+        const double normal = points.tangent(0, i) / bounds.normal;
+        double& most = points.out(0, i) > 0.0 ? most_open : most_closed;
+        most = std::max(most, points.tangent(0, i) / real(j.kn));
+        EXPECT_LE(normal, 1.0 + 1e-9) << "joint " << number << " slip " << slip << text_of(j);
+        EXPECT_LE(points.tangent(4, i), shear) << "joint " << number << text_of(j);
+        EXPECT_LE(points.tangent(8, i), shear) << "joint " << number << text_of(j);
+      }
+      points.batch.advance();
+    }
+  }
+  std::printf("steepest dsigma/dd_n: open %.2f kn, closed %.2f kn\n", most_open, most_closed);
+  EXPECT_GT(most_open, 1.2);
+  EXPECT_GT(most_closed, 1.2);
+}
+// The bond of a joint that stands just below ft falls to nearly nothing in one slip: there the slope of open joints
+// comes up to its bound, and the formula of the page gives it.
+TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
+  Joint j = plain(Shape::linear);
+  j.phi0 = j.phir = 45;  // z = 2/3, k = 2/(1 - 1/9 c0/(ks su))
+  LawPoints points(law(), j, 1, false);
+  const double z = 2.0 / 3.0, su = real(j.su()), ks = real(j.ks), c0 = real(j.c0), T = c0 * (1 - z);
+  const double k = z / ((1 - z) * (1 - (1 - z) * (1 - z) * c0 / (ks * su)));
+  const double bound = bounds_of(points).normal;
+  EXPECT_NEAR(bound, k * real(j.kn), 1e-12 * bound);
+  points.batch.in[0][0] = real(j.u0()) * (1 - 1e-9);
+  points.batch.in[1][0] = 0.999 * su * c0 / T;
+  points.batch.evaluate(points.material);
+  EXPECT_NEAR(points.tangent(0, 0), bound, 2e-3 * bound);
+  EXPECT_LE(points.tangent(0, 0), bound);
 }
 
 // 5: at the cap, at the corner, where contact is lost on the seat, and while the residual opening gives way, increments
