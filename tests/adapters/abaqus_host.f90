@@ -228,6 +228,7 @@ contains
     type(quoin_law), pointer :: law
     type(c_ptr), pointer :: infos(:)
     type(quoin_property_info), pointer :: info
+    type(quoin_state_info), pointer :: state
     character(:), allocatable :: reason
     integer :: i, k
     law => open_law(trim(folder) // "/" // trim(name) // ".so", reason)
@@ -244,6 +245,11 @@ contains
         ids = [character(kind=c_char, len=32) :: ids, trim(mortar_ids(k)) // c_null_char]
         numbers = [numbers, mortar(k)]
       end do
+    end do
+    call c_f_pointer(law%states, infos, [law%state_count])
+    do i = 1, size(infos)
+      call c_f_pointer(infos(i), state)
+      if (state%kind /= 1) print "(a)", "to be refused: vector state"
     end do
   end subroutine
 

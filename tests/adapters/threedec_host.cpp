@@ -505,6 +505,12 @@ void print_times(const JointModel& prototype, const quoin_law& law) {
   }
 }
 
+bool has_vector_state(const quoin_law& law) {
+  for (std::uint64_t k = 0; k < law.state_count; ++k)
+    if (law.states[k]->kind != QUOIN_STATE_SCALAR) return true;
+  return false;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -515,7 +521,13 @@ int main(int argc, char** argv) {
   const quoin_law& law = quoin::adapters::law_in_file(argv[2]);
   void* const create = symbol(argv[1], "createInstance");
   if (create == nullptr) return 1;
-  const Model prototype(static_cast<JointModel*>(reinterpret_cast<void* (*)()>(create)()));
+  const auto create_instance = reinterpret_cast<void* (*)()>(create);
+  if (has_vector_state(law)) {
+    CHECK(refuses("is a vector of the contact plane, whose axes 3DEC does not tell", create_instance));
+    std::printf("%s: refused for its vector state\n", law.id);
+    return quoin::tests::failures == 0 ? 0 : 1;
+  }
+  const Model prototype(static_cast<JointModel*>(create_instance()));
   if (argc > 3) {
     print_times(*prototype, law);
     return 0;

@@ -1,6 +1,6 @@
 #!/bin/sh
 # usage: fortran_host.sh PROJECT_DIR WORK_DIR LAW...: the Fortran shim for Abaqus/Explicit is built with its host and
-# driven with every law; then each fault must end it with a message that names it.
+# driven with every law, those with vector states to be refused; then each fault must end it with a message that names it.
 command -v gfortran >/dev/null || { echo "skipped: gfortran is not installed"; exit 77; }
 project=$1
 work=$2
@@ -11,7 +11,14 @@ gfortran -std=f2018 -Wall -Wextra -Werror -Wno-unused-dummy-argument -Wno-compar
   "$project/plugin_api/adapters/abaqus/quoin_abaqus.f90" "$project/tests/adapters/abaqus_host.f90" -ldl \
   -o "$work/abaqus_host" || exit 1
 for law in "$@"; do
-  QUOIN_LAW_PATH=$(dirname "$law") "$work/abaqus_host" "$(basename "$law" .so)" || exit 1
+  QUOIN_LAW_PATH=$(dirname "$law") "$work/abaqus_host" "$(basename "$law" .so)" >"$work/law.txt" 2>&1
+  ended=$?
+  cat "$work/law.txt"
+  if grep -q "to be refused: vector state" "$work/law.txt"; then
+    [ $ended != 0 ] && grep -q "a state is a vector, which the code does not turn" "$work/law.txt" || exit 1
+  else
+    [ $ended = 0 ] || exit 1
+  fi
 done
 
 QUOIN_LAW_PATH=/nowhere:$(dirname "$1")

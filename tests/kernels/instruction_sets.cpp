@@ -113,7 +113,7 @@ int run_laws(const char* name, bool writes, const std::string& folder) {
     return 2;
   }
   bool same = true;
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
+  for (const char* id : quoin::test::laws) {
     const quoin_law& law = quoin::test::load_law_file(folder + "/" + id + ".so");
     Comparison comparison{file, writes};
     for (const Values& values : quoin::test::materials(id)) {

@@ -17,7 +17,8 @@ trap 'exit 1' INT TERM
 ran=0
 failed=0
 
-for file in instruction_sets laws/elastic.so laws/coulomb_slip.so laws/fracture_energy.so; do
+laws=$(cat "$build/laws.txt")
+for file in instruction_sets $(printf 'laws/%s.so ' $laws); do
   [ -e "$build/$file" ] || { echo "skipped: $build/$file is not built"; exit 77; }
 done
 
@@ -38,7 +39,7 @@ neon() {
   fi
   ran=1
   cmake --preset aarch64 >/dev/null
-  cmake --build --preset aarch64 --target elastic coulomb_slip fracture_energy >/dev/null
+  cmake --build --preset aarch64 --target quoin_laws >/dev/null
   aarch64-linux-gnu-g++ -std=c++20 -O2 -ffp-contract=off -I. -Iplugin_api/include tests/kernels/instruction_sets.cpp \
     -o build/aarch64/instruction_sets
   echo "beside $(cut -d, -f1 "$scratch/written" | head -n 1):"
@@ -65,7 +66,7 @@ avx512() {
   iso=$scratch/iso
   mkdir -p "$root/lib" "$root/lib64" "$root/laws" "$iso"
   cp "$build/instruction_sets" "$root/init"
-  for law in elastic coulomb_slip fracture_energy; do strip -o "$root/laws/$law.so" "$build/laws/$law.so"; done
+  for law in $laws; do strip -o "$root/laws/$law.so" "$build/laws/$law.so"; done
   ldd "$build/instruction_sets" "$build/laws/fracture_energy.so" | grep -o '/[^ ]*\.so[^ ]*' | grep -v "$build" | sort -u |
     while read -r library; do
       case $library in *ld-linux*) cp -L "$library" "$root/lib64" ;; *) cp -L "$library" "$root/lib" ;; esac

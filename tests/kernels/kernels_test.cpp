@@ -11,6 +11,7 @@
 namespace {
 
 using quoin::test::Batch;
+using quoin::test::laws;
 using quoin::test::load_law;
 using quoin::test::make_some_extreme;
 using quoin::test::materials;
@@ -128,7 +129,7 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
 // A call of one point has a path of its own, and so have vectors of points that all stay elastic.
 TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
   constexpr std::size_t kCount = 256;
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
+  for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
       const OnTarget on(targets & -targets);
@@ -176,7 +177,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
 
 // One point of an array of structures: in place, without diagnostics, without a stride that could mean anything.
 TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
+  for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     for (const Values& values : materials(id)) {
       const TestMaterial material(law, values);
@@ -211,7 +212,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
 
 // C6.11 holds for one point too.
 TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
+  for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     const TestMaterial material(law, materials(id)[0]);
     Batch points(law, 1);
@@ -336,7 +337,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
 
 // What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
 TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
-  for (const char* id : {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"}) {
+  for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     std::vector<Values> all = materials(id);
     all.push_back(materials("elastic")[0]);  // stiffness alone: every other mode is switched off

@@ -14,6 +14,8 @@
 
 namespace quoin::test {
 
+inline constexpr const char* laws[] = {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"};
+
 // Every branch of the law: shape, coupling, and elastic in compression, crushing, or that with residuals and dilation.
 inline std::vector<Values> materials(const std::string& law) {
   const auto first = [](std::size_t n) {
