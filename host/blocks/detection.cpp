@@ -308,7 +308,7 @@ void Model::place_points(Detection& found) {
     }
     fill[c.family] += c.count;
   }
-  if (energy_) energies_.detection += freed;
+  if (energy_) later_.detection += freed;
   contacts_ = std::move(found.contacts);
   divide_work();
   if (!found.at_start && local_stiffness_bound() > 1.01 * stiffness_bound_) find_time_step();

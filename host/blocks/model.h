@@ -177,9 +177,10 @@ struct Energies {        // J
   }
 };
 
-// Work of forces in the second half of their step.
+// What belongs to the energies of the next step: work of forces in the second half of their own, and what is lost with
+// points that are placed anew and units that come apart at its end.
 struct HalfStep {
-  double damping = 0.0, external = 0.0;  // J
+  double damping = 0.0, external = 0.0, detection = 0.0;  // J
 };
 
 struct Load {

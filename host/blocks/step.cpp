@@ -542,6 +542,7 @@ void Model::sum_up() {
   // Forces act from half a step before their time to half a step after it; energies are those at their time.
   energies_.damping += later_.damping;
   energies_.external += later_.external;
+  energies_.detection += later_.detection;
   later_ = {};
   for (const BlockSums& sums : block_sums_) {
     energies_.kinetic += sums.kinetic;

@@ -111,7 +111,7 @@ void Model::part_units() {
     other_half_[size_t(a)] = other_half_[size_t(b)] = -1;
     --unit_count_;
     parted = true;
-    if (energy_) energies_.detection += together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
+    if (energy_) later_.detection += together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
   }
   if (!parted) return;
   divide_work();
