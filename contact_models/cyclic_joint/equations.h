@@ -495,7 +495,7 @@ struct Equations {
     const V residual = hn::IfThenElseZero(p.cr > zero(), p.cr * inv_F1);
     const V bonded = p.c_drop * select(past_peak, p.inv_fc, inv_F1);  // (c0 - cr) b1/F1
     const V P_by = p_by * c.inv_a, Q_by = T1_by * c.inv_k, D_by = crushing_by(c, P_by, Q_by);
-    const V F_by = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope * D_by * inv_F1);
+    const V F_by = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope * D_by / c.F1);  // F1 may be too small for 1/F1
     Corner j;
     j.D_by = D_by;
     j.J = c.Q - residual - bonded * factor - mu * c.P;

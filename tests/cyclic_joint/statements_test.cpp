@@ -216,6 +216,7 @@ TEST(Statement4And7, NothingBeyondTheSurfacesAndTheBounds) {
         EXPECT_EQ(beyond_bounds(j, s), nullptr) << "joint " << number << text_of(j);
         for (int mode = 0; mode < 4; ++mode) EXPECT_GE(points.dissipated(mode, i), 0.0);
       }
+      if (HasFailure()) return;
     }
   }
   std::printf("largest excess %.1e of the scale\n", worst);
@@ -279,6 +280,7 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
         EXPECT_LE(points.tangent(4, i), shear) << "joint " << number << text_of(j);
         EXPECT_LE(points.tangent(8, i), shear) << "joint " << number << text_of(j);
       }
+      if (HasFailure()) return;
       points.batch.advance();
     }
   }
@@ -386,6 +388,7 @@ TEST(Statement1, RotationTurnsAndChangesNothingElse) {
         worst = std::max(worst, gap);
         EXPECT_LT(gap, 1e-9) << "joint " << number << text_of(j);
       }
+      if (HasFailure()) return;
       points.batch.advance();
     }
   }

@@ -3,6 +3,8 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -20,7 +22,11 @@ inline const quoin_law& load_law_file(const std::string& path) {
   return *entry(&host, nullptr)->laws[0];
 }
 #ifdef QUOIN_LAWS  // the folder where the build puts them
-inline std::string law_file(const std::string& name) { return std::string(QUOIN_LAWS) + "/" + name + ".so"; }
+inline std::string law_file(const std::string& name) {
+  const char* other = std::getenv("QUOIN_LAW_PATH");  // another build of it, as for the host
+  const std::string file = other == nullptr ? "" : std::string(other) + "/" + name + ".so";
+  return std::ifstream(file).good() ? file : std::string(QUOIN_LAWS) + "/" + name + ".so";
+}
 inline const quoin_law& load_law(const std::string& name) { return load_law_file(law_file(name)); }
 #endif
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Plants faults in the fracture-energy law one at a time and shows that the law tests kill each.
+"""Plants faults in a law one at a time and shows that the law tests kill each.
 
     tests/law/mutants/run_mutants.py --test build/release/law_test [--only NAME] [--list]
+    tests/law/mutants/run_mutants.py --law cyclic_joint --test build/release/law_test --test build/release/cyclic_joint_test
 
-Every fault of issue 3 is a change of text in a scratch copy of contact_models. Text that is not found is an error: a mutant
+Every fault (of issue 3 for fracture_energy) is a change of text in a scratch copy of contact_models. Text that is not found is an error: a mutant
 that changes nothing proves nothing. The law is rebuilt (baseline instruction set) and the tests run with it; all of
 them compare with a formula or with the independent reference, none with stored output. The unchanged law runs first: what fails
 there does not count. Exit code 0: all killed, 1: a survivor, 3: a text was not found or a mutant did not build.
@@ -17,6 +18,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from cyclic_joint_mutants import MUTANTS as CYCLIC_JOINT
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
@@ -117,6 +120,7 @@ MUTANTS = {
           " return hn::NegMulAdd(a.sigma, excess, hn::MulAdd(a.S_drop, factor, a.S_end)); }")],
     ),
 }
+LAWS = {"fracture_energy": MUTANTS, "cyclic_joint": CYCLIC_JOINT}
 NOT_FOUND = 3
 
 
@@ -134,11 +138,15 @@ def plant(folder, changes):
     return missing
 
 
-def run_tests(program, laws, timeout, known=()):
+def run_tests(programs, law, laws, timeout, known=()):
     """(names of failed tests, first path check that failed in a test that is not among the known failures)"""
     environment = dict(os.environ, QUOIN_LAW_PATH=str(laws), QUOIN_TEST_SCALE=os.environ.get("QUOIN_TEST_SCALE", "0.4"))
     failed, first, crashed = [], "", ""
-    for chosen in ("Files/*", "*Statement*", "Reference*"):
+    files = "Files/*" if law == "fracture_energy" else f"Files/*{law}*"
+    groups = [(program, chosen) for program in programs
+              for chosen in ((files, "*Statement*", "Reference*") if program.name == "law_test" and law == "fracture_energy"
+                             else (files,) if program.name == "law_test" else ("*",))]
+    for program, chosen in groups:
         try:
             done = subprocess.run([program, f"--gtest_filter={chosen}", "--gtest_brief=1"], env=environment, timeout=timeout,
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", check=False)
@@ -159,19 +167,23 @@ def run_tests(program, laws, timeout, known=()):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--test", type=pathlib.Path, help="the program law_test")
-    parser.add_argument("--only", action="append", choices=sorted(MUTANTS), help="this mutant (may be repeated)")
+    parser.add_argument("--law", choices=sorted(LAWS), default="fracture_energy")
+    parser.add_argument("--test", type=pathlib.Path, action="append", default=[], help="a test program (may be repeated)")
+    parser.add_argument("--only", action="append", help="this mutant (may be repeated)")
     parser.add_argument("--list", action="store_true", help="list the mutants and check that their texts are found")
     parser.add_argument("--timeout", type=int, default=300, help="seconds for one group of tests")
     arguments = parser.parse_args()
-    chosen = arguments.only or list(MUTANTS)
+    mutants = LAWS[arguments.law]
+    chosen = arguments.only or list(mutants)
+    for name in set(chosen) - set(mutants):
+        parser.error(f"--only {name}: {arguments.law} has no such mutant; --list names them")
 
     with tempfile.TemporaryDirectory(prefix="quoin-mutants-") as scratch_name:
         scratch = pathlib.Path(scratch_name)
         lost = {}
         for name in chosen:  # all texts first: the rest takes minutes
             shutil.copytree(ROOT / "contact_models", scratch / name / "models")
-            missing = plant(scratch / name / "models", MUTANTS[name][1])
+            missing = plant(scratch / name / "models", mutants[name][1])
             if missing:
                 lost[name] = missing
         for name, missing in lost.items():
@@ -180,14 +192,15 @@ def main():
             return NOT_FOUND
         if arguments.list:
             for name in chosen:
-                print(f"{name:36} {MUTANTS[name][0]}")
+                print(f"{name:36} {mutants[name][0]}")
             return 0
-        if arguments.test is None or not arguments.test.is_file():
+        if not arguments.test or not all(program.is_file() for program in arguments.test):
             parser.error("--test PROGRAM is needed: build the target law_test")
+        programs = [program.resolve() for program in arguments.test]
 
         def build(models, laws):
             laws.mkdir()
-            done = subprocess.run([HERE / "build_law.sh", models, laws / "fracture_energy.so"], stderr=subprocess.PIPE, text=True,
+            done = subprocess.run([HERE / "build_law.sh", models, arguments.law, laws / f"{arguments.law}.so"], stderr=subprocess.PIPE, text=True,
                                   check=False)
             if done.returncode != 0:
                 print(done.stderr[-3000:], file=sys.stderr)
@@ -195,7 +208,7 @@ def main():
 
         if not build(ROOT / "contact_models", scratch / "unchanged"):
             return NOT_FOUND
-        baseline, _ = run_tests(arguments.test.resolve(), scratch / "unchanged", arguments.timeout)
+        baseline, _ = run_tests(programs, arguments.law, scratch / "unchanged", arguments.timeout)
         print(f"unchanged law: {len(baseline)} tests fail{': ' + ', '.join(baseline) if baseline else ''}", flush=True)
 
         survivors, broken = [], []
@@ -205,11 +218,11 @@ def main():
                 broken.append(name)
                 print(f"BROKEN    {name}: does not build", flush=True)
                 continue
-            failed, first = run_tests(arguments.test.resolve(), scratch / name / "laws", arguments.timeout, baseline)
+            failed, first = run_tests(programs, arguments.law, scratch / name / "laws", arguments.timeout, baseline)
             new = [test for test in failed if test not in baseline]
             groups = {"path files": [t for t in new if t.startswith("Files/")], "statements": [t for t in new if "Statement" in t],
-                      "reference": [t for t in new if t.startswith("Reference")]}
-            print(f"{'killed' if new else 'SURVIVED':9} {name}: {MUTANTS[name][0]} ({time.time() - start:.0f} s)")
+                      "reference": [t for t in new if re.match("Reference|Page|Neutral", t)]}
+            print(f"{'killed' if new else 'SURVIVED':9} {name}: {mutants[name][0]} ({time.time() - start:.0f} s)")
             print("          " + ", ".join(f"{len(tests)} {group}" for group, tests in groups.items()) +
                   (f"; {', '.join(t for t in new if t not in sum(groups.values(), []))}" if len(new) > sum(map(len, groups.values())) else ""))
             if first and groups["path files"]:
