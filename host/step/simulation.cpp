@@ -20,6 +20,7 @@ constexpr long kCheckInterval = 20;       // steps between two looks at the unba
 constexpr long kCollapseInterval = 10;    // steps between two looks at how far blocks have moved
 constexpr int kCalmChecks = 5;            // looks in a row that must pass: one may catch a swing at its turning point
 constexpr long kDefaultRows = 1000;       // rows of a stage with record_interval 0
+constexpr long kHalfCycleRows = 200;      // rows of a half cycle with record_interval 0
 constexpr long kUnknownLength = 200;      // steps between rows of a stage whose length cannot be foreseen
 constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
 constexpr double kProgressPeriod = 0.25;  // s
@@ -201,18 +202,13 @@ void Simulation::Impl::apply_load(std::size_t loaded) {
 void Simulation::Impl::pull_whiffletree() {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   const Whiffletree& tree = *settings.whiffletree;
-  // Integral of the ramped velocity from the start of the stage.
-  const double elapsed = stage_time();
-  double driven = elapsed;
-  if (settings.ramp_time > 0.0) {
-    const double t = std::min(1.0, elapsed / settings.ramp_time);
-    driven = settings.ramp_time * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, elapsed - settings.ramp_time);
-  }
+  const double moved =
+      cycles ? cycles->position(stage_time()) : tree.velocity * smooth_way(stage_time(), settings.ramp_time);
   // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
   double mean = 0.0;
   for (std::size_t f = 0; f < whiffletree.size(); ++f)
     mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
-  const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
+  const double pull = tree.stiffness * (monitor_start[0] + moved - mean);
   for (const Floor& floor : whiffletree) {
     for (const int block : floor.riding) pull_block(block, pull / floor.count());
     for (const int body : floor.bodies) {
@@ -237,7 +233,9 @@ void Simulation::Impl::follow_ramps() {
     const auto [index, lane] = body_place[b];
     BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
     for (std::size_t c = 0; c < 3; ++c) {
-      lanes.prescribed_velocity[c][lane] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
+      lanes.prescribed_velocity[c][lane] = ramps[b].in_cycles[c] != 0.0
+                                               ? velocity_in_cycles(ramps[b].velocity_from[c])
+                                               : between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
       lanes.applied_force[c][lane] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
     }
   }
@@ -247,8 +245,24 @@ void Simulation::Impl::follow_ramps() {
     apply_load(i);
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
-  controls_settled = s >= 1.0;
+  controls_settled = s >= 1.0 && !(cycles && whiffletree.empty());
   if (riding) drive_blocks(s);
+}
+
+double Simulation::Impl::velocity_in_cycles(double initial_velocity) const {
+  const double dt = data.time_step, t = stage_time();
+  return (cycles->position(t + dt, initial_velocity) - cycles->position(t, initial_velocity)) / dt;
+}
+
+bool Simulation::Impl::force_lost() {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (!settings.cycles || !settings.cycles->stop_at_force_loss || stage_step % kCheckInterval != 0) return false;
+  const int half_cycle = cycles->half_cycle(stage_time());
+  if (!force_loss.see(measure().resistance, half_cycle, cycles->target(half_cycle),
+                      *settings.cycles->stop_at_force_loss))
+    return false;
+  outcome.force_losses.push_back({stage, force_loss.half_cycle(), force_loss.force(), force_loss.largest()});
+  return true;
 }
 
 void Simulation::Impl::sum_measurements() {
@@ -478,6 +492,7 @@ void Simulation::Impl::begin_stage(int index) {
   calm_checks = 0;
   next_frame = 0;
   next_row = 0;
+  force_loss = {};
   swaps.clear();
   row_interval = chosen_record_interval();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
@@ -529,6 +544,7 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
       ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
       ramps[b].force_from[c] = prescribed ? 0.0 : carried;
       ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+      ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
       const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = controlled && !control->may_turn;
       // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
       // the support.
@@ -551,6 +567,9 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
 }
 
 void Simulation::Impl::bind_controls() {
+  cycles.reset();
+  if (stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].cycles)
+    cycles.emplace(*scene.stages[static_cast<std::size_t>(stage)].cycles);
   ramped_bodies.clear();
   for (BodyLanes& lanes : body_lanes) lanes.any_prescribed = false;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -559,7 +578,7 @@ void Simulation::Impl::bind_controls() {
     for (const auto& prescribed : lanes.prescribed)
       lanes.any_prescribed = lanes.any_prescribed || prescribed[lane] != 0.0;
     const BodyRamp& ramp = ramps[b];
-    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to)
+    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to || ramp.in_cycles != Vec3{})
       ramped_bodies.push_back(static_cast<int>(b));
     for (std::size_t c = 0; c < 3; ++c) {
       lanes.prescribed_velocity[c][lane] = ramp.velocity_from[c];
@@ -665,7 +684,8 @@ long Simulation::Impl::chosen_record_interval() const {
         steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
                    data.time_step);
   if (!std::isfinite(steps)) return kUnknownLength;
-  return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
+  const long rows = cycles ? std::max(kDefaultRows, kHalfCycleRows * cycles->half_cycles()) : kDefaultRows;
+  return std::max(1L, std::lround(steps / static_cast<double>(rows)));
 }
 
 double Simulation::Impl::stage_fraction() const {
@@ -961,7 +981,7 @@ void Simulation::run(Observer& observer) {
       s.step_once(check || row || frame || s.want_energy, frame);
 
       done = check && s.equilibrium_reached(settings);
-      if (s.stage_fraction() >= 1.0) done = true;
+      if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
       if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       // Before a row that only the stop asks for: who goes on from here has a history without it.
