@@ -29,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
+using namespace nlohmann::literals;
 
 volatile std::sig_atomic_t stop_asked = 0;
 extern "C" void ask_stop(int) { stop_asked = 1; }
@@ -215,8 +216,20 @@ RunResult RunCache::result(const RunSpec& spec) const {
   result.zones = summary.value("zones", 0L);
   result.points = summary.value("contact_points", 0L);
   result.steps = summary.value("steps", 0L);
+  int cycles_stage = 0;
+  for (const Json& stage : summary.value("/settings/stages"_json_pointer, Json::array())) {
+    ++cycles_stage;
+    if (!stage.contains("cycles")) continue;
+    const Json& given = stage["cycles"];
+    result.cycles = Cycles{given["amplitudes_m"].get<std::vector<double>>(),
+                           given["counts"].get<std::vector<int>>(),
+                           given.value("velocity_m_per_s", 0.0),
+                           stage.value("ramp_time_s", 0.0),
+                           {}};
+    break;
+  }
   // The first stage only presses the wall.
-  if (result.complete) result.curve = read_history(result.folder / "history.csv", 2);
+  if (result.complete) result.curve = read_history(result.folder / "history.csv", 2, result.cycles, cycles_stage);
   return result;
 }
 
