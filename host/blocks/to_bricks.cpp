@@ -266,7 +266,7 @@ void name_bodies(const Assembly& assembly, std::vector<Brick>* bricks) {
 }
 
 std::string text_of(const BodyControl& control) {
-  std::string text = control.may_turn ? "turns" : "held";
+  std::string text = fmt::format("{} {}", control.may_turn ? "turns" : "held", control.in_cycles);
   for (size_t c = 0; c < 3; ++c)
     text += control.kind[c] == DofKind::free ? fmt::format(" N {}", control.force[c])
                                              : fmt::format(" m/s {}", control.velocity[c]);

@@ -51,7 +51,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\nstages\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
-  for (const Stage& stage : scene.stages) fmt::print("  {}\n", stage.name);
+  for (const Stage& stage : scene.stages) fmt::print("  {:<16} until {}\n", stage.name, end_of(stage));
 }
 
 void check(const SceneOptions& options) {
@@ -88,19 +88,14 @@ void check(const SceneOptions& options) {
                100 * report.added_mass / report.model_mass);
   fmt::print("stages\n");
   for (const Stage& stage : scene.stages) {
-    std::string end;
-    auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
-    if (stage.equilibrium_ratio) add(fmt::format("unbalanced/mean contact force <= {:g}", *stage.equilibrium_ratio));
     double seconds = stage.duration.value_or(0.0);
     if (stage.displacement) {
-      add(fmt::format("displacement {:g} mm", *stage.displacement * 1e3));
       for (const BodyControl& c : stage.controls) {
         const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
         if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
       }
     }
-    if (stage.duration) add(fmt::format("{:g} s", *stage.duration));
-    fmt::print("  {:<16} until {}{}\n", stage.name, end,
+    fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / report.time_step) : "");
   }
 }

@@ -73,4 +73,23 @@ Scene prepare_scene(const SceneOptions& options) {
   return scene;
 }
 
+std::string end_of(const Stage& stage) {
+  std::string end;
+  const auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
+  if (stage.equilibrium_ratio)
+    add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *stage.equilibrium_ratio));
+  if (stage.displacement) add(fmt::format("displacement {:g} mm", *stage.displacement * 1e3));
+  if (stage.cycles)
+    add(fmt::format("{} are done, {:g} s", text_of(*stage.cycles), *stage.duration));
+  else if (stage.duration)
+    add(fmt::format("{:g} s", *stage.duration));
+  if (stage.cycles && stage.cycles->stop_at_force_loss)
+    add(fmt::format("a half cycle reaches less than {:g} of the largest force before",
+                    *stage.cycles->stop_at_force_loss));
+  if (stage.collapse)
+    add(fmt::format("some block has moved by {:g} mm, multiplier at most {:g}", stage.collapse->displacement * 1e3,
+                    stage.collapse->limit));
+  return end;
+}
+
 }  // namespace quoin

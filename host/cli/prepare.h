@@ -18,4 +18,6 @@ struct SceneOptions {
 // on stderr), and refuses properties that no law knows, each with its place and a suggestion.
 Scene prepare_scene(const SceneOptions& options);
 
+std::string end_of(const Stage& stage);  // "displacement 4 mm or 2 s"
+
 }  // namespace quoin

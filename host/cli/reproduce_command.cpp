@@ -28,7 +28,7 @@ using namespace reproduce;
 struct ReproduceOptions {
   std::vector<std::string> studies, overrides;
   std::string out = "out/reproduce", quality = "standard";
-  bool list = false, again = false, slow = false;
+  bool list = false, again = false, slow = false, beyond = false;
   int jobs = 0;
 };
 
@@ -39,9 +39,8 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
   }
   std::vector<const Study*> chosen;
   for (const Study& s : studies()) {
-    if (options.studies.empty() ||
-        std::find(options.studies.begin(), options.studies.end(), s.id) != options.studies.end())
-      chosen.push_back(&s);
+    const bool named = std::find(options.studies.begin(), options.studies.end(), s.id) != options.studies.end();
+    if (named || (s.beyond ? options.beyond : options.studies.empty())) chosen.push_back(&s);
   }
   Quality quality;
   for (const Quality& q : qualities()) {
@@ -79,7 +78,7 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
       ++failed;
     }
     write_section(settings.root, *study, quality, report);
-    write_verdicts(settings.root / "verdict.json", study->id, report);
+    write_verdicts(verdict_file(settings.root, *study), study->id, report);
     for (const Verdict& v : report.verdicts) {
       fmt::print("{}\n", verdict_line(study->id, v));
       missed += !v.reproduced;
@@ -100,7 +99,7 @@ void add_reproduce_command(CLI::App& app, int& exit_code) {
   std::vector<std::string> ids, qualities_known;
   for (const Study& s : studies()) ids.push_back(s.id);
   for (const Quality& q : qualities()) qualities_known.push_back(q.name);
-  command->add_option("study", options->studies, "Studies (default: all)")
+  command->add_option("study", options->studies, "Studies (default: all of the paper)")
       ->type_name("STUDY...")
       ->check(CLI::IsMember(ids));
   command->add_option("--out", options->out, "Folder for results (default: out/reproduce)")->type_name("DIR");
@@ -117,6 +116,8 @@ void add_reproduce_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command->add_flag("--slow", options->slow, "The run at 0.1 mm/s too (half an hour on one core)");
   command->add_flag("--again", options->again, "Compute runs that are done once more");
+  command->add_flag("--beyond", options->beyond,
+                    "Studies beyond the paper too, with their verdicts in DIR/beyond.json");
   command->add_flag("--list", options->list, "Name the studies");
   command->footer(
       "DIR/index.html is the report, DIR/verdict.json its verdicts, DIR/STUDY the data and plots of a study, DIR/runs\n"

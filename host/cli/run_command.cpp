@@ -100,16 +100,7 @@ class Recorder : public Observer {
 
   void on_stage_begin(const Simulation&, int stage) override {
     const Stage& s = scene_.stages[static_cast<size_t>(stage)];
-    std::string end;
-    auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
-    if (s.equilibrium_ratio)
-      add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *s.equilibrium_ratio));
-    if (s.displacement) add(fmt::format("displacement {:g} mm", *s.displacement * 1e3));
-    if (s.duration) add(fmt::format("{:g} s", *s.duration));
-    if (s.collapse)
-      add(fmt::format("some block has moved by {:g} mm, multiplier at most {:g}", s.collapse->displacement * 1e3,
-                      s.collapse->limit));
-    progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end));
+    progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end_of(s)));
   }
   void on_law_swap(const LawSwap& swap) override {
     progress_.message(
@@ -156,6 +147,12 @@ class Recorder : public Observer {
                     "unbalanced ratio {:.1e}",
                     stage + 1, scene_.stages.size(), simulation.step(), r.displacement * 1e3, r.horizontal_force / 1e3,
                     r.vertical_force / 1e3, last.unbalanced_ratio));
+    for (const StopAtForceLoss& stop : simulation.outcome().force_losses) {
+      if (stop.stage == stage)
+        progress_.message(
+            fmt::format("stopped at force loss: half cycle {} reached {:.2f} kN, {:.2f} of {:.2f} kN before",
+                        stop.half_cycle + 1, stop.force / 1e3, stop.force / stop.largest, stop.largest / 1e3));
+    }
   }
 
   History& history() { return history_; }

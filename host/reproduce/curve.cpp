@@ -89,7 +89,8 @@ double Curve::mean_unbalanced(double from, double to) const {
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-Curve read_history(const std::filesystem::path& file, int first_stage) {
+Curve read_history(const std::filesystem::path& file, int first_stage, const std::optional<Cycles>& cycles,
+                   int cycles_stage) {
   std::ifstream stream(file);
   std::string line;
   if (!std::getline(stream, line))
@@ -100,10 +101,13 @@ Curve read_history(const std::filesystem::path& file, int first_stage) {
     if (found == header.end()) throw Error(Exit::bad_input, fmt::format("{}: no column {}", file.string(), name));
     return static_cast<std::size_t>(found - header.begin());
   };
-  const std::size_t stage = column("stage"), displacement = column("displacement_m"),
+  const std::size_t stage = column("stage"), time = column("time_s"), displacement = column("displacement_m"),
                     horizontal = column("horizontal_force_N"), vertical = column("vertical_force_N"),
                     unbalanced = column("unbalanced_ratio");
   Curve curve;
+  std::optional<CyclicMotion> motion;
+  if (cycles) motion.emplace(*cycles);
+  double start = -1.0;  // of the cycles; their first row stands at their first step
   while (std::getline(stream, line)) {
     const std::vector<std::string> fields = fields_of(line);
     if (fields.size() < header.size()) continue;
@@ -116,6 +120,9 @@ Curve read_history(const std::filesystem::path& file, int first_stage) {
     const int of_stage = number(stage, 0);
     if (of_stage < first_stage) continue;
     curve.stage.push_back(of_stage);
+    const bool in_cycles = motion && of_stage == cycles_stage;
+    if (in_cycles && start < 0.0) start = number(time, 0.0);
+    curve.half_cycle.push_back(in_cycles ? motion->half_cycle(number(time, 0.0) - start) : -1);
     curve.displacement.push_back(1e3 * number(displacement, 0.0));
     curve.force.push_back(1e-3 * number(horizontal, 0.0));
     curve.vertical.push_back(1e-3 * number(vertical, 0.0));

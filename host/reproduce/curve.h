@@ -3,13 +3,17 @@
 
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "scene/cyclic_motion.h"
 
 namespace quoin::reproduce {
 
 struct Curve {
   std::vector<int> stage;                             // from 1
+  std::vector<int> half_cycle;                        // of a stage of cycles, from 0; -1 in others
   std::vector<double> displacement, force, vertical;  // mm, kN, kN (compression positive)
   std::vector<double> unbalanced;                     // largest unbalanced force / mean contact force
 
@@ -29,8 +33,10 @@ struct Curve {
   double mean_unbalanced(double from, double to) const;
 };
 
-// Rows of the stages from first_stage (1 is the first) on. Throws Error(bad_input).
-Curve read_history(const std::filesystem::path& file, int first_stage);
+// Rows of the stages from first_stage (1 is the first) on. cycles: those of the stage cycles_stage, where there is one.
+// Throws Error(bad_input).
+Curve read_history(const std::filesystem::path& file, int first_stage, const std::optional<Cycles>& cycles = {},
+                   int cycles_stage = 0);
 
 // CSV of several curves in long form: run, displacement_mm, force_kN, vertical_kN, unbalanced_ratio.
 std::string curves_csv(const std::vector<std::pair<std::string, const Curve*>>& curves);

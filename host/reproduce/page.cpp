@@ -97,7 +97,8 @@ caption { text-align: left; color: #555; padding-bottom: .3rem; }
 void write_section(const fs::path& root, const Study& study, const Quality& quality, const StudyReport& report) {
   std::string out = fmt::format("<h2 id=\"{0}\">{1} <span class=\"small\">({0}; {2})</span></h2>\n", study.id,
                                 html(study.title), html(study.figures));
-  out += "<p class=\"claim\"><b>The paper says:</b> " + html(study.claim) + "</p>\n";
+  out += fmt::format("<p class=\"claim\"><b>{}:</b> {}</p>\n", study.beyond ? "Asked" : "The paper says",
+                     html(study.claim));
   out += fmt::format("<p class=\"small\">Quality {}: {:g} mm/s for a wall of 1 m; expected error of peaks {}.</p>\n",
                      quality.name, quality.velocity * 1e3, html(quality.error));
   for (const Verdict& v : report.verdicts)
@@ -142,8 +143,9 @@ void write_page(const fs::path& root) {
       "coloured by the worst that happened in them. Data: the CSV files in the folder of each study; every run with "
       "its "
       "summary, history and log in runs/. The verdicts as data: <a href=\"verdict.json\">verdict.json</a>.</p>\n";
-  const auto verdicts = nlohmann::json::parse(read_text(root / "verdict.json"), nullptr, false);
-  if (verdicts.is_array()) {
+  for (const char* file : {"verdict.json", "beyond.json"}) {
+    const auto verdicts = nlohmann::json::parse(read_text(root / file), nullptr, false);
+    if (!verdicts.is_array()) continue;
     out += "<table><tr><th>Study</th><th>Claim</th><th>Number</th><th>Reference</th><th></th></tr>\n";
     for (const auto& v : verdicts) {
       if (!v.is_object() || !v.contains("reference")) continue;

@@ -29,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Json = nlohmann::json;
+using namespace nlohmann::literals;
 
 volatile std::sig_atomic_t stop_asked = 0;
 extern "C" void ask_stop(int) { stop_asked = 1; }
@@ -42,6 +43,14 @@ std::string read_text(const fs::path& file) {
 std::uint64_t hash_of(const std::string& text, std::uint64_t h = 1469598103934665603ull) {
   for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ull;
   return h;
+}
+
+// As in the paper: small displacements to the end, with a warning where they are no longer small. What that does to the
+// curves is in benchmarks/README.md.
+constexpr const char* kLargeMotion = "solver.large_motion";
+
+bool named(const std::vector<std::string>& overrides, const std::string& key) {
+  return std::any_of(overrides.begin(), overrides.end(), [&](const auto& o) { return o.rfind(key + "=", 0) == 0; });
 }
 
 Json read_summary(const fs::path& folder) { return Json::parse(read_text(folder / "summary.json"), nullptr, false); }
@@ -164,6 +173,9 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
                                      std::to_string(threads)};
       if (!spec.law.empty()) words.insert(words.end(), {"--law", spec.law});
       words.insert(words.end(), {"--set", "output.frames=0"});
+      if (!named(spec.overrides, kLargeMotion) && !named(settings_.overrides, kLargeMotion))
+        words.insert(words.end(),
+                     {"--set", std::string(kLargeMotion) + "=never", "--set", "solver.past_motion_bound=warn"});
       for (const std::vector<std::string>* list : {&spec.overrides, &std::as_const(settings_.overrides)}) {
         for (const std::string& o : *list) words.insert(words.end(), {"--set", o});
       }
@@ -215,8 +227,20 @@ RunResult RunCache::result(const RunSpec& spec) const {
   result.zones = summary.value("zones", 0L);
   result.points = summary.value("contact_points", 0L);
   result.steps = summary.value("steps", 0L);
+  int cycles_stage = 0;
+  for (const Json& stage : summary.value("/settings/stages"_json_pointer, Json::array())) {
+    ++cycles_stage;
+    if (!stage.contains("cycles")) continue;
+    const Json& given = stage["cycles"];
+    result.cycles = Cycles{given["amplitudes_m"].get<std::vector<double>>(),
+                           given["counts"].get<std::vector<int>>(),
+                           given.value("velocity_m_per_s", 0.0),
+                           stage.value("ramp_time_s", 0.0),
+                           {}};
+    break;
+  }
   // The first stage only presses the wall.
-  if (result.complete) result.curve = read_history(result.folder / "history.csv", 2);
+  if (result.complete) result.curve = read_history(result.folder / "history.csv", 2, result.cycles, cycles_stage);
   return result;
 }
 

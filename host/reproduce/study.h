@@ -37,6 +37,7 @@ struct RunResult {
   bool complete = false;
   std::string message;  // why it is not complete
   Curve curve;
+  std::optional<Cycles> cycles;  // of its first stage that has some
   double wall_clock = 0.0, time_step = 0.0, critical_time_step = 0.0, bed_area = 0.0;  // s, s, s, m2
   long blocks = 0, beams = 0, zones = 0, points = 0, steps = 0;
 };
@@ -102,6 +103,7 @@ struct Study {
   std::string id, title, figures, claim;
   std::vector<RunSpec> (*runs)(const Quality&);
   StudyReport (*report)(const Findings&);
+  bool beyond = false;  // beyond the paper: run when it is named or asked for, with a verdict file of its own
 };
 const std::vector<Study>& studies();
 const Study* find_study(const std::string& id);
@@ -132,6 +134,14 @@ std::vector<RunSpec> blind_runs(const Quality&);
 StudyReport report_blind(const Findings&);
 std::vector<RunSpec> cyclic_runs(const Quality&);
 StudyReport report_cyclic(const Findings&);
+std::vector<RunSpec> cyclic_wall_runs(const Quality&);
+StudyReport report_cyclic_wall(const Findings&);
+std::vector<RunSpec> cyclic_pier_runs(const Quality&);
+StudyReport report_cyclic_piers(const Findings&);
+std::vector<RunSpec> cyclic_building_runs(const Quality&);
+StudyReport report_cyclic_building(const Findings&);
+std::vector<RunSpec> restrained_runs(const Quality&);
+StudyReport report_restrained(const Findings&);
 
 // A run of one of the single walls at the quality.
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,

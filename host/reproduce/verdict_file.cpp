@@ -8,6 +8,10 @@
 
 namespace quoin::reproduce {
 
+std::filesystem::path verdict_file(const std::filesystem::path& root, const Study& study) {
+  return root / (study.beyond ? "beyond.json" : "verdict.json");
+}
+
 void write_verdicts(const std::filesystem::path& file, const std::string& study, const StudyReport& report) {
   using Json = nlohmann::ordered_json;
   std::ifstream stream(file);

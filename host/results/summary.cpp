@@ -40,6 +40,13 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;
     if (stage.duration) j["duration_s"] = *stage.duration;
+    if (stage.cycles) {
+      const Cycles& c = *stage.cycles;
+      j["cycles"] = {{"amplitudes_m", c.amplitudes},
+                     {"counts", c.counts},
+                     {"velocity_m_per_s", c.velocity},
+                     {"stop_at_force_loss", number_or_null(c.stop_at_force_loss)}};
+    }
     Json controls = Json::array();
     for (const BodyControl& c : stage.controls) {
       Json velocity = Json::array();
@@ -191,6 +198,15 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
                      {"expected_error", errors},
                      {"why_unknown", text_or_null(unknown)}};
   const QuasiStatic& check = info.quasi_static;
+  if (std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.cycles.has_value(); })) {
+    Json stops = Json::array();
+    for (const StopAtForceLoss& stop : simulation.outcome().force_losses)
+      stops.push_back({{"stage", scene.stages[static_cast<size_t>(stop.stage)].name},
+                       {"half_cycle", stop.half_cycle + 1},
+                       {"force_N", stop.force},
+                       {"largest_force_before_N", stop.largest}});
+    json["stopped_at_force_loss"] = stops;
+  }
   json["quasi_static"] = {{"dynamic_force_over_peak", number_or_null(check.dynamic_force_ratio)},
                           {"kinetic_energy_over_work", number_or_null(check.kinetic_energy_ratio)},
                           {"displacement_beyond_asked", check.overshoot_ratio},

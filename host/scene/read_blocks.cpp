@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "scene/read_cycles.h"
 #include "scene/series_file.h"
 
 namespace quoin {
@@ -296,7 +297,18 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     c.finish();
     s.collapse = collapse;
   }
-  read_monitor(t, s);
+  s.kind = "custom";
+  t.choice("kind", s.kind, {"cycles", "custom"});
+  if (s.kind == "cycles") {
+    read_cycles(t, s, "cycle_velocity");
+    read_cycled_body(t, "block", nullptr, s);
+    if (s.ground || s.collapse)
+      t.refuse("kind",
+               "cycles without ground_motion and collapse, which drive the same blocks; give them a stage of "
+               "their own");
+  } else {
+    read_monitor(t, s);
+  }
   if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
       !t.has("equilibrium_ratio") && !t.has("displacement")) {
     t.context().fault(t.where() +

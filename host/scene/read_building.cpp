@@ -150,16 +150,20 @@ void read_weight(Table& t, Stage& stage, const BuildingSpec& building) {
 }
 
 void read_push(Table& t, Stage& stage, const BuildingSpec& building) {
-  Whiffletree w;
-  t.number("velocity", w.velocity, kAny, "m/s", true);
-  t.number("stiffness", w.stiffness, kPositive, "N/m", true);
-  double displacement = 0.0;
+  double displacement = 0.0, velocity = 0.0;
+  t.number("velocity", velocity, kAny, "m/s", true);
   if (t.number("displacement", displacement, kPositive, "m (of the roof)", true)) stage.displacement = displacement;
   if (!t.has("ramp_time")) stage.ramp_time = 0.05;
-  if (t.has("velocity") && w.velocity == 0.0)
-    t.refuse("velocity", "not 0: the stage would never reach its displacement");
+  if (t.has("velocity") && velocity == 0.0) t.refuse("velocity", "not 0: the stage would never reach its displacement");
+  read_whiffletree(t, stage, building);
+  stage.whiffletree->velocity = velocity;
+}
+
+void read_whiffletree(Table& t, Stage& stage, const BuildingSpec& building) {
+  Whiffletree w;
+  t.number("stiffness", w.stiffness, kPositive, "N/m", true);
   for (const BuildingSpec::Floor& floor : building.floors) w.floors.push_back(floor.bodies());
-  if (w.floors.empty()) t.refuse("kind", "push needs floors to push: give [[building.floor]]");
+  if (w.floors.empty()) t.refuse("kind", "push and cycles need floors to push: give [[building.floor]]");
   stage.monitor = "bottom_beam";
   add_floor_controls(stage, building);
   stage.whiffletree = std::move(w);

@@ -17,6 +17,7 @@
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
+#include "scene/read_cycles.h"
 #include "scene/read_opening.h"
 #include "scene/reader.h"
 
@@ -422,7 +423,13 @@ BodyControl read_control(Table t, std::vector<std::string> bodies, const std::ve
   return c;
 }
 
-// The controls that the two short kinds of stage stand for: bottom beam held, top beam pressed or moved.
+void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodies, const Scene& scene) {
+  for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
+    stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
+                                          bodies, loaded_names(scene)));
+}
+
+// The controls that the short kinds of stage stand for: bottom beam held, top beam pressed or moved.
 void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
                        double top_velocity) {
   if (std::find(bodies.begin(), bodies.end(), "bottom_beam") != bodies.end()) {
@@ -446,8 +453,9 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
   stage.source = {t.where()};
   const std::vector<std::string> bodies = body_names(scene);
   std::string kind = "custom";
-  const std::vector<std::string> kinds = scene.building ? std::vector<std::string>{"weight", "push", "custom"}
-                                                        : std::vector<std::string>{"pressure", "shear", "custom"};
+  const std::vector<std::string> kinds = scene.building
+                                             ? std::vector<std::string>{"weight", "push", "cycles", "custom"}
+                                             : std::vector<std::string>{"pressure", "shear", "cycles", "custom"};
   const bool kind_known = t.choice("kind", kind, kinds, true);
   stage.name = stage.kind = kind;
   read_stage_basics(t, stage, previous);
@@ -481,10 +489,22 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
     read_weight(t, stage, *scene.building);
   } else if (kind == "push") {
     read_push(t, stage, *scene.building);
+  } else if (kind == "cycles" && (t.has("body") || t.has("control"))) {
+    read_cycles(t, stage);
+    read_controls(t, stage, bodies, scene);
+    read_cycled_body(t, "body", &bodies, stage);
+  } else if (kind == "cycles" && scene.building) {
+    read_cycles(t, stage);
+    read_whiffletree(t, stage, *scene.building);
+  } else if (kind == "cycles") {
+    if (!top) t.refuse("kind", "cycles move the top beam, which the wall does not have: wall.top_beam = true, or body");
+    read_cycles(t, stage);
+    std::string vertical = "held";
+    t.choice("vertical", vertical, {"held", "pressure"});
+    add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", stage.cycles->velocity);
+    stage.controls.back().in_cycles = 0;
   } else if (kind_known) {
-    for (size_t i = 0; const toml::table* table : t.tables("control", "tables [[stage.control]]"))
-      stage.controls.push_back(read_control(Table(t.context(), *table, fmt::format("{}.{}", t.path("control"), ++i)),
-                                            bodies, loaded_names(scene)));
+    read_controls(t, stage, bodies, scene);
     read_monitor(t, stage, &bodies);
     if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !t.has("equilibrium_ratio") &&
         !t.has("displacement") && !t.has("duration"))
@@ -493,6 +513,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
       t.refuse("displacement", "only with a monitor body to measure; give monitor");
   }
 
+  if (stage.cycles) scene.quality_as_is = scene.quality_as_is && std::abs(stage.cycles->velocity) == quality.velocity;
   read_law_swaps(t, scene, stage);
   if (!kind_known) return stage;  // which keys are allowed depends on the kind
   t.finish();

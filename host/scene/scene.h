@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/cyclic_motion.h"
+
 namespace quoin {
 
 using Vec3 = std::array<double, 3>;  // x along the wall, y up, z through the thickness
@@ -101,6 +103,7 @@ struct BodyControl {
   Vec3 force{0.0, 0.0, 0.0};     // N, for free components
   bool may_turn = false;         // rotations free instead of held
   Vec3 omega{0.0, 0.0, 0.0};     // rad/s, of held rotations; blocks of any shape only
+  int in_cycles = -1;            // component that follows Stage::cycles, whose velocity it has; -1: none
 };
 
 // A force at a point of a block that moves along with it; its direction stays. Blocks of any shape only, as are
@@ -141,7 +144,7 @@ struct Collapse {
 // displacements), shared equally by the bodies of the floor, where u moves with the given velocity. So floors are
 // pushed by equal forces while a displacement is imposed, and what softens can be followed. The displacement of a floor
 // is that of its bodies, on average; the last floor is the roof, which the history records against the shear force at
-// the bottom beam.
+// the bottom beam. In a stage with cycles u moves in these.
 struct Whiffletree {
   std::vector<std::vector<std::string>> floors;  // bodies of each floor
   double stiffness = 0.0;                        // N/m
@@ -151,7 +154,7 @@ struct Whiffletree {
 // A stage ends when its first given criterion is met; one that never can is refused by read_scene.
 struct Stage {
   std::string name;
-  std::string kind;  // as read: pressure, shear, weight, push, custom
+  std::string kind;  // as read: pressure, shear, weight, push, cycles, custom
   std::vector<BodyControl> controls;
   Vec3 gravity{0.0, 0.0, 0.0};  // m/s2
   double ramp_time = 0.0;       // s; velocities and forces grow smoothly from those of the stage before
@@ -160,7 +163,7 @@ struct Stage {
   std::optional<double> equilibrium_ratio;
   // displacement: |component| of the `monitor` since the start of the stage reaches this, m
   std::optional<double> displacement;
-  std::optional<double> duration;                     // s
+  std::optional<double> duration;                     // s; of cycles: theirs
   long max_steps = std::numeric_limits<long>::max();  // exceeded without equilibrium: numerical failure
 
   // history rows of this stage: the bodies named `monitor`, direction 0, 1, 2 of displacement (mean) and force (sum)
@@ -169,6 +172,7 @@ struct Stage {
   long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
 
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
+  std::optional<Cycles> cycles;            // of the whiffletree, or of controls
   std::vector<PointForce> forces;
   std::vector<FacePressure> pressures;
   std::optional<GroundMotion> ground;

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '6'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '7'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -39,6 +39,8 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.row_interval);
   archive.value(s.in_stage);
   archive.value(s.motion_seen);
+  archive.value(s.force_loss);
+  archive.array(s.outcome.force_losses);
   if (!s.riding) return;
   archive.array(s.drives);
   archive.value(s.fading_loads);

@@ -55,18 +55,13 @@ void Simulation::Impl::apply_load(std::size_t loaded) {
 void Simulation::Impl::pull_whiffletree() {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   const Whiffletree& tree = *settings.whiffletree;
-  // Integral of the ramped velocity from the start of the stage.
-  const double elapsed = stage_time();
-  double driven = elapsed;
-  if (settings.ramp_time > 0.0) {
-    const double t = std::min(1.0, elapsed / settings.ramp_time);
-    driven = settings.ramp_time * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, elapsed - settings.ramp_time);
-  }
+  const double moved =
+      cycles ? cycles->position(stage_time()) : tree.velocity * smooth_way(stage_time(), settings.ramp_time);
   // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
   double mean = 0.0;
   for (std::size_t f = 0; f < whiffletree.size(); ++f)
     mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
-  const double pull = tree.stiffness * (monitor_start[0] + tree.velocity * driven - mean);
+  const double pull = tree.stiffness * (monitor_start[0] + moved - mean);
   for (const Floor& floor : whiffletree) {
     for (const int block : floor.riding) pull_block(block, pull / floor.count());
     for (const int body : floor.bodies) {
@@ -91,7 +86,9 @@ void Simulation::Impl::follow_ramps() {
     const auto [index, lane] = body_place[b];
     BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
     for (std::size_t c = 0; c < 3; ++c) {
-      lanes.prescribed_velocity[c][lane] = between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
+      lanes.prescribed_velocity[c][lane] = ramps[b].in_cycles[c] != 0.0
+                                               ? velocity_in_cycles(ramps[b].velocity_from[c])
+                                               : between(ramps[b].velocity_from[c], ramps[b].velocity_to[c]);
       lanes.applied_force[c][lane] = between(ramps[b].force_from[c], ramps[b].force_to[c]);
     }
   }
@@ -101,8 +98,13 @@ void Simulation::Impl::follow_ramps() {
     apply_load(i);
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
-  controls_settled = s >= 1.0;
+  controls_settled = s >= 1.0 && !(cycles && whiffletree.empty());
   if (riding) drive_blocks(s);
+}
+
+double Simulation::Impl::velocity_in_cycles(double initial_velocity) const {
+  const double dt = data.time_step, t = stage_time();
+  return (cycles->position(t + dt, initial_velocity) - cycles->position(t, initial_velocity)) / dt;
 }
 
 void Simulation::Impl::control_bodies(const Stage& settings) {
@@ -151,6 +153,7 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
       ramps[b].velocity_to[c] = prescribed ? control->velocity[c] : 0.0;
       ramps[b].force_from[c] = prescribed ? 0.0 : carried;
       ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+      ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
       const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = controlled && !control->may_turn;
       // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
       // the support.
@@ -173,6 +176,9 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
 }
 
 void Simulation::Impl::bind_controls() {
+  cycles.reset();
+  if (stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].cycles)
+    cycles.emplace(*scene.stages[static_cast<std::size_t>(stage)].cycles);
   ramped_bodies.clear();
   for (BodyLanes& lanes : body_lanes) lanes.any_prescribed = false;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -181,7 +187,7 @@ void Simulation::Impl::bind_controls() {
     for (const auto& prescribed : lanes.prescribed)
       lanes.any_prescribed = lanes.any_prescribed || prescribed[lane] != 0.0;
     const BodyRamp& ramp = ramps[b];
-    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to)
+    if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to || ramp.in_cycles != Vec3{})
       ramped_bodies.push_back(static_cast<int>(b));
     for (std::size_t c = 0; c < 3; ++c) {
       lanes.prescribed_velocity[c][lane] = ramp.velocity_from[c];

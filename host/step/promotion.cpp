@@ -152,6 +152,8 @@ void Simulation::Impl::promote(const std::string& why) {
     Drive drive;
     for (std::size_t c = 0; c < 6; ++c)
       if (body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (ramps[b].in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
     drive.velocity_from = geometry::vector(ramps[b].velocity_from);
     drive.velocity_to = geometry::vector(ramps[b].velocity_to);
     drive.force_from = geometry::vector(ramps[b].force_from), drive.force_to = geometry::vector(ramps[b].force_to);

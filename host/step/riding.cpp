@@ -140,6 +140,7 @@ void Simulation::Impl::bind_drives(const Stage& settings) {
         if (control.kind[k] == DofKind::velocity) {
           drive.held |= static_cast<std::uint8_t>(1 << c);
           drive.velocity_to[c] = control.velocity[k];
+          if (control.in_cycles == c) drive.in_cycles |= static_cast<std::uint8_t>(1 << c);
           drive.force_from[c] = 0.0;
         } else {
           drive.force_to[c] = control.force[k];
@@ -195,8 +196,11 @@ void Simulation::Impl::drive_blocks(double s) {
   blocks::Model& m = *riding;
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   for (Drive& d : drives) {
-    m.prescribe(d.block, d.velocity_from + s * (d.velocity_to - d.velocity_from),
-                d.omega_from + s * (d.omega_to - d.omega_from), d.held);
+    Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
+    for (int c = 0; c < 3; ++c) {
+      if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);
+    }
+    m.prescribe(d.block, driven, d.omega_from + s * (d.omega_to - d.omega_from), d.held);
     d.force_now = d.force_from + s * (d.force_to - d.force_from);
     if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
       m.apply_force(d.block, d.force_now);

@@ -12,7 +12,6 @@ namespace quoin {
 
 namespace {
 
-constexpr long kCheckInterval = 20;       // steps between two looks at the unbalanced force
 constexpr long kCollapseInterval = 10;    // steps between two looks at how far blocks have moved
 constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
 constexpr double kProgressPeriod = 0.25;  // s
@@ -72,7 +71,7 @@ void Simulation::run(Observer& observer) {
       s.step_once(check || row || frame || s.want_energy, frame);
 
       done = check && s.equilibrium_reached(settings);
-      if (s.stage_fraction() >= 1.0) done = true;
+      if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
       if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       // Before a row that only the stop asks for: who goes on from here has a history without it.

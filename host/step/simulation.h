@@ -81,9 +81,16 @@ struct Promotion {
   double energy_jump = 0.0;    // after less before, J
 };
 
+// Why a stage of cycles ended early.
+struct StopAtForceLoss {
+  int stage = 0, half_cycle = 0;      // from 0
+  double force = 0.0, largest = 0.0;  // of that half cycle; of an earlier one towards the same side, N
+};
+
 // What stages found out.
 struct Outcome {
   std::optional<Promotion> promotion;
+  std::vector<StopAtForceLoss> force_losses;
   std::optional<double> collapse_multiplier;
   std::optional<double> base_slip_at_uplift;  // m: of blocks on fixed ones, when a bed joint first opens by 0.1 mm
 };

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kCalmChecks = 5;        // looks in a row that must pass: one may catch a swing at its turning point
 constexpr long kDefaultRows = 1000;   // rows of a stage with record_interval 0
+constexpr long kHalfCycleRows = 200;  // rows of a half cycle with record_interval 0
 constexpr long kUnknownLength = 200;  // steps between rows of a stage whose length cannot be foreseen
 
 }  // namespace
@@ -42,6 +43,7 @@ void Simulation::Impl::begin_stage(int index) {
   calm_checks = 0;
   next_frame = 0;
   next_row = 0;
+  force_loss = {};
   swaps.clear();
   row_interval = chosen_record_interval();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
@@ -52,6 +54,17 @@ void Simulation::Impl::choose_damping() {
   const SolverSettings& settings = scene.solver;
   if (riding) riding->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
+}
+
+bool Simulation::Impl::force_lost() {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (!settings.cycles || !settings.cycles->stop_at_force_loss || stage_step % kCheckInterval != 0) return false;
+  const int half_cycle = cycles->half_cycle(stage_time());
+  if (!force_loss.see(measure().resistance, half_cycle, cycles->target(half_cycle),
+                      *settings.cycles->stop_at_force_loss))
+    return false;
+  outcome.force_losses.push_back({stage, force_loss.half_cycle(), force_loss.force(), force_loss.largest()});
+  return true;
 }
 
 long Simulation::Impl::chosen_record_interval() const {
@@ -80,7 +93,8 @@ long Simulation::Impl::chosen_record_interval() const {
         steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
                    data.time_step);
   if (!std::isfinite(steps)) return kUnknownLength;
-  return std::max(1L, std::lround(steps / static_cast<double>(kDefaultRows)));
+  const long rows = cycles ? std::max(kDefaultRows, kHalfCycleRows * cycles->half_cycles()) : kDefaultRows;
+  return std::max(1L, std::lround(steps / static_cast<double>(rows)));
 }
 
 double Simulation::Impl::stage_fraction() const {

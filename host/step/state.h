@@ -10,12 +10,15 @@
 #include <vector>
 
 #include "blocks/model.h"
+#include "scene/smooth_step.h"
 #include "step/kernels.h"
 #include "step/motion_bound.h"
 #include "step/simulation.h"
 #include "step/thread_pool.h"
 
 namespace quoin {
+
+constexpr long kCheckInterval = 20;  // steps between two looks at the unbalanced force, or at a force that is lost
 
 using Clock = std::chrono::steady_clock;
 inline double seconds_since(Clock::time_point start) {
@@ -40,6 +43,7 @@ struct BodyLanes {
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};
   Vec3 force_from{}, force_to{};
+  Vec3 in_cycles{};  // 1: this component follows the cycles of the stage; else 0
 };
 
 // A deformable block that controls can load.
@@ -64,7 +68,8 @@ BodyGroupInertia inertia_of(const BodyGroup& group, const Model& model, const In
 // Control of a block of any shape through a stage.
 struct Drive {
   int block = -1;
-  std::uint8_t held = 0;  // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
+  std::uint8_t held = 0;       // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
+  std::uint8_t in_cycles = 0;  // bits 0..2: this component follows the cycles of the stage
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
@@ -138,6 +143,10 @@ struct Simulation::Impl {
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
   Vec3 mean_of(const std::vector<int>& indices, BodyLanes::Quantity BodyLanes::*quantity) const;  // over bodies
   double stage_fraction() const;  // by duration or displacement
+  // Over the coming step, of what moved at this velocity when the cycles of the stage began, m/s: its displacements add
+  // up to the closed form.
+  double velocity_in_cycles(double initial_velocity) const;
+  bool force_lost();  // by the half cycle that has just ended, as the stage defines it
   bool equilibrium_reached(const Stage& settings);
   long chosen_record_interval() const;
   void sum_measurements();
@@ -223,6 +232,7 @@ struct Simulation::Impl {
   long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
   MotionSeen motion_seen;
+  ForceLoss force_loss;  // in cycles
 
   // Blocks of any shape in large motion; null: none.
   std::unique_ptr<blocks::Model> riding;
@@ -264,7 +274,8 @@ struct Simulation::Impl {
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
   LaneVector<double> load;                   // of groups with loaded blocks: [component][lane], m/s2
   std::vector<const double*> load_of_group;  // by group, into load; null: none
-  bool controls_settled = true;              // the ramp of the stage is over
+  std::optional<CyclicMotion> cycles;        // of the stage
+  bool controls_settled = true;              // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;                    // at_rest of all bodies is up to date
   bool want_energy = false;
   bool keep_diagnostics = false;
@@ -280,10 +291,5 @@ struct Simulation::Impl {
 };
 
 Condition condition_of(std::uint32_t flags);
-
-// 10 t^3 - 15 t^4 + 6 t^5: from 0 to 1 with zero rate and acceleration at both ends.
-inline double smooth_step(double t) {
-  return t <= 0.0 ? 0.0 : t >= 1.0 ? 1.0 : t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
-}
 
 }  // namespace quoin

@@ -91,6 +91,12 @@ long expect_restores(const Scene& scene) {
     EXPECT_EQ(again.condition_counts(), whole.condition_counts());
     EXPECT_EQ(again.outcome().collapse_multiplier, whole.outcome().collapse_multiplier);
     EXPECT_EQ(again.outcome().base_slip_at_uplift, whole.outcome().base_slip_at_uplift);
+    const auto &losses = again.outcome().force_losses, &of_whole = whole.outcome().force_losses;
+    EXPECT_EQ(losses.size(), of_whole.size());
+    for (std::size_t k = 0; k < std::min(losses.size(), of_whole.size()); ++k) {
+      EXPECT_EQ(losses[k].half_cycle, of_whole[k].half_cycle);
+      EXPECT_EQ(losses[k].force, of_whole[k].force);
+    }
     if (const blocks::Model* m = again.riding()) {
       EXPECT_EQ(m->detections(), whole.riding()->detections());
       EXPECT_EQ(m->time_step(), whole.riding()->time_step());
@@ -126,6 +132,28 @@ TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
   Rows rows;
   start.run(rows);
   EXPECT_LT(start.riding()->unit_count(), units) << "none came apart";
+  expect_restores(scene);
+}
+
+// In the middle of half cycles, and after one that ended by the loss of its force.
+TEST(Checkpoint, CyclesGoOnBitForBit) {
+  Scene scene = scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {});
+  Stage& stage = scene.stages.back();
+  stage.displacement.reset();
+  stage.ramp_time = 0.001;
+  stage.cycles = Cycles{{2e-4}, {3}, 0.05, 0.001, 0.98};
+  stage.duration = CyclicMotion(*stage.cycles).duration();
+  stage.controls.back().in_cycles = 0;
+  Stage back = stage;
+  back.cycles->amplitudes = {5e-5};
+  back.duration = CyclicMotion(*back.cycles).duration();
+  scene.stages.push_back(back);
+  Simulation whole(scene, 1);
+  Rows rows;
+  whole.run(rows);
+  ASSERT_FALSE(whole.outcome().force_losses.empty());
+  expect_restores(scene);
+  scene.solver.large_motion = LargeMotion::always;
   expect_restores(scene);
 }
 

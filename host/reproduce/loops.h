@@ -1,0 +1,33 @@
+// What engineers read from the loops of a cyclic test.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reproduce/curve.h"
+#include "scene/cyclic_motion.h"
+
+namespace quoin::reproduce {
+
+// One cycle, from the passage of zero that begins it to the one that ends it. mm, kN, J, kN/mm.
+struct Loop {
+  double amplitude = 0.0;                          // of what is driven
+  int repetition = 0;                              // of this amplitude, from 0
+  double largest = 0.0, lowest = 0.0;              // force
+  double farthest = 0.0, back = 0.0;               // displacements at the two ends
+  double dissipated = 0.0;                         // area of the loop
+  double stiffness = 0.0;                          // secant between the two ends
+  double residual_out = 0.0, residual_back = 0.0;  // displacement where the force passes 0 after either end
+  // E/(2 pi F d), F and d the means of both sides' largest forces and displacements.
+  double damping() const;
+  double residual() const { return (residual_out - residual_back) / 2; }
+};
+
+// Those that were not finished are left out.
+std::vector<Loop> loops_of(const Curve& curve, const Cycles& cycles);
+
+// Largest force that each amplitude sees for the first time, against the displacement where it is: first the negative
+// side, then the positive one.
+Curve envelope_of(const Curve& curve, const Cycles& cycles);
+
+}  // namespace quoin::reproduce

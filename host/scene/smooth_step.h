@@ -1,0 +1,20 @@
+// How velocities and forces grow over a ramp.
+#pragma once
+
+#include <algorithm>
+
+namespace quoin {
+
+// 10 t^3 - 15 t^4 + 6 t^5: from 0 to 1 with zero rate and acceleration at both ends.
+inline double smooth_step(double t) {
+  return t <= 0.0 ? 0.0 : t >= 1.0 ? 1.0 : t * t * t * (10.0 + t * (-15.0 + 6.0 * t));
+}
+
+// Integral over time of smooth_step(time / ramp): the way at a velocity of 1 that grows over the ramp.
+inline double smooth_way(double time, double ramp) {
+  if (ramp <= 0.0) return time;
+  const double t = std::min(1.0, time / ramp);
+  return ramp * t * t * t * t * (2.5 + t * (-3.0 + t)) + std::max(0.0, time - ramp);
+}
+
+}  // namespace quoin
