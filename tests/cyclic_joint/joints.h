@@ -41,7 +41,7 @@ Reach reach_of(const Joint& joint);
 double normal_scale(const Joint& joint);
 double shear_scale(const Joint& joint);
 
-// LAW.md, "What must hold", 4: of the traction at the end of a step.
+// contact_models/cyclic_joint/LAW.md, "What must hold", 4: of the traction at the end of a step.
 struct Surfaces {
   double over;   // of the traction beyond the strengths, Pa
   double scale;  // Pa
