@@ -17,6 +17,7 @@
 #include "reproduce/curve.h"
 #include "reproduce/page.h"
 #include "reproduce/study.h"
+#include "reproduce/verdict_file.h"
 #include "results/result_folder.h"
 #include "scene/error.h"
 #include "scene/generate.h"
@@ -59,8 +60,9 @@ class Reproduce : public ::testing::Test {
 
 TEST_F(Reproduce, ListNamesEveryStudy) {
   ASSERT_EQ(quoin("--list"), 0);
-  for (const char* id : {"law", "walls", "rate", "brittle", "envelope", "hollow", "contact_points", "stiffness",
-                         "block_size", "energy", "building", "blind", "cyclic"})
+  for (const char* id :
+       {"law", "walls", "rate", "brittle", "envelope", "hollow", "contact_points", "stiffness", "block_size", "energy",
+        "building", "blind", "cyclic", "cyclic_wall", "cyclic_piers", "cyclic_building", "restrained_dilation"})
     EXPECT_THAT(out_, HasSubstr(id));
 }
 
@@ -288,6 +290,15 @@ TEST(Studies, PrintedRunsAreEquation1) {
   EXPECT_EQ(sound.overrides.size(), 6u);
   EXPECT_FALSE(sound.may_fail);
   EXPECT_TRUE(printed_run("b", "solid_wall_121", 0.01, 0.0025, 0.75).may_fail);
+}
+
+TEST(Studies, ThirteenAreOfThePaper) {
+  const auto& all = quoin::reproduce::studies();
+  EXPECT_EQ(std::count_if(all.begin(), all.end(), [](const auto& study) { return !study.beyond; }), 13);
+  EXPECT_EQ(quoin::reproduce::verdict_file("out", *quoin::reproduce::find_study("cyclic")).string(),
+            "out/verdict.json");
+  EXPECT_EQ(quoin::reproduce::verdict_file("out", *quoin::reproduce::find_study("cyclic_wall")).string(),
+            "out/beyond.json");
 }
 
 TEST(Studies, HaveRunsWithNamesOfTheirOwn) {
