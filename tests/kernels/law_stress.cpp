@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "plugin.h"
@@ -18,7 +19,6 @@
 namespace {
 
 using quoin::test::Batch;
-using quoin::test::TestMaterial;
 using quoin::test::Values;
 
 struct Drawn {
@@ -142,9 +142,11 @@ int main(int argc, char** argv) {
   for (long material_index = 0; material_index < materials; ++material_index) {
     Drawn d;
     const Values values = draw(random, d);
-    const TestMaterial material(law, values);
-    if (material.handle == nullptr) {
-      fmt::print("FAILED: admissible material refused: {}\n", material.text);
+    std::optional<quoin::api::Material> material;
+    try {
+      material = quoin::test::make_material(law, values);
+    } catch (const quoin::api::Error& error) {
+      fmt::print("FAILED: admissible material refused: {}\n", error.what());
       ++failures;
       continue;
     }
@@ -170,7 +172,7 @@ int main(int argc, char** argv) {
               poison[static_cast<int>(uniform(random, 0.0, 3.0))];
         }
       }
-      b.evaluate(material);
+      b.evaluate(*material);
       for (std::size_t i = 0; i < kPoints; ++i) {
         ++done;
         const auto out = [&](std::size_t k) { return b.out[k][i]; };
