@@ -16,7 +16,8 @@
 
 namespace {
 
-using quoin::benchmarks::LoadedLaw;
+using quoin::api::Material;
+using quoin::benchmarks::mortar_joint;
 using quoin::benchmarks::Points;
 using quoin::benchmarks::Population;
 
@@ -31,11 +32,11 @@ struct Work {
 };
 constexpr Work kElasticWork{30.0, 8.0 * (8 + 1 + 7)}, kSofteningWork{30.0 + 0.5 * (73.0 + 67.0), 8.0 * (8 + 9 + 7)};
 
-void measure(benchmark::State& state, const LoadedLaw& loaded, Population population,
+void measure(benchmark::State& state, const Material& loaded, Population population,
              const quoin::benchmarks::Limits& limits) {
   Points points(loaded, static_cast<std::size_t>(state.range(0)), population);
   for (auto _ : state) {
-    loaded.law.evaluate(loaded.handle, &points.batch);
+    loaded.evaluate(points.batch);
     benchmark::ClobberMemory();
   }
   if (points.batch.failed_count != 0) state.SkipWithError("failed points");
@@ -44,7 +45,7 @@ void measure(benchmark::State& state, const LoadedLaw& loaded, Population popula
   state.counters["ns/point"] =
       benchmark::Counter(static_cast<double>(state.iterations()) * 1e-9 * static_cast<double>(state.range(0)),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  if (std::string_view(loaded.law.id) != "fracture_energy") return;
+  if (std::string_view(loaded.law().id) != "fracture_energy") return;
   if (population != Population::elastic && population != Population::softening) return;
   // Fractions of what the machine can do, measured in this run.
   const Work work = population == Population::elastic ? kElasticWork : kSofteningWork;
@@ -60,13 +61,13 @@ int main(int argc, char** argv) {
   fmt::print("{}\n", quoin::benchmarks::describe(limits));
   std::fflush(stdout);
   const std::string shipped = quoin::test::law_file("fracture_energy");
-  const LoadedLaw scalar(QUOIN_SCALAR_LAW);
-  std::deque<LoadedLaw> laws;  // materials do not move
+  const Material scalar = mortar_joint(QUOIN_SCALAR_LAW);
+  std::deque<Material> laws;  // measured by reference
   const std::pair<const char*, Population> populations[] = {
       {"elastic", Population::elastic}, {"softening", Population::softening}, {"crushing", Population::crushing},
       {"corner", Population::corner},   {"damaged", Population::damaged},     {"mixed", Population::mixed},
       {"random", Population::random}};
-  const auto add = [&](const std::string& name, const LoadedLaw& law, bool all_sizes) {
+  const auto add = [&](const std::string& name, const Material& law, bool all_sizes) {
     for (const auto& [population_name, population] : populations) {
       auto* entry = benchmark::RegisterBenchmark(
           (name + "/" + population_name).c_str(),
@@ -87,9 +88,9 @@ int main(int argc, char** argv) {
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
     const bool all_sizes = target == HWY_AVX2 || target == HWY_AVX3;
-    laws.emplace_back(shipped);
+    laws.push_back(mortar_joint(shipped));
     add(hwy::TargetName(target), laws.back(), all_sizes);
-    laws.emplace_back(quoin::test::law_file("cyclic_joint"));
+    laws.push_back(mortar_joint(quoin::test::law_file("cyclic_joint")));
     add(std::string(hwy::TargetName(target)) + " cyclic_joint", laws.back(), all_sizes);
   }
   hwy::SetSupportedTargetsForTest(0);
@@ -97,7 +98,7 @@ int main(int argc, char** argv) {
   const std::string_view beside = "--beside=";
   for (int k = 1; k < argc; ++k) {
     if (!std::string_view(argv[k]).starts_with(beside)) continue;
-    laws.emplace_back(std::string(argv[k]).substr(beside.size()));
+    laws.push_back(mortar_joint(std::string(argv[k]).substr(beside.size())));
     add("beside", laws.back(), true);
   }
   benchmark::Initialize(&argc, argv);

@@ -17,16 +17,17 @@
 
 namespace {
 
-using quoin::benchmarks::LoadedLaw;
+using quoin::api::Material;
+using quoin::benchmarks::mortar_joint;
 using quoin::benchmarks::Points;
 using quoin::benchmarks::Population;
 
 constexpr int kWindows = 3000;
 constexpr double kWindow = 5e-6;  // s
 
-double seconds_of(const LoadedLaw& law, Points& points, int calls) {
+double seconds_of(const Material& law, Points& points, int calls) {
   const auto start = std::chrono::steady_clock::now();
-  for (int k = 0; k < calls; ++k) law.law.evaluate(law.handle, &points.batch);
+  for (int k = 0; k < calls; ++k) law.evaluate(points.batch);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / calls;
 }
 
@@ -63,24 +64,23 @@ constexpr Case kCases[] = {{"elastic", nullptr, "elastic", Population::elastic},
                            {"cyclic_joint", "exponential", "corner", Population::corner, "fracture_energy"}};
 
 void measure(const Case& what, const std::vector<std::string>& folders) {
-  std::vector<std::unique_ptr<LoadedLaw>> laws;
+  std::vector<Material> laws;
   for (const std::string& folder : folders) {
-    laws.push_back(std::make_unique<LoadedLaw>(folder + "/" + what.law + ".so", what.softening));
+    laws.push_back(mortar_joint(folder + "/" + what.law + ".so", what.softening));
   }
   if (what.beside != nullptr) {
-    laws.push_back(std::make_unique<LoadedLaw>(folders[0] + "/" + what.beside + ".so", what.softening));
+    laws.push_back(mortar_joint(folders[0] + "/" + what.beside + ".so", what.softening));
   }
   const bool exponential = what.softening != nullptr && std::string_view(what.softening) == "exponential";
   for (const std::size_t count : {1, 2, 3, 4, 8, 256, 4000}) {
     std::vector<std::unique_ptr<Points>> points;
     for (const auto& law : laws) {
-      points.push_back(std::make_unique<Points>(*law, count, what.population, exponential, what.in_place));
+      points.push_back(std::make_unique<Points>(law, count, what.population, exponential, what.in_place));
     }
     std::vector<double> best(laws.size(), 1.0);
-    const int calls = std::max(1, static_cast<int>(kWindow / seconds_of(*laws[0], *points[0], 100)));
+    const int calls = std::max(1, static_cast<int>(kWindow / seconds_of(laws[0], *points[0], 100)));
     for (int window = 0; window < kWindows; ++window) {
-      for (std::size_t k = 0; k < laws.size(); ++k)
-        best[k] = std::min(best[k], seconds_of(*laws[k], *points[k], calls));
+      for (std::size_t k = 0; k < laws.size(); ++k) best[k] = std::min(best[k], seconds_of(laws[k], *points[k], calls));
     }
     for (const auto& each : points) {
       if (each->batch.failed_count != 0) throw std::runtime_error("failed points");

@@ -20,7 +20,7 @@
 namespace {
 
 using namespace quoin::test::mortar;
-using Law = quoin::test::TestMaterial;
+using Law = quoin::api::Material;
 constexpr std::size_t kPoints = 256;
 constexpr int kChecks = 64;  // along every path, where errors are taken
 
@@ -84,7 +84,7 @@ struct Drive {
         last[i] = to;
       }
       const double start = thread_seconds();
-      law.law.evaluate(law.handle, &batch);
+      law.evaluate(batch);
       if (!energies) seconds += thread_seconds() - start;
       if (!energies) continue;
       for (std::size_t i = 0; i < kPoints; ++i) {
@@ -152,7 +152,8 @@ void print(const char* path, int increments, const Errors& e, double seconds) {
 }  // namespace
 
 int main() {
-  const Law law(quoin::test::load_law("fracture_energy"), {{properties.begin(), properties.end()}, {}, {}});
+  const Law law = quoin::test::make_material(quoin::test::load_law("fracture_energy"),
+                                             {{properties.begin(), properties.end()}, {}, {}});
   fmt::print(
       "path,increments,largest_error_over_strength,rms_error_over_strength,error_of_dissipation,"
       "ns_per_point_and_increment,us_per_point_and_path\n");

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "hwy/aligned_allocator.h"
-#include "quoin/quoin.h"
 #include "tests/kernels/plugin.h"
 #include "tests/mortar.h"
 
@@ -21,25 +20,16 @@ namespace mortar = quoin::test::mortar;
 constexpr double kFriction = 0.7002075382;  // tan 35 deg
 
 // A law of a file with what it knows of the mortar of Table 1.
-struct LoadedLaw : quoin::test::TestMaterial {
-  explicit LoadedLaw(const std::string& path, const char* softening = nullptr)
-      : LoadedLaw(path, quoin::test::load_law_file(path), softening) {}
-
- private:
-  LoadedLaw(const std::string& path, const quoin_law& loaded, const char* softening)
-      : TestMaterial(loaded, mortar(loaded, softening)) {
-    if (handle == nullptr) throw std::runtime_error(path + ": " + text);
+inline api::Material mortar_joint(const std::string& path, const char* softening = nullptr) {
+  const quoin_law& law = test::load_law_file(path);
+  test::Values values;
+  for (const auto& property : mortar::properties) {
+    const auto known = [&](const quoin_property_info* info) { return std::string(info->id) == property.first; };
+    if (std::any_of(law.properties, law.properties + law.property_count, known)) values.numbers.push_back(property);
   }
-  static quoin::test::Values mortar(const quoin_law& law, const char* softening) {
-    quoin::test::Values values;
-    for (const auto& property : quoin::test::mortar::properties) {
-      const auto known = [&](const quoin_property_info* info) { return std::string(info->id) == property.first; };
-      if (std::any_of(law.properties, law.properties + law.property_count, known)) values.numbers.push_back(property);
-    }
-    if (softening != nullptr) values.words.emplace_back("softening", softening);
-    return values;
-  }
-};
+  if (softening != nullptr) values.words.emplace_back("softening", softening);
+  return test::make_material(law, values);
+}
 
 // softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
 // the softening branch without slip; corner: with slip.
@@ -57,9 +47,9 @@ struct Points {
   quoin_batch batch{};
 
   // in_place: new states in the memory of the old ones, as hosts keep them; tractions stay apart.
-  Points(const LoadedLaw& law, std::size_t count, Population population, bool exponential = false,
+  Points(const api::Material& material, std::size_t count, Population population, bool exponential = false,
          bool in_place = false)
-      : states(law.law.state_count),
+      : states(material.law().state_count),
         length(8 * (((count + 7) / 8 | 1) + 4)),
         memory(hwy::AllocateAligned<double>((3 + 2 * (3 + states)) * length)),
         state(states),
@@ -72,14 +62,14 @@ struct Points {
     place(jump), place(slip_s), place(slip_t);
     for (int k = 0; k < 3; ++k) place(traction[k]), place(traction_new[k]);
     for (std::size_t k = 0; k < states; ++k) place(state[k]), place(state_new[k]);
-    std::vector<double> bonded(states);
-    law.law.initial_state(law.handle, "bonded", bonded.data());
+    const quoin_law& law = material.law();
+    const std::vector<double> bonded = material.initial_state("bonded");
     for (std::size_t k = 0; k < states; ++k) std::fill_n(state[k], count, bonded[k]);
     // What a state is called in this law; others do without it.
     const auto set = [&](std::initializer_list<const char*> ids, std::size_t i, double value) {
       for (std::size_t k = 0; k < states; ++k) {
         for (const char* id : ids) {
-          if (std::string(law.law.states[k]->id) == id) state[k][i] = value;
+          if (std::string(law.states[k]->id) == id) state[k][i] = value;
         }
       }
     };
@@ -136,7 +126,7 @@ struct Points {
       }
     }
     for (std::size_t k = 0; k < states; ++k) {
-      const bool history = law.law.states[k]->role == QUOIN_ROLE_HISTORY;
+      const bool history = law.states[k]->role == QUOIN_ROLE_HISTORY;
       old_columns[k] = {history ? state[k] : nullptr, 1};
       new_columns[k] = {history ? in_place ? state[k] : state_new[k] : nullptr, 1};
     }

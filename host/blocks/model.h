@@ -55,6 +55,8 @@ struct Zone {
   Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
   double volume;       // reference, m3
   double lambda, mu;   // Pa
+
+  double energy(const Matrix& strain) const;  // stored under a uniform strain, symmetric, J
 };
 
 // A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
@@ -125,8 +127,8 @@ struct BlockSums {
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
 struct PointHistory {
-  int block_a, block_b;              // n from a to b
-  Vector position, n, s, t;          // of the start; m, unit
+  int block_a, block_b;              // the normal of the joint points from a to b
+  Vector position, s, t;             // of the start; m, unit, in the plane of the joint
   double opening = 0.0;              // that its law sees next, m
   double opening_at_traction = 0.0;  // that it has seen last, m
   std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m

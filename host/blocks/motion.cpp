@@ -15,9 +15,6 @@ namespace quoin {
 
 namespace {
 
-// With Kernels::automatic: do scenes of blocks that fit the lattice move there?
-constexpr bool kRecognise = true;
-
 [[noreturn]] void refuse(const Scene& scene, const std::string& what) {
   throw Error(Exit::bad_input, fmt::format("{}: {}", scene.file, what));
 }
@@ -72,12 +69,8 @@ Motion choose_motion(Scene scene) {
   std::optional<blocks::OnLattice> found = blocks::to_bricks(shapes, scene, &why_not);
   const Kernels kernels = scene.solver.kernels;
   if (!found && kernels == Kernels::lattice) refuse(scene, "solver.kernels = \"lattice\": " + why_not);
-  if (found && (kernels == Kernels::lattice || (kernels == Kernels::automatic && kRecognise)))
-    return {std::move(found->scene), std::move(found->bricks), {}, {}};
-  if (found) {
-    why_not = kernels == Kernels::general ? "solver.kernels = \"general\""
-                                          : "not asked for, though they fit; choose solver.kernels = \"lattice\"";
-  }
+  if (found && kernels != Kernels::general) return {std::move(found->scene), std::move(found->bricks), {}, {}};
+  if (found) why_not = "solver.kernels = \"general\"";
   refuse_settings_of_the_lattice(scene, shapes, why_not);
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.why_not_lattice = why_not;

@@ -82,15 +82,19 @@ Matrix Model::zone_stress(int z) const {
   return 1 / determinant(f) * (f * second * transposed(f));
 }
 
+double Zone::energy(const Matrix& strain) const {
+  double squares = 0.0;
+  for (const Vector& row : strain.row) squares += dot(row, row);
+  return volume * (0.5 * lambda * trace(strain) * trace(strain) + mu * squares);
+}
+
 double Model::strain_energy() const {
   double sum = 0.0;
   for (const Zone& zone : zones_) {
     Matrix h = Matrix::zero();
     for (int k = 0; k < 4; ++k) h += outer(node_x_[zone.node[k]] - node_reference_[zone.node[k]], zone.gradient[k]);
     const Matrix e = 0.5 * (h + transposed(h) + transposed(h) * h);
-    double ee = 0.0;
-    for (const Vector& row : e.row) ee += dot(row, row);
-    sum += zone.volume * (0.5 * zone.lambda * trace(e) * trace(e) + zone.mu * ee);
+    sum += zone.energy(e);
   }
   return sum;
 }

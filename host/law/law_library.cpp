@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <set>
 #include <utility>
 
@@ -27,23 +26,6 @@ constexpr char kHostName[] = "quoin";
 constexpr char kHostVersion[] = "0.1.0";
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(Exit::law_refused, message); }
-
-// Calls a function of the ABI that fills a text, again with a larger buffer when the message was cut.
-std::string collect_text(const std::function<void(quoin_text*)>& call) {
-  std::string buffer(4096, '\0');
-  for (;;) {
-    quoin_text text{};
-    text.struct_size = sizeof text;
-    text.data = buffer.data();
-    text.capacity = buffer.size();
-    call(&text);
-    if (text.length < buffer.size()) {
-      buffer.resize(text.length);
-      return buffer;
-    }
-    buffer.assign(text.length + 1, '\0');
-  }
-}
 
 fs::path program_folder() {
   std::error_code fault;
@@ -240,7 +222,7 @@ std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_pa
   host.name = kHostName;
   host.version = kHostVersion;
   const quoin_library* library = nullptr;
-  const std::string words = collect_text([&](quoin_text* text) { library = entry(&host, text); });
+  const std::string words = quoin::api::text_of([&](quoin_text* text) { library = entry(&host, text); });
   if (library == nullptr) {
     refuse(fmt::format(
         "{}the library refuses this host (ABI {}.{}): {}; rebuild one of the two against the other's headers", failed,
@@ -331,53 +313,39 @@ std::string with_sources(const std::string& text, const std::vector<const Proper
   return result;
 }
 
-}  // namespace
-
-Material::Material(Law law, const std::vector<PropertySetting>& settings) : law_(std::move(law)) {
-  // A later setting of an id replaces an earlier one: --set over the scene.
+// A later setting of an id replaces an earlier one: --set over the scene.
+std::vector<const PropertySetting*> in_force(const std::vector<PropertySetting>& settings) {
   std::vector<const PropertySetting*> used;
   for (const PropertySetting& setting : settings) {
     std::erase_if(used, [&](const PropertySetting* other) { return other->id == setting.id; });
     used.push_back(&setting);
   }
-  std::vector<quoin_property_value> values;
-  std::vector<const quoin_property_value*> pointers;
-  values.reserve(used.size());
-  for (const PropertySetting* setting : used) {
-    quoin_property_value value{};
-    value.struct_size = sizeof value;
-    value.id = setting->id.c_str();
-    value.number_count = setting->numbers.size();
-    value.numbers = setting->numbers.empty() ? nullptr : setting->numbers.data();
-    value.text = setting->numbers.empty() ? setting->text.c_str() : nullptr;
-    values.push_back(value);
-  }
-  for (const quoin_property_value& value : values) pointers.push_back(&value);
-
-  quoin_status status = QUOIN_OK;
-  const std::string text = collect_text([&](quoin_text* buffer) {
-    if (handle_ != nullptr) api().destroy_material(handle_);  // a second call, for a longer text
-    handle_ = nullptr;
-    status = api().create_material(law_.law, pointers.size(), pointers.data(), &handle_, buffer);
-  });
-  if (status == QUOIN_OK && handle_ != nullptr) {
-    warnings_ = with_sources(text, used);
-    return;
-  }
-  const std::string detail = with_sources(text, used);
-  if (status == QUOIN_ERROR_PROPERTY) {
-    refuse(
-        fmt::format("law '{}' refuses its properties:\n{}", api().id, detail.empty() ? "it gives no reason" : detail));
-  }
-  refuse(fmt::format("law '{}' made no material (status {}): {}", api().id, status,
-                     detail.empty() ? "it gives no reason" : detail));
+  return used;
 }
 
-Material::~Material() { api().destroy_material(handle_); }
+quoin::api::Material make_material(const quoin_law& law, const std::vector<const PropertySetting*>& settings) {
+  std::vector<quoin::api::Value> values;
+  for (const PropertySetting* setting : settings) values.push_back({setting->id, setting->numbers, setting->text});
+  try {
+    return {law, values};
+  } catch (const quoin::api::Error& error) {
+    const std::string detail = error.words.empty() ? "it gives no reason" : with_sources(error.words, settings);
+    if (error.status == QUOIN_ERROR_PROPERTY)
+      refuse(fmt::format("law '{}' refuses its properties:\n{}", law.id, detail));
+    refuse(fmt::format("law '{}' made no material (status {}): {}", law.id, error.status, detail));
+  }
+}
+
+}  // namespace
+
+Material::Material(Law law, const std::vector<PropertySetting>& settings)
+    : law_(std::move(law)),
+      material_(make_material(*law_.law, in_force(settings))),
+      warnings_(with_sources(material_.warnings(), in_force(settings))) {}
 
 double Material::number(const std::string& property_id) const {
   double value = 0.0;
-  const quoin_status status = api().material_number(handle_, property_id.c_str(), &value);
+  const quoin_status status = api().material_number(handle(), property_id.c_str(), &value);
   if (status != QUOIN_OK) refuse(fmt::format("law '{}' has no number property '{}'", api().id, property_id));
   return value;
 }
@@ -390,19 +358,11 @@ std::vector<double> Material::initial_state(const std::string& id) const {
     found = found || known.back() == id;
   }
   std::vector<double> values(api().state_count, 0.0);
-  if (!found || api().initial_state(handle_, id.c_str(), values.data()) != QUOIN_OK) {
+  if (!found || api().initial_state(handle(), id.c_str(), values.data()) != QUOIN_OK) {
     throw Error(Exit::bad_input,
                 fmt::format("initial state '{}': law '{}' knows {}", id, api().id, fmt::join(known, ", ")));
   }
   return values;
-}
-
-quoin_stiffness_bounds Material::stiffness_bounds() const {
-  quoin_stiffness_bounds bounds{};
-  bounds.struct_size = sizeof bounds;
-  const quoin_status status = api().stiffness_bounds(handle_, &bounds);
-  if (status != QUOIN_OK) refuse(fmt::format("law '{}' gives no stiffness bounds (status {})", api().id, status));
-  return bounds;
 }
 
 std::vector<std::string> installed_laws() {

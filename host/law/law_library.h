@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "quoin/quoin.h"
+#include "quoin.hpp"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -48,21 +48,17 @@ class Material {
   // Throws Error(law_refused) with the law's own message (every fault) behind the source of the offending key when
   // known.
   Material(Law law, const std::vector<PropertySetting>& settings);
-  ~Material();
-  Material(const Material&) = delete;
-  Material& operator=(const Material&) = delete;
-
   const Law& law() const { return law_; }
   const quoin_law& api() const { return *law_.law; }
-  const quoin_material* handle() const { return handle_; }
+  const quoin_material* handle() const { return material_.handle(); }
   const std::string& warnings() const { return warnings_; }
   double number(const std::string& property_id) const;
   std::vector<double> initial_state(const std::string& id) const;  // throws Error(bad_input): unknown initial state
-  quoin_stiffness_bounds stiffness_bounds() const;
+  const quoin_stiffness_bounds& stiffness_bounds() const { return material_.stiffness(); }
 
  private:
   Law law_;
-  quoin_material* handle_ = nullptr;
+  quoin::api::Material material_;
   std::string warnings_;
 };
 

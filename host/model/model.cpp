@@ -300,6 +300,375 @@ void check_input(const Assembly& assembly) {
   }
 }
 
+// A model from its assembly, step by step; each needs those before it.
+class ModelBuilder {
+ public:
+  explicit ModelBuilder(Model& model) : m(model) {}
+
+  void build(const std::vector<std::shared_ptr<const Material>>& materials) {
+    place_blocks();
+    group_units();
+    points_ = PointFinder(m.assembly, m.templates, template_of_).find();
+    group_bodies();
+    give_points_their_slots();
+    order_points();
+    attach_points();
+    note_runs_of_points();
+    make_families(materials);
+    make_chunks();
+    const std::vector<PointsOfNode> points_of = points_of_blocks();
+    fill_slots_of_blocks(points_of, widths_of_slots(points_of));
+    fill_slots_of_bodies();
+    note_runs_of_slots();
+    lay_out_gridpoints();
+  }
+
+ private:
+  struct BodyPlace {
+    int group = -1, lane = -1;
+  };
+  // By gridpoint of a block's template and by face: its contact points; how many places there are for them.
+  using PointsOfNode = std::vector<std::array<std::vector<std::int32_t>, 6>>;
+  using SlotWidths = std::vector<std::array<std::size_t, 6>>;
+
+  int body_of(const Side& side) const { return m.place[at(side.block)].body; }  // -1: deformable
+
+  // Of a gridpoint, or of the slave of a body in a group.
+  std::int32_t offset_of(const Side& side) const {
+    const Model::BlockPlace& where = m.place[at(side.block)];
+    if (where.body >= 0) {
+      const BodyPlace& lane = body_place_[at(where.body)];
+      return (m.body_groups[at(lane.group)].first_line + side.node) * kLine + lane.lane;
+    }
+    return (m.groups[at(where.group)].first_line + side.node) * kLine + where.lane;
+  }
+
+  // Deformable ones learn their template, rigid ones their body.
+  void place_blocks() {
+    template_of_.assign(m.assembly.bricks.size(), -1);
+    m.place.resize(m.assembly.bricks.size());
+    for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
+      const Brick& brick = m.assembly.bricks[i];
+      if (brick.rigid) {
+        RigidBody body;
+        body.block = static_cast<int>(i);
+        body.name = brick.body;
+        const auto& [lx, ly, lz] = brick.size;
+        body.centre = {brick.origin[0] + 0.5 * lx, brick.origin[1] + 0.5 * ly, brick.origin[2] + 0.5 * lz};
+        body.mass = m.assembly.materials[at(brick.material)].density * lx * ly * lz;
+        body.inertia = {body.mass * (ly * ly + lz * lz) / 12.0, body.mass * (lz * lz + lx * lx) / 12.0,
+                        body.mass * (lx * lx + ly * ly) / 12.0};
+        if (m.assembly.symmetry_plane_z0 && std::abs(brick.origin[2]) <= kCoordinateTolerance * lz) {
+          body.held = {false, false, true, true, true, false};
+        }
+        m.place[i].body = static_cast<int>(m.bodies.size());
+        m.bodies.push_back(std::move(body));
+        continue;
+      }
+      const auto found =
+          std::find_if(m.templates.begin(), m.templates.end(), [&](const auto& t) { return same_template(t, brick); });
+      template_of_[i] = static_cast<int>(found - m.templates.begin());
+      if (found == m.templates.end())
+        m.templates.push_back(make_brick_template(brick, m.assembly.materials[at(brick.material)]));
+    }
+  }
+
+  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8): neighbours in the order of the assembly share
+  // a lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no
+  // gathers.
+  void group_units() {
+    for (const UnitClass& kind : unit_classes(m.assembly, template_of_)) {
+      const std::size_t count = kind.units.size(), group_count = (count + kLanes - 1) / kLanes;
+      const std::size_t first_group = m.groups.size(), block_count = kind.units[0].size();
+      for (std::size_t g = 0; g < group_count; ++g) {
+        m.unit_groups.push_back({static_cast<int>(m.groups.size()), static_cast<int>(block_count)});
+        for (std::size_t b = 0; b < block_count; ++b) {
+          BlockGroup group;
+          group.brick_template = template_of_[at(kind.units[0][b])];
+          group.offset = offset_between(m.assembly, kind.units[0][0], kind.units[0][b]);
+          group.first_line = m.line_count;
+          m.groups.push_back(group);
+          m.line_count += m.templates[at(group.brick_template)].node_count;
+        }
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t b = 0; b < block_count; ++b) {
+          const int block = kind.units[i][b];
+          Model::BlockPlace& where = m.place[at(block)];
+          where.group = static_cast<int>(first_group + i % group_count * block_count + b);
+          where.lane = static_cast<int>(i / group_count);
+          m.groups[at(where.group)].block[at(where.lane)] = block;
+          m.groups[at(where.group)].block_count = where.lane + 1;
+        }
+      }
+    }
+    m.block_line_count = m.line_count;
+  }
+
+  std::vector<std::vector<BodyPoint>> points_of_bodies() const {
+    const auto as_seen_by = [&](const RigidBody& body, const NewPoint& p, bool side_a) {
+      const Vec3 &x = p.position, &centre = body.centre;
+      return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
+    };
+    std::vector<std::vector<BodyPoint>> seen(m.bodies.size());
+    for (const NewPoint& p : points_) {
+      const int a = body_of(p.a), b = body_of(p.b);
+      if (a >= 0) seen[at(a)].push_back(as_seen_by(m.bodies[at(a)], p, true));
+      if (b >= 0) seen[at(b)].push_back(as_seen_by(m.bodies[at(b)], p, false));
+    }
+    return seen;
+  }
+
+  // Bodies that are alike into groups of 8 lanes.
+  void group_bodies() {
+    body_place_.resize(m.bodies.size());
+    next_slot_.resize(m.bodies.size());
+    for (const BodyClass& kind : body_classes(m.bodies, points_of_bodies())) {
+      BodySlots& places = m.body_slots.emplace_back();
+      for (const BodyPoint& slot : kind.slot) {
+        const std::size_t axis = at(slot.face / 2);
+        places.arm.push_back({slot.arm[(axis + 1) % 3], slot.arm[(axis + 2) % 3]});
+        places.face[at(slot.face)].normal_arm = slot.arm[axis];
+      }
+      for (int face = 0; face < 6; ++face) places.face[at(face)].slot_end = kind.first_slot(face + 1);
+      // Body i goes to lane i / G of group i mod G, as units do.
+      const int first_group = static_cast<int>(m.body_groups.size());
+      const int count = (static_cast<int>(kind.body.size()) + kLanes - 1) / kLanes;
+      for (int g = 0; g < count; ++g) {
+        BodyGroup group;
+        group.slots = static_cast<int>(m.body_slots.size()) - 1;
+        group.first_line = m.line_count;
+        m.line_count += places.slot_count();
+        group.body.fill(kind.body[at(g)]);
+        m.body_groups.push_back(group);
+      }
+      for (int i = 0; i < static_cast<int>(kind.body.size()); ++i) {
+        const int body = kind.body[at(i)];
+        BodyPlace& where = body_place_[at(body)];
+        where = {first_group + i % count, i / count};
+        m.body_groups[at(where.group)].body[at(where.lane)] = body;
+        m.body_groups[at(where.group)].body_count = where.lane + 1;
+        // A face that the body uses has the points of the class in the same order.
+        for (int face = 0; face < 6; ++face) next_slot_[at(body)][at(face)] = kind.first_slot(face);
+      }
+    }
+    for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+      if (body_place_[b].group < 0) m.lone_bodies.push_back(static_cast<int>(b));
+    }
+  }
+
+  void give_points_their_slots() {
+    for (NewPoint& p : points_) {
+      for (Side* side : {&p.a, &p.b}) {
+        const int body = body_of(*side);
+        if (body >= 0 && body_place_[at(body)].group >= 0)
+          side->node = next_slot_[at(body)][at(2 * p.axis + (side == &p.a ? 1 : 0))]++;
+      }
+    }
+  }
+
+  void order_points() {
+    std::vector<PointEnds> ends;
+    for (const NewPoint& p : points_)
+      ends.push_back(
+          {p.family, p.axis, p.joint, p.a.node >= 0 ? offset_of(p.a) : -1, p.b.node >= 0 ? offset_of(p.b) : -1});
+    std::vector<NewPoint> sorted;
+    for (const std::size_t i : point_order(ends)) sorted.push_back(points_[i]);
+    points_.swap(sorted);
+    m.point_count = static_cast<std::int32_t>(points_.size());
+  }
+
+  // Slaves of lone bodies go behind all other lines.
+  void attach_points() {
+    const std::int32_t grouped_lines = m.line_count;
+    std::int32_t lone_slave_count = 0;
+    for (std::int32_t i = 0; i < m.point_count; ++i) {
+      const NewPoint& p = points_[at(i)];
+      const auto attach = [&](const Side& side, double sign) {
+        if (body_of(side) < 0) return offset_of(side);
+        std::int32_t offset = (grouped_lines + lone_slave_count / kLanes) * kLine + lone_slave_count % kLanes;
+        if (side.node >= 0)
+          offset = offset_of(side);
+        else
+          ++lone_slave_count;
+        RigidBody& body = m.bodies[at(m.place[at(side.block)].body)];
+        body.point.push_back(i);
+        body.slave.push_back(offset);
+        body.arm.push_back(
+            {p.position[0] - body.centre[0], p.position[1] - body.centre[1], p.position[2] - body.centre[2]});
+        body.sign.push_back(sign);
+        return offset;
+      };
+      m.node_a.push_back(attach(p.a, +1.0));
+      m.node_b.push_back(attach(p.b, -1.0));
+      m.area.push_back(p.area);
+      m.point_joint.push_back(p.joint);
+      m.point_position.push_back(p.position);
+      m.point_axis.push_back(static_cast<std::uint8_t>(p.axis));
+    }
+    m.line_count = grouped_lines + (lone_slave_count + kLanes - 1) / kLanes;
+  }
+
+  void note_runs_of_points() {
+    m.point_run.assign(at(m.point_count), 1);
+    for (int i = m.point_count - 2; i >= 0; --i) {
+      const bool in_step = m.node_a[at(i + 1)] == m.node_a[at(i)] + 1 && m.node_b[at(i + 1)] == m.node_b[at(i)] + 1;
+      if (in_step && m.point_run[at(i + 1)] < kLanes)
+        m.point_run[at(i)] = static_cast<std::uint8_t>(m.point_run[at(i + 1)] + 1);
+      else if (in_step)
+        m.point_run[at(i)] = kLanes;
+    }
+  }
+
+  void make_families(const std::vector<std::shared_ptr<const Material>>& materials) {
+    for (std::size_t f = 0; f < m.assembly.families.size(); ++f) {
+      ContactFamily family;
+      family.name = m.assembly.families[f].name;
+      family.material = materials[f];
+      const quoin_stiffness_bounds bounds = family.material->stiffness_bounds();
+      family.normal_stiffness = bounds.normal;
+      family.shear_stiffness = bounds.shear;
+      family.first_point = m.families.empty() ? 0 : m.families.back().first_point + m.families.back().point_count;
+      while (family.first_point + family.point_count < m.point_count &&
+             points_[at(family.first_point + family.point_count)].family == static_cast<int>(f)) {
+        ++family.point_count;
+      }
+      m.families.push_back(family);
+    }
+  }
+
+  void make_chunks() {
+    for (std::int32_t i = 0; i < m.point_count; ++i) {
+      const NewPoint& p = points_[at(i)];
+      if (m.chunks.empty() || m.chunks.back().family != p.family || m.chunks.back().axis != p.axis ||
+          m.chunks.back().point_count == kChunk) {
+        m.chunks.push_back({p.family, p.axis, i, 0});
+      }
+      ++m.chunks.back().point_count;
+    }
+  }
+
+  std::vector<PointsOfNode> points_of_blocks() const {
+    std::vector<PointsOfNode> points_of(m.assembly.bricks.size());
+    for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
+      if (template_of_[i] >= 0) points_of[i].resize(m.templates[at(template_of_[i])].node.size());
+    }
+    for (std::int32_t i = 0; i < m.point_count; ++i) {
+      const NewPoint& p = points_[at(i)];
+      if (body_of(p.a) < 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
+      if (body_of(p.b) < 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
+    }
+    return points_of;
+  }
+
+  // For each gridpoint of a template and each of its faces as many slots as its busiest block needs.
+  std::vector<SlotWidths> widths_of_slots(const std::vector<PointsOfNode>& points_of) {
+    m.slots.resize(m.templates.size());
+    std::vector<SlotWidths> width(m.templates.size());
+    for (std::size_t t = 0; t < m.templates.size(); ++t) {
+      width[t].resize(m.templates[t].node.size());
+      for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
+        if (template_of_[i] != static_cast<int>(t)) continue;
+        for (std::size_t n = 0; n < width[t].size(); ++n) {
+          for (std::size_t face = 0; face < 6; ++face)
+            width[t][n][face] = std::max(width[t][n][face], points_of[i][n][face].size());
+        }
+      }
+      for (const auto& faces : width[t]) {
+        for (std::size_t face = 0; face < 6; ++face)
+          m.slots[t].sign.insert(m.slots[t].sign.end(), faces[face], face % 2 == 1 ? 1.0 : -1.0);
+        m.slots[t].slot_end.push_back(m.slots[t].slot_count());
+      }
+    }
+    return width;
+  }
+
+  void fill_slots_of_blocks(const std::vector<PointsOfNode>& points_of, const std::vector<SlotWidths>& width) {
+    for (BlockGroup& group : m.groups) {
+      const std::size_t t = at(group.brick_template);
+      group.first_slot = static_cast<std::int32_t>(m.slot_point.size()) / kLanes;
+      m.slot_point.resize(m.slot_point.size() + at(m.slots[t].slot_count() * kLanes), m.point_count);
+      for (int lane = 0; lane < group.block_count; ++lane) {
+        int slot = group.first_slot;
+        for (std::size_t n = 0; n < width[t].size(); ++n) {
+          for (std::size_t face = 0; face < 6; ++face) {
+            const auto& here = points_of[at(group.block[at(lane)])][n][face];
+            for (std::size_t i = 0; i < here.size(); ++i)
+              m.slot_point[at((slot + static_cast<int>(i)) * kLanes + lane)] = here[i];
+            slot += static_cast<int>(width[t][n][face]);
+          }
+        }
+      }
+    }
+  }
+
+  void fill_slots_of_bodies() {
+    for (BodyGroup& group : m.body_groups) {
+      group.first_slot = static_cast<std::int32_t>(m.slot_point.size()) / kLanes;
+      m.slot_point.resize(m.slot_point.size() + at(m.body_slots[at(group.slots)].slot_count() * kLanes), m.point_count);
+    }
+    for (std::int32_t i = 0; i < m.point_count; ++i) {
+      for (const Side& side : {points_[at(i)].a, points_[at(i)].b}) {
+        if (body_of(side) < 0 || side.node < 0) continue;
+        const BodyPlace& where = body_place_[at(body_of(side))];
+        m.slot_point[at((m.body_groups[at(where.group)].first_slot + side.node) * kLanes + where.lane)] = i;
+      }
+    }
+  }
+
+  void note_runs_of_slots() {
+    const auto add_runs = [&](int first_slot, int slot_count, int lanes_in_use) {
+      for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
+        const std::int32_t* point = m.slot_point.data() + slot * kLanes;
+        bool in_step = true;
+        for (int lane = 1; lane < lanes_in_use; ++lane) in_step = in_step && point[lane] == point[0] + lane;
+        const bool empty = std::all_of(point, point + kLanes, [&](std::int32_t p) { return p == m.point_count; });
+        m.slot_run.push_back(empty ? Model::kEmptySlot : in_step ? point[0] : -1);
+      }
+    };
+    for (const BlockGroup& group : m.groups)
+      add_runs(group.first_slot, m.slots[at(group.brick_template)].slot_count(), kLanes);
+    // What lanes without a body read does not matter: nothing of them is kept.
+    for (const BodyGroup& group : m.body_groups)
+      add_runs(group.first_slot, m.body_slots[at(group.slots)].slot_count(), group.body_count);
+  }
+
+  // Positions, masses, constraints.
+  void lay_out_gridpoints() {
+    m.position.assign(at(m.line_count * kLanes), Vec3{});
+    m.node_mass.assign(at(m.line_count * kLine), 0.0);
+    m.node_free.assign(at(m.line_count * kLine), 0.0);
+    for (const BlockGroup& group : m.groups) {
+      const BrickTemplate& shape = m.templates[at(group.brick_template)];
+      for (int n = 0; n < shape.node_count; ++n) {
+        for (int lane = 0; lane < group.block_count; ++lane) {
+          const Brick& brick = m.assembly.bricks[at(group.block[at(lane)])];
+          Vec3& p = m.position[at((group.first_line + n) * kLanes + lane)];
+          for (std::size_t c = 0; c < 3; ++c) p[c] = brick.origin[c] + shape.node[at(n)][c];
+          const bool on_symmetry_plane =
+              m.assembly.symmetry_plane_z0 && std::abs(p[2]) <= kCoordinateTolerance * brick.size[2];
+          for (int c = 0; c < 3; ++c) {
+            const std::size_t i = at((group.first_line + n) * kLine + kLanes * c + lane);
+            m.node_mass[i] = shape.node_mass[at(n)];
+            m.node_free[i] = c == 2 && on_symmetry_plane ? 0.0 : 1.0;
+          }
+        }
+      }
+    }
+    for (const RigidBody& body : m.bodies) {
+      for (std::size_t i = 0; i < body.slave.size(); ++i) {
+        m.position[at(body.slave[i] / kLine * kLanes + body.slave[i] % kLanes)] = m.point_position[at(body.point[i])];
+      }
+    }
+  }
+
+  Model& m;
+  std::vector<int> template_of_;  // by block; -1: rigid
+  std::vector<NewPoint> points_;
+  std::vector<BodyPlace> body_place_;          // by body; none: a lone body
+  std::vector<std::array<int, 6>> next_slot_;  // by body and face
+};
+
 }  // namespace
 
 std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& assembly) {
@@ -316,300 +685,7 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
     throw Error(Exit::bad_input,
                 fmt::format("{} joint families, but {} materials", assembly.families.size(), materials.size()));
   }
-
-  // Blocks: deformable ones by template into groups of 8 lanes, rigid ones into bodies.
-  std::vector<int> template_of(assembly.bricks.size(), -1);
-  place.resize(assembly.bricks.size());
-  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
-    const Brick& brick = assembly.bricks[i];
-    if (brick.rigid) {
-      RigidBody body;
-      body.block = static_cast<int>(i);
-      body.name = brick.body;
-      const auto& [lx, ly, lz] = brick.size;
-      body.centre = {brick.origin[0] + 0.5 * lx, brick.origin[1] + 0.5 * ly, brick.origin[2] + 0.5 * lz};
-      body.mass = assembly.materials[at(brick.material)].density * lx * ly * lz;
-      body.inertia = {body.mass * (ly * ly + lz * lz) / 12.0, body.mass * (lz * lz + lx * lx) / 12.0,
-                      body.mass * (lx * lx + ly * ly) / 12.0};
-      if (assembly.symmetry_plane_z0 && std::abs(brick.origin[2]) <= kCoordinateTolerance * lz) {
-        body.held = {false, false, true, true, true, false};
-      }
-      place[i].body = static_cast<int>(bodies.size());
-      bodies.push_back(std::move(body));
-      continue;
-    }
-    const auto found =
-        std::find_if(templates.begin(), templates.end(), [&](const auto& t) { return same_template(t, brick); });
-    template_of[i] = static_cast<int>(found - templates.begin());
-    if (found == templates.end())
-      templates.push_back(make_brick_template(brick, assembly.materials[at(brick.material)]));
-  }
-  // Unit i of n goes to lane i / G of unit group i mod G, G = ceil(n/8): neighbours in the order of the assembly share
-  // a lane, so that a joint which a regular wall repeats joins the same two gridpoints in all lanes and needs no
-  // gathers.
-  for (const UnitClass& kind : unit_classes(assembly, template_of)) {
-    const std::size_t count = kind.units.size(), group_count = (count + kLanes - 1) / kLanes;
-    const std::size_t first_group = groups.size(), block_count = kind.units[0].size();
-    for (std::size_t g = 0; g < group_count; ++g) {
-      unit_groups.push_back({static_cast<int>(groups.size()), static_cast<int>(block_count)});
-      for (std::size_t b = 0; b < block_count; ++b) {
-        BlockGroup group;
-        group.brick_template = template_of[at(kind.units[0][b])];
-        group.offset = offset_between(assembly, kind.units[0][0], kind.units[0][b]);
-        group.first_line = line_count;
-        groups.push_back(group);
-        line_count += templates[at(group.brick_template)].node_count;
-      }
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      for (std::size_t b = 0; b < block_count; ++b) {
-        const int block = kind.units[i][b];
-        BlockPlace& where = place[at(block)];
-        where.group = static_cast<int>(first_group + i % group_count * block_count + b);
-        where.lane = static_cast<int>(i / group_count);
-        groups[at(where.group)].block[at(where.lane)] = block;
-        groups[at(where.group)].block_count = where.lane + 1;
-      }
-    }
-  }
-  block_line_count = line_count;
-
-  auto found = PointFinder(assembly, templates, template_of).find();
-
-  // Bodies: those that are alike into groups of 8 lanes. Their contact points learn their slots.
-  struct BodyPlace {
-    int group = -1, lane = -1;
-  };
-  std::vector<BodyPlace> body_place(bodies.size());
-  std::vector<std::array<int, 6>> next_slot(bodies.size());  // by face
-  const auto body_of = [&](const Side& side) { return place[at(side.block)].body; };
-  const auto as_seen_by = [&](const RigidBody& body, const NewPoint& p, bool side_a) {
-    const Vec3 &x = p.position, &centre = body.centre;
-    return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
-  };
-  std::vector<std::vector<BodyPoint>> body_points(bodies.size());
-  for (const NewPoint& p : found) {
-    const int a = body_of(p.a), b = body_of(p.b);
-    if (a >= 0) body_points[at(a)].push_back(as_seen_by(bodies[at(a)], p, true));
-    if (b >= 0) body_points[at(b)].push_back(as_seen_by(bodies[at(b)], p, false));
-  }
-  for (const BodyClass& kind : body_classes(bodies, body_points)) {
-    BodySlots& places = body_slots.emplace_back();
-    for (const BodyPoint& slot : kind.slot) {
-      const std::size_t axis = at(slot.face / 2);
-      places.arm.push_back({slot.arm[(axis + 1) % 3], slot.arm[(axis + 2) % 3]});
-      places.face[at(slot.face)].normal_arm = slot.arm[axis];
-    }
-    for (int face = 0; face < 6; ++face) places.face[at(face)].slot_end = kind.first_slot(face + 1);
-    // Body i goes to lane i / G of group i mod G, as units do.
-    const int first_group = static_cast<int>(body_groups.size());
-    const int count = (static_cast<int>(kind.body.size()) + kLanes - 1) / kLanes;
-    for (int g = 0; g < count; ++g) {
-      BodyGroup group;
-      group.slots = static_cast<int>(body_slots.size()) - 1;
-      group.first_line = line_count;
-      line_count += places.slot_count();
-      group.body.fill(kind.body[at(g)]);
-      body_groups.push_back(group);
-    }
-    for (int i = 0; i < static_cast<int>(kind.body.size()); ++i) {
-      const int body = kind.body[at(i)];
-      BodyPlace& where = body_place[at(body)];
-      where = {first_group + i % count, i / count};
-      body_groups[at(where.group)].body[at(where.lane)] = body;
-      body_groups[at(where.group)].body_count = where.lane + 1;
-      // A face that the body uses has the points of the class in the same order.
-      for (int face = 0; face < 6; ++face) next_slot[at(body)][at(face)] = kind.first_slot(face);
-    }
-  }
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (body_place[b].group < 0) lone_bodies.push_back(static_cast<int>(b));
-  }
-  for (NewPoint& p : found) {
-    for (Side* side : {&p.a, &p.b}) {
-      const int body = body_of(*side);
-      if (body >= 0 && body_place[at(body)].group >= 0)
-        side->node = next_slot[at(body)][at(2 * p.axis + (side == &p.a ? 1 : 0))]++;
-    }
-  }
-  const std::int32_t grouped_line_count = line_count;
-
-  const auto offset_of = [&](const Side& side) {
-    const BlockPlace& where = place[at(side.block)];
-    if (where.body >= 0) {
-      const BodyPlace& lane = body_place[at(where.body)];
-      return (body_groups[at(lane.group)].first_line + side.node) * kLine + lane.lane;
-    }
-    return (groups[at(where.group)].first_line + side.node) * kLine + where.lane;
-  };
-  {
-    std::vector<PointEnds> ends;
-    for (const NewPoint& p : found)
-      ends.push_back(
-          {p.family, p.axis, p.joint, p.a.node >= 0 ? offset_of(p.a) : -1, p.b.node >= 0 ? offset_of(p.b) : -1});
-    std::vector<NewPoint> sorted;
-    for (const std::size_t i : point_order(ends)) sorted.push_back(found[i]);
-    found.swap(sorted);
-  }
-  point_count = static_cast<std::int32_t>(found.size());
-
-  std::int32_t lone_slave_count = 0;
-  for (std::int32_t i = 0; i < point_count; ++i) {
-    const NewPoint& p = found[at(i)];
-    const auto attach = [&](const Side& side, double sign) {
-      if (body_of(side) < 0) return offset_of(side);
-      std::int32_t offset = (grouped_line_count + lone_slave_count / kLanes) * kLine + lone_slave_count % kLanes;
-      if (side.node >= 0)
-        offset = offset_of(side);
-      else
-        ++lone_slave_count;
-      RigidBody& body = bodies[at(place[at(side.block)].body)];
-      body.point.push_back(i);
-      body.slave.push_back(offset);
-      body.arm.push_back(
-          {p.position[0] - body.centre[0], p.position[1] - body.centre[1], p.position[2] - body.centre[2]});
-      body.sign.push_back(sign);
-      return offset;
-    };
-    node_a.push_back(attach(p.a, +1.0));
-    node_b.push_back(attach(p.b, -1.0));
-    area.push_back(p.area);
-    point_joint.push_back(p.joint);
-    point_position.push_back(p.position);
-    point_axis.push_back(static_cast<std::uint8_t>(p.axis));
-  }
-  line_count = grouped_line_count + (lone_slave_count + kLanes - 1) / kLanes;
-  point_run.assign(at(point_count), 1);
-  for (int i = point_count - 2; i >= 0; --i) {
-    const bool in_step = node_a[at(i + 1)] == node_a[at(i)] + 1 && node_b[at(i + 1)] == node_b[at(i)] + 1;
-    if (in_step && point_run[at(i + 1)] < kLanes)
-      point_run[at(i)] = static_cast<std::uint8_t>(point_run[at(i + 1)] + 1);
-    else if (in_step)
-      point_run[at(i)] = kLanes;
-  }
-
-  // Families and chunks.
-  for (std::size_t f = 0; f < assembly.families.size(); ++f) {
-    ContactFamily family;
-    family.name = assembly.families[f].name;
-    family.material = materials[f];
-    const quoin_stiffness_bounds bounds = family.material->stiffness_bounds();
-    family.normal_stiffness = bounds.normal;
-    family.shear_stiffness = bounds.shear;
-    family.first_point = families.empty() ? 0 : families.back().first_point + families.back().point_count;
-    while (family.first_point + family.point_count < point_count &&
-           found[at(family.first_point + family.point_count)].family == static_cast<int>(f)) {
-      ++family.point_count;
-    }
-    families.push_back(family);
-  }
-  for (std::int32_t i = 0; i < point_count; ++i) {
-    const NewPoint& p = found[at(i)];
-    if (chunks.empty() || chunks.back().family != p.family || chunks.back().axis != p.axis ||
-        chunks.back().point_count == kChunk) {
-      chunks.push_back({p.family, p.axis, i, 0});
-    }
-    ++chunks.back().point_count;
-  }
-
-  // Slots: for each gridpoint of a template and each of its faces as many as its busiest block needs.
-  using PointsOfNode = std::vector<std::array<std::vector<std::int32_t>, 6>>;
-  std::vector<PointsOfNode> points_of(assembly.bricks.size());
-  for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
-    if (template_of[i] >= 0) points_of[i].resize(templates[at(template_of[i])].node.size());
-  }
-  for (std::int32_t i = 0; i < point_count; ++i) {
-    const NewPoint& p = found[at(i)];
-    if (body_of(p.a) < 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
-    if (body_of(p.b) < 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
-  }
-  slots.resize(templates.size());
-  std::vector<std::vector<std::array<std::size_t, 6>>> width(templates.size());
-  for (std::size_t t = 0; t < templates.size(); ++t) {
-    width[t].resize(templates[t].node.size());
-    for (std::size_t i = 0; i < assembly.bricks.size(); ++i) {
-      if (template_of[i] != static_cast<int>(t)) continue;
-      for (std::size_t n = 0; n < width[t].size(); ++n) {
-        for (std::size_t face = 0; face < 6; ++face)
-          width[t][n][face] = std::max(width[t][n][face], points_of[i][n][face].size());
-      }
-    }
-    for (const auto& faces : width[t]) {
-      for (std::size_t face = 0; face < 6; ++face)
-        slots[t].sign.insert(slots[t].sign.end(), faces[face], face % 2 == 1 ? 1.0 : -1.0);
-      slots[t].slot_end.push_back(slots[t].slot_count());
-    }
-  }
-  for (BlockGroup& group : groups) {
-    const std::size_t t = at(group.brick_template);
-    group.first_slot = static_cast<std::int32_t>(slot_point.size()) / kLanes;
-    slot_point.resize(slot_point.size() + at(slots[t].slot_count() * kLanes), point_count);
-    for (int lane = 0; lane < group.block_count; ++lane) {
-      int slot = group.first_slot;
-      for (std::size_t n = 0; n < width[t].size(); ++n) {
-        for (std::size_t face = 0; face < 6; ++face) {
-          const auto& points = points_of[at(group.block[at(lane)])][n][face];
-          for (std::size_t i = 0; i < points.size(); ++i)
-            slot_point[at((slot + static_cast<int>(i)) * kLanes + lane)] = points[i];
-          slot += static_cast<int>(width[t][n][face]);
-        }
-      }
-    }
-  }
-
-  for (BodyGroup& group : body_groups) {
-    group.first_slot = static_cast<std::int32_t>(slot_point.size()) / kLanes;
-    slot_point.resize(slot_point.size() + at(body_slots[at(group.slots)].slot_count() * kLanes), point_count);
-  }
-  for (std::int32_t i = 0; i < point_count; ++i) {
-    for (const Side& side : {found[at(i)].a, found[at(i)].b}) {
-      if (body_of(side) < 0 || side.node < 0) continue;
-      const BodyPlace& where = body_place[at(body_of(side))];
-      slot_point[at((body_groups[at(where.group)].first_slot + side.node) * kLanes + where.lane)] = i;
-    }
-  }
-
-  const auto add_runs = [&](int first_slot, int slot_count, int lanes_in_use) {
-    for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
-      const std::int32_t* point = slot_point.data() + slot * kLanes;
-      bool in_step = true;
-      for (int lane = 1; lane < lanes_in_use; ++lane) in_step = in_step && point[lane] == point[0] + lane;
-      const bool empty = std::all_of(point, point + kLanes, [&](std::int32_t p) { return p == point_count; });
-      slot_run.push_back(empty ? kEmptySlot : in_step ? point[0] : -1);
-    }
-  };
-  for (const BlockGroup& group : groups)
-    add_runs(group.first_slot, slots[at(group.brick_template)].slot_count(), kLanes);
-  // What lanes without a body read does not matter: nothing of them is kept.
-  for (const BodyGroup& group : body_groups)
-    add_runs(group.first_slot, body_slots[at(group.slots)].slot_count(), group.body_count);
-
-  // Gridpoints: positions, masses, constraints.
-  position.assign(at(line_count * kLanes), Vec3{});
-  node_mass.assign(at(line_count * kLine), 0.0);
-  node_free.assign(at(line_count * kLine), 0.0);
-  for (const BlockGroup& group : groups) {
-    const BrickTemplate& shape = templates[at(group.brick_template)];
-    for (int n = 0; n < shape.node_count; ++n) {
-      for (int lane = 0; lane < group.block_count; ++lane) {
-        const Brick& brick = assembly.bricks[at(group.block[at(lane)])];
-        Vec3& p = position[at((group.first_line + n) * kLanes + lane)];
-        for (std::size_t c = 0; c < 3; ++c) p[c] = brick.origin[c] + shape.node[at(n)][c];
-        const bool on_symmetry_plane =
-            assembly.symmetry_plane_z0 && std::abs(p[2]) <= kCoordinateTolerance * brick.size[2];
-        for (int c = 0; c < 3; ++c) {
-          const std::size_t i = at((group.first_line + n) * kLine + kLanes * c + lane);
-          node_mass[i] = shape.node_mass[at(n)];
-          node_free[i] = c == 2 && on_symmetry_plane ? 0.0 : 1.0;
-        }
-      }
-    }
-  }
-  for (const RigidBody& body : bodies) {
-    for (std::size_t i = 0; i < body.slave.size(); ++i) {
-      position[at(body.slave[i] / kLine * kLanes + body.slave[i] % kLanes)] = point_position[at(body.point[i])];
-    }
-  }
+  ModelBuilder(*this).build(materials);
 }
 
 std::vector<int> Model::bodies_named(const std::string& name) const {

@@ -76,15 +76,13 @@ std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<V
   return order;
 }
 
+// By the small strains of the lattice, where Model::strain_energy takes those of large rotations.
 double strain_energy(const blocks::Model& m, const std::vector<Vector>& displacement) {
   double sum = 0.0;
   for (const blocks::Zone& zone : m.zones()) {
     Matrix h = Matrix::zero();
     for (std::size_t k = 0; k < 4; ++k) h += outer(displacement[at(zone.node[k])], zone.gradient[k]);
-    const Matrix strain = 0.5 * (h + transposed(h));
-    double squares = 0.0;
-    for (const Vector& row : strain.row) squares += dot(row, row);
-    sum += zone.volume * (0.5 * zone.lambda * trace(strain) * trace(strain) + zone.mu * squares);
+    sum += zone.energy(0.5 * (h + transposed(h)));
   }
   return sum;
 }
@@ -107,7 +105,7 @@ void Simulation::Impl::promote(const std::string& why) {
     h.block_b = in_order ? joint.block_b : joint.block_a;
     h.position = geometry::vector(model.point_position[p]);
     const int n = model.point_axis[p];
-    h.n[n] = h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
+    h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
     const double shift = normal_shift.empty() ? 0.0 : normal_shift[p];
     h.opening = jump_of(i, 1.0, 0.0)[0] + shift;
     h.opening_at_traction = opening_at_traction(i);

@@ -31,8 +31,7 @@ class DirectLaw {
     for (auto& column : dissipated) column.assign(points, 0.0);
     for (auto& column : tangent) column.assign(points, 0.0);
     flags.assign(points, 0);
-    std::vector<double> initial(law.state_count);
-    material.initial_state(law.initial_states[0], initial.data());
+    const std::vector<double> initial = material.initial_state(law.initial_states[0]);
     for (std::uint64_t k = 0; k < law.state_count; ++k) {
       state[k].assign(points, initial[k]);
       state_old.push_back({state[k].data(), 1});
@@ -65,7 +64,8 @@ class DirectLaw {
     evaluate();
   }
   void evaluate() {
-    if (material.law().evaluate(material.handle(), &batch) != QUOIN_OK || batch.failed_count > 0) std::abort();
+    material.evaluate(batch);
+    if (batch.failed_count > 0) std::abort();
   }
 
   adapters::Material material;

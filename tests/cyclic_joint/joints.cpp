@@ -186,10 +186,8 @@ const char* beyond_bounds(const Joint& j, const History& s) {
 }
 
 LawPoints::LawPoints(const quoin_law& law, const Joint& joint, std::size_t count, bool dry)
-    : material(law, values_of(joint)), batch(law, count) {
-  if (material.handle == nullptr) throw std::runtime_error(material.text);
-  std::vector<double> start(law.state_count);
-  law.initial_state(material.handle, dry ? "dry" : "bonded", start.data());
+    : material(test::make_material(law, values_of(joint))), batch(law, count) {
+  const std::vector<double> start = material.initial_state(dry ? "dry" : "bonded");
   for (std::size_t k = 0; k < start.size(); ++k) batch.in[6 + k].assign(count, start[k]);
 }
 

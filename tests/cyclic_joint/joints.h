@@ -52,7 +52,7 @@ const char* beyond_bounds(const Joint& joint, const History& state);
 
 // The law, many points side by side, each with everything that it says of a step.
 struct LawPoints {
-  quoin::test::TestMaterial material;
+  quoin::api::Material material;
   quoin::test::Batch batch;
   LawPoints(const quoin_law& law, const Joint& joint, std::size_t count, bool dry);
   History history(std::size_t i) const;  // old

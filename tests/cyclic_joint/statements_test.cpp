@@ -398,9 +398,14 @@ TEST(Statement1, RotationTurnsAndChangesNothingElse) {
 // "Refused": every bound, a hair on either side of it, each with the property's name in the message.
 TEST(Refused, EveryBound) {
   const auto made = [](const Joint& j, std::string* text = nullptr) {
-    const quoin::test::TestMaterial material(law(), values_of(j));
-    if (text != nullptr) *text = material.text;
-    return material.handle != nullptr;
+    try {
+      const quoin::api::Material material = quoin::test::make_material(law(), values_of(j));
+      if (text != nullptr) *text = material.warnings();
+      return true;
+    } catch (const quoin::api::Error& error) {
+      if (text != nullptr) *text = error.words;
+      return false;
+    }
   };
   const auto expect_bound = [&](const char* id, Joint j, Real Joint::*number, Real bound, bool from_above) {
     std::string text;

@@ -22,7 +22,6 @@
 namespace {
 
 using quoin::test::Batch;
-using quoin::test::TestMaterial;
 using quoin::test::Values;
 
 // The set that the laws use here: the lowest bit is the best set.
@@ -79,8 +78,7 @@ struct PropertyColumns {
 };
 
 void run(const quoin_law& law, const Values& values, bool with_columns, Comparison& comparison) {
-  const TestMaterial material(law, values);
-  if (material.handle == nullptr) throw std::runtime_error(material.text);
+  const quoin::api::Material material = quoin::test::make_material(law, values);
   std::mt19937_64 random(7);
   Batch batch(law, 61);
   PropertyColumns properties(batch.count, random);
@@ -96,7 +94,7 @@ void run(const quoin_law& law, const Values& values, bool with_columns, Comparis
         view.property_columns = angles ? properties.columns : properties.columns + 1;
         view.property_column_count = angles ? 2 : 1;
       }
-      if (law.evaluate(material.handle, &view) != QUOIN_OK) throw std::runtime_error("evaluate refused the batch");
+      material.evaluate(view);
       const std::size_t wanted = extras ? batch.out.size() : 3 + batch.states;
       for (std::size_t k = 0; k < wanted; ++k) comparison.column(batch.out[k]);
       if (extras) comparison.column(batch.flags), comparison.column(batch.status);

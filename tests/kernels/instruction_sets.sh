@@ -40,7 +40,7 @@ neon() {
   ran=1
   cmake --preset aarch64 >/dev/null
   cmake --build --preset aarch64 --target quoin_laws >/dev/null
-  aarch64-linux-gnu-g++ -std=c++20 -O2 -ffp-contract=off -I. -Iplugin_api/include tests/kernels/instruction_sets.cpp \
+  aarch64-linux-gnu-g++ -std=c++20 -O2 -ffp-contract=off -I. -Iplugin_api/include -Iplugin_api/cpp tests/kernels/instruction_sets.cpp \
     -o build/aarch64/instruction_sets
   echo "beside $(cut -d, -f1 "$scratch/written" | head -n 1):"
   qemu-aarch64-static -L /usr/aarch64-linux-gnu build/aarch64/instruction_sets compare "$scratch/reference" \

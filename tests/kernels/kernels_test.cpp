@@ -10,13 +10,14 @@
 
 namespace {
 
+using quoin::api::Material;
 using quoin::test::Batch;
 using quoin::test::laws;
 using quoin::test::load_law;
+using quoin::test::make_material;
 using quoin::test::make_some_extreme;
 using quoin::test::materials;
 using quoin::test::randomise;
-using quoin::test::TestMaterial;
 using quoin::test::Values;
 
 // A material keeps the kernels of the best instruction set enabled when it is made.
@@ -35,7 +36,12 @@ struct OnTarget {
 bool accepted(const quoin_law& law, Values values, const std::string& property, double value) {
   std::erase_if(values.numbers, [&](const auto& number) { return number.first == property; });
   values.numbers.emplace_back(property, value);
-  return TestMaterial(law, values).handle != nullptr;
+  try {
+    make_material(law, values);
+    return true;
+  } catch (const quoin::api::Error&) {
+    return false;
+  }
 }
 
 // Drives every material 60 steps on both sets and returns the largest difference of tractions over their scale.
@@ -44,11 +50,10 @@ double difference(const char* id, std::int64_t one, std::int64_t other, bool ext
   double worst = 0.0;
   same_bits = true;
   for (const Values& values : materials(id)) {
-    std::vector<std::unique_ptr<TestMaterial>> pair;
+    std::vector<Material> pair;
     for (const std::int64_t target : {one, other}) {
       const OnTarget on(target);
-      pair.push_back(std::make_unique<TestMaterial>(law, values));
-      EXPECT_NE(pair.back()->handle, nullptr) << pair.back()->text;
+      pair.push_back(make_material(law, values));
     }
     std::mt19937_64 random(7);
     Batch a(law, 61);
@@ -56,8 +61,8 @@ double difference(const char* id, std::int64_t one, std::int64_t other, bool ext
       randomise(a, random);
       if (extreme) make_some_extreme(a, random);
       Batch b = a;  // both from the same old state: the comparison is of one step, not of a diverging path
-      a.evaluate(*pair[0]);
-      b.evaluate(*pair[1]);
+      a.evaluate(pair[0]);
+      b.evaluate(pair[1]);
       for (std::size_t k = 0; k < a.out.size(); ++k) {
         same_bits = same_bits && std::memcmp(a.out[k].data(), b.out[k].data(), a.count * sizeof(double)) == 0;
       }
@@ -97,7 +102,7 @@ TEST(InstructionSets, AgreeBitForBitWithFusedMultiplyAdd) {
 TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
   const quoin_law& law = load_law("fracture_energy");
   for (const Values& values : materials("fracture_energy")) {
-    const TestMaterial material(law, values);
+    const Material material = make_material(law, values);
     std::mt19937_64 random(11);
     Batch whole(law, 203);
     // Closure and uplift that another material left behind: they count where this one neither crushes nor dilates.
@@ -115,7 +120,7 @@ TEST(Batches, PartitionAndRequestedOutputsChangeNoBit) {
       // Sizes that hit whole vectors, tails and single points; tractions and states only.
       for (std::size_t first = 0, n = 1; first < parts.count; first += n, n = n % 37 + 5) {
         quoin_batch b = parts.view(first, std::min(n, parts.count - first), false, old_states, new_states);
-        ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+        ASSERT_EQ(law.evaluate(material.handle(), &b), QUOIN_OK);
       }
       for (std::size_t k = 0; k < 3 + whole.states; ++k) {
         ASSERT_EQ(std::memcmp(whole.out[k].data(), parts.out[k].data(), whole.count * sizeof(double)), 0)
@@ -134,7 +139,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
     for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
       const OnTarget on(targets & -targets);
       for (const Values& values : materials(id)) {
-        const TestMaterial material(law, values);
+        const Material material = make_material(law, values);
         std::mt19937_64 random(13);
         Batch whole(law, kCount);
         for (int step = 0; step < 8; ++step) {
@@ -151,7 +156,7 @@ TEST(Batches, PartsOfEverySizeGiveTheSameBitsOnEveryInstructionSet) {
                 std::vector<quoin_out> new_states;
                 const std::size_t n = std::min(size, kCount - first);
                 quoin_batch b = parts.view(first, n, extras, old_states, new_states);
-                ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+                ASSERT_EQ(law.evaluate(material.handle(), &b), QUOIN_OK);
                 failed += b.failed_count;
                 yielding |= b.any_yielding;
               }
@@ -180,7 +185,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
     for (const Values& values : materials(id)) {
-      const TestMaterial material(law, values);
+      const Material material = make_material(law, values);
       std::mt19937_64 random(17);
       Batch apart(law, 60);
       for (int step = 0; step < 20; ++step) {
@@ -198,7 +203,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
             old_states[k] = {nullptr, 0};
             new_states[k] = {nullptr, 0};
           }
-          ASSERT_EQ(law.evaluate(material.handle, &b), QUOIN_OK);
+          ASSERT_EQ(law.evaluate(material.handle(), &b), QUOIN_OK);
         }
         for (std::size_t k = 0; k < 3 + apart.states; ++k) {
           if (k >= 3 && law.states[k - 3]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
@@ -214,7 +219,7 @@ TEST(Batches, OnePointInPlaceWithoutDiagnostics) {
 TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
   for (const char* id : laws) {
     const quoin_law& law = load_law(id);
-    const TestMaterial material(law, materials(id)[0]);
+    const Material material = make_material(law, materials(id)[0]);
     Batch points(law, 1);
     std::vector<quoin_in> old_states;
     std::vector<quoin_out> new_states;
@@ -222,7 +227,7 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
       quoin_batch b = points.view(0, 1, false, old_states, new_states);
       for (auto& column : points.out) column.assign(1, -7.0);
       spoil(b);
-      EXPECT_EQ(law.evaluate(material.handle, &b), QUOIN_ERROR_ARGUMENT) << id << ", " << what;
+      EXPECT_EQ(law.evaluate(material.handle(), &b), QUOIN_ERROR_ARGUMENT) << id << ", " << what;
       for (const auto& column : points.out) EXPECT_EQ(column[0], -7.0) << id << ", " << what;
     };
     expect_refused("normal_jump", [](quoin_batch& b) { b.normal_jump.data = nullptr; });
@@ -245,7 +250,7 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
 TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("fracture_energy");
   for (const Values& values : materials("fracture_energy")) {
-    const TestMaterial material(law, values);
+    const Material material = make_material(law, values);
     const bool shared = values.words[1].second == "shared";
     for (const std::size_t column : {4, 5, 6, 7, 8, 9}) {  // tau_s, tau_t, xi_t, xi_s, w, v
       if (shared && column == 7) continue;                 // xi_t speaks for both
@@ -268,9 +273,9 @@ TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
 TEST(Batches, AnOldValueOfCyclicJointThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("cyclic_joint");
   for (const Values& values : materials("cyclic_joint")) {
-    const TestMaterial material(law, values);
+    const Material material = make_material(law, values);
     std::vector<double> bonded(law.state_count);
-    law.initial_state(material.handle, "bonded", bonded.data());
+    law.initial_state(material.handle(), "bonded", bonded.data());
     for (const std::size_t column : {4, 5, 6, 8, 9, 10, 14}) {
       for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
         Batch b(law, 32);
@@ -289,7 +294,7 @@ TEST(Batches, AnOldValueOfCyclicJointThatIsNotFiniteFailsItsPointAmongElasticOne
 // A joint that is crushed out carries nothing: 0 where it stands at e = 0, and the same 0 beside a joint that slips.
 TEST(Batches, SignOfZeroDoesNotDependOnNeighbours) {
   const quoin_law& law = load_law("fracture_energy");
-  const TestMaterial material(law, materials("fracture_energy")[1]);
+  const Material material = make_material(law, materials("fracture_energy")[1]);
   for (const double slip_of_neighbour : {0.0, 1e-4}) {
     Batch b(law, 16);
     b.in[8].assign(b.count, 0.25);   // w, far beyond wu
@@ -303,7 +308,7 @@ TEST(Batches, SignOfZeroDoesNotDependOnNeighbours) {
 TEST(Batches, PropertyColumnsEqualMaterials) {
   const quoin_law& law = load_law("fracture_energy");
   const std::vector<Values> all = materials("fracture_energy");
-  const TestMaterial uniform(law, all[1]);
+  const Material uniform = make_material(law, all[1]);
   std::mt19937_64 random(3);
   Batch a(law, 40);
   std::vector<double> ft(40, 0.2e6), phi(40, 35.0), gc(40, 8000.0);
@@ -319,7 +324,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
     quoin_batch view = b.view(0, b.count, true, old_states, new_states);
     view.property_column_count = 3;
     view.property_columns = columns;
-    ASSERT_EQ(law.evaluate(uniform.handle, &view), QUOIN_OK);
+    ASSERT_EQ(law.evaluate(uniform.handle(), &view), QUOIN_OK);
     for (std::size_t k = 0; k < a.out.size(); ++k) ASSERT_EQ(a.out[k], b.out[k]) << "column " << k;
     a.advance();
   }
@@ -330,7 +335,7 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   quoin_batch view = a.view(0, a.count, true, old_states, new_states);
   view.property_column_count = 3;
   view.property_columns = columns;
-  ASSERT_EQ(law.evaluate(uniform.handle, &view), QUOIN_OK);
+  ASSERT_EQ(law.evaluate(uniform.handle(), &view), QUOIN_OK);
   EXPECT_EQ(view.failed_count, 1u);
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
@@ -344,15 +349,14 @@ TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
     for (const Values& values : all) {
       for (std::int64_t targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
         const OnTarget on(targets & -targets);
-        const TestMaterial material(law, values);
-        ASSERT_NE(material.handle, nullptr) << material.text;
+        const Material material = make_material(law, values);
         for (std::uint64_t p = 0; p < law.property_count; ++p) {
           const quoin_property_info& property = *law.properties[p];
           if ((property.flags & QUOIN_PROPERTY_PER_POINT) == 0) continue;
           for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, -1.0}) {
             if (accepted(law, values, property.id, bad)) continue;  // an infinite strength in compression
             double good = 0.0;
-            ASSERT_EQ(law.material_number(material.handle, property.id, &good), QUOIN_OK);
+            ASSERT_EQ(law.material_number(material.handle(), property.id, &good), QUOIN_OK);
             Batch b(law, 24);
             std::vector<double> column(b.count, good);
             column[5] = bad;
@@ -364,7 +368,7 @@ TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
             const quoin_property_column columns[] = {{property.id, {column.data(), 1}}};
             view.property_columns = columns;
             view.property_column_count = 1;
-            ASSERT_EQ(law.evaluate(material.handle, &view), QUOIN_OK);
+            ASSERT_EQ(law.evaluate(material.handle(), &view), QUOIN_OK);
             const std::string what = std::string(id) + ", " + property.id + " = " + std::to_string(bad);
             EXPECT_EQ(view.failed_count, 1u) << what;
             EXPECT_EQ(b.status[5], QUOIN_POINT_FAILED) << what;

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "plugin.h"
@@ -20,7 +21,6 @@
 namespace {
 
 using quoin::test::Batch;
-using quoin::test::TestMaterial;
 using quoin::test::Values;
 using Random = std::mt19937_64;
 
@@ -190,9 +190,11 @@ int stress(double steps, std::uint64_t seed) {
   for (long material_index = 0; material_index < materials; ++material_index) {
     Joint joint;
     const Values values = joint.draw(random);
-    const TestMaterial material(law, values);
-    if (material.handle == nullptr) {
-      fmt::print("FAILED: admissible material refused: {}\n", material.text);
+    std::optional<quoin::api::Material> material;
+    try {
+      material = quoin::test::make_material(law, values);
+    } catch (const quoin::api::Error& error) {
+      fmt::print("FAILED: admissible material refused: {}\n", error.what());
       ++failures;
       continue;
     }
@@ -218,7 +220,7 @@ int stress(double steps, std::uint64_t seed) {
               poison[static_cast<int>(uniform(random, 0.0, 3.0))];
         }
       }
-      b.evaluate(material);
+      b.evaluate(*material);
       for (std::size_t i = 0; i < kPoints; ++i) {
         ++done;
         const auto out = [&](std::size_t k) { return b.out[k][i]; };

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "quoin/quoin.h"
+#include "quoin.hpp"
 
 namespace quoin::test {
 
@@ -18,8 +18,7 @@ inline const quoin_law& load_law_file(const std::string& path) {
   void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) throw std::runtime_error(dlerror());
   const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle, QUOIN_LIBRARY_SYMBOL));
-  const quoin_host_info host{sizeof(quoin_host_info), QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "tests", "1"};
-  return *entry(&host, nullptr)->laws[0];
+  return *api::library(entry, "tests", "1").laws[0];
 }
 #ifdef QUOIN_LAWS  // the folder where the build puts them
 inline std::string law_file(const std::string& name) {
@@ -36,34 +35,13 @@ struct Values {
   std::vector<double> table;
 };
 
-struct TestMaterial {
-  const quoin_law& law;
-  quoin_material* handle = nullptr;
-  std::string text;
-
-  TestMaterial(const quoin_law& law_, const Values& given) : law(law_) {
-    std::vector<quoin_property_value> values;
-    for (const auto& [id, number] : given.numbers) {
-      values.push_back({sizeof(quoin_property_value), id.c_str(), 1, &number, nullptr});
-    }
-    for (const auto& [id, word] : given.words) {
-      values.push_back({sizeof(quoin_property_value), id.c_str(), 0, nullptr, word.c_str()});
-    }
-    if (!given.table.empty()) {
-      values.push_back(
-          {sizeof(quoin_property_value), "softening_table", given.table.size(), given.table.data(), nullptr});
-    }
-    std::vector<const quoin_property_value*> pointers;
-    for (const quoin_property_value& value : values) pointers.push_back(&value);
-    char buffer[4000] = "";
-    quoin_text message{sizeof(quoin_text), buffer, sizeof buffer, 0};
-    law.create_material(&law, pointers.size(), pointers.data(), &handle, &message);
-    text = buffer;
-  }
-  ~TestMaterial() { law.destroy_material(handle); }
-  TestMaterial(const TestMaterial&) = delete;
-  TestMaterial& operator=(const TestMaterial&) = delete;
-};
+inline api::Material make_material(const quoin_law& law, const Values& given) {
+  std::vector<api::Value> values;
+  for (const auto& [id, number] : given.numbers) values.push_back({id, {number}});
+  for (const auto& [id, word] : given.words) values.push_back({id, {}, word});
+  if (!given.table.empty()) values.push_back({"softening_table", given.table});
+  return {law, values};
+}
 
 // Columns of a batch with stride 1, new apart from old, every output wanted.
 struct Batch {
@@ -106,11 +84,11 @@ struct Batch {
     return b;
   }
 
-  quoin_batch evaluate(const TestMaterial& material, bool extras = true) {
+  quoin_batch evaluate(const api::Material& material, bool extras = true) {
     std::vector<quoin_in> old_states;
     std::vector<quoin_out> new_states;
     quoin_batch b = view(0, count, extras, old_states, new_states);
-    if (material.law.evaluate(material.handle, &b) != QUOIN_OK) throw std::runtime_error("evaluate refused the batch");
+    material.evaluate(b);
     return b;
   }
 

@@ -87,27 +87,7 @@ quoin::Scene falling_wall() {
     return *law ? text + "law = \"" + law + "\"\n" : text;
   };
   const char *const rest = "[0, -9.81, 0]", *const push = "[3.4, -9.81, 5.9]";
-  return scene_of(R"(
-[materials.stone]
-young_modulus = 1e10
-poisson_ratio = 0.2
-density = 1800.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 2e9
-shear_stiffness = 1e9
-friction_angle = 33.0
-[solver]
-kernels = "general"
-damping = "viscous"
-mass_damping = 0.3
-stiffness_damping = 4e-5
-[[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-20, -0.2, -20], size = [60, 0.2, 60] }
+  return scene_of(stone_and_ground(1e10) + R"(
 [[dry_wall]]
 name = "wall"
 material = "stone"

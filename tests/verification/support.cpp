@@ -108,6 +108,29 @@ quoin::Scene scene_of(const std::string& toml) {
   return scene;
 }
 
+std::string stone_and_ground(double young_modulus) {
+  return "[materials.stone]\nyoung_modulus = " + std::to_string(young_modulus) + R"(
+poisson_ratio = 0.2
+density = 1800.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 2e9
+shear_stiffness = 1e9
+friction_angle = 33.0
+[solver]
+kernels = "general"
+damping = "viscous"
+mass_damping = 0.3
+stiffness_damping = 4e-5
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-20, -0.2, -20], size = [60, 0.2, 60] }
+)";
+}
+
 void settle(Model& m, double ratio, long most) {
   double largest = 0.0;
   m.track_energy(true);

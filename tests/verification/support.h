@@ -53,6 +53,8 @@ struct Scene {
 
 // A scene file with this content, read. Throws Error as read_scene does.
 quoin::Scene scene_of(const std::string& toml);
+// The head of a scene: the material stone (Pa), its dry joints, viscous damping, and a fixed ground of 60 by 60 m.
+std::string stone_and_ground(double young_modulus);
 
 // Kinetic energy seen so far fell below `ratio` of its largest value: at rest.
 void settle(Model& m, double ratio = 1e-10, long most = 200000);

@@ -7,28 +7,6 @@
 namespace quoin::verification {
 namespace {
 
-const char* const stone_and_ground = R"(
-[materials.stone]
-young_modulus = 5e8
-poisson_ratio = 0.2
-density = 1800.0
-[joints.dry]
-law = "coulomb_slip"
-initial_state = "dry"
-normal_stiffness = 2e9
-shear_stiffness = 1e9
-friction_angle = 33.0
-[solver]
-kernels = "general"
-damping = "viscous"
-mass_damping = 0.3
-stiffness_damping = 4e-5
-[[block]]
-name = "ground"
-material = "stone"
-fixed = true
-box = { lower = [-20, -0.2, -20], size = [60, 0.2, 60] }
-)";
 // No ramp: the forces of the first step are those of every step.
 const char* const pushed = R"(
 [[stage]]
@@ -37,7 +15,7 @@ duration = 0.3
 )";
 
 quoin::Scene collapse() {
-  return scene_of(std::string(stone_and_ground) + R"(
+  return scene_of(stone_and_ground(5e8) + R"(
 [[dry_wall]]
 name = "wall"
 material = "stone"
@@ -48,7 +26,7 @@ unit = [0.4, 0.2, 0.2]
 }
 
 quoin::Scene deformable() {
-  std::string text = stone_and_ground;
+  std::string text = stone_and_ground(5e8);
   for (int column = 0; column < 4; ++column) {
     for (int course = 0; course < 3; ++course) {
       const std::string x = std::to_string(0.4 * column), y = std::to_string(0.2 * course);

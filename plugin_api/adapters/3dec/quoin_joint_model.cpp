@@ -166,7 +166,7 @@ void QuoinJointModel::initialize(Dimension dim, jmodels::State* state) {
 
 // Forces that are there before the first step (gravity, in-situ stress) are taken as elastic: they fix d_n.
 void QuoinJointModel::start(const jmodels::State& state) {
-  material_->initial_state(law_.initial_states[initial_state_], states_.data());
+  states_ = material_->initial_state(law_.initial_states[initial_state_]);
   memory_.jump = -state.normal_force_ / state.area_ / material_->stiffness().normal;
   memory_.started = true;
 }

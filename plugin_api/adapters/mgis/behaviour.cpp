@@ -124,10 +124,9 @@ int Behaviour::initialize(BehaviourData& data, const char* initial_state) const 
     const double* const properties = data.s1.material_properties;
     const PointMaterial point = sets.find(properties);
     double* const states = data.s1.internal_state_variables;
-    if (point.column_count == 0)
-      point.material->initial_state(initial_state, states);
-    else
-      sets.make(properties)->initial_state(initial_state, states);
+    std::ranges::copy(point.column_count == 0 ? point.material->initial_state(initial_state)
+                                              : sets.make(properties)->initial_state(initial_state),
+                      states);
     return results_reliable;
   } catch (const std::exception& error) {
     return fail(data, error.what());

@@ -45,17 +45,12 @@ quoin_library_function entry_point(const std::filesystem::path& file) {
 
 const quoin_law& open(const std::filesystem::path& file) {
   const quoin_library_function entry = entry_point(file);
-  if (entry == nullptr)
-    throw std::runtime_error(file.string() + ": exports no " QUOIN_LIBRARY_SYMBOL ": not a library of contact laws");
-  const quoin_host_info host{sizeof host, QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, "quoin adapter", "1.0"};
-  std::array<char, 1024> message{};
-  quoin_text text{sizeof text, message.data(), message.size(), 0};
-  const quoin_library* library = entry(&host, &text);
-  if (library == nullptr) throw std::runtime_error(file.string() + ": refused: " + message.data());
-  if (library->abi_major != QUOIN_ABI_MAJOR || library->law_count == 0)
-    throw std::runtime_error(file.string() + ": speaks ABI " + std::to_string(library->abi_major) + " and holds " +
-                             std::to_string(library->law_count) + " laws; this adapter needs ABI " +
-                             std::to_string(QUOIN_ABI_MAJOR) + " and a law");
+  const quoin_library* library = nullptr;
+  try {
+    library = &api::library(entry, "quoin adapter", "1.0");
+  } catch (const api::Error& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
   const quoin_law& law = *library->laws[0];
   if (law.state_count > max_states)
     throw std::runtime_error(file.string() + ": " + law.id + " has " + std::to_string(law.state_count) +

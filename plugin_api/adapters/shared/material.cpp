@@ -1,6 +1,5 @@
 #include "shared/material.h"
 
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -36,30 +35,6 @@ PropertyValue scalar_value(const quoin_property_info& property, double number) {
   for (std::uint64_t i = 0; i < property.choice_count; ++i)
     allowed += (i > 0 ? ", " : "") + std::to_string(i) + " " + property.choices[i];
   throw std::runtime_error(std::string(property.id) + " = " + std::to_string(number) + ": give one of " + allowed);
-}
-
-Material::Material(const quoin_law& law, const std::vector<PropertyValue>& values) : law_(&law) {
-  std::vector<quoin_property_value> raw;
-  for (const PropertyValue& value : values)
-    raw.push_back({sizeof(quoin_property_value), value.id.c_str(), value.numbers.size(), value.numbers.data(),
-                   value.text.empty() ? nullptr : value.text.c_str()});
-  std::vector<const quoin_property_value*> pointers;
-  for (const quoin_property_value& value : raw) pointers.push_back(&value);
-  std::array<char, 4096> message{};
-  quoin_text text{sizeof text, message.data(), message.size(), 0};
-  if (law.create_material(&law, pointers.size(), pointers.data(), &handle_, &text) != QUOIN_OK)
-    throw std::runtime_error(std::string(law.id) + ": " + message.data());
-  law.stiffness_bounds(handle_, &stiffness_);
-}
-
-Material::~Material() { law_->destroy_material(handle_); }
-
-void Material::initial_state(const std::string& id, double* values) const {
-  if (law_->initial_state(handle_, id.c_str(), values) == QUOIN_OK) return;
-  std::string known;
-  for (std::uint64_t i = 0; i < law_->initial_state_count; ++i)
-    known += (i > 0 ? ", " : "") + std::string(law_->initial_states[i]);
-  throw std::runtime_error("initial state " + id + ": " + law_->id + " has " + known);
 }
 
 std::unique_ptr<Material> scalar_material(const quoin_law& law, std::span<const double> scalars) {

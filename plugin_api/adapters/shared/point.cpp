@@ -67,9 +67,7 @@ std::uint32_t PointBatch::evaluate(const Material& material, std::uint64_t colum
                                    const quoin_property_column* columns) {
   batch_.property_column_count = column_count;
   batch_.property_columns = columns;
-  const quoin_law& law = material.law();
-  if (const quoin_status code = law.evaluate(material.handle(), &batch_); code != QUOIN_OK)
-    throw std::runtime_error(std::string(law.id) + ": evaluate refuses the step with status " + std::to_string(code));
+  material.evaluate(batch_);
   return batch_.worst_status;
 }
 
