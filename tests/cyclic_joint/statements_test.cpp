@@ -243,7 +243,7 @@ TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
 
 quoin_stiffness_bounds bounds_of(const LawPoints& points) {
   quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
-  EXPECT_EQ(law().stiffness_bounds(points.material.handle, &bounds), QUOIN_OK);
+  EXPECT_EQ(law().stiffness_bounds(points.material.handle(), &bounds), QUOIN_OK);
   return bounds;
 }
 
