@@ -257,8 +257,8 @@ TEST(Layouts, AreScenesWithTheNumbersOfTable2) {
 
 TEST(Curve, KeptRunsWithRowsThatAreNoNumbersAreRefused) {
   const fs::path file = fs::temp_directory_path() / ("quoin_torn_" + std::to_string(getpid()) + ".csv");
-  std::ofstream(file) << "stage,displacement_m,horizontal_force_N,vertical_force_N,unbalanced_ratio\n2,1e-3,5e3,1e3,0\n"
-                         "2,1e-3,5e3x,1e3,0\n";
+  std::ofstream(file) << "stage,time_s,displacement_m,horizontal_force_N,vertical_force_N,unbalanced_ratio\n"
+                         "2,0.1,1e-3,5e3,1e3,0\n2,0.2,1e-3,5e3x,1e3,0\n";
   try {
     quoin::reproduce::read_history(file, 2);
     ADD_FAILURE() << "accepted";
