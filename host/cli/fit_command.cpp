@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "files/file.h"
 #include "law/csv_table.h"
 #include "law/fit.h"
 #include "law/property_text.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "files/file.h"
 #include "law/csv_table.h"
 #include "law/material_point.h"
 #include "law/path_file.h"
 #include "law/property_text.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

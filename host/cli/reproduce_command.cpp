@@ -10,12 +10,12 @@
 #include <memory>
 #include <thread>
 
+#include "files/file.h"
+#include "files/result_folder.h"
 #include "reproduce/page.h"
 #include "reproduce/run_cache.h"
 #include "reproduce/study.h"
 #include "reproduce/verdict_file.h"
-#include "results/file.h"
-#include "results/result_folder.h"
 #include "scene/error.h"
 
 namespace quoin {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "results/file.h"
+#include "files/file.h"
 #include "scene/error.h"
 
 namespace quoin {

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <optional>
 
+#include "files/gnuplot.h"
 #include "law/material_point.h"
-#include "results/gnuplot.h"
 #include "scene/error.h"
 
 namespace quoin {

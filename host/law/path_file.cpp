@@ -12,9 +12,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "files/gnuplot.h"
 #include "law/csv_table.h"
 #include "law/property_text.h"
-#include "results/gnuplot.h"
 #include "scene/error.h"
 #include "scene/toml.h"
 

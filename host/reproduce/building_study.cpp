@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "files/file.h"
 #include "reproduce/building_layouts.h"
 #include "reproduce/chart.h"
-#include "results/file.h"
 
 namespace quoin::reproduce {
 

@@ -4,8 +4,8 @@
 
 #include <array>
 
-#include "results/file.h"
-#include "results/gnuplot.h"
+#include "files/file.h"
+#include "files/gnuplot.h"
 
 namespace quoin::reproduce {
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "files/file.h"
 #include "reproduce/chart.h"
 #include "reproduce/loops.h"
-#include "results/file.h"
 
 namespace quoin::reproduce {
 

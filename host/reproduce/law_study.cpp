@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "files/file.h"
 #include "law/law_library.h"
 #include "law/material_point.h"
 #include "reproduce/chart.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin::reproduce {

@@ -7,7 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "results/file.h"
+#include "files/file.h"
 
 namespace quoin::reproduce {
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "files/file.h"
 #include "reproduce/chart.h"
-#include "results/file.h"
 #include "scene/quality.h"
 
 namespace quoin::reproduce {

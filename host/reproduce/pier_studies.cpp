@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "files/file.h"
 #include "reproduce/chart.h"
-#include "results/file.h"
 
 namespace quoin::reproduce {
 

@@ -18,8 +18,8 @@
 #include <set>
 #include <utility>
 
+#include "files/file.h"
 #include "law/law_library.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin::reproduce {

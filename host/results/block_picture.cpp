@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "files/gnuplot.h"
 #include "geometry/overlap.h"
 #include "geometry/vector.h"
 #include "results/crack_styles.h"
-#include "results/gnuplot.h"
 
 namespace quoin {
 

@@ -8,9 +8,9 @@
 #include <iterator>
 #include <set>
 
-#include "results/file.h"
+#include "files/archive.h"
+#include "files/file.h"
 #include "scene/error.h"
-#include "step/archive.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"

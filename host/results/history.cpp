@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "results/file.h"
+#include "files/file.h"
 
 namespace quoin {
 

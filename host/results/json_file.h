@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "results/file.h"
+#include "files/file.h"
 
 namespace quoin {
 

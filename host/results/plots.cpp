@@ -8,9 +8,9 @@
 #include <set>
 #include <tuple>
 
+#include "files/file.h"
+#include "files/gnuplot.h"
 #include "results/crack_styles.h"
-#include "results/file.h"
-#include "results/gnuplot.h"
 #include "results/history.h"
 #include "scene/generate.h"
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "results/file.h"
+#include "files/file.h"
 
 namespace quoin {
 

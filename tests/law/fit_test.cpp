@@ -11,8 +11,8 @@
 #include <random>
 
 #include "cli/fit_command.h"
+#include "files/file.h"
 #include "law_case.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin::test {

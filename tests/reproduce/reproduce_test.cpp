@@ -12,13 +12,13 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "files/result_folder.h"
 #include "reproduce/building_layouts.h"
 #include "reproduce/chart.h"
 #include "reproduce/curve.h"
 #include "reproduce/page.h"
 #include "reproduce/study.h"
 #include "reproduce/verdict_file.h"
-#include "results/result_folder.h"
 #include "scene/error.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"

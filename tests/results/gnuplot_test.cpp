@@ -1,6 +1,6 @@
 // Titles and names that try to run commands, against the real gnuplot: it must print each as it is, draw, and start
 // nothing.
-#include "results/gnuplot.h"
+#include "files/gnuplot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "files/file.h"
 #include "folder.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

@@ -1,5 +1,5 @@
 // Whose a folder is, and what in it may be removed.
-#include "results/result_folder.h"
+#include "files/result_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 
 #include <csignal>
 
+#include "files/file.h"
 #include "folder.h"
-#include "results/file.h"
 #include "scene/error.h"
 
 namespace quoin {

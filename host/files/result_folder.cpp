@@ -1,4 +1,4 @@
-#include "results/result_folder.h"
+#include "files/result_folder.h"
 
 #include <fcntl.h>
 #include <fmt/chrono.h>
@@ -20,7 +20,7 @@
 #include <system_error>
 #include <vector>
 
-#include "results/file.h"
+#include "files/file.h"
 #include "scene/error.h"
 
 namespace quoin {

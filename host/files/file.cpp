@@ -1,4 +1,4 @@
-#include "results/file.h"
+#include "files/file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 #include <random>
 #include <system_error>
 
-#include "results/result_folder.h"
+#include "files/result_folder.h"
 #include "scene/error.h"
 
 namespace quoin {

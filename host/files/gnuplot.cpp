@@ -1,4 +1,4 @@
-#include "results/gnuplot.h"
+#include "files/gnuplot.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -15,7 +15,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "results/file.h"
+#include "files/file.h"
 #include "scene/error.h"
 
 extern char** environ;
