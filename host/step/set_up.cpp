@@ -1,6 +1,5 @@
 // From scene and bricks to the arrays that the step goes over.
 #include <algorithm>
-#include <cstring>
 
 #include "step/state.h"
 

@@ -1,7 +1,8 @@
 // The step of central differences, and what it says when a law fails.
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <cmath>
+#include <cstring>
 
 #include "step/state.h"
 

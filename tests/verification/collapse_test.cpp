@@ -12,17 +12,7 @@ namespace {
 // A mortared wall on a floor is shaken down. Nothing may become not-a-number, fall through the floor, pass through
 // another block, or gain energy.
 void collapse(int courses, int width, double rest) {
-  Scene scene(joint("fracture_energy", {{"normal_stiffness", 2e9},
-                                        {"shear_stiffness", 1e9},
-                                        {"tensile_strength", 0.05e6},
-                                        {"cohesion", 0.08e6},
-                                        {"friction_angle", 33},
-                                        {"compressive_strength", 5e6},
-                                        {"compressive_strength_residual", 2e6},
-                                        {"fracture_energy_tension", 10.0},
-                                        {"fracture_energy_shear", 30.0},
-                                        {"fracture_energy_compression", 20000.0}}),
-              1800);
+  Scene scene(mortar("bonded"), 1800);
   const double length = 0.4, height = 0.2, depth = 0.2;
   const int floor = scene.brick({-20, -0.2, -20}, {60, 0.2, 60}, true);
   for (int c = 0; c < courses; ++c) {

@@ -14,21 +14,6 @@
 namespace quoin::verification {
 namespace {
 
-JointFamily mortar(const std::string& initial_state) {
-  JointFamily f = joint("fracture_energy", {{"normal_stiffness", 2e9},
-                                            {"shear_stiffness", 1e9},
-                                            {"tensile_strength", 0.05e6},
-                                            {"cohesion", 0.08e6},
-                                            {"friction_angle", 33},
-                                            {"compressive_strength", 5e6},
-                                            {"compressive_strength_residual", 2e6},
-                                            {"fracture_energy_tension", 10.0},
-                                            {"fracture_energy_shear", 30.0},
-                                            {"fracture_energy_compression", 20000.0}});
-  f.initial_state = initial_state;
-  return f;
-}
-
 struct Bounds {
   double balance, detection;  // of the energy that the run begins with or gains
 };

@@ -35,6 +35,8 @@ void check_error(const std::string& what, double error, double bound, const std:
 JointFamily elastic_joint(double kn, double ks);
 // Dry friction: no tension, no cohesion, from the shipped law coulomb_slip.
 JointFamily dry_joint(double kn, double ks, double friction_angle_degrees);
+// Weak lime mortar that softens and goes on carrying where it is crushed.
+JointFamily mortar(const std::string& initial_state);
 JointFamily joint(const std::string& law, std::vector<std::pair<std::string, double>> properties);
 
 SolverSettings undamped(double fraction = 0.5);
