@@ -5,10 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
-#include "blocks/model.h"
-#include "blocks/motion.h"
 #include "cli/prepare.h"
+#include "model/motion.h"
 #include "model/time_step.h"
+#include "step/large_motion.h"
 #include "step/simulation.h"
 
 namespace quoin {

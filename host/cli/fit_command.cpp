@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "law/csv_table.h"
 #include "law/fit.h"
 #include "law/property_text.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <new>
 
+#include "base/error.h"
 #include "cli/check_command.h"
 #include "cli/fit_command.h"
 #include "cli/models_command.h"
 #include "cli/path_command.h"
 #include "cli/reproduce_command.h"
 #include "cli/run_command.h"
-#include "scene/error.h"
 
 int main(int argc, char** argv) {
   using quoin::Exit;

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "law/csv_table.h"
 #include "law/material_point.h"
 #include "law/path_file.h"
 #include "law/property_text.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/error.h"
 #include "law/law_library.h"
 #include "law/property_text.h"
-#include "scene/error.h"
 #include "scene/read_scene.h"
 #include "step/law_swap.h"
 

@@ -10,13 +10,13 @@
 #include <memory>
 #include <thread>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "files/result_folder.h"
 #include "reproduce/page.h"
 #include "reproduce/run_cache.h"
 #include "reproduce/study.h"
 #include "reproduce/verdict_file.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "base/error.h"
 #include "files/file.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -10,8 +10,8 @@
 #include <random>
 #include <system_error>
 
+#include "base/error.h"
 #include "files/result_folder.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "base/error.h"
 #include "files/file.h"
-#include "scene/error.h"
 
 extern char** environ;
 

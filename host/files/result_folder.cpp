@@ -20,8 +20,8 @@
 #include <system_error>
 #include <vector>
 
+#include "base/error.h"
 #include "files/file.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -10,8 +10,8 @@
 #include <map>
 #include <sstream>
 
-#include "scene/error.h"
-#include "scene/number_text.h"
+#include "base/error.h"
+#include "base/number_text.h"
 
 namespace quoin::geometry {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin::geometry {
 namespace {

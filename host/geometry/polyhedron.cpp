@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin::geometry {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin::geometry {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "scene/error.h"
-#include "scene/number_text.h"
+#include "base/error.h"
+#include "base/number_text.h"
 
 namespace quoin {
 

@@ -11,9 +11,9 @@
 #include <numbers>
 #include <optional>
 
+#include "base/error.h"
 #include "files/gnuplot.h"
 #include "law/material_point.h"
-#include "scene/error.h"
 
 namespace quoin {
 

@@ -14,7 +14,7 @@
 #include <set>
 #include <utility>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin {
 

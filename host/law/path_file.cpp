@@ -12,10 +12,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/error.h"
 #include "files/gnuplot.h"
 #include "law/csv_table.h"
 #include "law/property_text.h"
-#include "scene/error.h"
 #include "scene/toml.h"
 
 namespace quoin {

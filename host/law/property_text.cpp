@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "base/number_text.h"
 #include "quoin/quoin.h"
-#include "scene/number_text.h"
 #include "scene/scene.h"
 
 namespace quoin {

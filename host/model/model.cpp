@@ -8,9 +8,9 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/error.h"
 #include "model/body_groups.h"
 #include "model/point_order.h"
-#include "scene/error.h"
 
 namespace quoin {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "model/lanczos.h"
 #include "model/undamaged_kernels.h"
-#include "scene/error.h"
 
 namespace quoin {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "scene/error.h"
-#include "scene/number_text.h"
+#include "base/error.h"
+#include "base/number_text.h"
 
 namespace quoin::reproduce {
 

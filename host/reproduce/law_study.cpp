@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "law/law_library.h"
 #include "law/material_point.h"
 #include "reproduce/chart.h"
-#include "scene/error.h"
 
 namespace quoin::reproduce {
 

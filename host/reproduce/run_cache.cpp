@@ -18,9 +18,9 @@
 #include <set>
 #include <utility>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "law/law_library.h"
-#include "scene/error.h"
 
 namespace quoin::reproduce {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "reproduce/study.h"
-#include "scene/error.h"
 #include "scene/quality.h"
 
 namespace quoin::reproduce {

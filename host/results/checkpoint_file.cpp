@@ -8,9 +8,9 @@
 #include <iterator>
 #include <set>
 
-#include "files/archive.h"
+#include "base/archive.h"
+#include "base/error.h"
 #include "files/file.h"
-#include "scene/error.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"
@@ -97,7 +97,7 @@ Identity identity_of(const Simulation& simulation, const std::vector<std::string
   hash.add(law);
   for (const Stage& stage : scene.stages) {
     if (!stage.ground) continue;
-    const SeriesSpec& series = stage.ground->acceleration;
+    const TimeSeries& series = stage.ground->acceleration;
     for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
   }
   const std::uint64_t start = simulation.hash();

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <set>
 
-#include "blocks/model.h"
 #include "results/json_file.h"
 #include "results/plots.h"
 #include "scene/generate.h"
 #include "scene/measured.h"
 #include "scene/quality.h"
+#include "step/large_motion.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"

@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "blocks/model.h"
 #include "results/vtk_arrays.h"
+#include "step/large_motion.h"
 
 namespace quoin {
 

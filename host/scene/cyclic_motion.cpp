@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/smooth_step.h"
+#include "base/smooth_step.h"
 
 namespace quoin {
 

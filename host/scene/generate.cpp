@@ -4,7 +4,7 @@
 #include <set>
 #include <utility>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/openings.h"
 
 namespace quoin {

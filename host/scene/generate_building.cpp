@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/generate.h"
 #include "scene/openings.h"
 

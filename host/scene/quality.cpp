@@ -1,6 +1,6 @@
 #include "scene/quality.h"
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin {
 namespace {

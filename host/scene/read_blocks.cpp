@@ -193,8 +193,8 @@ JointRule read_rule(Table t, const Scene& scene) {
   return r;
 }
 
-SeriesSpec read_series(Table& t, const std::string& folder) {
-  SeriesSpec s;
+TimeSeries read_series(Table& t, const std::string& folder) {
+  TimeSeries s;
   std::string file;
   double scale = 1.0;
   t.number("scale", scale, kAny, "(m/s2 in one unit of the series)");

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <utility>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
 #include "scene/read_blocks.h"

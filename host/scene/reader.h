@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
 #include "scene/scene.h"

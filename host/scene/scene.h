@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/time_series.h"
 #include "scene/cyclic_motion.h"
 
 namespace quoin {
@@ -120,15 +121,10 @@ struct FacePressure {
   double pressure;  // Pa, > 0 pushes on the block
 };
 
-// A time history, piecewise linear.
-struct SeriesSpec {
-  std::vector<double> time, value;  // s
-};
-
 // Moves all fixed blocks. The acceleration is integrated exactly.
 struct GroundMotion {
   Vec3 direction;
-  SeriesSpec acceleration;  // s since the start of the stage, m/s2
+  TimeSeries acceleration;  // s since the start of the stage, m/s2
 };
 
 // Body force alpha |gravity| along `direction`, alpha growing until some block has moved by `displacement`: that alpha

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "scene/error.h"
-#include "scene/number_text.h"
+#include "base/error.h"
+#include "base/number_text.h"
 
 namespace quoin {
 namespace {
@@ -27,7 +27,7 @@ std::vector<std::string> words_of(std::string line) {
 
 }  // namespace
 
-SeriesSpec read_series_file(const std::string& file) {
+TimeSeries read_series_file(const std::string& file) {
   const auto refuse = [&](const std::string& why) { throw Error(Exit::bad_input, fmt::format("{}: {}", file, why)); };
   std::error_code fault;
   if (!std::filesystem::exists(file, fault)) refuse("no such file");
@@ -38,7 +38,7 @@ SeriesSpec read_series_file(const std::string& file) {
   constexpr size_t listed = 5;
   std::vector<std::string> faults;
   size_t bad = 0;
-  SeriesSpec series;
+  TimeSeries series;
   double latest = 0.0;  // time of the last line that has one
   bool first = true, timed = false;
   std::string line;

@@ -11,6 +11,6 @@ namespace quoin {
 // Blank lines and what follows '#' or '%' are skipped; a first line that begins with "t" (as in "time, acceleration")
 // names the columns. Throws Error(bad_input): no such file, no row, or lines that break these rules; the first of them
 // are listed, each with file, line, what stands there and what is allowed. No line is ever left out.
-SeriesSpec read_series_file(const std::string& file);
+TimeSeries read_series_file(const std::string& file);
 
 }  // namespace quoin

@@ -1,7 +1,7 @@
 // Everything of a simulation that changes during a run, as bytes.
 #include <fmt/core.h>
 
-#include "files/archive.h"
+#include "base/archive.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <map>
 
-#include "blocks/from_bricks.h"
-#include "blocks/generate.h"
-#include "blocks/model.h"
+#include "scene/from_bricks.h"
+#include "scene/generate_blocks.h"
+#include "step/large_motion.h"
 #include "step/state.h"
 
 namespace quoin {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "blocks/generate.h"
+#include "scene/generate_blocks.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "blocks/motion.h"
+#include "model/motion.h"
 #include "step/state.h"
 
 namespace quoin {

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "model/model.h"
 #include "model/time_step.h"
 #include "scene/assembly.h"
-#include "scene/error.h"
 #include "scene/scene.h"
 #include "step/motion_bound.h"
 

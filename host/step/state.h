@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "blocks/model.h"
-#include "scene/smooth_step.h"
+#include "base/smooth_step.h"
+#include "base/thread_pool.h"
 #include "step/kernels.h"
+#include "step/large_motion.h"
 #include "step/motion_bound.h"
 #include "step/simulation.h"
-#include "step/thread_pool.h"
 
 namespace quoin {
 

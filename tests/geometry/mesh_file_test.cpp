@@ -10,7 +10,7 @@
 #include <fstream>
 #include <random>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin::geometry {
 namespace {

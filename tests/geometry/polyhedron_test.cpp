@@ -10,9 +10,9 @@
 #include <numbers>
 #include <random>
 
+#include "base/error.h"
 #include "geometry/mesh_file.h"
 #include "geometry/zoning.h"
-#include "scene/error.h"
 
 namespace quoin::geometry {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "blocks/model.h"
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "step/simulation.h"
 #include "support.h"
 

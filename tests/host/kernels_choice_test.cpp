@@ -11,15 +11,15 @@
 #include <set>
 #include <sstream>
 
-#include "blocks/generate.h"
-#include "blocks/model.h"
-#include "blocks/motion.h"
-#include "blocks/to_bricks.h"
+#include "base/error.h"
 #include "geometry/zoning.h"
 #include "model/brick_template.h"
-#include "scene/error.h"
+#include "model/motion.h"
 #include "scene/generate.h"
+#include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
+#include "scene/to_bricks.h"
+#include "step/large_motion.h"
 #include "support.h"
 
 namespace quoin {

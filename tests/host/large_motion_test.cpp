@@ -1,11 +1,12 @@
 // Where small displacements end, and the same walls in large motion.
+#include "step/large_motion.h"
+
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "blocks/model.h"
 #include "scene/read_scene.h"
 #include "support.h"
 

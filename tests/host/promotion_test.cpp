@@ -12,8 +12,8 @@
 #include <sstream>
 #include <utility>
 
-#include "blocks/model.h"
 #include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "support.h"
 
 namespace quoin {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "step/simulation.h"
 #include "support.h"
 

@@ -1,5 +1,5 @@
 // Every piece of every call runs exactly once, whatever holds the threads up.
-#include "step/thread_pool.h"
+#include "base/thread_pool.h"
 
 #include <gtest/gtest.h>
 

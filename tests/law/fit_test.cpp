@@ -10,10 +10,10 @@
 #include <numbers>
 #include <random>
 
+#include "base/error.h"
 #include "cli/fit_command.h"
 #include "files/file.h"
 #include "law_case.h"
-#include "scene/error.h"
 
 namespace quoin::test {
 namespace {

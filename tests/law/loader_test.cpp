@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/error.h"
 #include "law/law_library.h"
 #include "law/property_text.h"
-#include "scene/error.h"
 
 namespace quoin {
 namespace {

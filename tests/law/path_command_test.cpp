@@ -7,10 +7,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "base/error.h"
 #include "law/csv_table.h"
 #include "law/formula.h"
 #include "law/path_file.h"
-#include "scene/error.h"
 
 namespace quoin {
 namespace {

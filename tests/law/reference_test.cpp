@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "law_case.h"
-#include "scene/error.h"
 
 namespace quoin::test {
 namespace {

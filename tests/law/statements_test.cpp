@@ -8,8 +8,8 @@
 #include <functional>
 #include <numbers>
 
+#include "base/error.h"
 #include "law_case.h"
-#include "scene/error.h"
 
 namespace quoin::test {
 namespace {

@@ -12,6 +12,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "files/result_folder.h"
 #include "reproduce/building_layouts.h"
 #include "reproduce/chart.h"
@@ -19,7 +20,6 @@
 #include "reproduce/page.h"
 #include "reproduce/study.h"
 #include "reproduce/verdict_file.h"
-#include "scene/error.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
 

@@ -11,10 +11,10 @@
 #include <functional>
 #include <regex>
 
+#include "base/error.h"
 #include "reproduce/building_layouts.h"
 #include "reproduce/loops.h"
 #include "reproduce/study.h"
-#include "scene/error.h"
 
 namespace {
 

@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <vector>
 
+#include "base/error.h"
 #include "files/file.h"
 #include "folder.h"
-#include "scene/error.h"
 
 namespace quoin {
 namespace {

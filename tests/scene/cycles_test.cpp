@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/read_scene.h"
 
 namespace quoin {

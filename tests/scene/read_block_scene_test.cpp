@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/read_scene.h"
 #include "scene/series_file.h"
 
@@ -104,7 +104,7 @@ TEST_F(ReadBlockScene, RecordsMayHaveCommentsAndAHeader) {
            "\xEF\xBB\xBFTime (s); Acc (g)\r\n0; 0.5\r\n0.01; -1.5\r\n0.02; 0\r\n",
            "% blanks\n  0 0.5\n0.01\t-1.5\n0.02   0",
        }) {
-    const SeriesSpec s = read_series_file(write("quake.csv", text));
+    const TimeSeries s = read_series_file(write("quake.csv", text));
     EXPECT_THAT(s.time, ElementsAre(0.0, 0.01, 0.02)) << text;
     EXPECT_THAT(s.value, ElementsAre(0.5, -1.5, 0.0)) << text;
   }

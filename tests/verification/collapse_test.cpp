@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "support.h"
 
 namespace quoin::verification {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/error.h"
+#include "base/error.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
 #include "support.h"

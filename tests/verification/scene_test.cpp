@@ -7,8 +7,8 @@
 #include <fstream>
 #include <limits>
 
-#include "blocks/generate.h"
-#include "scene/error.h"
+#include "base/error.h"
+#include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
 #include "support.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "blocks/model.h"
+#include "step/large_motion.h"
 
 namespace quoin::verification {
 

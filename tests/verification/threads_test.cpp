@@ -1,5 +1,5 @@
 // Blocks of any shape have the same bits at any number of threads, and in whichever loop their steps are taken.
-#include "blocks/generate.h"
+#include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
 #include "support.h"

@@ -1,14 +1,14 @@
 // Deformable blocks and masonry units of two halves as bodies whose rigid motion is told from the rest (inertia.h).
 #include <map>
 
-#include "blocks/model.h"
+#include "model/world.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
 
 // Two deformable blocks of one unit are its halves; units cut into more stand alone block by block, as on the lattice.
-void Model::find_units() {
+void World::find_units() {
   std::map<int, std::vector<int>> blocks_of;
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body < 0 && assembly_.blocks[size_t(i)].unit >= 0)
@@ -23,13 +23,13 @@ void Model::find_units() {
   }
 }
 
-Unit Model::unit_of(int block) const {
+Unit World::unit_of(int block) const {
   const int other = other_half_[size_t(block)];
   if (other < 0) return {{block, -1}, 1};
   return {{std::min(block, other), std::max(block, other)}, 2};
 }
 
-Gridpoints Model::gridpoints_of(int block) const {
+Gridpoints World::gridpoints_of(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
   const auto of_block = [&](const auto& field) {
     return std::span(field).subspan(size_t(b.first_node), size_t(b.node_count));
@@ -37,7 +37,7 @@ Gridpoints Model::gridpoints_of(int block) const {
   return {of_block(node_x_), of_block(node_v_), of_block(node_f_), of_block(node_mass_), of_block(node_held_)};
 }
 
-UnitInertia Model::inertia_of(const Unit& unit) const {
+UnitInertia World::inertia_of(const Unit& unit) const {
   UnitInertia inertia;
   inertia.count = unit.count;
   for (int k = 0; k < unit.count; ++k) {
@@ -49,7 +49,7 @@ UnitInertia Model::inertia_of(const Unit& unit) const {
 }
 
 // What M' leaves out of the kinetic energy of s_b M, of the velocities half a step ago, J (< 0).
-double Model::rigid_kinetic_energy(const Unit& unit) const {
+double World::rigid_kinetic_energy(const Unit& unit) const {
   const UnitInertia inertia = inertia_of(unit);
   Rigid velocity[2];
   for (int k = 0; k < unit.count; ++k) {
@@ -61,7 +61,7 @@ double Model::rigid_kinetic_energy(const Unit& unit) const {
 }
 
 // M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
-void Model::scale_motion(std::vector<Vector>& y, bool of_forces) const {
+void World::scale_motion(std::vector<Vector>& y, bool of_forces) const {
   const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
   for (int i = 0; i < block_count(); ++i) {
     const Unit unit = unit_of(i);
@@ -92,7 +92,7 @@ void Model::scale_motion(std::vector<Vector>& y, bool of_forces) const {
 // Halves that have turned or moved against each other beyond the bound of small motion are blocks of their own for
 // good: inertia on each other that nothing holds would slow their fall apart. Velocities stay, and so does momentum;
 // the kinetic energy of that inertia is booked, and the time step chosen anew.
-void Model::part_units() {
+void World::part_units() {
   if (step_count_ < next_check_ || !splits_motion()) return;
   bool parted = false;
   for (int a = 0; a < block_count(); ++a) {

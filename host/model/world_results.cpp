@@ -1,7 +1,7 @@
 // What can be asked of a model.
 #include <cstring>
 
-#include "blocks/model.h"
+#include "model/world.h"
 
 namespace quoin::blocks {
 
@@ -20,46 +20,46 @@ Vector mass_mean(const ModelBlock& b, const Masses& node_mass, const Field& fiel
 
 }  // namespace
 
-Vector Model::position(int block) const {
+Vector World::position(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].x;
   return mass_mean(b, node_mass_, node_x_);
 }
 
-Matrix Model::orientation(int block) const {
+Matrix World::orientation(int block) const {
   Vector x;
   Matrix r;
   pose(block, x, r);
   return r * transposed(start_r_[block]);
 }
 
-Vector Model::velocity(int block) const {
+Vector World::velocity(int block) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) return bodies_[b.body].v;
   return mass_mean(b, node_mass_, node_v_);
 }
 
-Vector Model::angular_velocity(int block) const {
+Vector World::angular_velocity(int block) const {
   const ModelBlock& b = blocks_[block];
   return b.body >= 0 ? bodies_[b.body].omega : Vector{};
 }
 
-Vector Model::contact_force(int block) const { return block_contact_force_[block]; }
+Vector World::contact_force(int block) const { return block_contact_force_[block]; }
 
-Matrix Model::frame_of(const Point& p) const {
+Matrix World::frame_of(const Point& p) const {
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
   const Matrix& r = bodies_[size_t(blocks_[size_t(p.a)].body)].r;
   return {{r * p.n, r * p.s, r * p.t}};
 }
 
-Vector Model::corner(int block, int vertex) const {
+Vector World::corner(int block, int vertex) const {
   const ModelBlock& b = blocks_[block];
   if (b.body < 0) return node_x_[size_t(b.first_node) + size_t(vertex)];
   const Body& body = bodies_[b.body];
   return body.x + body.r * corner_[b.first_corner + size_t(vertex)];
 }
 
-std::vector<std::vector<Vector>> Model::faces(int block) const {
+std::vector<std::vector<Vector>> World::faces(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
   std::vector<std::vector<Vector>> result;
   if (b.body >= 0) {
@@ -73,7 +73,7 @@ std::vector<std::vector<Vector>> Model::faces(int block) const {
   return result;
 }
 
-Matrix Model::zone_stress(int z) const {
+Matrix World::zone_stress(int z) const {
   const Zone& zone = zones_[z];
   Matrix f = Matrix::zero();
   for (int k = 0; k < 4; ++k) f += outer(node_x_[zone.node[k]], zone.gradient[k]);
@@ -88,7 +88,7 @@ double Zone::energy(const Matrix& strain) const {
   return volume * (0.5 * lambda * trace(strain) * trace(strain) + mu * squares);
 }
 
-double Model::strain_energy() const {
+double World::strain_energy() const {
   double sum = 0.0;
   for (const Zone& zone : zones_) {
     Matrix h = Matrix::zero();
@@ -99,7 +99,7 @@ double Model::strain_energy() const {
   return sum;
 }
 
-double Model::kinetic_energy() const {
+double World::kinetic_energy() const {
   double sum = 0.0;
   for (const Body& b : bodies_) {
     for (int k = 0; k < 3; ++k)
@@ -119,14 +119,14 @@ double Model::kinetic_energy() const {
   return sum;
 }
 
-Vector Model::linear_momentum() const {
+Vector World::linear_momentum() const {
   Vector p;
   for (const Body& b : bodies_) p += b.mass * b.v;
   for (size_t i = 0; i < node_x_.size(); ++i) p += node_mass_[i] * node_v_[i];
   return p;
 }
 
-Vector Model::angular_momentum(const Vector& about) const {
+Vector World::angular_momentum(const Vector& about) const {
   // Velocities live half a step before positions; x - v dt/2 brings both to the same time (cross(v, v) = 0).
   Vector l;
   for (const Body& b : bodies_) l += b.momentum + b.mass * cross(b.x - about, b.v);
@@ -134,17 +134,17 @@ Vector Model::angular_momentum(const Vector& about) const {
   return l;
 }
 
-double Model::unbalanced_ratio() const {
+double World::unbalanced_ratio() const {
   return total_force_ > 0 ? unbalanced_ * double(point_count()) / total_force_ : 0.0;
 }
 
-size_t Model::point_count() const {
+size_t World::point_count() const {
   size_t count = 0;
   for (const Family& f : families_) count += f.size();
   return count;
 }
 
-double Model::mass_of(int block) const {
+double World::mass_of(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];
   if (b.body >= 0) return bodies_[size_t(b.body)].weight_mass;
   double sum = 0.0;
@@ -152,14 +152,14 @@ double Model::mass_of(int block) const {
   return sum;
 }
 
-double Model::mass() const {
+double World::mass() const {
   double m = 0.0;
   for (const Body& b : bodies_) m += b.weight_mass;
   for (double x : node_weight_mass_) m += x;
   return m;
 }
 
-size_t Model::memory_bytes() const {
+size_t World::memory_bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   size_t sum = bytes(blocks_) + bytes(bodies_) + bytes(corner_) + bytes(placed_corner_) + bytes(placed_normal_) +
                bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 5 + bytes(node_mass_) * 2 +
@@ -169,7 +169,7 @@ size_t Model::memory_bytes() const {
   return sum;
 }
 
-uint64_t Model::hash() const {
+uint64_t World::hash() const {
   uint64_t h = 1469598103934665603u;
   const auto add = [&](const void* data, size_t bytes) {
     const auto* p = static_cast<const unsigned char*>(data);

@@ -1,7 +1,7 @@
 // Generators of the general path: from a scene to blocks.
 #pragma once
 
-#include "blocks/assembly.h"
+#include "scene/blocks.h"
 #include "scene/scene.h"
 
 namespace quoin::blocks {

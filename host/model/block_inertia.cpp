@@ -1,4 +1,4 @@
-#include "blocks/inertia.h"
+#include "model/block_inertia.h"
 
 #include <algorithm>
 #include <cmath>

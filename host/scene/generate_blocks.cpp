@@ -1,16 +1,16 @@
-#include "blocks/generate.h"
+#include "scene/generate_blocks.h"
 
 #include <fmt/format.h>
 
 #include <map>
 #include <numbers>
 
-#include "blocks/from_bricks.h"
-#include "blocks/to_bricks.h"
+#include "base/error.h"
 #include "geometry/mesh_file.h"
-#include "scene/error.h"
+#include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
+#include "scene/to_bricks.h"
 
 namespace quoin::blocks {
 
@@ -260,6 +260,18 @@ Assembly assemble(const Scene& scene) {
   assembly.contact.cubic_points = c.cubic_points;
   if (bricks) assembly.contact.joint_motion = kJointMotion;
   return assembly;
+}
+
+int Assembly::add(ConvexPolyhedron shape, Block block) {
+  block.shape = int(shapes.size());
+  shapes.push_back(std::move(shape));
+  blocks.push_back(std::move(block));
+  return int(blocks.size()) - 1;
+}
+
+std::string label(const Assembly& a, int block) {
+  const Block& b = a.blocks[block];
+  return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
 }
 
 std::vector<int> find_blocks(const Assembly& assembly, const std::string& name, const std::string& where) {

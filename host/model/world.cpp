@@ -1,43 +1,13 @@
 // From cold input to hot data: shapes, zones, masses, families; the joints of the start.
+#include "model/world.h"
+
 #include <fmt/format.h>
 
-#include "blocks/model.h"
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin::blocks {
 
 using namespace geometry;
-
-int Assembly::add(ConvexPolyhedron shape, Block block) {
-  block.shape = int(shapes.size());
-  shapes.push_back(std::move(shape));
-  blocks.push_back(std::move(block));
-  return int(blocks.size()) - 1;
-}
-
-double TimeSeries::at(double t) const {
-  if (time.empty()) return 1.0;
-  if (t <= time.front()) return value.front();
-  if (t >= time.back()) return value.back();
-  const size_t i = size_t(std::upper_bound(time.begin(), time.end(), t) - time.begin());
-  const double f = (t - time[i - 1]) / (time[i] - time[i - 1]);
-  return value[i - 1] + f * (value[i] - value[i - 1]);
-}
-
-double TimeSeries::integral(double t) const {
-  if (time.empty()) return t;
-  double sum = 0.0;
-  for (size_t i = 1; i < time.size() && time[i - 1] < t; ++i) {
-    const double end = std::min(t, time[i]);
-    sum += (end - time[i - 1]) * 0.5 * (value[i - 1] + at(end));
-  }
-  return t > time.back() ? sum + (t - time.back()) * value.back() : sum;
-}
-
-std::string label(const Assembly& a, int block) {
-  const Block& b = a.blocks[block];
-  return b.name.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, b.name);
-}
 
 namespace {
 
@@ -94,7 +64,7 @@ double area_at_corners(const ModelBlock& b, const std::vector<Vector>& x) {
 
 }  // namespace
 
-Model::Model(const Assembly& assembly, const SolverSettings& solver,
+World::World(const Assembly& assembly, const SolverSettings& solver,
              std::vector<std::shared_ptr<const Material>> materials)
     : assembly_(assembly) {
   set_damping(solver);
@@ -102,7 +72,7 @@ Model::Model(const Assembly& assembly, const SolverSettings& solver,
   find_time_step();
 }
 
-void Model::set_damping(const SolverSettings& solver) {
+void World::set_damping(const SolverSettings& solver) {
   const SolverSettings before = solver_;
   solver_ = solver;
   if (critical_dt_ > 0) {  // inertia is of the whole run
@@ -127,7 +97,7 @@ void Model::set_damping(const SolverSettings& solver) {
   if (critical_dt_ > 0) find_time_step();
 }
 
-void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials) {
+void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials) {
   if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
   if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
   if (solver.selective_time_step > 0) {
@@ -272,7 +242,7 @@ void Model::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   set_damping(solver);
 }
 
-void Model::pose(int block, Vector& x, Matrix& r) const {
+void World::pose(int block, Vector& x, Matrix& r) const {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     x = bodies_[b.body].x, r = bodies_[b.body].r;
@@ -290,7 +260,7 @@ void Model::pose(int block, Vector& x, Matrix& r) const {
   r = Matrix::columns(e1, cross(e3, e1), e3);
 }
 
-void Model::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
+void World::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
   f.initial = material->initial_state(initial_state);
   f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
   const quoin_stiffness_bounds bounds = material->stiffness_bounds();
@@ -299,14 +269,14 @@ void Model::adopt(Family& f, std::shared_ptr<const Material> material, const std
   f.material = std::move(material);
 }
 
-void Model::take_law(int family, std::shared_ptr<const Material> material) {
+void World::take_law(int family, std::shared_ptr<const Material> material) {
   const quoin_law& law = material->api();
   const std::string& wanted = assembly_.families[size_t(family)].initial_state;
   adopt(families_[size_t(family)], std::move(material),
         knows_initial_state(law, wanted) ? wanted : law.initial_states[0]);
 }
 
-void Model::replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
+void World::replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                         std::span<const double> opening_shift) {
   Family& f = families_[size_t(family)];
   const double kn = f.kn, ks = f.ks;
@@ -328,18 +298,18 @@ void Model::replace_law(int family, std::shared_ptr<const Material> material, st
   if (f.kn > kn || f.ks > ks) find_time_step();
 }
 
-void Model::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
+void World::set_gravity(const Vector& g, TimeSeries factor) { gravity_ = g, gravity_factor_ = std::move(factor); }
 
 // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to the
 // support.
-void Model::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
+void World::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
   const int changed = held ^ next;
   for (int k = 0; changed != 0 && k < 3; ++k)
     if (changed >> k & 1) energies_.external += (next >> k & 1 ? -0.5 : 0.5) * mass * v[k] * v[k];
   held = next;
 }
 
-void Model::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
+void World::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
@@ -353,9 +323,9 @@ void Model::prescribe(int block, const Vector& velocity, const Vector& omega, ui
   }
 }
 
-void Model::release(int block) { prescribe(block, {}, {}, 0); }
+void World::release(int block) { prescribe(block, {}, {}, 0); }
 
-void Model::set_velocity(int block, const Vector& velocity, const Vector& omega) {
+void World::set_velocity(int block, const Vector& velocity, const Vector& omega) {
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
@@ -369,7 +339,7 @@ void Model::set_velocity(int block, const Vector& velocity, const Vector& omega)
     node_v_[i] = velocity + cross(omega, node_x_[i] - centre);
 }
 
-void Model::add(Load load) {
+void World::add(Load load) {
   const ModelBlock& b = blocks_.at(load.block);
   if (b.body >= 0) {
     const Body& body = bodies_[b.body];
@@ -394,7 +364,7 @@ void Model::add(Load load) {
   loads_.push_back(std::move(load));
 }
 
-void Model::add(Pressure pressure) {
+void World::add(Pressure pressure) {
   const ModelBlock& b = blocks_.at(pressure.block);
   if (pressure.face < 0 || pressure.face >= int(b.shape->faces.size())) {
     throw Error(Exit::bad_input,
@@ -417,18 +387,18 @@ void Model::add(Pressure pressure) {
   pressures_.push_back(std::move(pressure));
 }
 
-void Model::add(GroundMotion motion) {
+void World::add(GroundMotion motion) {
   motion.direction = normalized(motion.direction);
   motions_.push_back(std::move(motion));
 }
 
-void Model::apply_force(int block, const Vector& force) {
+void World::apply_force(int block, const Vector& force) {
   if (applied_.empty()) applied_.resize(blocks_.size());
   applied_[size_t(block)] = force;
   loaded_[size_t(block)] = 1;
 }
 
-void Model::track_energy(bool on) {
+void World::track_energy(bool on) {
   energy_ = on;
   energies_ = {};
   later_ = {};

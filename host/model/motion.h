@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "blocks/assembly.h"
 #include "scene/assembly.h"
+#include "scene/blocks.h"
 #include "scene/scene.h"
 
 namespace quoin {

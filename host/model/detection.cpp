@@ -1,9 +1,9 @@
 // Contact detection: which blocks are close, where they touch, and what history a new contact point inherits.
 #include <fmt/format.h>
 
-#include "blocks/model.h"
+#include "base/error.h"
 #include "geometry/overlap.h"
-#include "scene/error.h"
+#include "model/world.h"
 
 namespace quoin::blocks {
 
@@ -22,13 +22,13 @@ constexpr double small_rotation = 1e-3;
 
 }  // namespace
 
-struct Model::NewPoint {
+struct World::NewPoint {
   Point point;
   Facet facet_a, facet_b;
   bool joint = true;  // within the joint tolerance at the start
 };
 
-Placed Model::placed(int block) const {
+Placed World::placed(int block) const {
   const ModelBlock& b = blocks_[block];
   const Vector* v = placed_corner_.data() + b.first_corner;
   Vector centre;
@@ -37,7 +37,7 @@ Placed Model::placed(int block) const {
   return {b.shape, v, placed_normal_.data() + b.first_normal, centre / double(n)};
 }
 
-void Model::place_blocks() {
+void World::place_blocks() {
   for (const ModelBlock& b : blocks_) {
     Vector* corner = placed_corner_.data() + b.first_corner;
     Vector* normal = placed_normal_.data() + b.first_normal;
@@ -61,7 +61,7 @@ void Model::place_blocks() {
 }
 
 // How far b has moved as seen from a since the pair's last narrow detection: translation plus rotation times radius, m.
-double Model::pair_motion(const Contact& c) const {
+double World::pair_motion(const Contact& c) const {
   Vector xa, xb;
   Matrix ra, rb;
   pose(c.pair.a, xa, ra), pose(c.pair.b, xb, rb);
@@ -70,7 +70,7 @@ double Model::pair_motion(const Contact& c) const {
   return norm(shift) + angle * std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, norm(xb - xa)));
 }
 
-double Model::motion_since_broad_phase(int block) const {
+double World::motion_since_broad_phase(int block) const {
   const ModelBlock& b = blocks_[block];
   Vector x;
   Matrix r;
@@ -78,18 +78,18 @@ double Model::motion_since_broad_phase(int block) const {
   return norm(x - b.broad_x) + angle_between(r, b.broad_r) * b.radius;
 }
 
-double Model::detection_fraction() const {
+double World::detection_fraction() const {
   return assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
 }
 
-double Model::allowed_motion(const Contact& c) const {
+double World::allowed_motion(const Contact& c) const {
   const double extent = std::min(blocks_[c.pair.a].least_extent, blocks_[c.pair.b].least_extent);
   const double fraction = detection_fraction();
   if (c.count == 0) return std::max(fraction * extent, 0.5 * c.separation.distance);
   return (c.initial ? std::max(fraction, assembly_.contact.joint_motion) : fraction) * extent;
 }
 
-bool Model::moved_enough() {
+bool World::moved_enough() {
   if (step_count_ < next_check_) return false;
   const double fraction = detection_fraction();
   double fastest = 0.0;
@@ -123,13 +123,13 @@ bool Model::moved_enough() {
   return moved;
 }
 
-struct Model::Finding {
+struct World::Finding {
   bool fresh = false;             // points placed anew, or none any more
   size_t begin = 0, end = 0;      // of its points in Detection::points
   uint32_t first = 0, count = 0;  // its points of before, in their family
 };
 
-struct Model::Detection {
+struct World::Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
   std::vector<Finding> findings;  // of each contact
@@ -139,18 +139,18 @@ struct Model::Detection {
 };
 
 // What a new point has from its nearest old one.
-struct Model::Heir {
+struct World::Heir {
   double closure = 0.0;           // plastic, m
   double opening = std::nan("");  // since the last step, m; not known for a point without history
 };
 
 // What contact points were before they were placed anew: families without their laws, and where they sat.
-struct Model::Before {
+struct World::Before {
   std::vector<Family> families;
   std::vector<Facet> facets;
 };
 
-void Model::detect_contacts(bool everything) {
+void World::detect_contacts(bool everything) {
   Detection found;
   found.at_start = detections_++ == 0;
   place_blocks();
@@ -163,7 +163,7 @@ void Model::detect_contacts(bool everything) {
 }
 
 // Broad phase: all pairs within the skin, found anew when some block has used up its part of it.
-std::vector<Pair> Model::close_pairs(bool everything) {
+std::vector<Pair> World::close_pairs(bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < blocks_.size() && !stale; ++i) stale = motion_since_broad_phase(int(i)) > 0.2 * skin_;
   std::vector<Pair> pairs;
@@ -188,7 +188,7 @@ std::vector<Pair> Model::close_pairs(bool everything) {
 }
 
 // Narrow phase: pairs that are new, or have moved enough, are looked at; the others go on as they are.
-void Model::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
+void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
   found.contacts.reserve(pairs.size());
   found.findings.reserve(pairs.size());
   auto old = contacts_.begin();
@@ -213,7 +213,7 @@ void Model::look_closely(const std::vector<Pair>& pairs, bool everything, Detect
 }
 
 // Where the two blocks of a pair touch, and the points that belong there.
-void Model::look_at(Contact& c, bool known, Finding& finding, Detection& found) {
+void World::look_at(Contact& c, bool known, Finding& finding, Detection& found) {
   ++narrow_calls_;
   const Pair pair = c.pair;
   const Placed a = placed(pair.a), b = placed(pair.b);
@@ -249,7 +249,7 @@ void Model::look_at(Contact& c, bool known, Finding& finding, Detection& found) 
   found.changed |= finding.end > finding.begin || (finding.fresh && c.count > 0);
 }
 
-bool Model::carries(const Contact& c) const {
+bool World::carries(const Contact& c) const {
   for (uint32_t i = c.first; i < c.first + c.count; ++i) {
     for (const auto& traction : families_[c.family].traction) {
       if (traction[i] != 0.0) return true;
@@ -258,7 +258,7 @@ bool Model::carries(const Contact& c) const {
   return false;
 }
 
-void Model::name_family(Contact& c, std::span<const NewPoint> points) const {
+void World::name_family(Contact& c, std::span<const NewPoint> points) const {
   Vector middle;
   for (const NewPoint& p : points) middle += p.point.at / double(points.size());
   c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, middle, c.separation.normal}) : 0;
@@ -269,7 +269,7 @@ void Model::name_family(Contact& c, std::span<const NewPoint> points) const {
 }
 
 // Points in the order of the pairs: those that go on are moved, the others made anew with the history of those nearby.
-void Model::place_points(Detection& found) {
+void World::place_points(Detection& found) {
   std::vector<size_t> count(families_.size(), 0);
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     const Finding& finding = found.findings[i];
@@ -314,14 +314,14 @@ void Model::place_points(Detection& found) {
   if (!found.at_start && local_stiffness_bound() > 1.01 * stiffness_bound_) find_time_step();
 }
 
-void Model::take_points(Family& f, Family& into) {
+void World::take_points(Family& f, Family& into) {
   into = std::move(f);
   f = {};
   f.material = into.material, f.initial = into.initial, f.dry = into.dry, f.kn = into.kn, f.ks = into.ks;
   f.state.resize(into.state.size());
 }
 
-void Model::keep_points(const Before& before, const Finding& finding, const Contact& c) {
+void World::keep_points(const Before& before, const Finding& finding, const Contact& c) {
   const Family& old = before.families[c.family];
   Family& f = families_[c.family];
   const auto copy = [&](const auto& from, auto& to) {
@@ -343,7 +343,7 @@ void Model::keep_points(const Before& before, const Finding& finding, const Cont
 }
 
 // New points take the history of the nearest old one of their contact: old points have moved along with their blocks.
-void Model::hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
+void World::hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
                       bool at_start) {
   Family& f = families_[c.family];
   const Family& old = before.families[c.family];
@@ -389,11 +389,11 @@ void Model::hand_over(const Before& before, const Finding& finding, const Contac
   if (!at_start) keep_energy(before, finding, c, heirs);
 }
 
-Vector Model::in_space(const Point& p, const Vector& v) const {
+Vector World::in_space(const Point& p, const Vector& v) const {
   return p.facet_a >= 0 || blocks_[p.a].body < 0 ? v : bodies_[blocks_[p.a].body].r * v;
 }
 
-void Model::inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const {
+void World::inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const {
   for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = old.state[s][from];
   f.normal_jump[to] = old.normal_jump[from];
   if (!old.stored.empty()) f.stored[to] = old.stored[from];
@@ -418,7 +418,7 @@ void Model::inherit(const Family& old, size_t from, const Contact& c, Family& f,
   if (!old.viscous[0].empty() && !f.viscous[0].empty()) turn(old.viscous, f.viscous);
 }
 
-void Model::resize(Family& f, size_t n) const {
+void World::resize(Family& f, size_t n) const {
   f.point.assign(n, {});
   f.normal_jump.assign(n, 0.0);
   for (auto& c : f.slip) c.assign(n, 0.0);
@@ -436,13 +436,13 @@ void Model::resize(Family& f, size_t n) const {
 }
 
 // What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.
-double Model::plastic_closure(const Family& f, size_t i) {
+double World::plastic_closure(const Family& f, size_t i) {
   return f.traction[0][i] < 0 ? f.traction[0][i] / f.kn - f.normal_jump[i] : std::max(0.0, -f.normal_jump[i]);
 }
 
 // New points hold the elastic energy of those that they replace: the overlap counts from a shifted reference, and shear
 // traction is scaled. Fewer of them, or less area, hold it deeper; never deeper than the lost area explains.
-void Model::keep_energy(const Before& before, const Finding& finding, const Contact& c, std::span<const Heir> heirs) {
+void World::keep_energy(const Before& before, const Finding& finding, const Contact& c, std::span<const Heir> heirs) {
   struct Sums {
     double area = 0.0, normal = 0.0, shear = 0.0;  // m2; sums of area * overlap^2 and of area * tau^2
     double deepest = 0.0, largest = 0.0;           // overlap^2, tau^2
@@ -489,7 +489,7 @@ void Model::keep_energy(const Before& before, const Finding& finding, const Cont
 }
 
 // What these points store at the positions of now, and dissipate on the way there from the last step, J.
-double Model::energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first,
+double World::energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first,
                                uint32_t count) const {
   if (!energy_ || count == 0) return 0.0;
   Family trial;
@@ -521,7 +521,7 @@ double Model::energy_of_points(const Family& f, const std::vector<Facet>& facets
   return sum;
 }
 
-void Model::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out) {
+void World::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out) {
   const Separation& s = c.separation;
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
   // since the start, as four units around a joint's end do: their neighbours keep them apart, and the nominal area
@@ -546,7 +546,7 @@ void Model::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& 
 
 // Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
 // They have the nominal area (m2) at least.
-void Model::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal,
+void World::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal,
                         std::vector<NewPoint>& out) {
   const Placed a = placed(owner), b = placed(carrier);
   const Vector n = a.normals[owner_face];
@@ -654,7 +654,7 @@ void Model::face_points(int owner, int owner_face, int carrier, bool at_start, d
 }
 
 // Whether edges cross, and the point where they do, unless its area (m2) is nothing.
-bool Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
+bool World::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
   const Placed a = placed(c.pair.a), b = placed(c.pair.b);
   const auto &ea = a.shape->edges[c.separation.index_a], &eb = b.shape->edges[c.separation.index_b];
   const Vector u = a.vertices[ea.head] - a.vertices[ea.tail], v = b.vertices[eb.head] - b.vertices[eb.tail];
@@ -678,7 +678,7 @@ bool Model::edge_point(const Contact& c, double area, std::vector<NewPoint>& out
 
 // Ties one side of a point to its block: in the body frame of a rigid block, on the nearest surface triangle of a
 // deformable one.
-void Model::anchor(NewPoint& made, int block, const Vector& at, int face, bool plane_side) {
+void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool plane_side) {
   Point& p = made.point;
   const ModelBlock& mb = blocks_[block];
   if (mb.body >= 0) {
@@ -717,7 +717,7 @@ void Model::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
 }
 
 // The frame of a deformable plane side: n of its triangle, s along its first edge.
-void Model::refresh_facet_frame(Point& p, Facet& facet) const {
+void World::refresh_facet_frame(Point& p, Facet& facet) const {
   const Vector &x1 = node_x_[facet.node[0]], e2 = node_x_[facet.node[1]] - x1, e3 = node_x_[facet.node[2]] - x1;
   const double length = norm(e2);
   p.s = e2 / length;
@@ -730,7 +730,7 @@ void Model::refresh_facet_frame(Point& p, Facet& facet) const {
 }
 
 // Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.
-Model::Location Model::locate(const Point& p, const std::vector<Facet>& facets) const {
+World::Location World::locate(const Point& p, const std::vector<Facet>& facets) const {
   Location l;
   if (p.facet_b >= 0) {
     const Facet& facet = facets[p.facet_b];

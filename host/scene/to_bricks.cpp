@@ -1,4 +1,4 @@
-#include "blocks/to_bricks.h"
+#include "scene/to_bricks.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include <tuple>
 #include <utility>
 
-#include "blocks/generate.h"
 #include "geometry/broad_phase.h"
+#include "scene/generate_blocks.h"
 
 namespace quoin::blocks {
 

@@ -1,4 +1,4 @@
-#include "blocks/from_bricks.h"
+#include "scene/from_bricks.h"
 
 #include <algorithm>
 

@@ -1,9 +1,9 @@
 // The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
-#include "blocks/model.h"
+#include "base/error.h"
 #include "model/lanczos.h"
-#include "scene/error.h"
+#include "model/world.h"
 
 namespace quoin::blocks {
 
@@ -11,7 +11,7 @@ using namespace geometry;
 
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
 // only compared with its own earlier value, to learn whether the frequency must be computed anew.
-double Model::local_stiffness_bound() const {
+double World::local_stiffness_bound() const {
   std::vector<double> body(bodies_.size(), 0.0), node(node_x_.size(), 0.0);
   for (const Family& f : families_) {
     const double k = std::max(f.kn, f.ks);
@@ -43,7 +43,7 @@ double Model::local_stiffness_bound() const {
   return bound;
 }
 
-double Model::highest_frequency() const {
+double World::highest_frequency() const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
   std::vector<double> scale(n);
@@ -145,7 +145,7 @@ double Model::highest_frequency() const {
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
-void Model::find_time_step() {
+void World::find_time_step() {
   const double omega = highest_frequency();
   if (!std::isfinite(omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");

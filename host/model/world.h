@@ -1,17 +1,12 @@
-// The general path of the host: rigid and deformable convex blocks in large motion, and the contacts between them.
+// Blocks of any convex shape and the contacts between them, in large motion: what they are, where they are now, what
+// acts on them. They are found in contact and asked here; step/large_motion.h moves them on.
 //
-// Rigid blocks: position, quaternion, linear and angular momentum; central differences in translation; in rotation the
-// angular
-//   momentum is the unknown and the orientation follows by the implicit midpoint rule, so that a free block keeps its
-//   angular momentum to rounding and its energy without drift.
-// Deformable blocks: constant-strain tetrahedra, total Lagrangian with the Green strain and a linear (St.
-// Venant-Kirchhoff) law: equal to
-//   linear elasticity at small strain, and exactly indifferent to rotation, so that nothing needs to be co-rotated.
-// Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the points. Jumps are
-// measured
-//   in a frame that rides on a: d_n is the distance from the plane less its reference, the slip increment is the change
-//   of b's position in that frame; so traction turns with a, spin about n included, and a rigid rotation of both
-//   changes no bit of physics. The pair of forces acts at one point in space: force and moment balance exactly.
+// Rigid blocks: position, quaternion, linear and angular momentum. Deformable blocks: zones, constant-strain
+// tetrahedra. Contacts: block a owns the plane (a face, or the plane of two crossing edges), block b carries the
+// points. Jumps are measured in a frame that rides on a: d_n is the distance from the plane less its reference, the
+// slip increment is the change of b's position in that frame; so traction turns with a, spin about n included, and a
+// rigid rotation of both changes no bit of physics. The pair of forces acts at one point in space: force and moment
+// balance exactly.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +14,11 @@
 #include <optional>
 #include <span>
 
-#include "blocks/assembly.h"
-#include "blocks/inertia.h"
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
-#include "step/thread_pool.h"
-
-namespace quoin {
-struct ArchiveWriter;
-struct ArchiveReader;
-}  // namespace quoin
+#include "model/block_inertia.h"
+#include "scene/blocks.h"
 
 namespace quoin::blocks {
 
@@ -62,7 +51,7 @@ struct Zone {
 // A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
 struct Point {
   int32_t a, b;                        // blocks
-  int32_t facet_a = -1, facet_b = -1;  // index into Model::facets_ for a deformable side
+  int32_t facet_a = -1, facet_b = -1;  // index into World::facets_ for a deformable side
   Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
   double offset = 0.0;           // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
   Vector arm;                    // of the point in b's body frame (rigid b), m
@@ -225,34 +214,15 @@ struct ModelBlock {
   Matrix broad_r;
 };
 
-class Model {
+class World {
  public:
   // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
   // Throws Error(bad_input): blocks that overlap at the start (names, place, depth), bad shapes, materials or settings.
-  Model(const Assembly& assembly, const SolverSettings& solver,
+  World(const Assembly& assembly, const SolverSettings& solver,
         std::vector<std::shared_ptr<const Material>> materials = {});
 
-  Model(const Model&) = delete;
-  Model& operator=(const Model&) = delete;
-
-  // One explicit step of length time_step(): the phases of the method. Their pieces are independent of each other, and
-  // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
-  // failed at a point, or the position of a block is no longer a finite number.
-  void step();
-  // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
-  void use(ThreadPool* pool);
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
-  void begin_step() { apply_ground_motion(); }
-  int chunk_count() const { return int(chunks_.size()); }
-  void advance_contacts(int chunk);
-  void advance_block(int block);
-  void end_step();
-  double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
-  double block_work(int block) const;
-  void run(double duration);  // s
-  void run_steps(long steps) {
-    for (long i = 0; i < steps; ++i) step();
-  }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
 
   // What acts from now on.
   void set_gravity(const Vector& g, TimeSeries factor = {});                                         // m/s2
@@ -293,6 +263,9 @@ class Model {
   long narrow_calls() const { return narrow_calls_; }
 
   // Results.
+  int chunk_count() const { return int(chunks_.size()); }
+  double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
+  double block_work(int block) const;
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
@@ -333,12 +306,6 @@ class Model {
   size_t memory_bytes() const;
   uint64_t hash() const;
 
-  // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
-  // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
-  // those of an uninterrupted run, whatever the number of threads.
-  void save(ArchiveWriter& writer) const;
-  void restore(ArchiveReader& reader);
-
   // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of
   // every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points. take_over keeps
   // tractions, states and openings as they are, whatever the turning of the blocks means for the gap. Throws
@@ -350,24 +317,9 @@ class Model {
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
 
- private:
-  // phases of the step: contacts chunk by chunk, then blocks one by one
-  void apply_ground_motion();
-  void contact_kinematics(Family& f, const Chunk& chunk);
-  void contact_law(Family& f, Chunk& chunk);
-  void contact_forces(Family& f, Chunk& chunk);
-  void internal_forces(const ModelBlock& b, BlockSums& sums);
-  void forces_on_gridpoints(int block);
-  void forces_on_body(int block);
-  void integrate_unit(const Unit& unit);
-  void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
-  void integrate_body(Body& b, BlockSums& sums);
-  double work_of_loads(int block) const;  // of the step, J
-  void sum_up();
-  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
+ protected:
   bool moved_enough();
   void detect_contacts(bool everything = false);
-  [[noreturn]] void report_failure(const Chunk& chunk) const;
   // after contacts or columns have changed
   void divide_work();
   void bind_columns();
@@ -377,7 +329,6 @@ class Model {
   bool splits_motion() const {
     return solver_.damping == DampingKind::block || solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0;
   }
-  double zone_damping() const;
   double gamma() const {  // of eq. 1
     return settling_ ? solver_.settling_damping.value_or(solver_.local_damping) : solver_.local_damping;
   }
@@ -390,9 +341,6 @@ class Model {
   void part_units();
   void scale_motion(std::vector<Vector>& y, bool of_forces) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
-
-  template <class Archive, class Self>
-  static void transfer_state(Archive& archive, Self& m);
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
   void find_time_step();
@@ -461,12 +409,11 @@ class Model {
   std::vector<Contact> contacts_;
   std::vector<Vector> block_contact_force_;
 
-  ThreadPool* pool_ = nullptr;
   std::vector<Chunk> chunks_;
-  std::vector<Touch> touches_;              // block after block, of a block in the order of families and points
-  std::vector<uint32_t> touch_end_;         // by block
-  std::vector<int> chunk_end_, block_end_;  // shares of the threads
+  std::vector<Touch> touches_;       // block after block, of a block in the order of families and points
+  std::vector<uint32_t> touch_end_;  // by block
   std::vector<BlockSums> block_sums_;
+  long divisions_ = 0;  // how often the work has been divided anew
 
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;

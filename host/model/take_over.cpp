@@ -3,8 +3,8 @@
 
 #include <map>
 
-#include "blocks/model.h"
-#include "scene/error.h"
+#include "base/error.h"
+#include "model/world.h"
 
 namespace quoin::blocks {
 
@@ -17,14 +17,14 @@ constexpr double kSamePlace = 1e-6;
 
 }  // namespace
 
-void Model::set_pose(int block, const Vector& centre, const Quaternion& turn) {
+void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
   Body& body = bodies_[size_t(blocks_[size_t(block)].body)];
   body.x = centre;
   body.q = normalized(turn * body.q);
   body.r = matrix(body.q);
 }
 
-void Model::take_over(const std::vector<PointHistory>& histories) {
+void World::take_over(const std::vector<PointHistory>& histories) {
   std::map<Pair, std::vector<const PointHistory*>> of_pair;
   for (const PointHistory& h : histories)
     of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);

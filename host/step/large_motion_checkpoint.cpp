@@ -1,7 +1,7 @@
 // Everything of a model that changes while it runs, as bytes; what follows from the scene alone is built, not stored.
-#include "blocks/model.h"
-#include "files/archive.h"
-#include "scene/error.h"
+#include "base/archive.h"
+#include "base/error.h"
+#include "step/large_motion.h"
 
 namespace quoin::blocks {
 

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "scene/error.h"
+#include "base/error.h"
 
 namespace quoin {
 

@@ -1,15 +1,15 @@
-#include "blocks/motion.h"
+#include "model/motion.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "blocks/from_bricks.h"
-#include "blocks/generate.h"
-#include "blocks/to_bricks.h"
-#include "scene/error.h"
+#include "base/error.h"
+#include "scene/from_bricks.h"
 #include "scene/generate.h"
+#include "scene/generate_blocks.h"
+#include "scene/to_bricks.h"
 
 namespace quoin {
 

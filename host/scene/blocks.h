@@ -71,12 +71,4 @@ struct Assembly {
 // "#3 'lintel'", as messages call a block.
 std::string label(const Assembly& assembly, int block);
 
-// Piecewise linear in time; constant beyond its ends. Empty: 1 always.
-struct TimeSeries {
-  std::vector<double> time, value;  // s
-  double at(double t) const;
-  // Integral from time[0] to t of the series (ground velocity from ground acceleration).
-  double integral(double t) const;
-};
-
 }  // namespace quoin::blocks

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "blocks/assembly.h"
 #include "scene/assembly.h"
+#include "scene/blocks.h"
 
 namespace quoin::blocks {
 

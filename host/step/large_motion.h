@@ -1,0 +1,73 @@
+// Blocks of any shape that move on in time, without bound.
+//
+// Rigid blocks: central differences in translation; in rotation the angular momentum is the unknown and the orientation
+//   follows by the implicit midpoint rule, so that a free block keeps its angular momentum to rounding and its energy
+//   without drift.
+// Deformable blocks: total Lagrangian with the Green strain and a linear (St. Venant-Kirchhoff) law: equal to linear
+//   elasticity at small strain, and exactly indifferent to rotation, so that nothing needs to be co-rotated.
+#pragma once
+
+#include "base/thread_pool.h"
+#include "model/world.h"
+
+namespace quoin {
+struct ArchiveWriter;
+struct ArchiveReader;
+}  // namespace quoin
+
+namespace quoin::blocks {
+
+class Model : public World {
+ public:
+  using World::World;
+
+  // One explicit step of length time_step(): the phases of the method. Their pieces are independent of each other, and
+  // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
+  // failed at a point, or the position of a block is no longer a finite number.
+  void step();
+  // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
+  void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
+  void begin_step() { apply_ground_motion(); }
+  void advance_contacts(int chunk);
+  void advance_block(int block);
+  void end_step();
+  void run(double duration);  // s
+  void run_steps(long steps) {
+    for (long i = 0; i < steps; ++i) step();
+  }
+
+  // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
+  // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
+  // those of an uninterrupted run, whatever the number of threads.
+  void save(ArchiveWriter& writer) const;
+  void restore(ArchiveReader& reader);
+
+ private:
+  // phases of the step: contacts chunk by chunk, then blocks one by one
+  void apply_ground_motion();
+  void contact_kinematics(Family& f, const Chunk& chunk);
+  void contact_law(Family& f, Chunk& chunk);
+  void contact_forces(Family& f, Chunk& chunk);
+  void internal_forces(const ModelBlock& b, BlockSums& sums);
+  void forces_on_gridpoints(int block);
+  void forces_on_body(int block);
+  void integrate_unit(const Unit& unit);
+  void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
+  void integrate_body(Body& b, BlockSums& sums);
+  double work_of_loads(int block) const;  // of the step, J
+  void sum_up();
+  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
+  [[noreturn]] void report_failure(const Chunk& chunk) const;
+  double zone_damping() const;
+  void share_work();
+
+  template <class Archive, class Self>
+  static void transfer_state(Archive& archive, Self& m);
+
+  ThreadPool* pool_ = nullptr;
+  std::vector<int> chunk_end_, block_end_;  // shares of the threads
+  long shared_division_ = -1;               // that they are of
+};
+
+}  // namespace quoin::blocks
