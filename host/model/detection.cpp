@@ -328,6 +328,7 @@ void World::keep_points(const Before& before, const Finding& finding, const Cont
     if (!from.empty() && !to.empty()) std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
   };
   copy(old.point, f.point);
+  for (int k = 0; k < 2; ++k) copy(old.slid[k], f.slid[k]);
   for (size_t s = 0; s < f.state.size(); ++s) copy(old.state[s], f.state[s]);
   for (int k = 0; k < 3; ++k) copy(old.traction[k], f.traction[k]);
   copy(old.normal_jump, f.normal_jump);
@@ -350,6 +351,9 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
   double old_area = 0.0;
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) old_area += old.point[j].area;
   const double radius2 = finding.count > 0 ? std::max(2.0 * old_area / finding.count, 1e-4 * size_ * size_) : 0.0;
+  std::vector<Vector> then;  // where the old points are by now
+  for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
+    then.push_back(locate(old.point[j], before.facets).at);
   std::vector<Heir> heirs(points.size());
   for (size_t k = 0; k < points.size(); ++k) {
     const uint32_t to = c.first + uint32_t(k);
@@ -360,7 +364,7 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
     long nearest = -1;
     double best = radius2;
     for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
-      const Vector d = old.point[j].at - p.at;
+      const Vector d = then[j - finding.first] - p.at;
       if (dot(d, d) < best) best = dot(d, d), nearest = long(j);
     }
     if (nearest >= 0) {
@@ -376,14 +380,15 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
     if (p.facet_a < 0) p.offset += p.reference;
     const Location now = locate(p, facets_);
     p.at = now.at;
-    for (int axis = 0; axis < 2; ++axis) p.slid[axis] = now.slid[axis];
+    for (int axis = 0; axis < 2; ++axis) f.slid[axis][to] = now.slid[axis];
     if (nearest >= 0) {
       const Point& q = old.point[nearest];
       const Location moved = locate(q, before.facets);
       heirs[k] = {plastic_closure(old, size_t(nearest)), moved.jump - old.normal_jump[nearest]};
-      const Vector pending = in_space(q, (moved.slid[0] - q.slid[0]) * q.s + (moved.slid[1] - q.slid[1]) * q.t);
+      const Vector pending = in_space(q, (moved.slid[0] - old.slid[0][size_t(nearest)]) * q.s +
+                                             (moved.slid[1] - old.slid[1][size_t(nearest)]) * q.t);
       const double sign = q.a == p.a ? 1.0 : -1.0;
-      p.slid[0] -= sign * dot(pending, in_space(p, p.s)), p.slid[1] -= sign * dot(pending, in_space(p, p.t));
+      f.slid[0][to] -= sign * dot(pending, in_space(p, p.s)), f.slid[1][to] -= sign * dot(pending, in_space(p, p.t));
     }
   }
   if (!at_start) keep_energy(before, finding, c, heirs);
@@ -421,17 +426,18 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
 void World::resize(Family& f, size_t n) const {
   f.point.assign(n, {});
   f.normal_jump.assign(n, 0.0);
+  for (auto& c : f.slid) c.assign(n, 0.0);
   for (auto& c : f.slip) c.assign(n, 0.0);
   for (auto& c : f.traction) c.assign(n, 0.0);
   for (auto& c : f.state) c.assign(n, 0.0);
   // Of no use without stiffness damping, and then gone: a stage may have switched it off.
   const size_t viscous = viscous_contacts() ? n : 0;
   for (auto& c : f.old_traction) c.assign(viscous, 0.0);
+  for (auto& c : f.viscous) c.assign(viscous, 0.0);
   f.old_jump.assign(viscous, std::nan(""));  // not known: no rate, no viscous traction in the first step
   if (energy_) {
     f.stored.assign(n, 0.0);
     for (auto& c : f.dissipated) c.assign(n, 0.0);
-    for (auto& c : f.viscous) c.assign(viscous, 0.0);
   }
 }
 
@@ -506,7 +512,7 @@ double World::energy_of_points(const Family& f, const std::vector<Facet>& facets
     const Point& p = trial.point[i];
     const Location now = locate(p, facets);
     trial.normal_jump[i] = now.jump;
-    for (int k = 0; k < 2; ++k) trial.slip[k][i] = now.slid[k] - p.slid[k];
+    for (int k = 0; k < 2; ++k) trial.slip[k][i] = now.slid[k] - f.slid[k][first + i];
   }
   Chunk all;
   all.count = count;

@@ -20,8 +20,7 @@ constexpr double kSamePlace = 1e-6;
 void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
   Body& body = bodies_[size_t(blocks_[size_t(block)].body)];
   body.x = centre;
-  body.q = normalized(turn * body.q);
-  body.r = matrix(body.q);
+  body.turn_to(normalized(turn * body.q));
 }
 
 void World::take_over(const std::vector<PointHistory>& histories) {
@@ -69,8 +68,9 @@ void World::take_over(const std::vector<PointHistory>& histories) {
       p.at = now.at;
       p.reference += now.jump - opening;
       if (!rides_on_facet) p.offset += now.jump - opening;
-      for (int k = 0; k < 2; ++k) p.slid[k] = now.slid[k] - slip[k];
+      for (int k = 0; k < 2; ++k) f.slid[k][i] = now.slid[k] - slip[k];
     }
+    pack(f);
   }
   if (taken == histories.size()) return;
   throw Error(Exit::numerical, fmt::format("large motion finds {} of the {} contact points of small displacements",

@@ -86,12 +86,11 @@ void World::set_damping(const SolverSettings& solver) {
         "damping = \"local\" with deformation_inertia or unit_inertia above 1: slow vibrations inside units would "
         "brake their motion; use damping = \"block\"");
   }
-  if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0) {
-    for (Family& f : families_) {
-      for (auto& column : f.old_traction) column.assign(f.size(), 0.0);
-      f.old_jump.assign(f.size(), std::nan(""));
-      for (auto& column : f.viscous) column.assign(energy_ ? f.size() : 0, 0.0);
-    }
+  for (Family& f : families_) {
+    const size_t n = viscous_contacts() ? f.size() : 0;
+    for (auto& column : f.old_traction) column.assign(n, 0.0);
+    f.old_jump.assign(n, std::nan(""));
+    for (auto& column : f.viscous) column.assign(n, 0.0);
   }
   bind_columns();
   if (critical_dt_ > 0) find_time_step();
@@ -144,8 +143,7 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
       const Eigen3 axes = symmetric_eigen(mp.inertia);
       Body body;
       body.x = centroid;
-      body.q = normalized(input.orientation * quaternion(axes.vectors));
-      body.r = matrix(body.q);
+      body.turn_to(normalized(input.orientation * quaternion(axes.vectors)));
       body.weight_mass = m.density * mp.volume;
       body.mass = body.weight_mass * solver.mass_scaling;
       body.inertia = m.density * solver.mass_scaling * axes.values;
@@ -291,6 +289,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
     f.normal_jump[i] += opening_shift[i];
     if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
   }
+  pack(f);
   // What the old law has stored stays in the columns if the new one writes none.
   std::fill(f.stored.begin(), f.stored.end(), 0.0);
   for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
@@ -405,7 +404,7 @@ void World::track_energy(bool on) {
   for (Family& f : families_) {
     f.stored.assign(on ? f.size() : 0, 0.0);
     for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
-    for (auto& column : f.viscous) column.assign(on && viscous_contacts() ? f.size() : 0, 0.0);
+    for (auto& column : f.viscous) column.assign(viscous_contacts() ? f.size() : 0, 0.0);
   }
   bind_columns();
 }

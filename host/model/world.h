@@ -22,21 +22,27 @@
 
 namespace quoin::blocks {
 
-// Rigid block. Body frame: principal axes through the centre of mass.
+// Rigid block. Body frame: principal axes through the centre of mass. In the order in which kernels read it.
 struct Body {
   Vector x;                  // centre of mass, m
   Quaternion q;              // body frame to space
-  Matrix r;                  // of q
   Vector v;                  // m/s, at half steps
   Vector momentum;           // angular, about the centre of mass, in space, at half steps
   Vector omega;              // rad/s, in space, at half steps
   Vector force, torque;      // of the step
-  double mass = 0.0;         // of inertia, kg (mass scaling included)
   double weight_mass = 0.0;  // of weight, kg
+  double mass = 0.0;         // of inertia, kg (mass scaling included)
   Vector inertia;            // principal, kg m2
-  uint8_t held = 0;          // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
-  uint8_t support = 0;       // of these, the ones that a plane of symmetry holds for good
   Vector held_v, held_omega;
+  Matrix r, transposed_r;  // of q
+  uint8_t held = 0;        // bits 0..2: velocity prescribed along x, y, z; 3..5: rotation about them
+  uint8_t support = 0;     // of these, the ones that a plane of symmetry holds for good
+
+  void turn_to(const Quaternion& orientation) {
+    q = orientation;
+    r = matrix(q);
+    transposed_r = transposed(r);
+  }
 };
 
 struct Zone {
@@ -53,13 +59,13 @@ struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into World::facets_ for a deformable side
   Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
-  double offset = 0.0;           // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
-  Vector arm;                    // of the point in b's body frame (rigid b), m
-  double slid[2] = {0.0, 0.0};   // position along s, t at the last step, m
-  double area = 0.0;             // m2
-  Vector at;                     // in space, of the last step, m
-  double reference = 0.0;        // gap at which d_n = 0, m
-  Vector force;                  // of the last step on a, in space, viscous part included, N
+  double offset = 0.0;     // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
+  Vector arm;              // of the point in b's body frame (rigid b), m
+  double area = 0.0;       // m2
+  double reference = 0.0;  // gap at which d_n = 0, m
+  Vector at;               // in space where it was placed; of the last step if a side is deformable, m
+  // Of the last step, if a side is deformable:
+  Vector force;                  // on a, in space, viscous part included, N
   double shear[2] = {0.0, 0.0};  // traction along s and t that goes with it, Pa
 };
 
@@ -76,13 +82,25 @@ struct Family {
   std::vector<double> initial, dry;  // state values
   double kn = 0.0, ks = 0.0;         // stiffness bounds, Pa/m
   std::vector<Point> point;
+  std::vector<double> slid[2];  // position along s, t in a's frame at the last step, m
   std::vector<double> normal_jump, slip[2], traction[3];
   std::vector<std::vector<double>> state;
   std::vector<double> old_traction[3];  // when stiffness damping or contact inspection needs it
   std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   std::vector<double> old_jump;
-  std::vector<double> viscous[3];  // traction of stiffness damping in the last step, when energies are asked for, Pa
+  std::vector<double> viscous[3];            // traction of stiffness damping in the last step, Pa
+  std::vector<double> arm[3], offset, area;  // of the points, side by side for the step
   size_t size() const { return point.size(); }
+};
+
+// Points in a row between two rigid blocks, in one plane: what they share, and what they add up to.
+struct RigidPair {
+  int32_t a, b;           // bodies
+  uint32_t first, count;  // points of the family
+  Vector axis[3];         // n, s, t in a's body frame, unit
+  // Of the last step:
+  double in_space[3][4];             // the axes; the fourth has no meaning
+  Vector force, moment_a, moment_b;  // on a, N; about the centre of a, on a, and of b, on b, N m
 };
 
 // A run of points of one family: one call of its law, one piece of work. At most kChunk points.
@@ -92,17 +110,25 @@ struct Chunk {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
+  std::vector<RigidPair> pairs;  // of its points between rigid blocks
+  std::vector<uint32_t> others;  // points with a deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;
-  double force = 0.0, stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // N; J
+  double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // J
 };
 inline constexpr uint32_t kChunk = 256;
+inline constexpr int kBodies = 8;  // rigid blocks that move on side by side
 
 // One side of a contact point, as its block sees it.
 struct Touch {
   int32_t family;
   uint32_t point;
+  bool side_a;
+};
+// One side of a pair of rigid blocks.
+struct PairTouch {
+  const RigidPair* pair;
   bool side_a;
 };
 
@@ -270,12 +296,13 @@ class World {
   const Assembly& assembly() const { return assembly_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const std::vector<Family>& families() const { return families_; }
-  Vector position(int block) const;          // centre of mass, m
-  Matrix orientation(int block) const;       // rotation since the start
-  Vector velocity(int block) const;          // of the centre of mass, m/s
-  Vector angular_velocity(int block) const;  // rigid, rad/s
-  Vector contact_force(int block) const;     // of all contacts of the last step, N
-  Matrix frame_of(const Point& p) const;     // rows n, s, t in space, n from a to b
+  Vector position(int block) const;                                        // centre of mass, m
+  Matrix orientation(int block) const;                                     // rotation since the start
+  Vector velocity(int block) const;                                        // of the centre of mass, m/s
+  Vector angular_velocity(int block) const;                                // rigid, rad/s
+  Vector contact_force(int block) const;                                   // of all contacts of the last step, N
+  Matrix frame_of(const Point& p) const;                                   // rows n, s, t in space, n from a to b
+  Vector place_of(const Point& p) const { return locate(p, facets_).at; }  // m
   Vector corner(int block, int vertex) const;
   // Corners of each face as it stands, counter-clockwise seen from outside: faces of rigid blocks, triangles of the
   // surface of deformable ones, m.
@@ -323,6 +350,12 @@ class World {
   // after contacts or columns have changed
   void divide_work();
   void bind_columns();
+  // Rigid blocks that move on together from this one on: 0 when it moves on with one before it.
+  int bodies_with(int block) const { return bodies_with_[size_t(block)]; }
+  void divide_points();
+  void divide_bodies();
+  void divide_sides();
+  static void pack(Family& f);
   void bind(Family& f, Chunk& chunk) const;
   static void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
   // Rigid motion is told from the rest: inertia is scaled apart, or damping is by block.
@@ -410,10 +443,13 @@ class World {
   std::vector<Vector> block_contact_force_;
 
   std::vector<Chunk> chunks_;
-  std::vector<Touch> touches_;       // block after block, of a block in the order of families and points
-  std::vector<uint32_t> touch_end_;  // by block
+  std::vector<Touch> touches_;           // block after block, of a block in the order of families and points
+  std::vector<uint32_t> touch_end_;      // by block
+  std::vector<PairTouch> pair_touches_;  // the same of pairs of rigid blocks
+  std::vector<uint32_t> pair_touch_end_;
   std::vector<BlockSums> block_sums_;
-  long divisions_ = 0;  // how often the work has been divided anew
+  std::vector<uint8_t> bodies_with_;  // by block
+  long divisions_ = 0;                // how often the work has been divided anew
 
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
@@ -427,7 +463,7 @@ class World {
   bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
-  double total_force_ = 0.0, unbalanced_ = 0.0;
+  double unbalanced_ = 0.0;
   Vector net_;
   Energies energies_;
   HalfStep later_;

@@ -135,7 +135,18 @@ Vector World::angular_momentum(const Vector& about) const {
 }
 
 double World::unbalanced_ratio() const {
-  return total_force_ > 0 ? unbalanced_ * double(point_count()) / total_force_ : 0.0;
+  double forces = 0.0;
+  for (const Family& f : families_) {
+    for (size_t i = 0; i < f.size(); ++i) {
+      double square = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const double t = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
+        square += t * t;
+      }
+      forces += f.area[i] * std::sqrt(square);
+    }
+  }
+  return forces > 0 ? unbalanced_ * double(point_count()) / forces : 0.0;
 }
 
 size_t World::point_count() const {

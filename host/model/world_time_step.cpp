@@ -19,7 +19,7 @@ double World::local_stiffness_bound() const {
       const auto rigid = [&](int block) {
         const Body& b = bodies_[blocks_[block].body];
         if (b.held == 0x3f) return;
-        const Vector arm = p.at - b.x;
+        const Vector arm = place_of(p) - b.x;
         body[blocks_[block].body] +=
             k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
       };
@@ -58,6 +58,10 @@ double World::highest_frequency() const {
     for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
   }
   std::vector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
+  std::vector<Vector> place;  // of all contact points
+  for (const Family& family : families_) {
+    for (const Point& p : family.point) place.push_back(place_of(p));
+  }
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
     LaneVector<double>& y = *result;
     for (size_t i = 0; i < nb; ++i) {
@@ -83,20 +87,21 @@ double World::highest_frequency() const {
       const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
       for (int k = 0; k < 4; ++k) nf[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
     }
-    for (const Family& family : families_) {
+    for (size_t next = 0; const Family& family : families_) {
       for (const Point& p : family.point) {
+        const Vector at = place[next++];
         Vector va, vb;
         if (p.facet_a >= 0) {
           for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
         } else {
           const int i = blocks_[p.a].body;
-          va = v[i] + cross(w[i], p.at - bodies_[i].x);
+          va = v[i] + cross(w[i], at - bodies_[i].x);
         }
         if (p.facet_b >= 0) {
           for (int k = 0; k < 3; ++k) vb += facets_[p.facet_b].weight[k] * nv[facets_[p.facet_b].node[k]];
         } else {
           const int i = blocks_[p.b].body;
-          vb = v[i] + cross(w[i], p.at - bodies_[i].x);
+          vb = v[i] + cross(w[i], at - bodies_[i].x);
         }
         const Vector normal = p.facet_a >= 0 ? p.n : bodies_[blocks_[p.a].body].r * p.n;
         const Vector d = vb - va;
@@ -105,13 +110,13 @@ double World::highest_frequency() const {
           for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
         } else {
           const int i = blocks_[p.a].body;
-          f[i] -= force, m[i] -= cross(p.at - bodies_[i].x, force);
+          f[i] -= force, m[i] -= cross(at - bodies_[i].x, force);
         }
         if (p.facet_b >= 0) {
           for (int k = 0; k < 3; ++k) nf[facets_[p.facet_b].node[k]] += facets_[p.facet_b].weight[k] * force;
         } else {
           const int i = blocks_[p.b].body;
-          f[i] += force, m[i] += cross(p.at - bodies_[i].x, force);
+          f[i] += force, m[i] += cross(at - bodies_[i].x, force);
         }
       }
     }

@@ -48,6 +48,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.riding_stage_start);
   archive.value(s.multiplier);
   archive.array(s.monitor_blocks);
+  archive.value(s.monitor_stands_below);
   archive.value(s.outcome.collapse_multiplier);
   archive.value(s.outcome.base_slip_at_uplift);
 }

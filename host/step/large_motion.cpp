@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "step/rigid_kernels.h"
 
 namespace quoin::blocks {
 
@@ -78,20 +79,34 @@ void Model::apply_ground_motion() {
 
 // ---- Contacts ------------------------------------------------------------------------------------------------------
 
-void Model::contact_kinematics(Family& f, const Chunk& chunk) {
-  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+namespace {
+
+RigidColumns rigid_columns(Family& f) {
+  RigidColumns c{};
+  for (int k = 0; k < 3; ++k) c.arm[k] = f.arm[k].data(), c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.offset = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
+  return c;
+}
+
+}  // namespace
+
+void Model::contact_kinematics(Family& f, Chunk& chunk) {
+  rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
+  for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
     const Location now = locate(p, facets_);
     p.at = now.at;
     f.normal_jump[i] = now.jump;
-    for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - p.slid[k], p.slid[k] = now.slid[k];
+    for (int k = 0; k < 2; ++k) f.slip[k][i] = now.slid[k] - f.slid[k][i], f.slid[k][i] = now.slid[k];
     if (p.facet_a >= 0 && !small_) {
       // The foot on the triangle follows the point, so that the pair of forces stays collinear.
       Facet& facet = facets_[p.facet_a];
       for (int k = 0; k < 3; ++k)
-        facet.weight[k] += facet.gradient[k][0] * p.slid[0] + facet.gradient[k][1] * p.slid[1];
-      p.slid[0] = p.slid[1] = 0.0;
+        facet.weight[k] += facet.gradient[k][0] * f.slid[0][i] + facet.gradient[k][1] * f.slid[1][i];
+      f.slid[0][i] = f.slid[1][i] = 0.0;
     }
   }
 }
@@ -109,8 +124,8 @@ void Model::contact_law(Family& f, Chunk& chunk) {
   chunk.stored = 0.0;
   for (double& d : chunk.dissipated) d = 0.0;
   for (size_t i = chunk.first; i < end; ++i) {
-    chunk.stored += f.stored[i] * f.point[i].area;
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) chunk.dissipated[k] += f.dissipated[k][i] * f.point[i].area;
+    chunk.stored += f.stored[i] * f.area[i];
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) chunk.dissipated[k] += f.dissipated[k][i] * f.area[i];
   }
 }
 
@@ -136,46 +151,48 @@ void Model::report_failure(const Chunk& chunk) const {
           "contact point at {}, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, traction ({:.6g}, {:.6g}, "
           "{:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
           law, chunk.batch.failed_count, chunk.count, step_count_, time_, family, label(assembly_, p.a),
-          label(assembly_, p.b), place(p.at), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
+          label(assembly_, p.b), place(place_of(p)), f.normal_jump[i], f.slip[0][i], f.slip[1][i], f.traction[0][i],
           f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
 void Model::contact_forces(Family& f, Chunk& chunk) {
-  const double beta = viscous_contacts() ? solver_.stiffness_damping : 0.0;
-  chunk.force = chunk.damping = 0.0;
-  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
-    double sigma = f.traction[0][i], tau_s = f.traction[1][i], tau_t = f.traction[2][i];
+  chunk.damping = 0.0;
+  if (viscous_contacts()) viscous_tractions(f, chunk);
+  rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
+  for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
-    if (beta > 0) {
-      double normal = 0.0, shear_s = 0.0, shear_t = 0.0, opening = 0.0;
-      if (!std::isnan(f.old_jump[i])) {  // a point born since: no rate is known
-        // Stiffness-proportional: the rate of the traction itself, so that slip and open joints are not damped. It may
-        // slow a closed contact but never pull on it.
-        const double rate = beta / dt_;
-        normal = rate * (sigma - f.old_traction[0][i]);
-        if (sigma <= 0) normal = std::min(normal, -sigma);
-        if (sigma == 0) normal = 0;
-        shear_s = tau_s == 0 ? 0 : rate * (tau_s - f.old_traction[1][i]);
-        shear_t = tau_t == 0 ? 0 : rate * (tau_t - f.old_traction[2][i]);
-        opening = f.normal_jump[i] - f.old_jump[i];
-      }
-      if (energy_) {
-        // Central differences: half of the motion is under the traction of the step before.
-        auto& before = f.viscous;
-        chunk.damping += 0.5 * p.area *
-                         ((before[0][i] + normal) * opening + (before[1][i] + shear_s) * f.slip[0][i] +
-                          (before[2][i] + shear_t) * f.slip[1][i]);
-        before[0][i] = normal, before[1][i] = shear_s, before[2][i] = shear_t;
-      }
-      sigma += normal, tau_s += shear_s, tau_t += shear_t;
-      f.old_jump[i] = f.normal_jump[i];
-    }
-    p.shear[0] = tau_s, p.shear[1] = tau_t;
+    double traction[3];
+    for (int k = 0; k < 3; ++k) traction[k] = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
+    p.shear[0] = traction[1], p.shear[1] = traction[2];
     p.force = {};
-    if (sigma == 0 && tau_s == 0 && tau_t == 0) continue;
-    p.force = p.area * (sigma * p.n + tau_s * p.s + tau_t * p.t);
-    if (p.facet_a < 0) p.force = bodies_[blocks_[p.a].body].r * p.force;
-    chunk.force += norm(p.force);
+    if (traction[0] == 0 && traction[1] == 0 && traction[2] == 0) continue;
+    p.force = p.area * in_space(p, traction[0] * p.n + traction[1] * p.s + traction[2] * p.t);
+  }
+}
+
+// Stiffness-proportional damping: the rate of the traction itself, so that slip and open joints are not damped. It may
+// slow a closed contact but never pull on it.
+void Model::viscous_tractions(Family& f, Chunk& chunk) {
+  const double rate = solver_.stiffness_damping / dt_;
+  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    const double sigma = f.traction[0][i];
+    double viscous[3] = {0.0, 0.0, 0.0}, opening = 0.0;
+    if (!std::isnan(f.old_jump[i])) {  // else born since: no rate is known
+      viscous[0] = rate * (sigma - f.old_traction[0][i]);
+      if (sigma <= 0) viscous[0] = std::min(viscous[0], -sigma);
+      for (int k = 1; k < 3; ++k) viscous[k] = rate * (f.traction[k][i] - f.old_traction[k][i]);
+      for (int k = 0; k < 3; ++k) {
+        if (f.traction[k][i] == 0) viscous[k] = 0.0;
+      }
+      opening = f.normal_jump[i] - f.old_jump[i];
+    }
+    // Central differences: half of the motion is under the traction of the step before.
+    const double way[3] = {opening, f.slip[0][i], f.slip[1][i]};
+    for (int k = 0; k < 3; ++k) {
+      chunk.damping += 0.5 * f.area[i] * (f.viscous[k][i] + viscous[k]) * way[k];
+      f.viscous[k][i] = viscous[k];
+    }
+    f.old_jump[i] = f.normal_jump[i];
   }
 }
 
@@ -184,10 +201,7 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
 void Model::advance_block(int block) {
   const ModelBlock& b = blocks_[size_t(block)];
   if (b.body >= 0) {
-    block_sums_[size_t(block)] = {};
-    forces_on_body(block);
-    integrate_body(bodies_[size_t(b.body)], block_sums_[size_t(block)]);
-    if (energy_ && loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
+    advance_bodies(block);
     return;
   }
   const Unit unit = unit_of(block);
@@ -306,6 +320,14 @@ void Model::forces_on_gridpoints(int block) {
 void Model::forces_on_body(int block) {
   Body& body = bodies_[size_t(blocks_[size_t(block)].body)];
   body.force = {}, body.torque = {};
+  for (uint32_t k = block > 0 ? pair_touch_end_[size_t(block) - 1] : 0; k < pair_touch_end_[size_t(block)]; ++k) {
+    const PairTouch& touch = pair_touches_[k];
+    const RigidPair& pair = *touch.pair;
+    if (touch.side_a)
+      body.force += pair.force, body.torque += pair.moment_a;
+    else
+      body.force -= pair.force, body.torque += pair.moment_b;
+  }
   for (uint32_t k = block > 0 ? touch_end_[size_t(block) - 1] : 0; k < touch_end_[size_t(block)]; ++k) {
     const Touch& touch = touches_[k];
     const Point& p = families_[size_t(touch.family)].point[touch.point];
@@ -459,80 +481,29 @@ void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, Blo
   sums.damping += factor * taken;
 }
 
-void Model::integrate_body(Body& b, BlockSums& sums) {
+// The rigid blocks that begin with this one: those of a vector.
+void Model::advance_bodies(int first) {
+  int32_t index[kBodies];
+  BlockSums* sums[kBodies];
+  int count = 0;
+  for (int block = first; count < bodies_with(first); ++block, ++count) {
+    forces_on_body(block);
+    index[count] = blocks_[size_t(block)].body;
+    sums[count] = &block_sums_[size_t(block)];
+  }
+  if (count == 0) return;  // moves on with one before it
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
-  const Damper damper{eq1 ? gamma() : 0.0, viscous_alpha(solver_), dt_};
   const Vector g = gravity_factor_.at(time_) * gravity_;
-  const Vector v_before = b.v, omega_before = b.omega, momentum_before = b.momentum;
-  double free = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    if (b.held >> k & 1) {
-      b.v[k] = b.held_v[k];
-      if (energy_) sums.external += (b.weight_mass * g[k] - b.force[k]) * 0.5 * (b.v[k] + v_before[k]) * dt_;
-    } else {
-      b.v[k] = damper.velocity(b.v[k], b.force[k], b.mass, sums.damping);
-      free += b.force[k] * b.force[k];
-      sums.net[k] += b.force[k];
-      if (energy_) sums.external += b.weight_mass * g[k] * 0.5 * (b.v[k] + v_before[k]) * dt_;
-    }
-  }
-  sums.unbalanced = larger(sums.unbalanced, std::sqrt(free));
-  b.x += dt_ * b.v;
-
-  if ((b.held >> 3) == 7) {
-    b.omega = b.held_omega;
-    if (energy_) sums.external -= dot(b.torque, b.omega) * dt_;
-  } else {
-    Vector torque = b.torque;
-    if (damper.gamma > 0) {
-      for (int k = 0; k < 3; ++k) {
-        if (b.omega[k] == 0 || (b.held >> (3 + k) & 1)) continue;
-        const double damping = -std::copysign(damper.gamma * std::abs(torque[k]), b.omega[k]);
-        torque[k] += damping;
-        sums.damping -= damping * b.omega[k] * dt_;
-      }
-    }
-    const double a = 0.5 * damper.alpha * dt_;
-    b.momentum = (1 / (1 + a)) * ((1 - a) * b.momentum + dt_ * torque);
-    // Implicit midpoint for the orientation at constant angular momentum: omega = R_mid I^-1 R_mid^T momentum
-    const auto spin = [&](const Matrix& r) {
-      const Vector l = transposed_times(r, b.momentum);
-      return r * Vector{l.x / b.inertia.x, l.y / b.inertia.y, l.z / b.inertia.z};
-    };
-    Vector omega = spin(b.r);
-    for (int iteration = 0; iteration < 20; ++iteration) {
-      const Vector next = spin(matrix(rotation(0.5 * dt_ * omega) * b.q));
-      const Vector change = next - omega;
-      omega = next;
-      if (dot(change, change) <= 1e-30 * dot(omega, omega)) break;
-    }
-    if (b.held >> 3) {
-      for (int k = 0; k < 3; ++k) {
-        if (b.held >> (3 + k) & 1) omega[k] = b.held_omega[k];
-      }
-      const Vector w = transposed_times(b.r, omega);
-      b.momentum = b.r * Vector{b.inertia.x * w.x, b.inertia.y * w.y, b.inertia.z * w.z};
-    }
-    b.omega = omega;
-    if (a > 0) sums.damping += 2 * a * 0.25 * dot(b.momentum + momentum_before, b.omega + omega_before);
-  }
-  if (b.omega.x != 0 || b.omega.y != 0 || b.omega.z != 0) {
-    b.q = normalized(rotation(dt_ * b.omega) * b.q);
-    b.r = matrix(b.q);
-  }
-  sums.positions = b.x.x + b.x.y + b.x.z + b.q.w;
-  if (energy_) {
-    const Vector mean = 0.5 * (v_before + b.v);
-    for (int k = 0; k < 3; ++k)
-      if (!(b.held >> k & 1)) sums.kinetic += 0.5 * b.mass * mean[k] * mean[k];
-    if ((b.held >> 3) != 7) sums.kinetic += 0.125 * dot(b.momentum + momentum_before, b.omega + omega_before);
+  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
+  advance_rigid(bodies_.data(), index, count, step, sums);
+  if (!energy_) return;
+  for (int block = first; block < first + count; ++block) {
+    if (loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
   }
 }
 
 void Model::sum_up() {
-  total_force_ = 0.0;
-  for (const Chunk& chunk : chunks_) total_force_ += chunk.force;
   unbalanced_ = 0.0;
   net_ = {};
   for (const BlockSums& sums : block_sums_) {

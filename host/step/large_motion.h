@@ -46,15 +46,16 @@ class Model : public World {
  private:
   // phases of the step: contacts chunk by chunk, then blocks one by one
   void apply_ground_motion();
-  void contact_kinematics(Family& f, const Chunk& chunk);
+  void contact_kinematics(Family& f, Chunk& chunk);
   void contact_law(Family& f, Chunk& chunk);
   void contact_forces(Family& f, Chunk& chunk);
+  void viscous_tractions(Family& f, Chunk& chunk);
   void internal_forces(const ModelBlock& b, BlockSums& sums);
   void forces_on_gridpoints(int block);
   void forces_on_body(int block);
+  void advance_bodies(int first);
   void integrate_unit(const Unit& unit);
   void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
-  void integrate_body(Body& b, BlockSums& sums);
   double work_of_loads(int block) const;  // of the step, J
   void sum_up();
   void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step

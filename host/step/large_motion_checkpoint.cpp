@@ -33,6 +33,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.unit_count_);
   for (auto& f : m.families_) {
     archive.array(f.point);
+    for (auto& column : f.slid) archive.array(column);
     archive.array(f.normal_jump);
     for (auto& column : f.slip) archive.array(column);
     for (auto& column : f.traction) archive.array(column);
@@ -89,7 +90,6 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.next_check_);
   archive.value(m.detections_);
   archive.value(m.narrow_calls_);
-  archive.value(m.total_force_);
   archive.value(m.unbalanced_);
   archive.value(m.net_);
   archive.value(m.energies_);
@@ -113,13 +113,14 @@ void Model::restore(ArchiveReader& reader) {
   for (const Family& f : families_) {
     const size_t n = f.size();
     bool fits = f.normal_jump.size() == n && f.state.size() == f.material->api().state_count;
+    for (const auto& column : f.slid) fits = fits && column.size() == n;
     for (const auto& column : f.slip) fits = fits && column.size() == n;
     for (const auto& column : f.traction) fits = fits && column.size() == n;
     for (const auto& column : f.state) fits = fits && column.size() == n;
     for (const auto& column : f.old_traction) fits = fits && (column.size() == n || !viscous_contacts());
     fits = fits && (f.old_jump.size() == n || !viscous_contacts()) && (f.stored.size() == n || !energy_);
     for (const auto& column : f.dissipated) fits = fits && (column.size() == n || !energy_);
-    for (const auto& column : f.viscous) fits = fits && (column.size() == n || !energy_ || !viscous_contacts());
+    for (const auto& column : f.viscous) fits = fits && (column.size() == n || !viscous_contacts());
     for (const Point& p : f.point)
       fits = fits && is_block(p.a) && is_block(p.b) && is_facet(p.facet_a, p.a) && is_facet(p.facet_b, p.b);
     if (!fits) throw Error(Exit::bad_input, kOther);

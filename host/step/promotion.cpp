@@ -203,8 +203,7 @@ void Simulation::Impl::promote(const std::string& why) {
   drives = std::move(continued);
   const Stage& settings = scene.stages[at(stage)];
   riding_stage_start = promotion.time - static_cast<double>(stage_step) * dt;
-  const std::string& watched = watched_block(settings);
-  if (!watched.empty()) monitor_blocks = blocks_named(watched, settings.source.text);
+  watch_blocks(settings);
   bind_whiffletree();
   controls_settled = false;  // what they impose is bound anew
   row_interval = std::max(1L, std::lround(static_cast<double>(row_interval) * dt / data.time_step));

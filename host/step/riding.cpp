@@ -58,6 +58,13 @@ const std::string& Simulation::Impl::watched_block(const Stage& settings) const 
   return settings.monitor.empty() ? scene.output.monitor : settings.monitor;
 }
 
+void Simulation::Impl::watch_blocks(const Stage& settings) {
+  const std::string& watched = watched_block(settings);
+  monitor_blocks.clear();
+  if (!watched.empty()) monitor_blocks = blocks_named(watched, settings.source.text);
+  monitor_stands_below = stands_below(monitor_blocks);
+}
+
 // ---- Stages --------------------------------------------------------------------------------------------------------
 
 void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
@@ -66,9 +73,7 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
   riding_stage_start = m.time();
   multiplier = 0.0;
   if (settings.damping) m.set_damping(*settings.damping);
-  const std::string& watched = watched_block(settings);
-  monitor_blocks.clear();
-  if (!watched.empty()) monitor_blocks = blocks_named(watched, settings.source.text);
+  watch_blocks(settings);
   monitor_start = riding_displacement(monitor_blocks);
 
   bind_drives(settings);
@@ -333,7 +338,7 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   }
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
-  row.vertical_force = scene.blocks || !stands_below(monitor_blocks) ? row.joint_force[1] : -row.joint_force[1];
+  row.vertical_force = scene.blocks || !monitor_stands_below ? row.joint_force[1] : -row.joint_force[1];
   if (whiffletree.empty()) return;
   // The roof against the shear force that the walls carry to the ground.
   row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
@@ -347,7 +352,7 @@ bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
   for (const blocks::Family& f : riding->families()) {
     for (const blocks::Point& p : f.point) {
       for (const int block : blocks) {
-        if (p.a == block || p.b == block) arms += p.at.y - riding->position(block).y;
+        if (p.a == block || p.b == block) arms += riding->place_of(p).y - riding->position(block).y;
       }
     }
   }
@@ -464,7 +469,7 @@ std::vector<ContactPoint> Simulation::Impl::riding_points() const {
       const geometry::Matrix r = riding->frame_of(p);
       ContactPoint point{};
       point.index = static_cast<std::int32_t>(points.size());
-      point.position = geometry::array(p.at);
+      point.position = geometry::array(riding->place_of(p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);

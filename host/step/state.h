@@ -154,6 +154,7 @@ struct Simulation::Impl {
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
   void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   std::vector<int> blocks_named(const std::string& name, const std::string& where) const;
+  void watch_blocks(const Stage& settings);                       // the monitor of the stage
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
@@ -243,6 +244,7 @@ struct Simulation::Impl {
   double riding_stage_start = 0.0;                     // s
   double multiplier = 0.0;                             // of the body force of a collapse stage
   std::vector<int> monitor_blocks;
+  bool monitor_stands_below = false;  // at the start of the stage: what these blocks touch is above them
   Outcome outcome;
 
   // Rebuilt from the state or derived.

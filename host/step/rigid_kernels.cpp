@@ -1,0 +1,500 @@
+#include "step/rigid_kernels.h"
+
+#include <cmath>
+#include <cstddef>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "step/rigid_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "model/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::blocks {
+namespace HWY_NAMESPACE {
+using namespace quoin::HWY_NAMESPACE;
+
+// ---- Contact points ------------------------------------------------------------------------------------------------
+
+// Four points of a pair, or the four columns of a pose: pairs have few points, so longer vectors would be half empty.
+constexpr int kRow = 4;
+using Four = hn::CappedTag<double, kRow>;
+using F = hn::Vec<Four>;
+constexpr int kPart = static_cast<int>(hn::MaxLanes(Four()));
+constexpr int kFourParts = kRow / kPart;
+
+struct Row {
+  F part[kFourParts];
+};
+
+HWY_INLINE Row row_of(const double* from) {
+  Row row;
+  for (int p = 0; p < kFourParts; ++p) row.part[p] = hn::LoadU(Four(), from + p * kPart);
+  return row;
+}
+
+HWY_INLINE Row with_last(Row row, double last) {
+  F& end = row.part[kFourParts - 1];
+  end = hn::IfThenElse(hn::FirstN(Four(), kPart - 1), end, hn::Set(Four(), last));
+  return row;
+}
+
+HWY_INLINE void add(double factor, const Row& row, Row& to) {
+  const F f = hn::Set(Four(), factor);
+  for (int p = 0; p < kFourParts; ++p) to.part[p] = hn::MulAdd(f, row.part[p], to.part[p]);
+}
+
+HWY_INLINE Row zero_row() {
+  Row row;
+  for (F& part : row.part) part = hn::Zero(Four());
+  return row;
+}
+
+HWY_INLINE void store(const Row& row, double* to) {
+  for (int p = 0; p < kFourParts; ++p) hn::StoreU(row.part[p], Four(), to + p * kPart);
+}
+
+// The axes of the plane in space; of each, col in b's body frame, then base.
+HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][kRow]) {
+  const Body &a = bodies[pair.a], &b = bodies[pair.b];
+  const Row columns_of_a[3] = {row_of(&a.transposed_r.row[0].x), row_of(&a.transposed_r.row[1].x),
+                               row_of(&a.transposed_r.row[2].x)};
+  const Row rows_of_b[3] = {with_last(row_of(&b.r.row[0].x), b.x.x - a.x.x),
+                            with_last(row_of(&b.r.row[1].x), b.x.y - a.x.y),
+                            with_last(row_of(&b.r.row[2].x), b.x.z - a.x.z)};
+  for (int k = 0; k < 3; ++k) {
+    Row axis = zero_row();
+    for (int j = 0; j < 3; ++j) add((&pair.axis[k].x)[j], columns_of_a[j], axis);
+    store(axis, pair.in_space[k]);
+    Row row = zero_row();
+    for (int j = 0; j < 3; ++j) add(pair.in_space[k][j], rows_of_b[j], row);
+    store(row, pose[k]);
+  }
+}
+
+void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+  const Four d;
+  for (RigidPair& pair : pairs) {
+    double pose[3][kRow];
+    pose_of(pair, bodies, pose);
+    const auto points = [&](std::size_t i, auto load, auto store) HWY_ATTR {
+      const F x = load(c.arm[0] + i), y = load(c.arm[1] + i), z = load(c.arm[2] + i);
+      const auto place = [&](const double(&row)[kRow]) HWY_ATTR {
+        return hn::MulAdd(hn::Set(d, row[0]), x,
+                          hn::MulAdd(hn::Set(d, row[1]), y, hn::MulAdd(hn::Set(d, row[2]), z, hn::Set(d, row[3]))));
+      };
+      store(hn::Sub(place(pose[0]), load(c.offset + i)), c.normal_jump + i);
+      for (int k = 0; k < 2; ++k) {
+        const F now = place(pose[k + 1]);
+        store(hn::Sub(now, load(c.slid[k] + i)), c.slip[k] + i);
+        store(now, c.slid[k] + i);
+      }
+    };
+    const std::size_t end = pair.first + pair.count;
+    std::size_t i = pair.first;
+    for (; i + kPart <= end; i += kPart) {
+      points(
+          i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from); },
+          [&](F v, double* to) HWY_ATTR { hn::StoreU(v, d, to); });
+    }
+    if (i == end) continue;
+    const auto rest = hn::FirstN(d, end - i);
+    points(
+        i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from); },
+        [&](F v, double* to) HWY_ATTR { hn::BlendedStore(v, rest, d, to); });
+  }
+}
+
+void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
+  const Four d;
+  for (RigidPair& pair : pairs) {
+    F force[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)}, moment[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    const auto points = [&](std::size_t i, auto load) HWY_ATTR {
+      const F area = load(c.area + i);
+      F f[3];
+      for (int k = 0; k < 3; ++k) {
+        F t = load(c.traction[k] + i);
+        if (c.viscous[0]) t = hn::Add(t, load(c.viscous[k] + i));
+        f[k] = hn::Mul(area, t);
+        force[k] = hn::Add(force[k], f[k]);
+      }
+      const F n = hn::Add(load(c.normal_jump + i), load(c.offset + i)), s = load(c.slid[0] + i),
+              t = load(c.slid[1] + i);
+      moment[0] = hn::NegMulAdd(t, f[1], hn::MulAdd(s, f[2], moment[0]));
+      moment[1] = hn::NegMulAdd(n, f[2], hn::MulAdd(t, f[0], moment[1]));
+      moment[2] = hn::NegMulAdd(s, f[0], hn::MulAdd(n, f[1], moment[2]));
+    };
+    const std::size_t end = pair.first + pair.count;
+    std::size_t i = pair.first;
+    for (; i + kPart <= end; i += kPart) points(i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from); });
+    if (i < end) {
+      const auto rest = hn::FirstN(d, end - i);
+      points(i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from); });
+    }
+    const Body &a = bodies[pair.a], &b = bodies[pair.b];
+    const auto in_space = [&](const F(&of)[3]) HWY_ATTR {
+      Row row = zero_row();
+      for (int k = 0; k < 3; ++k) {
+        const F sum = hn::SumOfLanes(d, of[k]);  // in every lane
+        for (int p = 0; p < kFourParts; ++p)
+          row.part[p] = hn::MulAdd(sum, hn::LoadU(d, pair.in_space[k] + p * kPart), row.part[p]);
+      }
+      alignas(32) double lane[kRow];
+      store(row, lane);
+      return Vector{lane[0], lane[1], lane[2]};
+    };
+    pair.force = in_space(force);
+    pair.moment_a = in_space(moment);
+    pair.moment_b = cross(b.x - a.x, pair.force) - pair.moment_a;
+  }
+}
+
+// ---- Bodies --------------------------------------------------------------------------------------------------------
+
+static_assert(kBodies == kLanes);
+// The order that advance_vector reads and writes.
+static_assert(offsetof(Body, torque) == 19 * sizeof(double) && offsetof(Body, inertia) == 24 * sizeof(double) &&
+              offsetof(Body, transposed_r) == offsetof(Body, r) + 9 * sizeof(double));
+
+constexpr double kRounding = 0x1p-56;  // relative; an eighth of the last bit, so that errors of steps do not add up
+
+struct Lanes3 {
+  V x, y, z;
+  HWY_INLINE V& operator[](int k) { return k == 0 ? x : (k == 1 ? y : z); }
+  HWY_INLINE const V& operator[](int k) const { return k == 0 ? x : (k == 1 ? y : z); }
+};
+struct Lanes4 {
+  V w;
+  Lanes3 v;
+};
+struct Lanes33 {
+  Lanes3 row[3];
+};
+
+HWY_INLINE V twice(V a) { return hn::Add(a, a); }
+HWY_INLINE Lanes3 cross_of(const Lanes3& a, const Lanes3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V dot_of(const Lanes3& a, const Lanes3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+HWY_INLINE Lanes3 scaled(V f, const Lanes3& a) { return {hn::Mul(f, a.x), hn::Mul(f, a.y), hn::Mul(f, a.z)}; }
+HWY_INLINE Lanes3 sum_of(const Lanes3& a, const Lanes3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE Lanes3 times(const Lanes33& m, const Lanes3& v) {
+  return {dot_of(m.row[0], v), dot_of(m.row[1], v), dot_of(m.row[2], v)};
+}
+HWY_INLINE Lanes3 transposed_times_of(const Lanes33& m, const Lanes3& v) {
+  return sum_of(scaled(v.x, m.row[0]), sum_of(scaled(v.y, m.row[1]), scaled(v.z, m.row[2])));
+}
+HWY_INLINE Lanes4 product(const Lanes4& a, const Lanes4& b) {
+  return {hn::NegMulAdd(a.v.x, b.v.x, hn::NegMulAdd(a.v.y, b.v.y, hn::NegMulAdd(a.v.z, b.v.z, hn::Mul(a.w, b.w)))),
+          sum_of(sum_of(scaled(a.w, b.v), scaled(b.w, a.v)), cross_of(a.v, b.v))};
+}
+HWY_INLINE Lanes4 unit(const Lanes4& q) {
+  const V one = hn::Set(D(), 1.0);
+  const V f = hn::Div(one, hn::Sqrt(hn::MulAdd(q.w, q.w, dot_of(q.v, q.v))));
+  return {hn::Mul(f, q.w), scaled(f, q.v)};
+}
+HWY_INLINE Lanes33 matrix_of(const Lanes4& q) {
+  const V one = hn::Set(D(), 1.0);
+  const V x = q.v.x, y = q.v.y, z = q.v.z, w = q.w;
+  const auto diagonal = [&](V a, V b) HWY_ATTR { return hn::Sub(one, twice(hn::MulAdd(a, a, hn::Mul(b, b)))); };
+  const auto less = [&](V a, V b, V c) HWY_ATTR { return twice(hn::NegMulAdd(w, c, hn::Mul(a, b))); };
+  const auto more = [&](V a, V b, V c) HWY_ATTR { return twice(hn::MulAdd(w, c, hn::Mul(a, b))); };
+  return {{{diagonal(y, z), less(x, y, z), more(x, z, y)},
+           {more(x, y, z), diagonal(x, z), less(y, z, x)},
+           {less(x, z, y), more(y, z, x), diagonal(x, y)}}};
+}
+
+// geometry::rotation, lane by lane: the series where all angles are small, as in a step they are.
+HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
+  const D d;
+  const V quarter = hn::Set(d, 0.25), one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
+  const V square = hn::Mul(quarter, dot_of(angle, angle));  // of half the angle
+  if (HWY_LIKELY(hn::AllTrue(d, hn::Lt(square, hn::Set(d, 1e-4))))) {
+    const auto term = [&](double over, V next)
+                          HWY_ATTR { return hn::NegMulAdd(hn::Mul(square, hn::Set(d, 1.0 / over)), next, one); };
+    const V sinc = term(6.0, term(20.0, term(42.0, one)));
+    const V cosine = term(2.0, term(12.0, term(30.0, one)));
+    return {cosine, scaled(hn::Mul(half, sinc), angle)};
+  }
+  alignas(64) double w[kLanes], f[kLanes];
+  alignas(64) double h2[kLanes];
+  hn::Store(square, d, h2);
+  for (int i = 0; i < kWidth; ++i) {
+    const double h = std::sqrt(h2[i]);
+    w[i] = std::cos(h);
+    f[i] = h > 0.0 ? 0.5 * std::sin(h) / h : 0.5;
+  }
+  return {hn::Load(d, w), scaled(hn::Load(d, f), angle)};
+}
+
+// The bodies of a vector: four members that follow each other, of all of them at a time.
+struct Members {
+  Body* lane[kLanes];  // the last one again where there are fewer
+  int count;           // to be written
+
+  static HWY_INLINE const double* at(const Body* body, std::size_t offset) {
+    return reinterpret_cast<const double*>(reinterpret_cast<const char*>(body) + offset);
+  }
+  // Rows and columns of a square of four by four change places, kWidth rows at once.
+  HWY_INLINE void load(std::size_t offset, V (&member)[kRow]) const {
+    for (int c = 0; c < kRow; c += kPart) {
+      F column[2][kPart];
+      for (int l = 0; l < kWidth; l += kPart) {
+        F row[kPart];
+        for (int i = 0; i < kPart; ++i) row[i] = hn::LoadU(Four(), at(lane[l + i], offset) + c);
+        turn(row, column[l / kPart]);
+      }
+      for (int i = 0; i < kPart; ++i) member[c + i] = join(column[0][i], column[1][i]);
+    }
+  }
+  HWY_INLINE void store(const V (&member)[kRow], std::size_t offset) const {
+    for (int c = 0; c < kRow; c += kPart) {
+      for (int l = 0; l < kWidth; l += kPart) {
+        F column[kPart], row[kPart];
+        for (int i = 0; i < kPart; ++i) column[i] = part(member[c + i], l);
+        turn(column, row);
+        for (int i = 0; i < kPart && l + i < count; ++i)
+          hn::StoreU(row[i], Four(), const_cast<double*>(at(lane[l + i], offset)) + c);
+      }
+    }
+  }
+  HWY_INLINE V one(std::size_t offset) const {
+    V member[kRow];
+    load(offset, member);
+    return member[0];
+  }
+
+ private:
+#if HWY_TARGET == HWY_SCALAR
+  static HWY_INLINE void turn(const F (&row)[1], F (&column)[1]) { column[0] = row[0]; }
+  static HWY_INLINE V join(F lower, F) { return lower; }
+  static HWY_INLINE F part(V v, int) { return v; }
+#else
+  // Templates, so that what a target has no instruction for is not compiled for it.
+  template <class Tag = Four>
+  static HWY_INLINE void turn(const hn::Vec<Tag> (&row)[kPart], hn::Vec<Tag> (&column)[kPart]) {
+    const Tag d;
+    if constexpr (hn::MaxLanes(Tag()) == 2) {
+      column[0] = hn::InterleaveLower(d, row[0], row[1]);
+      column[1] = hn::InterleaveUpper(d, row[0], row[1]);
+    } else {
+      const auto low01 = hn::InterleaveLower(d, row[0], row[1]), up01 = hn::InterleaveUpper(d, row[0], row[1]);
+      const auto low23 = hn::InterleaveLower(d, row[2], row[3]), up23 = hn::InterleaveUpper(d, row[2], row[3]);
+      column[0] = hn::ConcatLowerLower(d, low23, low01);
+      column[1] = hn::ConcatLowerLower(d, up23, up01);
+      column[2] = hn::ConcatUpperUpper(d, low23, low01);
+      column[3] = hn::ConcatUpperUpper(d, up23, up01);
+    }
+  }
+  template <class Tag = D>
+  static HWY_INLINE hn::Vec<Tag> join(F lower, F upper) {
+    if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
+      return lower;
+    else
+      return hn::Combine(Tag(), upper, lower);
+  }
+  template <class Tag = D>
+  static HWY_INLINE F part(hn::Vec<Tag> v, int first) {
+    if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
+      return v;
+    else
+      return first == 0 ? hn::LowerHalf(Four(), v) : hn::UpperHalf(Four(), v);
+  }
+#endif
+};
+
+// What a step adds up, a column a lane.
+struct SumLanes {
+  alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
+  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
+};
+
+HWY_INLINE void advance_vector(const Members& of, const double (&held)[6][kLanes], int first, const BodyStep& step,
+                               SumLanes* sums) {
+  const D d;
+  const auto zero = hn::Zero(d), half = hn::Set(d, 0.5), one = hn::Set(d, 1.0), dt = hn::Set(d, step.time_step);
+  const auto gamma = hn::Set(d, step.gamma);
+  const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, as the mean of both velocities
+  const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
+  const auto is_held = [&](int k) HWY_ATTR { return hn::Ne(hn::Load(d, held[k] + first), zero); };
+  const auto against = [&](V force, V velocity) HWY_ATTR {  // eq. 1; nothing on what is at rest
+    const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force)), velocity);
+    return hn::IfThenZeroElse(hn::Eq(velocity, zero), hn::Neg(amount));
+  };
+
+  // x q v momentum omega; force torque weight_mass mass inertia.
+  V moved[4][kRow], load[3][kRow];
+  for (int i = 0; i < 4; ++i) of.load(offsetof(Body, x) + i * kRow * sizeof(double), moved[i]);
+  for (int i = 0; i < 3; ++i) of.load(offsetof(Body, force) + i * kRow * sizeof(double), load[i]);
+  const Lanes3 place = {moved[0][0], moved[0][1], moved[0][2]}, v = {moved[1][3], moved[2][0], moved[2][1]};
+  const Lanes4 q = {moved[0][3], {moved[1][0], moved[1][1], moved[1][2]}};
+  const Lanes3 momentum = {moved[2][2], moved[2][3], moved[3][0]}, spin = {moved[3][1], moved[3][2], moved[3][3]};
+  const Lanes3 force = {load[0][0], load[0][1], load[0][2]}, torque = {load[0][3], load[1][0], load[1][1]};
+  const V weight_mass = load[1][2], mass = load[1][3];
+  const Lanes3 inertia = {load[2][0], load[2][1], load[2][2]};
+  Lanes3 held_v = {zero, zero, zero}, held_spin = held_v;
+  const auto is_free = [&](int k) HWY_ATTR { return hn::AllFalse(d, is_held(k)); };
+  if (!(is_free(0) && is_free(1) && is_free(2) && is_free(3) && is_free(4) && is_free(5))) {
+    for (int k = 0; k < 3; ++k) {
+      held_v[k] = of.one(offsetof(Body, held_v) + k * sizeof(double));
+      held_spin[k] = of.one(offsetof(Body, held_omega) + k * sizeof(double));
+    }
+  }
+
+  // Translation.
+  const V dt_over_mass = hn::Div(dt, mass);
+  Lanes3 next, mean;
+  V free = zero, damping = zero, external = zero, kinetic = zero;
+  for (int k = 0; k < 3; ++k) {
+    const auto hold = is_held(k);
+    const V brake = against(force[k], v[k]);
+    const V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
+    next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, driven));
+    mean[k] = hn::Mul(half, hn::Add(v[k], next[k]));
+    const V net = hn::IfThenZeroElse(hold, force[k]);
+    hn::Store(net, d, sums->net[k] + first);
+    free = hn::MulAdd(net, net, free);
+    if (!step.energies) continue;
+    const V way = hn::Mul(mean[k], dt);
+    const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, mean[k]));
+    damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
+    const V weight = hn::Mul(weight_mass, hn::Set(d, step.gravity[k]));
+    external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
+    kinetic = hn::Add(kinetic, hn::IfThenZeroElse(hold, hn::Mul(hn::Mul(half, mass), hn::Mul(mean[k], mean[k]))));
+  }
+  hn::Store(hn::Sqrt(free), d, sums->unbalanced + first);
+  const Lanes3 x = sum_of(place, scaled(dt, next));
+
+  // Rotation: the angular momentum is the unknown.
+  const Lanes33 r = matrix_of(q);
+  const auto all_held = hn::And(is_held(3), hn::And(is_held(4), is_held(5)));
+  const auto some_held = hn::Or(is_held(3), hn::Or(is_held(4), is_held(5)));
+  Lanes3 turned;
+  for (int k = 0; k < 3; ++k) {
+    const V brake = hn::IfThenZeroElse(is_held(3 + k), against(torque[k], spin[k]));
+    turned[k] = hn::Mul(over, hn::MulAdd(keep, momentum[k], hn::Mul(dt, hn::Add(torque[k], brake))));
+    if (step.energies) damping = hn::NegMulAdd(hn::IfThenZeroElse(all_held, hn::Mul(brake, spin[k])), dt, damping);
+  }
+  // Implicit midpoint for the orientation at constant angular momentum L: omega = R_mid I^-1 R_mid^T L. One iteration
+  // more is nearer by dt |L| (1/I_least - 1/I_largest) at least, so it is known how many it takes to rounding.
+  const Lanes3 inverse = {hn::Div(one, inertia.x), hn::Div(one, inertia.y), hn::Div(one, inertia.z)};
+  const auto spin_at = [&](const Lanes33& at) HWY_ATTR {
+    const Lanes3 l = transposed_times_of(at, turned);
+    return times(at, {hn::Mul(l.x, inverse.x), hn::Mul(l.y, inverse.y), hn::Mul(l.z, inverse.z)});
+  };
+  const V spread =
+      hn::Sub(hn::Max(inverse.x, hn::Max(inverse.y, inverse.z)), hn::Min(inverse.x, hn::Min(inverse.y, inverse.z)));
+  const V nearer = hn::Mul(hn::Mul(dt, spread), hn::Sqrt(dot_of(turned, turned)));
+  V error = hn::IfThenZeroElse(all_held, nearer);  // relative
+  Lanes3 omega = spin_at(r);
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const auto settled = hn::Le(error, hn::Set(d, kRounding));
+    if (hn::AllTrue(d, settled)) break;
+    const Lanes3 better = spin_at(matrix_of(product(rotation_of(scaled(hn::Mul(half, dt), omega)), q)));
+    for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(settled, omega[k], better[k]);
+    error = hn::Mul(error, nearer);
+  }
+  Lanes3 carried = turned;
+  if (!hn::AllFalse(d, some_held)) {
+    for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(is_held(3 + k), held_spin[k], omega[k]);
+    const Lanes3 w = transposed_times_of(r, omega);
+    const Lanes3 of_held = times(r, {hn::Mul(inertia.x, w.x), hn::Mul(inertia.y, w.y), hn::Mul(inertia.z, w.z)});
+    for (int k = 0; k < 3; ++k) {
+      carried[k] = hn::IfThenElse(some_held, of_held[k], turned[k]);
+      carried[k] = hn::IfThenElse(all_held, momentum[k], carried[k]);
+    }
+  }
+  const auto at_rest = hn::Eq(dot_of(omega, omega), zero);
+  Lanes4 new_q = q;
+  Lanes33 new_r = r;
+  if (!hn::AllTrue(d, at_rest)) {
+    const Lanes4 on = unit(product(rotation_of(scaled(dt, omega)), q));
+    const Lanes33 matrix = matrix_of(on);
+    new_q.w = hn::IfThenElse(at_rest, q.w, on.w);
+    for (int k = 0; k < 3; ++k) {
+      new_q.v[k] = hn::IfThenElse(at_rest, q.v[k], on.v[k]);
+      for (int j = 0; j < 3; ++j) new_r.row[k][j] = hn::IfThenElse(at_rest, r.row[k][j], matrix.row[k][j]);
+    }
+  }
+  if (step.energies) {
+    external = hn::Sub(external, hn::IfThenElseZero(all_held, hn::Mul(dot_of(torque, omega), dt)));
+    const V swing = hn::Mul(hn::Set(d, 0.125), dot_of(sum_of(carried, momentum), sum_of(omega, spin)));
+    const V viscous = hn::Mul(hn::Set(d, 4.0 * a), swing);
+    damping = hn::Add(damping, hn::IfThenZeroElse(all_held, viscous));
+    kinetic = hn::Add(kinetic, hn::IfThenZeroElse(all_held, swing));
+  }
+
+  const V now[4][kRow] = {{x.x, x.y, x.z, new_q.w},
+                          {new_q.v.x, new_q.v.y, new_q.v.z, next.x},
+                          {next.y, next.z, carried.x, carried.y},
+                          {carried.z, omega.x, omega.y, omega.z}};
+  for (int i = 0; i < 4; ++i) of.store(now[i], offsetof(Body, x) + i * kRow * sizeof(double));
+  // r row by row, then column by column; the last row is beside what follows.
+  const auto& m = new_r.row;
+  const V turned_to[5][kRow] = {{m[0].x, m[0].y, m[0].z, m[1].x},
+                                {m[1].y, m[1].z, m[2].x, m[2].y},
+                                {m[2].z, m[0].x, m[1].x, m[2].x},
+                                {m[0].y, m[1].y, m[2].y, m[0].z},
+                                {m[2].y, m[0].z, m[1].z, m[2].z}};
+  for (int i = 0; i < 4; ++i) of.store(turned_to[i], offsetof(Body, r) + i * kRow * sizeof(double));
+  of.store(turned_to[4], offsetof(Body, r) + 14 * sizeof(double));
+  hn::Store(hn::Add(hn::Add(x.x, x.y), hn::Add(x.z, new_q.w)), d, sums->positions + first);
+  hn::Store(kinetic, d, sums->kinetic + first);
+  hn::Store(damping, d, sums->damping + first);
+  hn::Store(external, d, sums->external + first);
+}
+
+void AdvanceRigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums) {
+  alignas(64) double held[6][kLanes];
+  SumLanes lanes;
+  for (int first = 0; first < count; first += kWidth) {
+    Members of{{}, std::min(kWidth, count - first)};
+    for (int i = 0; i < kWidth; ++i) {
+      of.lane[i] = bodies + index[std::min(first + i, count - 1)];
+      for (int k = 0; k < 6; ++k) held[k][first + i] = of.lane[i]->held >> k & 1;
+    }
+    advance_vector(of, held, first, step, &lanes);
+  }
+  for (int i = 0; i < count; ++i) {
+    BlockSums& s = *sums[i];
+    s = {};
+    s.unbalanced = lanes.unbalanced[i];
+    s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
+    s.positions = lanes.positions[i];
+    s.kinetic = lanes.kinetic[i], s.damping = lanes.damping[i], s.external = lanes.external[i];
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace quoin::blocks
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace quoin::blocks {
+
+HWY_EXPORT(RigidJumps);
+HWY_EXPORT(RigidForces);
+HWY_EXPORT(AdvanceRigid);
+
+void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+  HWY_DYNAMIC_DISPATCH(RigidJumps)(pairs, bodies, columns);
+}
+
+void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns) {
+  HWY_DYNAMIC_DISPATCH(RigidForces)(pairs, bodies, columns);
+}
+
+void advance_rigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums) {
+  HWY_DYNAMIC_DISPATCH(AdvanceRigid)(bodies, index, count, step, sums);
+}
+
+}  // namespace quoin::blocks
+
+#endif  // HWY_ONCE

@@ -1,0 +1,43 @@
+// Rigid blocks in large motion, vector by vector: contact points of a pair side by side, bodies side by side. Compiled
+// for every instruction set that Highway knows and chosen at run time.
+//
+// Once a pair, with R_a, R_b the orientations, x_a, x_b the centres and e_n, e_s, e_t the axes of the plane in a's
+// frame:
+//   place of a point along axis k = base_k + col_k . arm,  base_k = e_k . R_a^T (x_b - x_a),  col_k = R_b^T R_a e_k,
+// so a point costs nine multiplications; and its force, in the same axes at the same place, adds to one wrench a pair.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+// Columns of a family, from its first point on.
+struct RigidColumns {
+  const double *arm[3], *offset, *area;
+  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
+  double *slid[2], *normal_jump, *slip[2];
+};
+
+// Openings, slips of the step, places along s and t for the next one.
+void rigid_jumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
+
+// Forces and moments of each pair, from the tractions at the jumps of rigid_jumps.
+void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& columns);
+
+// How bodies are moved on in a step.
+struct BodyStep {
+  double time_step;  // s
+  double gamma;      // of eq. 1
+  double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
+  Vector gravity;    // m/s2
+  bool energies;     // work and kinetic energy are wanted
+};
+
+// Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,
+// beside it, all set.
+void advance_rigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums);
+
+}  // namespace quoin::blocks
