@@ -37,6 +37,76 @@ HWY_INLINE hn::Vec<Tag> gather(Tag d, const double* base, const std::int32_t* in
   return hn::GatherIndex(d, base, hn::PromoteTo(wide, hn::LoadU(narrow, index)));
 }
 
+// Four numbers that follow each other.
+constexpr int kFour = 4;
+using Four = hn::CappedTag<double, kFour>;
+using F = hn::Vec<Four>;
+constexpr int kPart = static_cast<int>(hn::MaxLanes(Four()));
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE void transpose(const F (&row)[1], F (&column)[1]) { column[0] = row[0]; }
+HWY_INLINE V join(F lower, F) { return lower; }
+HWY_INLINE F part_of(V v, int) { return v; }
+#else
+// Templates, so that what a target has no instruction for is not compiled for it.
+template <class Tag = Four>
+HWY_INLINE void transpose(const hn::Vec<Tag> (&row)[kPart], hn::Vec<Tag> (&column)[kPart]) {
+  const Tag d;
+  if constexpr (hn::MaxLanes(Tag()) == 2) {
+    column[0] = hn::InterleaveLower(d, row[0], row[1]);
+    column[1] = hn::InterleaveUpper(d, row[0], row[1]);
+  } else {
+    const auto low01 = hn::InterleaveLower(d, row[0], row[1]), up01 = hn::InterleaveUpper(d, row[0], row[1]);
+    const auto low23 = hn::InterleaveLower(d, row[2], row[3]), up23 = hn::InterleaveUpper(d, row[2], row[3]);
+    column[0] = hn::ConcatLowerLower(d, low23, low01);
+    column[1] = hn::ConcatLowerLower(d, up23, up01);
+    column[2] = hn::ConcatUpperUpper(d, low23, low01);
+    column[3] = hn::ConcatUpperUpper(d, up23, up01);
+  }
+}
+template <class Tag = D>
+HWY_INLINE hn::Vec<Tag> join(F lower, F upper) {
+  if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
+    return lower;
+  else
+    return hn::Combine(Tag(), upper, lower);
+}
+template <class Tag = D>
+HWY_INLINE F part_of(hn::Vec<Tag> v, int first) {
+  if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
+    return v;
+  else
+    return first == 0 ? hn::LowerHalf(Four(), v) : hn::UpperHalf(Four(), v);
+}
+#endif
+
+// Four numbers of each lane, from where row(lane) points to: number i of all lanes in column[i].
+template <class Row>
+HWY_INLINE void load_rows(const Row& row, V (&column)[kFour]) {
+  for (int c = 0; c < kFour; c += kPart) {
+    F columns[2][kPart];
+    for (int l = 0; l < kWidth; l += kPart) {
+      F rows[kPart];
+      for (int i = 0; i < kPart; ++i) rows[i] = hn::LoadU(Four(), row(l + i) + c);
+      transpose(rows, columns[l / kPart]);
+    }
+    for (int i = 0; i < kPart; ++i) column[c + i] = join(columns[0][i], columns[1][i]);
+  }
+}
+
+// The inverse: visit(lane, c, numbers c .. c + kPart - 1 of that lane), for the first `count` lanes.
+template <class Visit>
+HWY_INLINE void for_rows(const V (&column)[kFour], int count, const Visit& visit) {
+  for (int c = 0; c < kFour; c += kPart) {
+    for (int l = 0; l < kWidth; l += kPart) {
+      F columns[kPart], rows[kPart];
+      for (int i = 0; i < kPart; ++i) columns[i] = part_of(column[c + i], l);
+      transpose(columns, rows);
+      for (int i = 0; i < kPart && l + i < count; ++i) visit(l + i, c, rows[i]);
+    }
+  }
+}
+
 // Fd = gamma |F| sgn(v) of equation 1, sgn(0) = +1.
 HWY_INLINE V local_damping(V gamma, V force, V velocity) {
   const V amount = hn::Mul(gamma, hn::Abs(force));

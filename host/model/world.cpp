@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "base/error.h"
 
 namespace quoin::blocks {
@@ -112,6 +114,7 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
           description.initial_state);
   }
   double least = 1e300;
+  std::map<std::array<double, 11>, int32_t> lanes_of;  // alike blocks share them: shape, material, zones, orientation
   for (size_t i = 0; i < assembly_.blocks.size(); ++i) {
     const Block& input = assembly_.blocks[i];
     const auto fault = [&](const std::string& what) {
@@ -182,8 +185,10 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
       for (const auto& t : z.zones) {
         Zone zone;
         for (int k = 0; k < 4; ++k) zone.node[k] = b.first_node + t[k];
-        const Vector &o = node_x_[zone.node[0]], e1 = node_x_[zone.node[1]] - o, e2 = node_x_[zone.node[2]] - o,
-                     e3 = node_x_[zone.node[3]] - o;
+        // From the shape, not from the place: alike blocks have the same bits.
+        const Vector& o = z.nodes[size_t(t[0])];
+        const Vector e1 = turned * (z.nodes[size_t(t[1])] - o), e2 = turned * (z.nodes[size_t(t[2])] - o),
+                     e3 = turned * (z.nodes[size_t(t[3])] - o);
         const double six = dot(e1, cross(e2, e3));
         zone.volume = six / 6;
         zone.gradient[1] = cross(e2, e3) / six;
@@ -195,6 +200,13 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
         for (int k = 0; k < 4; ++k) node_mass_[zone.node[k]] += m.density * zone.volume / 4;
         zones_.push_back(zone);
       }
+      const Quaternion& q = input.orientation;
+      const auto [lanes, is_new] = lanes_of.try_emplace(
+          {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
+           double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
+          int32_t(zone_lanes_.size()));
+      b.first_lanes = lanes->second;
+      if (is_new) put_in_lanes(b);
       for (Zoning::SurfaceTriangle t : z.surface) {
         if (input.divisions[0] > 0) begin_at_widest_angle(z.nodes, t);
         for (int& n : t.node) n += b.first_node;
@@ -238,6 +250,24 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   small_ = c.small_displacement > 0;
   detect_contacts(true);
   set_damping(solver);
+}
+
+void World::put_in_lanes(const ModelBlock& b) {
+  constexpr int kWide = ZoneLanes::kCount;
+  for (int z = 0; z < b.zone_count; z += kWide) {
+    ZoneLanes& lanes = zone_lanes_.emplace_back();
+    lanes.count = std::min(kWide, b.zone_count - z);
+    for (int l = 0; l < kWide; ++l) {
+      const bool is_one = l < lanes.count;
+      const Zone& zone = zones_[size_t(b.first_zone + z + (is_one ? l : 0))];
+      for (int k = 0; k < 4; ++k) lanes.node[k][l] = zone.node[k] - b.first_node;
+      for (int k = 0; k < 3; ++k) {
+        for (int c = 0; c < 3; ++c) lanes.gradient[k][c][l] = zone.gradient[k + 1][c];
+      }
+      lanes.volume[l] = is_one ? zone.volume : 0.0;
+      lanes.lambda[l] = zone.lambda, lanes.twice_mu[l] = 2 * zone.mu;
+    }
+  }
 }
 
 void World::pose(int block, Vector& x, Matrix& r) const {

@@ -54,6 +54,15 @@ struct Zone {
   double energy(const Matrix& strain) const;  // stored under a uniform strain, symmetric, J
 };
 
+// Zones of a block in lanes, as their kernel reads them; those beyond `count` have no volume.
+struct ZoneLanes {
+  static constexpr int kCount = 8;
+  alignas(64) double gradient[3][3][kCount];                // of the shape functions of corners 1 to 3, 1/m
+  double volume[kCount], lambda[kCount], twice_mu[kCount];  // m3, Pa
+  int32_t node[4][kCount];                                  // of the block
+  int count;
+};
+
 // A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
 struct Point {
   int32_t a, b;                        // blocks
@@ -229,6 +238,8 @@ struct ModelBlock {
   int32_t body = -1;                        // rigid: index into bodies
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t first_zone = 0, zone_count = 0;
+  int32_t first_lanes = 0;  // into the zones in lanes, which alike blocks share
+  int32_t lanes_count() const { return (zone_count + ZoneLanes::kCount - 1) / ZoneLanes::kCount; }
   uint32_t first_corner = 0;  // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
   double radius = 0.0;                                     // largest distance of a vertex from the centre, m
@@ -370,6 +381,7 @@ class World {
   UnitInertia inertia_of(const Unit& unit) const;
   double rigid_kinetic_energy(const Unit& unit) const;
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
+  void put_in_lanes(const ModelBlock& block);  // its zones
   void find_units();
   void part_units();
   void scale_motion(std::vector<Vector>& y, bool of_forces) const;
@@ -434,6 +446,7 @@ class World {
   std::vector<Vector> node_held_v_;
   std::vector<Vector> node_viscous_f_;  // of the step, when damping in zones and energies need it
   std::vector<Zone> zones_;
+  std::vector<ZoneLanes> zone_lanes_;
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
   int unit_count_ = 0;               // of two halves
 

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "step/rigid_kernels.h"
+#include "step/zone_kernels.h"
 
 namespace quoin::blocks {
 
@@ -227,48 +228,27 @@ double Model::zone_damping() const {
 }
 
 void Model::internal_forces(const ModelBlock& b, BlockSums& sums) {
-  const double beta = zone_damping();
-  const bool apart = energy_ && beta > 0;  // viscous forces are wanted by themselves
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
-    node_f_[size_t(i)] = {};
-    if (apart) node_viscous_f_[size_t(i)] = {};
+  constexpr size_t kRow = 4;
+  const ZoneStep step{zone_damping(), dt_, energy_};
+  const bool apart = energy_ && step.beta > 0;  // viscous forces are wanted by themselves
+  thread_local std::vector<double> rows;        // displacement, velocity, force, viscous force
+  const size_t column = kRow * size_t(b.node_count);
+  rows.assign(4 * column, 0.0);
+  double *const u = rows.data(), *const v = u + column, *const force = v + column, *const viscous = force + column;
+  for (size_t i = 0; i < size_t(b.node_count); ++i) {
+    const size_t node = size_t(b.first_node) + i;
+    const Vector moved = node_x_[node] - node_reference_[node];
+    u[kRow * i] = moved.x, u[kRow * i + 1] = moved.y, u[kRow * i + 2] = moved.z;
+    if (step.beta > 0)
+      v[kRow * i] = node_v_[node].x, v[kRow * i + 1] = node_v_[node].y, v[kRow * i + 2] = node_v_[node].z;
   }
-  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const Zone& zone = zones_[size_t(z)];
-    // displacement gradient H; Green strain E = (H + H^T + H^T H)/2; S = lambda tr(E) 1 + 2 mu E; P = (1 + H) S
-    const Vector u0 = node_x_[zone.node[0]] - node_reference_[zone.node[0]];
-    Matrix h = Matrix::zero();
-    for (int k = 1; k < 4; ++k)
-      h += outer(node_x_[zone.node[k]] - node_reference_[zone.node[k]] - u0, zone.gradient[k]);
-    const Matrix strain = 0.5 * (h + transposed(h) + transposed(h) * h);
-    Matrix stress = 2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{};
-    if (energy_) {
-      double density = 0.0;
-      for (int i = 0; i < 3; ++i) density += 0.5 * dot(stress.row[i], strain.row[i]);
-      sums.strain += density * zone.volume;
-    }
-    const auto add = [&](const Matrix& second, std::vector<Vector>& force) {
-      const Matrix first = second + h * second;
-      Vector sum;
-      for (int k = 1; k < 4; ++k) {
-        const Vector f = zone.volume * (first * zone.gradient[k]);
-        force[zone.node[k]] -= f;
-        sum += f;
-      }
-      force[zone.node[0]] += sum;
-    };
-    if (beta > 0) {
-      // (E_n - E_(n-1))/dt, exactly, from the velocity between them: sym((1 + H - dt/2 H')^T H')
-      const Vector v0 = node_v_[zone.node[0]];
-      Matrix rate_h = Matrix::zero();
-      for (int k = 1; k < 4; ++k) rate_h += outer(node_v_[zone.node[k]] - v0, zone.gradient[k]);
-      const Matrix raw = transposed(Matrix{} + h - 0.5 * dt_ * rate_h) * rate_h;
-      const Matrix rate = 0.5 * (raw + transposed(raw));
-      const Matrix viscous = beta * (2 * zone.mu * rate + zone.lambda * trace(rate) * Matrix{});
-      stress += viscous;
-      if (apart) add(viscous, node_viscous_f_);
-    }
-    add(stress, node_f_);
+  const std::span<const ZoneLanes> zones(zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count()));
+  sums.strain += zone_forces(zones, step, {u, v, force, viscous});
+  for (size_t i = 0; i < size_t(b.node_count); ++i) {
+    const size_t node = size_t(b.first_node) + i;
+    const double *const f = force + kRow * i, *const fv = viscous + kRow * i;
+    node_f_[node] = {f[0], f[1], f[2]};
+    if (apart) node_viscous_f_[node] = {fv[0], fv[1], fv[2]};
   }
 }
 
@@ -452,7 +432,7 @@ void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, Blo
   const Damper damper{solver_.damping == DampingKind::local ? gamma() : 0.0, viscous_alpha(solver_), dt_};
   const double factor = gain ? solver_.deformation_inertia : 1.0;
   const bool viscous = energy_ && zone_damping() > 0;
-  double taken = 0.0;
+  double taken = 0.0, unbalanced = 0.0;  // of the latter the square
   const Vector g = gravity_factor_.at(time_) * gravity_;
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
     Vector& v = node_v_[i];
@@ -472,13 +452,14 @@ void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, Blo
         if (energy_) sums.external += node_weight_mass_[i] * g[k] * 0.5 * (v[k] + before[k]) * dt_;
       }
     }
-    sums.unbalanced = larger(sums.unbalanced, std::sqrt(free));
+    unbalanced = larger(unbalanced, free);
     sums.kinetic += 0.125 * node_mass_[i] * energy;
     if (viscous) sums.damping -= 0.5 * dt_ * dot(node_viscous_f_[i], before + v);
     node_x_[i] += dt_ * v;
     sums.positions += node_x_[i].x + node_x_[i].y + node_x_[i].z;
   }
   sums.damping += factor * taken;
+  sums.unbalanced = std::sqrt(unbalanced);
 }
 
 // The rigid blocks that begin with this one: those of a vector.

@@ -18,11 +18,7 @@ using namespace quoin::HWY_NAMESPACE;
 // ---- Contact points ------------------------------------------------------------------------------------------------
 
 // Four points of a pair, or the four columns of a pose: pairs have few points, so longer vectors would be half empty.
-constexpr int kRow = 4;
-using Four = hn::CappedTag<double, kRow>;
-using F = hn::Vec<Four>;
-constexpr int kPart = static_cast<int>(hn::MaxLanes(Four()));
-constexpr int kFourParts = kRow / kPart;
+constexpr int kFourParts = kFour / kPart;
 
 struct Row {
   F part[kFourParts];
@@ -56,7 +52,7 @@ HWY_INLINE void store(const Row& row, double* to) {
 }
 
 // The axes of the plane in space; of each, col in b's body frame, then base.
-HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][kRow]) {
+HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][kFour]) {
   const Body &a = bodies[pair.a], &b = bodies[pair.b];
   const Row columns_of_a[3] = {row_of(&a.transposed_r.row[0].x), row_of(&a.transposed_r.row[1].x),
                                row_of(&a.transposed_r.row[2].x)};
@@ -76,11 +72,11 @@ HWY_INLINE void pose_of(RigidPair& pair, const Body* bodies, double (&pose)[3][k
 void RigidJumps(std::span<RigidPair> pairs, const Body* bodies, const RigidColumns& c) {
   const Four d;
   for (RigidPair& pair : pairs) {
-    double pose[3][kRow];
+    double pose[3][kFour];
     pose_of(pair, bodies, pose);
     const auto points = [&](std::size_t i, auto load, auto store) HWY_ATTR {
       const F x = load(c.arm[0] + i), y = load(c.arm[1] + i), z = load(c.arm[2] + i);
-      const auto place = [&](const double(&row)[kRow]) HWY_ATTR {
+      const auto place = [&](const double(&row)[kFour]) HWY_ATTR {
         return hn::MulAdd(hn::Set(d, row[0]), x,
                           hn::MulAdd(hn::Set(d, row[1]), y, hn::MulAdd(hn::Set(d, row[2]), z, hn::Set(d, row[3]))));
       };
@@ -140,7 +136,7 @@ void RigidForces(std::span<RigidPair> pairs, const Body* bodies, const RigidColu
         for (int p = 0; p < kFourParts; ++p)
           row.part[p] = hn::MulAdd(sum, hn::LoadU(d, pair.in_space[k] + p * kPart), row.part[p]);
       }
-      alignas(32) double lane[kRow];
+      alignas(32) double lane[kFour];
       store(row, lane);
       return Vector{lane[0], lane[1], lane[2]};
     };
@@ -238,75 +234,23 @@ struct Members {
   Body* lane[kLanes];  // the last one again where there are fewer
   int count;           // to be written
 
-  static HWY_INLINE const double* at(const Body* body, std::size_t offset) {
-    return reinterpret_cast<const double*>(reinterpret_cast<const char*>(body) + offset);
+  HWY_INLINE void load(std::size_t offset, V (&member)[kFour]) const {
+    load_rows([&](int l) { return at(l, offset); }, member);
   }
-  // Rows and columns of a square of four by four change places, kWidth rows at once.
-  HWY_INLINE void load(std::size_t offset, V (&member)[kRow]) const {
-    for (int c = 0; c < kRow; c += kPart) {
-      F column[2][kPart];
-      for (int l = 0; l < kWidth; l += kPart) {
-        F row[kPart];
-        for (int i = 0; i < kPart; ++i) row[i] = hn::LoadU(Four(), at(lane[l + i], offset) + c);
-        turn(row, column[l / kPart]);
-      }
-      for (int i = 0; i < kPart; ++i) member[c + i] = join(column[0][i], column[1][i]);
-    }
-  }
-  HWY_INLINE void store(const V (&member)[kRow], std::size_t offset) const {
-    for (int c = 0; c < kRow; c += kPart) {
-      for (int l = 0; l < kWidth; l += kPart) {
-        F column[kPart], row[kPart];
-        for (int i = 0; i < kPart; ++i) column[i] = part(member[c + i], l);
-        turn(column, row);
-        for (int i = 0; i < kPart && l + i < count; ++i)
-          hn::StoreU(row[i], Four(), const_cast<double*>(at(lane[l + i], offset)) + c);
-      }
-    }
+  HWY_INLINE void store(const V (&member)[kFour], std::size_t offset) const {
+    for_rows(member, count,
+             [&](int l, int column, F part) HWY_ATTR { hn::StoreU(part, Four(), at(l, offset) + column); });
   }
   HWY_INLINE V one(std::size_t offset) const {
-    V member[kRow];
+    V member[kFour];
     load(offset, member);
     return member[0];
   }
 
  private:
-#if HWY_TARGET == HWY_SCALAR
-  static HWY_INLINE void turn(const F (&row)[1], F (&column)[1]) { column[0] = row[0]; }
-  static HWY_INLINE V join(F lower, F) { return lower; }
-  static HWY_INLINE F part(V v, int) { return v; }
-#else
-  // Templates, so that what a target has no instruction for is not compiled for it.
-  template <class Tag = Four>
-  static HWY_INLINE void turn(const hn::Vec<Tag> (&row)[kPart], hn::Vec<Tag> (&column)[kPart]) {
-    const Tag d;
-    if constexpr (hn::MaxLanes(Tag()) == 2) {
-      column[0] = hn::InterleaveLower(d, row[0], row[1]);
-      column[1] = hn::InterleaveUpper(d, row[0], row[1]);
-    } else {
-      const auto low01 = hn::InterleaveLower(d, row[0], row[1]), up01 = hn::InterleaveUpper(d, row[0], row[1]);
-      const auto low23 = hn::InterleaveLower(d, row[2], row[3]), up23 = hn::InterleaveUpper(d, row[2], row[3]);
-      column[0] = hn::ConcatLowerLower(d, low23, low01);
-      column[1] = hn::ConcatLowerLower(d, up23, up01);
-      column[2] = hn::ConcatUpperUpper(d, low23, low01);
-      column[3] = hn::ConcatUpperUpper(d, up23, up01);
-    }
+  HWY_INLINE double* at(int l, std::size_t offset) const {
+    return reinterpret_cast<double*>(reinterpret_cast<char*>(lane[l]) + offset);
   }
-  template <class Tag = D>
-  static HWY_INLINE hn::Vec<Tag> join(F lower, F upper) {
-    if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
-      return lower;
-    else
-      return hn::Combine(Tag(), upper, lower);
-  }
-  template <class Tag = D>
-  static HWY_INLINE F part(hn::Vec<Tag> v, int first) {
-    if constexpr (hn::MaxLanes(Tag()) == hn::MaxLanes(Four()))
-      return v;
-    else
-      return first == 0 ? hn::LowerHalf(Four(), v) : hn::UpperHalf(Four(), v);
-  }
-#endif
 };
 
 // What a step adds up, a column a lane.
@@ -329,9 +273,9 @@ HWY_INLINE void advance_vector(const Members& of, const double (&held)[6][kLanes
   };
 
   // x q v momentum omega; force torque weight_mass mass inertia.
-  V moved[4][kRow], load[3][kRow];
-  for (int i = 0; i < 4; ++i) of.load(offsetof(Body, x) + i * kRow * sizeof(double), moved[i]);
-  for (int i = 0; i < 3; ++i) of.load(offsetof(Body, force) + i * kRow * sizeof(double), load[i]);
+  V moved[4][kFour], load[3][kFour];
+  for (int i = 0; i < 4; ++i) of.load(offsetof(Body, x) + i * kFour * sizeof(double), moved[i]);
+  for (int i = 0; i < 3; ++i) of.load(offsetof(Body, force) + i * kFour * sizeof(double), load[i]);
   const Lanes3 place = {moved[0][0], moved[0][1], moved[0][2]}, v = {moved[1][3], moved[2][0], moved[2][1]};
   const Lanes4 q = {moved[0][3], {moved[1][0], moved[1][1], moved[1][2]}};
   const Lanes3 momentum = {moved[2][2], moved[2][3], moved[3][0]}, spin = {moved[3][1], moved[3][2], moved[3][3]};
@@ -430,19 +374,19 @@ HWY_INLINE void advance_vector(const Members& of, const double (&held)[6][kLanes
     kinetic = hn::Add(kinetic, hn::IfThenZeroElse(all_held, swing));
   }
 
-  const V now[4][kRow] = {{x.x, x.y, x.z, new_q.w},
-                          {new_q.v.x, new_q.v.y, new_q.v.z, next.x},
-                          {next.y, next.z, carried.x, carried.y},
-                          {carried.z, omega.x, omega.y, omega.z}};
-  for (int i = 0; i < 4; ++i) of.store(now[i], offsetof(Body, x) + i * kRow * sizeof(double));
+  const V now[4][kFour] = {{x.x, x.y, x.z, new_q.w},
+                           {new_q.v.x, new_q.v.y, new_q.v.z, next.x},
+                           {next.y, next.z, carried.x, carried.y},
+                           {carried.z, omega.x, omega.y, omega.z}};
+  for (int i = 0; i < 4; ++i) of.store(now[i], offsetof(Body, x) + i * kFour * sizeof(double));
   // r row by row, then column by column; the last row is beside what follows.
   const auto& m = new_r.row;
-  const V turned_to[5][kRow] = {{m[0].x, m[0].y, m[0].z, m[1].x},
-                                {m[1].y, m[1].z, m[2].x, m[2].y},
-                                {m[2].z, m[0].x, m[1].x, m[2].x},
-                                {m[0].y, m[1].y, m[2].y, m[0].z},
-                                {m[2].y, m[0].z, m[1].z, m[2].z}};
-  for (int i = 0; i < 4; ++i) of.store(turned_to[i], offsetof(Body, r) + i * kRow * sizeof(double));
+  const V turned_to[5][kFour] = {{m[0].x, m[0].y, m[0].z, m[1].x},
+                                 {m[1].y, m[1].z, m[2].x, m[2].y},
+                                 {m[2].z, m[0].x, m[1].x, m[2].x},
+                                 {m[0].y, m[1].y, m[2].y, m[0].z},
+                                 {m[2].y, m[0].z, m[1].z, m[2].z}};
+  for (int i = 0; i < 4; ++i) of.store(turned_to[i], offsetof(Body, r) + i * kFour * sizeof(double));
   of.store(turned_to[4], offsetof(Body, r) + 14 * sizeof(double));
   hn::Store(hn::Add(hn::Add(x.x, x.y), hn::Add(x.z, new_q.w)), d, sums->positions + first);
   hn::Store(kinetic, d, sums->kinetic + first);

@@ -87,7 +87,7 @@ quoin::Scene falling_wall() {
     return *law ? text + "law = \"" + law + "\"\n" : text;
   };
   const char *const rest = "[0, -9.81, 0]", *const push = "[3.4, -9.81, 5.9]";
-  return scene_of(stone_and_ground(1e10) + R"(
+  quoin::Scene scene = scene_of(stone_and_ground(1e10) + R"(
 [[dry_wall]]
 name = "wall"
 material = "stone"
@@ -96,9 +96,11 @@ units_per_course = 2.5
 unit = [0.4, 0.2, 0.2]
 [output]
 energy = true
-)" + stage(rest, 0.1, "") +
-                  stage(push, 0.5, "") + stage(push, kOneStep, "fracture_energy") + stage(push, 0.1, "") +
-                  stage(rest, kOneStep, "coulomb_slip") + stage(rest, 0.5, ""));
+)" + stage(rest, 0.1, "") + stage(push, 0.5, "") +
+                                stage(push, kOneStep, "fracture_energy") + stage(push, 0.1, "") +
+                                stage(rest, kOneStep, "coulomb_slip") + stage(rest, 0.5, ""));
+  scene.solver.time_step_fraction = 0.3;  // blows gain 0.011 of m g h at 0.6, 0.0038 at 0.3, 0.0014 at 0.15
+  return scene;
 }
 
 TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
@@ -248,8 +250,9 @@ TEST(BlockLawSwap, StifferLawShortensTheStep) {
   const std::vector<double> still(m->point_count(), 0.0);
   m->replace_law(0, successor(elastic_joint(4e9, 2e9), "elastic"), {}, still);
   check("law four times as stiff: time step", 0.5 * dt, m->time_step(), 1e-6, "s", "2/omega_max");
+  const double shorter = m->time_step();
   m->replace_law(0, successor(elastic_joint(1e9, 5e8), "elastic"), {}, still);
-  EXPECT_DOUBLE_EQ(m->time_step(), 0.5 * dt);
+  EXPECT_EQ(m->time_step(), shorter);
 }
 
 TEST(BlockLawSwap, RefusedWithTheReason) {

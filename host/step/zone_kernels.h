@@ -1,0 +1,31 @@
+// Internal forces of deformable blocks of any shape, zone by zone, eight zones a vector: total Lagrangian with the
+// Green strain E and a St. Venant-Kirchhoff law. With the displacement gradient H, S = lambda tr(E) 1 + 2 mu E and P =
+// (1 + H) S, a corner with the shape gradient g gets -volume P g. Compiled for every instruction set that Highway knows
+// and chosen at run time.
+#pragma once
+
+#include <span>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+// How a step wants them.
+struct ZoneStep {
+  double beta;    // stiffness-proportional viscosity of zones, s; 0: none
+  double dt;      // s
+  bool energies;  // viscous forces by themselves, and the strain energy, are wanted
+};
+
+// Of a block, by gridpoint: four doubles each, the last of no meaning.
+struct ZoneColumns {
+  const double* displacement;  // m
+  const double* velocity;      // m/s, at half steps; with beta > 0
+  double* force;               // N, is added to: all of it
+  double* viscous;             // N, is added to: the viscous part; with beta > 0 and energies
+};
+
+// The strain energy, J, when energies are wanted; else 0.
+double zone_forces(std::span<const ZoneLanes> zones, const ZoneStep& step, const ZoneColumns& columns);
+
+}  // namespace quoin::blocks
