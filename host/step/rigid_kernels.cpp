@@ -206,27 +206,27 @@ HWY_INLINE Lanes33 matrix_of(const Lanes4& q) {
            {less(x, z, y), more(y, z, x), diagonal(x, y)}}};
 }
 
-// geometry::rotation, lane by lane: the series where all angles are small, as in a step they are.
+// geometry::rotation, lane by lane: the series where the angle is small, as in a step it is.
 HWY_INLINE Lanes4 rotation_of(const Lanes3& angle) {
   const D d;
-  const V quarter = hn::Set(d, 0.25), one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
-  const V square = hn::Mul(quarter, dot_of(angle, angle));  // of half the angle
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Lt(square, hn::Set(d, 1e-4))))) {
-    const auto term = [&](double over, V next)
-                          HWY_ATTR { return hn::NegMulAdd(hn::Mul(square, hn::Set(d, 1.0 / over)), next, one); };
-    const V sinc = term(6.0, term(20.0, term(42.0, one)));
-    const V cosine = term(2.0, term(12.0, term(30.0, one)));
-    return {cosine, scaled(hn::Mul(half, sinc), angle)};
+  const V one = hn::Set(d, 1.0), half = hn::Set(d, 0.5);
+  const V square = hn::Mul(hn::Set(d, 0.25), dot_of(angle, angle));  // of half the angle
+  const auto term = [&](double over, V next)
+                        HWY_ATTR { return hn::NegMulAdd(hn::Mul(square, hn::Set(d, 1.0 / over)), next, one); };
+  V cosine = term(2.0, term(12.0, term(30.0, one)));
+  V half_sinc = hn::Mul(half, term(6.0, term(20.0, term(42.0, one))));
+  const auto is_small = hn::Lt(square, hn::Set(d, 1e-4));
+  if (HWY_UNLIKELY(!hn::AllTrue(d, is_small))) {
+    alignas(64) double h2[kLanes], w[kLanes], f[kLanes];
+    hn::Store(square, d, h2);
+    for (int i = 0; i < kWidth; ++i) {
+      const double h = std::sqrt(h2[i]);
+      w[i] = std::cos(h), f[i] = 0.5 * std::sin(h) / h;
+    }
+    cosine = hn::IfThenElse(is_small, cosine, hn::Load(d, w));
+    half_sinc = hn::IfThenElse(is_small, half_sinc, hn::Load(d, f));
   }
-  alignas(64) double w[kLanes], f[kLanes];
-  alignas(64) double h2[kLanes];
-  hn::Store(square, d, h2);
-  for (int i = 0; i < kWidth; ++i) {
-    const double h = std::sqrt(h2[i]);
-    w[i] = std::cos(h);
-    f[i] = h > 0.0 ? 0.5 * std::sin(h) / h : 0.5;
-  }
-  return {hn::Load(d, w), scaled(hn::Load(d, f), angle)};
+  return {cosine, scaled(half_sinc, angle)};
 }
 
 // The bodies of a vector: four members that follow each other, of all of them at a time.

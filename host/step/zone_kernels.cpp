@@ -108,12 +108,18 @@ HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, co
     }
     of_corner[0][i] = all;
   }
+  // Zone by zone, so that the order of the sums does not depend on the length of the vector.
   const int count = std::min(kWidth, zone.count - first);
+  alignas(64) double row[kWidth][4][kFour];
   for (int k = 0; k < 4; ++k) {
-    for_rows(of_corner[k], count, [&](int l, int c, F f) HWY_ATTR {
-      double* const at = force + kFour * zone.node[k][first + l] + c;
-      hn::StoreU(hn::Add(hn::LoadU(Four(), at), f), Four(), at);
-    });
+    for_rows(of_corner[k], kWidth, [&](int l, int c, F f) HWY_ATTR { hn::StoreU(f, Four(), row[l][k] + c); });
+  }
+  for (int l = 0; l < count; ++l) {
+    for (int k = 0; k < 4; ++k) {
+      double* const at = force + kFour * zone.node[k][first + l];
+      for (int c = 0; c < kFour; c += kPart)
+        hn::StoreU(hn::Add(hn::LoadU(Four(), at + c), hn::LoadU(Four(), row[l][k] + c)), Four(), at + c);
+    }
   }
 }
 
@@ -128,7 +134,9 @@ double ZoneForces(std::span<const ZoneLanes> zones, const ZoneStep& step, const 
       Symmetric stress = stress_of(strain, lambda, twice_mu);
       if (step.energies) {
         const V volume = hn::Load(d, zone.volume + first);
-        energy += 0.5 * hn::GetLane(hn::SumOfLanes(d, hn::Mul(volume, product_of(stress, strain))));
+        alignas(64) double twice[kWidth];
+        hn::Store(hn::Mul(volume, product_of(stress, strain)), d, twice);
+        for (const double e : twice) energy += 0.5 * e;
       }
       if (step.beta > 0.0) {
         // (E_n - E_(n-1))/dt, exactly, from the velocity between them: sym((1 + H - dt/2 H')^T H')
