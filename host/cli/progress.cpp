@@ -75,4 +75,17 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
   std::fflush(stderr);
 }
 
+std::string phases_text(const PhaseTimes& times, double whole) {
+  const char* const names[kPhases] = {"jumps of contact points", "law",       "contact forces", "internal forces",
+                                      "motion of blocks",        "detection", "measurements",   "output"};
+  std::string text = "time:";
+  double rest = whole;
+  for (std::size_t k = 0; k < kPhases; ++k) {
+    rest -= times.seconds[k];
+    const double share = 100.0 * times.seconds[k] / whole;
+    if (share >= 0.5) text += fmt::format(" {} {:.0f} %,", names[k], share);
+  }
+  return text + fmt::format(" set-up and the rest {:.0f} %", std::max(0.0, 100.0 * rest / whole));
+}
+
 }  // namespace quoin

@@ -22,4 +22,8 @@ class ProgressLine {
   int last_stage_ = -1;
 };
 
+// "time: law 31 %, ..., set-up and the rest 4 %": where `whole` seconds of a run have gone. Phases below half a percent
+// are left out.
+std::string phases_text(const PhaseTimes& times, double whole);
+
 }  // namespace quoin

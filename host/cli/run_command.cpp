@@ -283,6 +283,7 @@ void run(RunOptions options, int& exit_code) {
                                             : "error not known: " + unknown;
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
+  fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
   for (const std::string& warning : {info.quasi_static.warning(), info.crushed_out.warning()})
     if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
   if (failure) {

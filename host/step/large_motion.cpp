@@ -26,12 +26,15 @@ void Model::step() {
   end_step();
 }
 
-void Model::advance_contacts(int index) {
+void Model::advance_contacts(int index, PhaseClock* clock) {
   Chunk& chunk = chunks_[size_t(index)];
   Family& f = families_[size_t(chunk.family)];
   contact_kinematics(f, chunk);  // jumps, in frames that ride on the blocks
-  contact_law(f, chunk);         // tractions from jumps: the plug-in
-  contact_forces(f, chunk);      // one force a point, which its two blocks fetch
+  lap(clock, Phase::jumps);
+  contact_law(f, chunk);  // tractions from jumps: the plug-in
+  lap(clock, Phase::law);
+  contact_forces(f, chunk);  // one force a point, which its two blocks fetch
+  lap(clock, Phase::contact_forces);
 }
 
 void Model::end_step() {
@@ -199,10 +202,10 @@ void Model::viscous_tractions(Family& f, Chunk& chunk) {
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
 
-void Model::advance_block(int block) {
+void Model::advance_block(int block, PhaseClock* clock) {
   const ModelBlock& b = blocks_[size_t(block)];
   if (b.body >= 0) {
-    advance_bodies(block);
+    advance_bodies(block, clock);
     return;
   }
   const Unit unit = unit_of(block);
@@ -210,6 +213,7 @@ void Model::advance_block(int block) {
   for (int i : unit.blocks()) {
     block_sums_[size_t(i)] = {};
     internal_forces(blocks_[size_t(i)], block_sums_[size_t(i)]);
+    lap(clock, Phase::internal_forces);
     forces_on_gridpoints(i);
   }
   if (splits_motion())
@@ -219,6 +223,7 @@ void Model::advance_block(int block) {
   for (int i : unit.blocks()) {
     if (energy_ && loaded_[size_t(i)]) block_sums_[size_t(i)].external += work_of_loads(i);
   }
+  lap(clock, Phase::motion);
 }
 
 // Viscosity of zones: beta of stiffness-proportional damping, s.
@@ -463,7 +468,7 @@ void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, Blo
 }
 
 // The rigid blocks that begin with this one: those of a vector.
-void Model::advance_bodies(int first) {
+void Model::advance_bodies(int first, PhaseClock* clock) {
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
   int count = 0;
@@ -478,6 +483,7 @@ void Model::advance_bodies(int first) {
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
   advance_rigid(bodies_.data(), index, count, step, sums);
+  lap(clock, Phase::motion);
   if (!energy_) return;
   for (int block = first; block < first + count; ++block) {
     if (loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);

@@ -7,6 +7,7 @@
 //   elasticity at small strain, and exactly indifferent to rotation, so that nothing needs to be co-rotated.
 #pragma once
 
+#include "base/phase_clock.h"
 #include "base/thread_pool.h"
 #include "model/world.h"
 
@@ -29,8 +30,9 @@ class Model : public World {
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
   void begin_step() { apply_ground_motion(); }
-  void advance_contacts(int chunk);
-  void advance_block(int block);
+  // clock: of the thread, started; null: not timed.
+  void advance_contacts(int chunk, PhaseClock* clock = nullptr);
+  void advance_block(int block, PhaseClock* clock = nullptr);
   void end_step();
   void run(double duration);  // s
   void run_steps(long steps) {
@@ -53,7 +55,7 @@ class Model : public World {
   void internal_forces(const ModelBlock& b, BlockSums& sums);
   void forces_on_gridpoints(int block);
   void forces_on_body(int block);
-  void advance_bodies(int first);
+  void advance_bodies(int first, PhaseClock* clock);
   void integrate_unit(const Unit& unit);
   void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
   double work_of_loads(int block) const;  // of the step, J

@@ -269,10 +269,12 @@ double Simulation::Impl::stage_time() const {
 void Simulation::Impl::end_riding_step() {
   const long detections = riding->detections();
   const int units = riding->unit_count();
+  const auto before = Clock::now();
   riding->end_step();
   if (riding->detections() == detections && riding->unit_count() == units) return;
   partition_work();
   follow_time_step();
+  times[Phase::detection] += seconds_since(before);
 }
 
 void Simulation::Impl::follow_time_step() {

@@ -173,6 +173,7 @@ void Simulation::Impl::partition_work() {
   for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {
     scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
     jumps.push_back(std::make_unique<ChunkJumps>());
+    clocks.emplace_back();
   }
 }
 

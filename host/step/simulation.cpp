@@ -51,6 +51,11 @@ void Simulation::advance(long steps, bool measure_last) {
 
 void Simulation::run(Observer& observer) {
   Impl& s = *impl_;
+  const auto tell = [&s](const auto& what) {
+    const auto before = Clock::now();
+    what();
+    s.times[Phase::output] += seconds_since(before);
+  };
   const int stage_count = static_cast<int>(s.scene.stages.size());
   const int first = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
   for (int index = first; index < stage_count; ++index) {
@@ -75,11 +80,13 @@ void Simulation::run(Observer& observer) {
       if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
       if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
       // Before a row that only the stop asks for: who goes on from here has a history without it.
-      if (stop && !due && !done && !frame) observer.on_pause(*this, true);
+      if (stop && !due && !done && !frame) tell([&] { observer.on_pause(*this, true); });
       if (row || done) {
+        const auto before = Clock::now();
         const HistoryRow now = s.measure();
+        s.times[Phase::measurement] += seconds_since(before);
         s.require_finite(now);
-        observer.on_row(now);
+        tell([&] { observer.on_row(now); });
         const bool was_past = !s.past_motion_bound().empty();
         s.look_at_motion();
         const std::string past = s.past_motion_bound();
@@ -99,7 +106,7 @@ void Simulation::run(Observer& observer) {
         }
         while (s.next_row < s.stage_step) s.next_row += s.row_interval;
       }
-      if (frame) observer.on_frame(*this, index, s.next_frame++);
+      if (frame) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
       if (stop)
         throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
       if (!done && s.stage_step >= settings.max_steps) {
@@ -110,7 +117,7 @@ void Simulation::run(Observer& observer) {
         }
         throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
       }
-      if (!done && s.stage_step % kPauseInterval == 0) observer.on_pause(*this, false);
+      if (!done && s.stage_step % kPauseInterval == 0) tell([&] { observer.on_pause(*this, false); });
       if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
         const double seconds = seconds_since(last_progress);
         Progress progress;
@@ -136,17 +143,17 @@ void Simulation::run(Observer& observer) {
       }
     }
     // Frames that the end overtook: the last one shows the end.
-    if (frames > 0 && s.next_frame <= frames) observer.on_frame(*this, index, s.next_frame++);
+    if (frames > 0 && s.next_frame <= frames) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
     s.in_stage = false;
     observer.on_stage_end(*this, index, s.measure());
   }
 }
 
-void Simulation::time_phases(bool on) {
-  impl_->timing = on;
+void Simulation::time_phases() {
+  impl_->time_every_step = true;
   impl_->times = {};
 }
-PhaseTimes Simulation::phase_times() const { return impl_->times; }
+const PhaseTimes& Simulation::phase_times() const { return impl_->times; }
 const Scene& Simulation::scene() const { return impl_->scene; }
 const Assembly& Simulation::assembly() const { return impl_->model.assembly; }
 const Model& Simulation::model() const { return impl_->model; }

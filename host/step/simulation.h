@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/phase_clock.h"
 #include "model/model.h"
 #include "model/time_step.h"
 #include "scene/assembly.h"
@@ -141,13 +142,6 @@ struct ContactPoint {
   Condition condition;
 };
 
-// Wall-clock time spent in the phases of the step, s; filled when timing is switched on.
-struct PhaseTimes {
-  double contacts = 0.0;  // kinematics, law and forces at contact points
-  double blocks = 0.0;    // internal and nodal forces, damping, integration; rigid bodies
-  long steps = 0;
-};
-
 // An array that every step reads or writes.
 enum class HotOf { block, rigid_body, contact_point };
 struct HotArray {
@@ -177,8 +171,10 @@ class Simulation {
   // n steps under the controls of the current stage (stage 0 before run); for tests and benchmarks. With measure_last,
   // the last of them records what measure() and the flags of contact points report.
   void advance(long steps, bool measure_last = true);
-  void time_phases(bool on);
-  PhaseTimes phase_times() const;
+  // Time by phase since then, of every step; else of one step in kTimedSteps, taken so many times. On the lattice
+  // internal forces and motion are one kernel, whose time is that of motion.
+  void time_phases();
+  const PhaseTimes& phase_times() const;
   std::vector<HotArray> hot_arrays() const;
 
   const Scene& scene() const;

@@ -18,6 +18,7 @@
 
 namespace quoin {
 
+constexpr long kTimedSteps = 32;     // one step in so many is timed phase by phase: a percent of a step, and no more
 constexpr long kCheckInterval = 20;  // steps between two looks at the unbalanced force, or at a force that is lost
 
 using Clock = std::chrono::steady_clock;
@@ -101,6 +102,7 @@ struct Simulation::Impl {
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
   void step_once(bool measure, bool report);
+  void book_time(double wall, double weight);  // s, by what the clocks of the threads say; they begin anew
   void advance_item(int item, double* scratch, Measured* measured);
   void apply_controls();
   void follow_ramps();
@@ -288,8 +290,9 @@ struct Simulation::Impl {
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::atomic<bool> law_failed{false};
 
-  bool timing = false;
+  bool time_every_step = false;
   PhaseTimes times;
+  std::vector<PhaseClock> clocks;  // by thread
 };
 
 Condition condition_of(std::uint32_t flags);

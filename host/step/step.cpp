@@ -13,37 +13,60 @@ namespace quoin {
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   apply_controls();
   if (riding) riding->begin_step();
-  const auto start = timing ? Clock::now() : Clock::time_point();
+  const bool timed = time_every_step || step_count % kTimedSteps == 0;
+  const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
+  const auto clock_of = [&](int thread) -> PhaseClock* {
+    if (!timed) return nullptr;
+    PhaseClock& clock = clocks[static_cast<std::size_t>(thread)];
+    clock.start();
+    return &clock;
+  };
+  auto before = Clock::now();
 
   auto contacts = [&](int thread, int i) {
-    if (riding) return riding->advance_contacts(i);
+    PhaseClock* const clock = clock_of(thread);
+    if (riding) return riding->advance_contacts(i, clock);
     ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
     const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(i)];
     contact_jumps(model, chunk, data, jump);
+    lap(clock, Phase::jumps);
     evaluate_law(i, *jump, measure_step, report);
+    lap(clock, Phase::law);
     contact_forces(model, chunk, data);
+    lap(clock, Phase::contact_forces);
   };
   pool.for_each(chunk_end, contacts);
   if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
-  const auto middle = timing ? Clock::now() : Clock::time_point();
+  if (timed) book_time(seconds_since(before), weight), before = Clock::now();
 
   auto blocks_and_bodies = [&](int thread, int i) {
-    if (riding) return riding->advance_block(i);
+    PhaseClock* const clock = clock_of(thread);
+    if (riding) return riding->advance_block(i, clock);
     double* const memory = scratch[static_cast<std::size_t>(thread)].data();
     advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
+    lap(clock, Phase::motion);
   };
   pool.for_each(item_end, blocks_and_bodies);
+  if (timed) book_time(seconds_since(before), weight);
   if (riding) end_riding_step();
-  if (measure_step) sum_measurements();
+  if (measure_step) {
+    before = Clock::now();
+    sum_measurements();
+    times[Phase::measurement] += seconds_since(before);
+  }
   if (report) flags_step = step_count;
   ++step_count;
   ++stage_step;
+}
 
-  if (timing) {
-    times.contacts += std::chrono::duration<double>(middle - start).count();
-    times.blocks += seconds_since(middle);
-    ++times.steps;
+void Simulation::Impl::book_time(double wall, double weight) {
+  PhaseTimes sum;
+  double total = 0.0;
+  for (PhaseClock& clock : clocks) {
+    for (std::size_t k = 0; k < kPhases; ++k) sum.seconds[k] += clock.times.seconds[k], total += clock.times.seconds[k];
+    clock.times = {};
   }
+  for (std::size_t k = 0; k < kPhases && total > 0.0; ++k) times.seconds[k] += weight * wall * sum.seconds[k] / total;
 }
 
 void Simulation::Impl::advance_item(int item, double* memory, Measured* record) {

@@ -1,0 +1,39 @@
+// Where the time of a run goes, phase by phase.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+
+namespace quoin {
+
+enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, output };
+inline constexpr std::size_t kPhases = 8;
+
+// Wall-clock time by phase, s.
+struct PhaseTimes {
+  std::array<double, kPhases> seconds{};
+  double& operator[](Phase phase) { return seconds[static_cast<std::size_t>(phase)]; }
+  double operator[](Phase phase) const { return seconds[static_cast<std::size_t>(phase)]; }
+};
+
+// Of one thread: what it has spent since start(), lap by lap. Threads do not share cache lines.
+struct alignas(64) PhaseClock {
+  using Clock = std::chrono::steady_clock;
+  PhaseTimes times;
+  Clock::time_point last;
+
+  void start() { last = Clock::now(); }
+  void lap(Phase phase) {
+    const auto now = Clock::now();
+    times[phase] += std::chrono::duration<double>(now - last).count();
+    last = now;
+  }
+};
+
+// Nothing where no clock runs, so that a step that is not timed pays nothing.
+inline void lap(PhaseClock* clock, Phase phase) {
+  if (clock) clock->lap(phase);
+}
+
+}  // namespace quoin
