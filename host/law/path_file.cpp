@@ -17,6 +17,7 @@
 #include "law/property_text.h"
 #include "scene/error.h"
 #include "scene/toml.h"
+#include "scene/input_file.h"
 
 namespace quoin {
 
@@ -41,11 +42,9 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   PathFile read() {
-    std::error_code fault;
-    if (!std::filesystem::is_regular_file(file_, fault)) throw Error(Exit::bad_input, file_ + ": no such file");
     toml::table root;
     try {
-      root = toml::parse_file(file_);
+      root = toml::parse(read_input_file(file_), file_);
     } catch (const toml::parse_error& error) {
       throw Error(Exit::bad_input, fmt::format("{}:{}: {}", file_, error.source().begin.line, error.description()));
     }

@@ -5,15 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "scene/error.h"
 #include "scene/generate.h"
+#include "scene/input_file.h"
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
@@ -309,15 +307,8 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
 }
 
 toml::table parse(const std::string& path) {
-  std::error_code fault;
-  const bool folder = std::filesystem::is_directory(path, fault);  // which opens, and throws when read
-  std::ifstream stream(path, std::ios::binary);
-  std::string text;
-  if (!folder) text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (folder || !stream.is_open() || stream.bad())
-    throw Error(Exit::bad_input, path + ": cannot read the scene; give the path of an existing .toml file");
   try {
-    return toml::parse(text, path);
+    return toml::parse(read_input_file(path), path);
   } catch (const toml::parse_error& error) {
     throw Error(Exit::bad_input, fmt::format("{}:{}:{}: not valid TOML: {}", path, error.source().begin.line,
                                              error.source().begin.column, error.description()));

@@ -1,0 +1,97 @@
+// Under fire: files that never end, disks that are full, signals, laws that crash. Whatever happens, the program ends
+// in time, with a documented exit code and a message that says where and what to do, and keeps what was computed.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class Fire : public Cli {
+ protected:
+  // What does not end in this many seconds ends with SIGALRM, and finish() gives 142.
+  static void in_time(unsigned seconds = 60) { alarm(seconds); }
+  int quoin_in_time(const std::vector<std::string>& words) {
+    return quoin(words, [] { in_time(); });
+  }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  // The small wall with one text replaced.
+  std::string wall_with(const std::string& from, const std::string& to) const {
+    std::string text = read_all(small_);
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return write("changed.toml", text.replace(at, from.size(), to));
+  }
+  std::vector<std::string> short_run(const std::string& scene, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"run", scene, "--out", out(), "--threads", "1", "--set", "stage.2.displacement=1e-5",
+                               "--set", "output.frames=0", "--set", "output.plots=false"});
+    return more;
+  }
+  // A run that would take minutes, at work in its last stage.
+  pid_t start_long(const std::function<void()>& before = {}) {
+    const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                               "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                              -1, [before] {
+                                in_time(120);
+                                if (before) before();
+                              });
+    while (read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return child;
+  }
+  std::vector<std::string> parts() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(out()))
+      if (entry.path().extension() == ".part") names.push_back(entry.path().string());
+    return names;
+  }
+};
+
+// A pipe that nobody writes to, a device without an end, a folder, a file larger than any text.
+TEST_F(Fire, WhatIsNoFileIsNoInput) {
+  const fs::path pipe = folder_ / "pipe", zero = folder_ / "zero.off", large = folder_ / "large.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", zero);
+  std::ofstream(large) << "dn,ds,dt\n";
+  fs::resize_file(large, std::uintmax_t{1} << 30);  // no more than a few bytes on the disk
+  const auto expect_refused = [&](const std::vector<std::string>& words, const std::string& file) {
+    EXPECT_EQ(quoin_in_time(words), 3) << error_;
+    EXPECT_THAT(error_, AllOf(HasSubstr(file + ": cannot read it"), Not(HasSubstr("internal error")))) << words[0];
+  };
+  for (const fs::path& file : {pipe, fs::path("/dev/zero"), folder_, large}) {
+    expect_refused({"check", file.string()}, file.string());
+    expect_refused({"run", file.string(), "--out", out()}, file.string());
+    expect_refused({"path", file.string()}, file.string());
+    expect_refused({"path", "--law", "elastic", "--set", "normal_stiffness=1e9", "--jumps", file.string(), "--out",
+                    (folder_ / "out.csv").string()},
+                   file.string());
+  }
+  std::string blocks = read_all(QUOIN_SCENES "/arch.toml");
+  blocks += "\n[[block]]\nname = \"mesh\"\nmaterial = \"stone\"\nmesh = \"zero.off\"\n";
+  const std::string scene = write("mesh.toml", blocks);
+  EXPECT_EQ(quoin_in_time({"check", scene}), 3);
+  EXPECT_THAT(error_, HasSubstr("zero.off"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+}  // namespace
