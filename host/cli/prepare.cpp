@@ -55,8 +55,8 @@ Scene prepare_scene(const SceneOptions& options) {
     keys.insert(keys.end(), {"law", "initial_state"});
     for (const PropertySetting& p : family.properties) {
       if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
-      faults += fmt::format("{}{} = {}: unknown key{}; law {} has: {}", faults.empty() ? "" : "\n", p.source.text,
-                            value_text(p), did_you_mean(p.id, keys), law.law->id, fmt::join(ids, ", "));
+      add(fmt::format("{} = {}: unknown key{}; law {} has: {}", p.source.text, value_text(p), did_you_mean(p.id, keys),
+                      law.law->id, fmt::join(ids, ", ")));
     }
   }
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
@@ -74,12 +74,18 @@ Scene prepare_scene(const SceneOptions& options) {
 }
 
 std::string end_of(const Stage& stage) {
+  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   std::string end;
   const auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
   if (stage.equilibrium_ratio)
     add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *stage.equilibrium_ratio));
   if (stage.displacement) add(fmt::format("displacement {:g} mm", *stage.displacement * 1e3));
   if (stage.cycles)
+    std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
+    if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
+      add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
+                      family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
+                      fmt::join(states, ", ")));
     add(fmt::format("{} are done, {:g} s", text_of(*stage.cycles), *stage.duration));
   else if (stage.duration)
     add(fmt::format("{:g} s", *stage.duration));

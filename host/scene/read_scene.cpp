@@ -170,6 +170,7 @@ JointFamily read_joint(const std::string& name, Table t) {
   family.source = {t.where()};
   t.text("law", family.law, "the name of a law (see `quoin models`) or the path of a library", true);
   t.text("initial_state", family.initial_state, "an initial state of the law, as bonded or dry");
+  family.initial_state_source = {t.has("initial_state") ? t.where("initial_state") : t.where() + ".initial_state"};
   for (auto&& [key, node] : t.toml()) {
     PropertySetting p;
     p.id = std::string(key.str());

@@ -94,4 +94,14 @@ TEST_F(Fire, WhatIsNoFileIsNoInput) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+TEST_F(Fire, InitialStatesAreToldByFileAndLine) {
+  const std::string scene =
+      wall_with("law = \"fracture_energy\"", "initial_state = \"wet\"\nlaw = \"fracture_energy\"");
+  for (const char* command : {"check", "run"}) {
+    EXPECT_EQ(quoin({command, scene}), 3);
+    EXPECT_THAT(error_,
+                AllOf(HasSubstr("changed.toml:10: joints.mortar.initial_state = 'wet'"), HasSubstr("bonded, dry")));
+  }
+}
+
 }  // namespace
