@@ -104,4 +104,10 @@ TEST_F(Fire, InitialStatesAreToldByFileAndLine) {
   }
 }
 
+// Before the first load the ratio of forces has no value; a history holds numbers only, or nothing.
+TEST_F(Fire, HistoriesHoldFiniteNumbersOnly) {
+  ASSERT_EQ(quoin(short_run(small_)), 0) << error_;
+  EXPECT_THAT(read_all(out() + "/history.csv"), AllOf(Not(HasSubstr("inf")), Not(HasSubstr("nan"))));
+}
+
 }  // namespace
