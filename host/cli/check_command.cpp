@@ -71,8 +71,8 @@ void check(const SceneOptions& options) {
              model.assembly.joints.size(), report.model_mass);
   for (const ContactFamily& family : model.families) {
     fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
-               family.material->api().id, family.material->api().version, family.point_count, family.normal_stiffness,
-               family.shear_stiffness);
+               family.material->api().id, law_text(family.material->api().version), family.point_count,
+               family.normal_stiffness, family.shear_stiffness);
     if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
   }
   print_motion(model);

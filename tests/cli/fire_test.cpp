@@ -110,4 +110,26 @@ TEST_F(Fire, HistoriesHoldFiniteNumbersOnly) {
   EXPECT_THAT(read_all(out() + "/history.csv"), AllOf(Not(HasSubstr("inf")), Not(HasSubstr("nan"))));
 }
 
+TEST_F(Fire, LawsWithoutTextsRunAsOthers) {
+  const auto with_bad_law = [] {
+    in_time();
+    setenv("QUOIN_BAD_LAW", "null texts", 1);
+  };
+  std::vector<std::string> words = short_run(small_, {"--law", QUOIN_BAD_LAW_LIBRARY});
+  ASSERT_EQ(quoin(words, with_bad_law), 0) << error_;
+  EXPECT_EQ(summary()["laws"]["mortar"]["version"], "");
+  EXPECT_EQ(quoin({"check", small_, "--law", QUOIN_BAD_LAW_LIBRARY}, with_bad_law), 0) << error_;
+  EXPECT_EQ(quoin({"models", QUOIN_BAD_LAW_LIBRARY}, with_bad_law), 0) << error_;
+}
+
+TEST_F(Fire, IdsOfStatesDoNotTearVtuFiles) {
+  ASSERT_EQ(quoin({"run", small_, "--out", out(), "--threads", "1", "--law", QUOIN_BAD_LAW_LIBRARY, "--set",
+                   "stage.2.displacement=1e-5", "--set", "output.frames=1", "--set", "output.plots=false"},
+                  [] { setenv("QUOIN_BAD_LAW", "odd state", 1); }),
+            0)
+      << error_;
+  const std::string file = read_all(out() + "/joints_0000.vtu");
+  EXPECT_THAT(file.substr(0, file.find("<AppendedData")), HasSubstr("Name=\"state_a&lt;b&gt;&amp;&quot;c&quot;\""));
+}
+
 }  // namespace
