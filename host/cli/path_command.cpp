@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "files/file.h"
+#include "files/notice.h"
 #include "law/csv_table.h"
 #include "law/material_point.h"
 #include "law/path_file.h"
@@ -45,7 +45,7 @@ void run_jumps(const Options& options) {
   }
 
   const auto material = std::make_shared<const Material>(law, settings);
-  if (!material->warnings().empty()) fmt::print(stderr, "warning: {}\n", material->warnings());
+  if (!material->warnings().empty()) notice("warning: " + material->warnings());
   MaterialPoint point(material, options.initial);
   std::string output = path_header(*law.law);
   std::size_t clamped = 0;
@@ -64,8 +64,8 @@ void run_jumps(const Options& options) {
     output += path_row(*law.law, point.now());
   }
   if (clamped > 0)
-    fmt::print(stderr, "warning: the law limited its input in {} of {} rows\n", clamped, table.rows.size());
-  write_file(options.out, output);
+    notice(fmt::format("warning: the law limited its input in {} of {} rows", clamped, table.rows.size()));
+  write_named_file(options.out, output);
 }
 
 // Path tests: true when every expectation held.
@@ -90,7 +90,7 @@ bool run_files(const Options& options) {
       const Law law = Law::find(options.law.empty() ? path.law : options.law);
       std::string output = path_header(*law.law);
       for (std::size_t i = 1; i < outcome.rows.size(); ++i) output += path_row(*law.law, outcome.rows[i]);
-      write_file(options.out, output);
+      write_named_file(options.out, output);
     }
   }
   if (options.files.size() > 1) {

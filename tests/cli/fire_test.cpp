@@ -132,4 +132,61 @@ TEST_F(Fire, IdsOfStatesDoNotTearVtuFiles) {
   EXPECT_THAT(file.substr(0, file.find("<AppendedData")), HasSubstr("Name=\"state_a&lt;b&gt;&amp;&quot;c&quot;\""));
 }
 
+// A plot program that waits for ever, and none at all.
+TEST_F(Fire, PicturesDoNotHoldResults) {
+  const fs::path tools = folder_ / "tools";
+  fs::create_directories(tools);
+  std::ofstream(tools / "gnuplot") << "#!/bin/sh\nexec sleep 1000\n";
+  fs::permissions(tools / "gnuplot", fs::perms::owner_all);
+  const std::vector<std::string> words{
+      "run",   small_,           "--out", out(), "--threads", "1", "--set", "stage.2.displacement=1e-5",
+      "--set", "output.frames=0"};
+  ASSERT_EQ(quoin(words,
+                  [&] {
+                    in_time();
+                    setenv("PATH", (tools.string() + ":/usr/bin:/bin").c_str(), 1);
+                    setenv("QUOIN_PLOT_SECONDS", "0.5", 1);
+                  }),
+            0)
+      << error_;
+  EXPECT_THAT(error_, HasSubstr("no curve.png: gnuplot was stopped after 0.5 s"));
+  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_FALSE(fs::exists(out() + "/curve.png"));
+  EXPECT_THAT(parts(), IsEmpty());
+  ASSERT_EQ(quoin(words, [&] { setenv("PATH", folder_.c_str(), 1); }), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("no curve.png: gnuplot is not installed"));
+  EXPECT_EQ(summary()["status"], "done");
+}
+
+// Devices and links keep their places; a folder and a link to nothing are refused.
+TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
+  const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n");
+  const auto path_to = [&](const std::string& file) {
+    return quoin_in_time({"path", "--law", "elastic", "--set", "normal_stiffness=1e9", "--set", "shear_stiffness=1e9",
+                          "--jumps", jumps, "--out", file});
+  };
+  const fs::path target = folder_ / "target.csv", link = folder_ / "link.csv", dangling = folder_ / "dangling.csv",
+                 device = folder_ / "null";
+  write("target.csv", "old");
+  fs::create_symlink(target, link);
+  fs::create_symlink(folder_ / "nothing", dangling);
+  ASSERT_EQ(path_to(link.string()), 0) << error_;
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_THAT(read_all(target), HasSubstr("dn,ds,dt,sigma"));
+  EXPECT_EQ(path_to(dangling.string()), 3);
+  EXPECT_THAT(error_, HasSubstr("leads to no file"));
+  EXPECT_EQ(path_to(folder_.string()), 3);
+  EXPECT_THAT(error_, HasSubstr("is a folder"));
+  ASSERT_EQ(path_to("/dev/stdout"), 0) << error_;
+  EXPECT_THAT(out_ + read_all(folder_ / "stdout"), HasSubstr("dn,ds,dt,sigma"));
+  if (mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) GTEST_SKIP() << "only root makes devices";
+  EXPECT_EQ(path_to(device.string()), 0) << error_;
+  EXPECT_TRUE(fs::is_character_file(device));
+  const fs::path full = folder_ / "full";
+  ASSERT_EQ(mknod(full.c_str(), S_IFCHR | 0600, makedev(1, 7)), 0);
+  EXPECT_EQ(path_to(full.string()), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("cannot be written"), HasSubstr("No space left")));
+  EXPECT_TRUE(fs::is_character_file(full));
+}
+
 }  // namespace
