@@ -4,8 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "files/memory.h"
+#include "files/notice.h"
 #include "law/law_library.h"
 #include "law/property_text.h"
 #include "scene/error.h"
@@ -25,13 +26,13 @@ void replace_law(JointFamily& family, const std::string& name, const Law& law) {
     return true;
   });
   if (!left_out.empty())
-    fmt::print(stderr, "quoin: joints.{}: law {} has no {}: left out\n", family.name, law.law->id,
-               fmt::join(left_out, ", "));
+    notice(fmt::format("quoin: joints.{}: law {} has no {}: left out", family.name, law.law->id,
+                       fmt::join(left_out, ", ")));
   const char* const* states = law.law->initial_states;
   const char* const* end = states + law.law->initial_state_count;
   if (states != end && std::none_of(states, end, [&](const char* s) { return family.initial_state == s; })) {
-    fmt::print(stderr, "quoin: joints.{}: law {} has no initial state '{}': '{}' is used\n", family.name, law.law->id,
-               family.initial_state, *states);
+    notice(fmt::format("quoin: joints.{}: law {} has no initial state '{}': '{}' is used", family.name, law.law->id,
+                       family.initial_state, *states));
     family.initial_state = *states;
   }
 }

@@ -158,6 +158,42 @@ TEST_F(Fire, PicturesDoNotHoldResults) {
   EXPECT_EQ(summary()["status"], "done");
 }
 
+// No file may grow beyond 40 kB, as on a disk with little left: pictures and frames fail, history and summary are kept.
+TEST_F(Fire, FullDisksLeaveNoFileThatIsNotWhole) {
+  const auto small_files = [] {
+    in_time();
+    const rlimit limit{40000, 40000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  EXPECT_EQ(quoin({"run", QUOIN_SCENES "/solid_wall_030.toml", "--out", out(), "--threads", "1", "--set",
+                   "stage.shear.displacement=1e-6", "--set", "output.frames=1", "--set", "stage.1.record_interval=1000",
+                   "--set", "stage.2.record_interval=1000"},
+                  small_files),
+            3)
+      << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr("no more frames for ParaView"), HasSubstr("curve.png")));
+  EXPECT_THAT(parts(), IsEmpty());
+  EXPECT_EQ(summary()["status"], "done");
+  for (const auto& entry : fs::recursive_directory_iterator(out())) {
+    const bool empty = entry.is_regular_file() && entry.file_size() == 0;
+    EXPECT_FALSE(empty && entry.path().extension() != ".log") << entry.path();
+    EXPECT_NE(entry.path().extension(), ".png");
+    EXPECT_NE(entry.path().extension(), ".vtu");
+  }
+}
+
+TEST_F(Fire, ResultsThatDoNotFitAreRefusedBeforeTheWork) {
+  const std::vector<std::string> words{"run",   QUOIN_SCENES "/solid_wall_030.toml",
+                                       "--out", out(),
+                                       "--set", "output.frames=100000",
+                                       "--set", "wall.zones=[16,8,8]"};
+  const double most = 144.0 * 16 * 8 * 8 * 5 * 77 * 1e5;
+  if (static_cast<double>(fs::space(folder_).available) > most) GTEST_SKIP() << "the disk takes " << most << " bytes";
+  EXPECT_EQ(quoin(words, [] { in_time(300); }), 3) << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr("output.frames = 100000"), ContainsRegex("need about .* MB and .* MB are free")));
+  EXPECT_FALSE(fs::exists(out() + "/history.csv"));
+}
+
 // Devices and links keep their places; a folder and a link to nothing are refused.
 TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
   const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n");
@@ -188,5 +224,81 @@ TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
   EXPECT_THAT(error_, AllOf(HasSubstr("cannot be written"), HasSubstr("No space left")));
   EXPECT_TRUE(fs::is_character_file(full));
 }
+
+// Standard output and error closed or full: results are there, and the exit code says what was lost.
+TEST_F(Fire, OutputsThatAreGoneDoNotLoseTheRun) {
+  const auto to = [](int descriptor, const char* file) {
+    return [descriptor, file] {
+      in_time();
+      close(descriptor);
+      if (*file != '\0') open(file, O_WRONLY);
+    };
+  };
+  for (const char* file : {"", "/dev/full"}) {
+    EXPECT_EQ(quoin(short_run(small_), to(STDOUT_FILENO, file)), 3) << error_;
+    EXPECT_THAT(error_, HasSubstr("standard output cannot be written"));
+    EXPECT_EQ(summary()["status"], "done");
+    fs::remove_all(out());
+    EXPECT_EQ(quoin(short_run(small_), to(STDERR_FILENO, file)), 0);
+    EXPECT_EQ(summary()["status"], "done");
+    EXPECT_THAT(read_all(out() + "/history.csv"), Not(HasSubstr("stage 1/2"))) << "words in the place of another file";
+    fs::remove_all(out());
+    EXPECT_EQ(quoin({"models"}, to(STDOUT_FILENO, file)), 3);
+    EXPECT_EQ(quoin({"--help"}, to(STDOUT_FILENO, file)), 3);
+    EXPECT_EQ(quoin({"run", "/nowhere.toml"}, to(STDERR_FILENO, file)), 3);
+  }
+}
+
+TEST_F(Fire, SignalsOfTheTerminalKeepWhatWasComputed) {
+  for (const int signal : {SIGHUP, SIGPIPE, SIGTERM}) {
+    const pid_t child = start_long();
+    kill(child, signal);
+    EXPECT_EQ(finish(child), 130) << error_;
+    EXPECT_TRUE(summary()["interrupted"]);
+    EXPECT_TRUE(fs::exists(out() + "/history.csv"));
+    EXPECT_THAT(parts(), IsEmpty());
+  }
+  // Under nohup a run outlives its terminal.
+  const pid_t child = start_long([] { std::signal(SIGHUP, SIG_IGN); });
+  kill(child, SIGHUP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it runs on";
+  kill(child, SIGINT);
+  EXPECT_EQ(finish(child), 130);
+}
+
+// Words into a pipe whose reader has gone.
+TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                             "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                            ends[1], [&] {
+                              in_time(120);
+                              close(ends[0]);
+                            });
+  close(ends[1]);
+  char buffer[100];
+  EXPECT_GT(read(ends[0], buffer, sizeof buffer), 0);
+  close(ends[0]);
+  EXPECT_EQ(finish(child), 130);
+  EXPECT_TRUE(summary()["interrupted"]);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which want to be the first library
+TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
+  EXPECT_EQ(quoin({"run", small_, "--out", out(), "--threads", "600", "--set", "stage.2.displacement=1e-6", "--set",
+                   "output.frames=0"},
+                  [] {
+                    in_time();
+                    setenv("LD_PRELOAD", QUOIN_FEW_THREADS_LIBRARY, 1);
+                  }),
+            0)
+      << error_;
+  EXPECT_THAT(error_, HasSubstr("warning: the machine started 3 threads of the 600 wanted"));
+  EXPECT_EQ(summary()["threads"], 3);
+  EXPECT_TRUE(fs::exists(out() + "/plots/curve.gp")) << "written without a thread of its own";
+}
+#endif
 
 }  // namespace
