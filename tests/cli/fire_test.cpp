@@ -301,4 +301,26 @@ TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
 }
 #endif
 
+TEST_F(Fire, FormulasHaveAnEnd) {
+  const auto with_formula = [&](const std::string& formula) {
+    const std::string file = write("path.toml",
+                                   "law = \"elastic\"\n[properties]\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n"
+                                   "[[point]]\ndn = \"" +
+                                       formula + "\"\n");
+    return quoin_in_time({"path", file});
+  };
+  EXPECT_EQ(with_formula(std::string(100, '(') + "1e-9" + std::string(100, ')')), 0) << error_;
+  for (const std::string& deep : {std::string(20000, '(') + "1" + std::string(20000, ')'), std::string(4000, '(') + "1",
+                                  std::string(20000, '-') + "1", std::string(9000, '-') + "1"}) {
+    EXPECT_EQ(with_formula(deep), 3);
+    EXPECT_THAT(error_, AllOf(HasSubstr("path.toml:6"), AnyOf(HasSubstr("deep"), HasSubstr("characters"))));
+    EXPECT_LT(error_.size(), 1000u);
+  }
+  std::string sum = "0", power = "1";
+  for (int i = 0; i < 100000; ++i) sum += "+1";
+  for (int i = 0; i < 4000; ++i) power += "^1";
+  EXPECT_EQ(with_formula(sum), 3);
+  EXPECT_EQ(with_formula(power), 3);
+}
+
 }  // namespace
