@@ -23,7 +23,7 @@ struct Options {
   std::vector<std::string> files;
   std::string law, jumps, out, initial, plot;
   std::vector<std::string> settings;
-  bool verbose = false;
+  bool verbose = false, force = false;
 };
 
 // Jumps from a table: one increment a row, from zero.
@@ -73,7 +73,7 @@ bool run_files(const Options& options) {
   std::size_t failed = 0;
   for (const std::string& file : options.files) {
     const PathFile path = read_path_file(file);
-    const PathOutcome outcome = run_path(path, options.law);
+    const PathOutcome outcome = run_path(path, options.law, options.force);
     const bool passed = outcome.failures.empty();
     failed += passed ? 0 : 1;
     fmt::print("{}  {}: {} ({} checks, {} steps, largest error {:.2g} of its tolerance)\n", passed ? "pass" : "FAIL",
@@ -116,6 +116,7 @@ void add_path_command(CLI::App& app, int& exit_code) {
   command->add_option("--initial", options->initial, "Initial state (bonded, dry); default: the law's first");
   command->add_option("--plot", options->plot,
                       "Folder for PNG plots beside the closed forms (path tests; needs gnuplot)");
+  command->add_flag("--force", options->force, "Go on where the steps seem too many for the memory here");
   command->add_flag("--verbose", options->verbose, "Show every failed check");
   command->footer(
       "Exit code 5: a check of a path test failed, or the law failed numerically.\n"

@@ -11,6 +11,7 @@
 #include "law/property_text.h"
 #include "scene/error.h"
 #include "scene/read_scene.h"
+#include "scene/size.h"
 #include "step/law_swap.h"
 
 namespace quoin {
@@ -41,17 +42,50 @@ std::string value_text(const PropertySetting& p) {
   return p.numbers.empty() ? p.text : fmt::format("{}", fmt::join(p.numbers, ", "));
 }
 
+// Before anything of that size is made.
+void refuse_what_does_not_fit(const Scene& scene, bool force) {
+  constexpr double kMost = 2e9, kLarge = 1e9;  // what can be numbered; B from which on a user waits for the first word
+  const SceneSize size = size_of(scene);
+  const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
+                                        size.blocks, size.zones, size.points);
+  if (std::max(size.zones, size.points) > kMost)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: of each, {:g} at most can be numbered; make the scene smaller", words, kMost));
+  if (!force) require_memory(size.bytes, words, "make the scene smaller, or try all the same with --force");
+  if (size.bytes > kLarge)
+    notice(fmt::format("{}, about {:.2g} GB; making them takes minutes", words, size.bytes / 1e9));
+}
+
+// Stiffnesses beyond are slips, and time steps follow from them.
+void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
+  constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
+  const Material material(law, family.properties);
+  const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
+  if (bounds.normal <= kMost && bounds.shear <= kMost) return;  // not a number: refused too
+  throw Error(Exit::bad_input,
+              fmt::format("{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
+                          "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
+                          family.source.text, law.law->id, bounds.normal, bounds.shear, kMost));
+}
+
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
   Scene scene = read_scene(options.scene, options.overrides);
+  refuse_what_does_not_fit(scene, options.force);
   std::string faults;
+  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   for (auto& [name, family] : scene.joints) {
     const Law law = Law::find(options.law.empty() ? family.law : options.law);
     if (!options.law.empty()) replace_law(family, options.law, law);
 
     std::vector<std::string> ids;
     for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
+    std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
+    if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
+      add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
+                      family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
+                      fmt::join(states, ", ")));
     std::vector<std::string> keys = ids;
     keys.insert(keys.end(), {"law", "initial_state"});
     for (const PropertySetting& p : family.properties) {
@@ -61,6 +95,7 @@ Scene prepare_scene(const SceneOptions& options) {
     }
   }
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
+  for (const auto& [name, family] : scene.joints) refuse_what_is_too_stiff(family, Law::find(family.law));
   // A law that a late stage asks for is not to be missed after hours.
   for (const Stage& stage : scene.stages) {
     for (const auto& [family, law] : stage.law_swaps) {
@@ -75,18 +110,12 @@ Scene prepare_scene(const SceneOptions& options) {
 }
 
 std::string end_of(const Stage& stage) {
-  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   std::string end;
   const auto add = [&](const std::string& text) { end += (end.empty() ? "" : " or ") + text; };
   if (stage.equilibrium_ratio)
     add(fmt::format("largest unbalanced force <= {:g} of the mean contact force", *stage.equilibrium_ratio));
   if (stage.displacement) add(fmt::format("displacement {:g} mm", *stage.displacement * 1e3));
   if (stage.cycles)
-    std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
-    if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
-      add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
-                      family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
-                      fmt::join(states, ", ")));
     add(fmt::format("{} are done, {:g} s", text_of(*stage.cycles), *stage.duration));
   else if (stage.duration)
     add(fmt::format("{:g} s", *stage.duration));

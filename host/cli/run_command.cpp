@@ -210,7 +210,9 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
   if (is_done(folder)) return nullptr;
   auto lock = std::make_shared<FolderLock>(folder);
   if (is_done(folder)) return nullptr;  // by now: another process has just finished it
+  const bool force = scene->force;
   *scene = read_run_record(folder);
+  scene->force = force;
   return lock;
 }
 
@@ -244,24 +246,24 @@ void run(RunOptions options, int& exit_code) {
   const OutputSettings& output = simulation.scene().output;
   const std::string law = law_names(simulation.assembly());
   Surfaces surfaces(simulation);
-  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
-  const TimeStepReport& step = simulation.time_step_report();
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
                 fmt::format("the results with output.frames = {}", output.frames));
+  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
+  const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
       "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
       "threads, {}",
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
       step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
 
-  if (goes_on)
-    recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (simulation.thread_count() < wanted)
     recorder.progress().message(fmt::format(
         "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
         simulation.thread_count(), wanted));
+  if (goes_on)
+    recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (lock)
     recorder.progress().message("resumed before its first checkpoint: from the start");
   if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
@@ -369,6 +371,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   CLI::Option* set = command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
+  command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,
                    "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")

@@ -13,11 +13,12 @@
 #include <utility>
 
 #include "files/gnuplot.h"
+#include "files/memory.h"
 #include "law/csv_table.h"
 #include "law/property_text.h"
 #include "scene/error.h"
-#include "scene/toml.h"
 #include "scene/input_file.h"
+#include "scene/toml.h"
 
 namespace quoin {
 
@@ -278,7 +279,13 @@ std::string path_row(const quoin_law& law, const PointResult& point) {
   return row + fmt::format(",{}\n", full_precision(point.work));
 }
 
-PathOutcome run_path(const PathFile& path, const std::string& law_name) {
+PathOutcome run_path(const PathFile& path, const std::string& law_name, bool force) {
+  double steps = 0.0;
+  for (const PathPoint& point : path.points) steps += point.steps;
+  constexpr double kOfStep = 2300.0;  // bytes: every quantity by its name
+  if (!force)
+    require_memory(kOfStep * steps, fmt::format("{}: {:g} steps", path.file, steps),
+                   "give fewer steps, or try all the same with --force");
   const Law law = Law::find(law_name.empty() ? path.law : law_name);
   const auto material = std::make_shared<const Material>(law, path.properties);
   MaterialPoint contact(material, path.initial);

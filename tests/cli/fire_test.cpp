@@ -301,6 +301,57 @@ TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
 }
 #endif
 
+// Models, paths and steps beyond any machine are refused with numbers, and at once.
+TEST_F(Fire, WorkWithoutAnEndIsRefusedBeforeItBegins) {
+  const std::string deformable = write("block.toml", R"([materials.stone]
+young_modulus = 10e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e10
+shear_stiffness = 1e10
+[[block]]
+material = "stone"
+rigid = false
+divisions = [200, 200, 200]
+box = { size = [1, 1, 1] }
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 1
+)");
+  const std::string path = write("path.toml",
+                                 "law = \"elastic\"\n[properties]\nnormal_stiffness = 1e9\n[[point]]\n"
+                                 "dn = 1e-6\nsteps = 1e8\n");
+  const auto here = [](double gigabytes) {
+    return [gigabytes] {
+      in_time(20);
+      const rlimit limit{static_cast<rlim_t>(gigabytes * 1e9), static_cast<rlim_t>(gigabytes * 1e9)};
+      setrlimit(RLIMIT_AS, &limit);
+    };
+  };
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take all addresses";
+#endif
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", deformable},
+        {"check", small_, "--set", "wall.courses=10000", "--set", "wall.units_per_course=10000"},
+        {"run", small_, "--out", out(), "--set", "wall.zones=[64,64,64]", "--set", "wall.courses=100"},
+        {"path", path}}) {
+    EXPECT_EQ(quoin(words, here(16)), 3) << words[1];
+    EXPECT_THAT(error_, AllOf(ContainsRegex("about .* GB of memory|at most can be numbered"),
+                              AnyOf(HasSubstr("--force"), HasSubstr("smaller"))));
+  }
+  // The same wall fits here, and not there.
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}, here(8)), 0) << error_;
+  EXPECT_THAT(out_, ContainsRegex("memory about 0.* GB of 8 GB here"));
+  const std::vector<std::string> larger{"check", QUOIN_SCENES "/solid_wall_030.toml", "--set", "wall.zones=[16,16,16]"};
+  EXPECT_EQ(quoin(larger, here(0.25)), 3);
+  EXPECT_THAT(error_, HasSubstr("--force"));
+  EXPECT_EQ(quoin({"check", small_, "--set", "joints.mortar.normal_stiffness=1e300"}, here(8)), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("1e+20 Pa/m at most")));
+}
+
 TEST_F(Fire, FormulasHaveAnEnd) {
   const auto with_formula = [&](const std::string& formula) {
     const std::string file = write("path.toml",
