@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -21,7 +22,11 @@ class ThreadPool {
       : thread_count_(thread_count),
         spins_(thread_count > static_cast<int>(std::thread::hardware_concurrency()) ? 0 : kSpins),
         ranges_(std::make_unique<Range[]>(static_cast<std::size_t>(thread_count))) {
-    for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
+    try {
+      for (int i = 1; i < thread_count; ++i) threads_.emplace_back([this, i] { work(i); });
+    } catch (const std::system_error&) {  // the machine has no more
+      thread_count_ = 1 + static_cast<int>(threads_.size());
+    }
   }
   ~ThreadPool() {
     stop_.store(true, std::memory_order_relaxed);
@@ -31,7 +36,7 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  int thread_count() const { return thread_count_; }
+  int thread_count() const { return thread_count_; }  // less than asked for where the machine starts no more
 
   // Calls function(thread, piece) once for every piece 0 .. end.back() - 1, on any thread, in any order. Thread t
   // begins with the pieces [end[t - 1], end[t]), then takes what is left of the others'. The function must not throw.

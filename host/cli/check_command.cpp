@@ -6,8 +6,10 @@
 #include <cmath>
 
 #include "cli/prepare.h"
+#include "files/memory.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "scene/size.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -20,6 +22,10 @@ void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepRep
   if (!limit.where.empty())
     fmt::print("      set at ({:.3f}, {:.3f}, {:.3f}) m: {}\n", limit.position[0], limit.position[1], limit.position[2],
                limit.where);
+}
+
+void print_memory(const SceneSize& size) {
+  fmt::print("  memory about {:.2g} GB of {:.3g} GB here\n", size.bytes / 1e9, memory_here() / 1e9);
 }
 
 // How blocks move: which kernel, and how well its lanes are filled.
@@ -43,6 +49,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
+  print_memory(size_of(scene));
   const auto& made = simulation.riding()->assembly().blocks;
   const auto rigid = std::count_if(made.begin(), made.end(), [](const blocks::Block& b) { return b.rigid; });
   fmt::print("  motion in {} displacement: {} rigid, {} zone by zone\n",
@@ -56,6 +63,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
 
 void check(const SceneOptions& options) {
   const Scene scene = prepare_scene(options);
+  const SceneSize scene_size = size_of(scene);
   Motion motion = choose_motion(scene);
   if (motion.shapes) return check_blocks(options, scene, motion.why_not_lattice);
   auto materials = make_materials(motion.bricks);
@@ -71,10 +79,11 @@ void check(const SceneOptions& options) {
              model.assembly.joints.size(), report.model_mass);
   for (const ContactFamily& family : model.families) {
     fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
-               family.material->api().id, family.material->api().version, family.point_count, family.normal_stiffness,
-               family.shear_stiffness);
+               family.material->api().id, law_text(family.material->api().version), family.point_count,
+               family.normal_stiffness, family.shear_stiffness);
     if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
   }
+  print_memory(scene_size);
   print_motion(model);
   fmt::print("time step\n");
   print_limit("2/omega_max of the assembled system", report.critical, report);
@@ -110,6 +119,7 @@ void add_check_command(CLI::App& app, int&) {
   command->add_option("--set", options->overrides, "Set a key of the scene; may be repeated")
       ->type_name("dotted.key=value")
       ->allow_extra_args(false);
+  command->add_flag("--force", options->force, "Go on where the model seems too large for this machine");
   command->footer(
       "Examples:\n"
       "  quoin check host/scenes/solid_wall_030.toml\n"

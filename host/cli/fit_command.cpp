@@ -43,7 +43,7 @@ void run(const Options& options) {
   for (std::size_t k = 0; k < curves.size(); ++k) {
     fmt::print("{}: {} rows, standard deviation {:.4g} Pa\n", curves[k].file, curves[k].jump.size(), result.noise[k]);
   }
-  if (!options.out.empty()) write_file(options.out, toml);
+  if (!options.out.empty()) write_named_file(options.out, toml);
   if (!options.plot.empty()) fmt::print("{}\n", plot_fit(curves, result, options.plot));
 }
 

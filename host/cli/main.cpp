@@ -1,8 +1,13 @@
 // The program `quoin`: one file a command, registered here. Exit codes are those of scene/error.h.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <iostream>
 #include <new>
 
 #include "base/error.h"
@@ -12,9 +17,25 @@
 #include "cli/path_command.h"
 #include "cli/reproduce_command.h"
 #include "cli/run_command.h"
+#include "files/notice.h"
 
-int main(int argc, char** argv) {
-  using quoin::Exit;
+namespace {
+
+using quoin::Exit;
+using quoin::notice;
+
+// A descriptor that is closed would be given to the next file that is opened, and our words would go into it. In its
+// place comes one that fails as a closed one does.
+void fill_closed_descriptors() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(number, F_GETFD) < 0 && errno == EBADF) {
+      const int null = open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // the lowest that is free
+      if (null != number && null >= 0) close(null);
+    }
+  }
+}
+
+int run_command(int argc, char** argv) {
   CLI::App app{
       "Quoin: discrete-element analysis of masonry with contact laws that are loaded at run time.\n\n"
       "Examples:\n"
@@ -47,14 +68,28 @@ int main(int argc, char** argv) {
     app.exit(error);
     return asked_for ? 0 : static_cast<int>(Exit::usage);
   } catch (const quoin::Error& error) {
-    if (error.exit_code != Exit::interrupted) fmt::print(stderr, "quoin: {}\n", error.what());
+    if (error.exit_code != Exit::interrupted) notice(fmt::format("quoin: {}", error.what()));
     return static_cast<int>(error.exit_code);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "quoin: out of memory; make the scene smaller\n");
+    notice("quoin: out of memory; make the scene smaller");
     return static_cast<int>(Exit::numerical);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "quoin: internal error: {}; please report it with the scene\n", error.what());
+    if (std::ferror(stdout) != 0) return exit_code;  // told by main
+    notice(fmt::format("quoin: internal error: {}; please report it with the scene", error.what()));
     return static_cast<int>(Exit::numerical);
   }
   return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  fill_closed_descriptors();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full, with a message
+  const int exit_code = run_command(argc, argv);
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return exit_code;
+  notice(
+      "quoin: the standard output cannot be written (closed, or no space); what was to be read there is not complete");
+  return exit_code != 0 ? exit_code : static_cast<int>(Exit::bad_input);
 }

@@ -12,8 +12,7 @@ namespace quoin {
 
 namespace {
 
-// Texts of a law may be null.
-std::string text(const char* s) { return s ? s : ""; }
+std::string text(const char* s) { return law_text(s); }
 
 std::string bounds(const quoin_property_info& p) {
   if (p.kind == QUOIN_PROPERTY_CHOICE) {

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "files/file.h"
+#include "files/notice.h"
 #include "law/csv_table.h"
 #include "law/material_point.h"
 #include "law/path_file.h"
@@ -23,7 +23,7 @@ struct Options {
   std::vector<std::string> files;
   std::string law, jumps, out, initial, plot;
   std::vector<std::string> settings;
-  bool verbose = false;
+  bool verbose = false, force = false;
 };
 
 // Jumps from a table: one increment a row, from zero.
@@ -45,7 +45,7 @@ void run_jumps(const Options& options) {
   }
 
   const auto material = std::make_shared<const Material>(law, settings);
-  if (!material->warnings().empty()) fmt::print(stderr, "warning: {}\n", material->warnings());
+  if (!material->warnings().empty()) notice("warning: " + material->warnings());
   MaterialPoint point(material, options.initial);
   std::string output = path_header(*law.law);
   std::size_t clamped = 0;
@@ -64,8 +64,8 @@ void run_jumps(const Options& options) {
     output += path_row(*law.law, point.now());
   }
   if (clamped > 0)
-    fmt::print(stderr, "warning: the law limited its input in {} of {} rows\n", clamped, table.rows.size());
-  write_file(options.out, output);
+    notice(fmt::format("warning: the law limited its input in {} of {} rows", clamped, table.rows.size()));
+  write_named_file(options.out, output);
 }
 
 // Path tests: true when every expectation held.
@@ -73,7 +73,7 @@ bool run_files(const Options& options) {
   std::size_t failed = 0;
   for (const std::string& file : options.files) {
     const PathFile path = read_path_file(file);
-    const PathOutcome outcome = run_path(path, options.law);
+    const PathOutcome outcome = run_path(path, options.law, options.force);
     const bool passed = outcome.failures.empty();
     failed += passed ? 0 : 1;
     fmt::print("{}  {}: {} ({} checks, {} steps, largest error {:.2g} of its tolerance)\n", passed ? "pass" : "FAIL",
@@ -90,7 +90,7 @@ bool run_files(const Options& options) {
       const Law law = Law::find(options.law.empty() ? path.law : options.law);
       std::string output = path_header(*law.law);
       for (std::size_t i = 1; i < outcome.rows.size(); ++i) output += path_row(*law.law, outcome.rows[i]);
-      write_file(options.out, output);
+      write_named_file(options.out, output);
     }
   }
   if (options.files.size() > 1) {
@@ -116,6 +116,7 @@ void add_path_command(CLI::App& app, int& exit_code) {
   command->add_option("--initial", options->initial, "Initial state (bonded, dry); default: the law's first");
   command->add_option("--plot", options->plot,
                       "Folder for PNG plots beside the closed forms (path tests; needs gnuplot)");
+  command->add_flag("--force", options->force, "Go on where the steps seem too many for the memory here");
   command->add_flag("--verbose", options->verbose, "Show every failed check");
   command->footer(
       "Exit code 5: a check of a path test failed, or the law failed numerically.\n"

@@ -4,12 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "base/error.h"
+#include "files/memory.h"
+#include "files/notice.h"
 #include "law/law_library.h"
 #include "law/property_text.h"
 #include "scene/read_scene.h"
+#include "scene/size.h"
 #include "step/law_swap.h"
 
 namespace quoin {
@@ -25,13 +27,13 @@ void replace_law(JointFamily& family, const std::string& name, const Law& law) {
     return true;
   });
   if (!left_out.empty())
-    fmt::print(stderr, "quoin: joints.{}: law {} has no {}: left out\n", family.name, law.law->id,
-               fmt::join(left_out, ", "));
+    notice(fmt::format("quoin: joints.{}: law {} has no {}: left out", family.name, law.law->id,
+                       fmt::join(left_out, ", ")));
   const char* const* states = law.law->initial_states;
   const char* const* end = states + law.law->initial_state_count;
   if (states != end && std::none_of(states, end, [&](const char* s) { return family.initial_state == s; })) {
-    fmt::print(stderr, "quoin: joints.{}: law {} has no initial state '{}': '{}' is used\n", family.name, law.law->id,
-               family.initial_state, *states);
+    notice(fmt::format("quoin: joints.{}: law {} has no initial state '{}': '{}' is used", family.name, law.law->id,
+                       family.initial_state, *states));
     family.initial_state = *states;
   }
 }
@@ -40,26 +42,60 @@ std::string value_text(const PropertySetting& p) {
   return p.numbers.empty() ? p.text : fmt::format("{}", fmt::join(p.numbers, ", "));
 }
 
+// Before anything of that size is made.
+void refuse_what_does_not_fit(const Scene& scene, bool force) {
+  constexpr double kMost = 2e9, kLarge = 1e9;  // what can be numbered; B from which on a user waits for the first word
+  const SceneSize size = size_of(scene);
+  const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
+                                        size.blocks, size.zones, size.points);
+  if (std::max(size.zones, size.points) > kMost)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: of each, {:g} at most can be numbered; make the scene smaller", words, kMost));
+  if (!force) require_memory(size.bytes, words, "make the scene smaller, or try all the same with --force");
+  if (size.bytes > kLarge)
+    notice(fmt::format("{}, about {:.2g} GB; making them takes minutes", words, size.bytes / 1e9));
+}
+
+// Stiffnesses beyond are slips, and time steps follow from them.
+void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
+  constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
+  const Material material(law, family.properties);
+  const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
+  if (bounds.normal <= kMost && bounds.shear <= kMost) return;  // not a number: refused too
+  throw Error(Exit::bad_input,
+              fmt::format("{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
+                          "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
+                          family.source.text, law.law->id, bounds.normal, bounds.shear, kMost));
+}
+
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
   Scene scene = read_scene(options.scene, options.overrides);
+  refuse_what_does_not_fit(scene, options.force);
   std::string faults;
+  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   for (auto& [name, family] : scene.joints) {
     const Law law = Law::find(options.law.empty() ? family.law : options.law);
     if (!options.law.empty()) replace_law(family, options.law, law);
 
     std::vector<std::string> ids;
     for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
+    std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
+    if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
+      add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
+                      family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
+                      fmt::join(states, ", ")));
     std::vector<std::string> keys = ids;
     keys.insert(keys.end(), {"law", "initial_state"});
     for (const PropertySetting& p : family.properties) {
       if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
-      faults += fmt::format("{}{} = {}: unknown key{}; law {} has: {}", faults.empty() ? "" : "\n", p.source.text,
-                            value_text(p), did_you_mean(p.id, keys), law.law->id, fmt::join(ids, ", "));
+      add(fmt::format("{} = {}: unknown key{}; law {} has: {}", p.source.text, value_text(p), did_you_mean(p.id, keys),
+                      law.law->id, fmt::join(ids, ", ")));
     }
   }
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
+  for (const auto& [name, family] : scene.joints) refuse_what_is_too_stiff(family, Law::find(family.law));
   // A law that a late stage asks for is not to be missed after hours.
   for (const Stage& stage : scene.stages) {
     for (const auto& [family, law] : stage.law_swaps) {

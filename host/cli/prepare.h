@@ -12,10 +12,12 @@ struct SceneOptions {
   std::string scene;
   std::string law;  // replaces the law of every joint family; empty: as in the scene
   std::vector<std::string> overrides;
+  bool force = false;  // models that seem too large for the machine, too
 };
 
-// Reads the scene, replaces its laws when asked to (properties that the new law does not have are left out, with a word
-// on stderr), and refuses properties that no law knows, each with its place and a suggestion.
+// Reads the scene, refuses one that the memory of the machine cannot hold, replaces its laws when asked to (properties
+// that the new law does not have are left out, with a word on stderr), and refuses properties that no law knows, each
+// with its place and a suggestion.
 Scene prepare_scene(const SceneOptions& options);
 
 std::string end_of(const Stage& stage);  // "displacement 4 mm or 2 s"

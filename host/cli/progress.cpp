@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "files/notice.h"
+
 namespace quoin {
 
 namespace {
@@ -38,14 +40,13 @@ std::string bar(double fraction, int width) {
 ProgressLine::ProgressLine() : terminal_(isatty(STDERR_FILENO) != 0) {}
 
 void ProgressLine::clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) std::fputs("\r\033[K", stderr);
   drawn_ = false;
 }
 
 void ProgressLine::message(const std::string& text) {
   clear();
-  fmt::print(stderr, "{}\n", text);
-  std::fflush(stderr);
+  notice(text);
 }
 
 void ProgressLine::show(const Progress& p, double displacement, double force) {
@@ -60,7 +61,7 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
                   time_left(p.seconds_left), without_sign_of_zero(displacement * 1e3, 1e-3),
                   without_sign_of_zero(force / 1e3, 1e-2), p.unbalanced_ratio, p.steps_per_second);
   if (!terminal_) {
-    fmt::print(stderr, "[{}] {}\n", stage, numbers);
+    notice(fmt::format("[{}] {}", stage, numbers));
   } else {
     winsize size{};
     const int columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
@@ -69,10 +70,10 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
     if (room >= 6) line += "│" + bar(p.fraction, std::min(room, 40)) + "│ ";
     line += numbers;
     if (room < -4) line.resize(static_cast<size_t>(std::max(0, columns - 1)));  // too narrow: no bar, cut
-    fmt::print(stderr, "\r\033[K{}", line);
+    std::fputs(("\r\033[K" + line).c_str(), stderr);
+    std::fflush(stderr);
     drawn_ = true;
   }
-  std::fflush(stderr);
 }
 
 std::string phases_text(const PhaseTimes& times, double whole) {

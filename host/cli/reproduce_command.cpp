@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "files/file.h"
+#include "files/notice.h"
 #include "files/result_folder.h"
 #include "reproduce/page.h"
 #include "reproduce/run_cache.h"
@@ -83,7 +84,7 @@ void reproduce_studies(const ReproduceOptions& options, int& exit_code) {
       fmt::print("{}\n", verdict_line(study->id, v));
       missed += !v.reproduced;
     }
-    for (const std::string& notice : report.notices) fmt::print(stderr, "quoin: {}: {}\n", study->id, notice);
+    for (const std::string& notice : report.notices) quoin::notice(fmt::format("quoin: {}: {}", study->id, notice));
   }
   write_page(settings.root);
   fmt::print("{}; read {}\n", missed == 0 ? "every claim reproduced" : fmt::format("{} claims not reproduced", missed),

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "files/file.h"
 
 namespace quoin {
@@ -18,10 +18,7 @@ namespace {
 
 constexpr const char* kRecord = "run.json";
 
-Json read_json(const fs::path& path) {
-  std::ifstream stream(path);
-  return Json::parse(stream, nullptr, false);
-}
+Json read_json(const fs::path& path) { return Json::parse(read_input_file(path.string()), nullptr, false); }
 
 }  // namespace
 
@@ -62,7 +59,9 @@ SceneOptions read_run_record(const fs::path& folder) {
 }
 
 bool is_done(const fs::path& folder) {
-  const Json json = read_json(folder / "summary.json");
+  const fs::path summary = folder / "summary.json";
+  if (std::error_code error; !fs::exists(summary, error)) return false;
+  const Json json = read_json(summary);
   return json.is_object() && json.value("status", Json()) == "done";
 }
 

@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <new>
 #include <optional>
+#include <thread>
 
 #include "cli/prepare.h"
 #include "cli/progress.h"
 #include "cli/resume.h"
+#include "files/file.h"
 #include "files/result_folder.h"
 #include "results/block_picture.h"
 #include "results/history.h"
@@ -36,24 +40,32 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop; a second one ends the program at once.
+// Ctrl-C asks the simulation to stop, and so do a terminal that closes and a reader of our words that goes. A second
+// time ends the program at once; but a reader that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {
     running = &simulation;
-    struct sigaction action {};
-    action.sa_handler = stop_running;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, nullptr);
-    sigaction(SIGTERM, &action, nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      sigaction(kSignals[i], nullptr, &before_[i]);
+      const bool of_terminal = kSignals[i] == SIGHUP || kSignals[i] == SIGPIPE;
+      if (of_terminal && before_[i].sa_handler == SIG_IGN) continue;  // nohup
+      struct sigaction action {};
+      action.sa_handler = stop_running;
+      action.sa_flags = SA_RESTART | (kSignals[i] == SIGPIPE ? 0 : static_cast<int>(SA_RESETHAND));
+      sigaction(kSignals[i], &action, nullptr);
+    }
   }
   ~StopOnSignal() {
-    std::signal(SIGINT, SIG_DFL);
-    std::signal(SIGTERM, SIG_DFL);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
     running = nullptr;
   }
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
+
+ private:
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+  std::array<struct sigaction, kSignals.size()> before_{};
 };
 
 // Since the start of the process, loading of libraries included.
@@ -139,7 +151,15 @@ class Recorder : public Observer {
   void on_progress(const Progress& progress) override {
     progress_.show(progress, last_.displacement, last_.horizontal_force);
   }
-  void on_frame(const Simulation& simulation, int, int) override { frames_.add_frame(simulation); }
+  void on_frame(const Simulation& simulation, int, int) override {
+    if (frames_fault_) return;
+    try {
+      frames_.add_frame(simulation);
+    } catch (const Error& error) {  // the run goes on without
+      frames_fault_ = error;
+      progress_.message(fmt::format("quoin: warning: no more frames for ParaView: {}", error.what()));
+    }
+  }
   void on_stage_end(const Simulation& simulation, int stage, const HistoryRow& last) override {
     const Response r = response(last, scene_.stages[static_cast<size_t>(stage)]);
     progress_.message(
@@ -157,6 +177,7 @@ class Recorder : public Observer {
 
   History& history() { return history_; }
   VtkSeries& frames() { return frames_; }
+  const std::optional<Error>& frames_fault() const { return frames_fault_; }
   ProgressLine& progress() { return progress_; }
 
  private:
@@ -169,7 +190,18 @@ class Recorder : public Observer {
   Identity identity_;
   CheckpointClock clock_;
   Response last_;
+  std::optional<Error> frames_fault_;
 };
+
+// The notice of a picture: it is no reason to lose a run.
+template <class Draw>
+std::string notice_of(const Draw& draw) {
+  try {
+    return draw();
+  } catch (const std::exception& error) {
+    return fmt::format("a picture is missing: {}", error.what());
+  }
+}
 
 // Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
 std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scene) {
@@ -178,7 +210,9 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
   if (is_done(folder)) return nullptr;
   auto lock = std::make_shared<FolderLock>(folder);
   if (is_done(folder)) return nullptr;  // by now: another process has just finished it
+  const bool force = scene->force;
   *scene = read_run_record(folder);
+  scene->force = force;
   return lock;
 }
 
@@ -212,6 +246,9 @@ void run(RunOptions options, int& exit_code) {
   const OutputSettings& output = simulation.scene().output;
   const std::string law = law_names(simulation.assembly());
   Surfaces surfaces(simulation);
+  // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
+  require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
+                fmt::format("the results with output.frames = {}", output.frames));
   Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
@@ -220,6 +257,11 @@ void run(RunOptions options, int& exit_code) {
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
       step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
 
+  const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  if (simulation.thread_count() < wanted)
+    recorder.progress().message(fmt::format(
+        "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
+        simulation.thread_count(), wanted));
   if (goes_on)
     recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (lock)
@@ -233,34 +275,49 @@ void run(RunOptions options, int& exit_code) {
   RunInfo info;
   info.overrides = options.scene.overrides;
   std::optional<Error> failure;
-  {
-    StopOnSignal guard(simulation);
-    try {
-      simulation.run(recorder);
-    } catch (const Error& error) {
-      if (error.exit_code != Exit::interrupted && error.exit_code != Exit::numerical) throw;
-      failure = error;
-      info.status = error.exit_code == Exit::interrupted ? "interrupted" : "failed";
-      info.message = error.what();
-    }
+  const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
+  try {
+    simulation.run(recorder);
+  } catch (const Error& error) {
+    failure = error;
+  } catch (const std::bad_alloc&) {
+    failure = Error(Exit::numerical, "out of memory; make the scene smaller");
+  }
+  if (failure) {
+    info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
+    info.message = failure->what();
   }
 
-  // What was computed is kept, whatever ended the run; the summary says what ended it.
-  recorder.history().finish();
-  if (output.frames > 0) {
-    if (failure) recorder.frames().add_frame(simulation);
+  // What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
+  // and costs nothing else but the exit code.
+  const auto keep = [&](const auto& write) {
+    try {
+      write();
+    } catch (const Error& error) {
+      recorder.progress().message(fmt::format("quoin: {}", error.what()));
+      if (exit_code == 0) exit_code = static_cast<int>(error.exit_code);
+    }
+  };
+  if (failure) exit_code = static_cast<int>(failure->exit_code);
+  if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
+  keep([&] { recorder.history().finish(); });
+  keep([&] {
+    if (output.frames == 0) return;
+    if (failure && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
-  }
+  });
   const auto& rows = recorder.history().rows();
   if (output.plots) {
     // Each waits for a gnuplot of its own.
-    auto curve = std::async(std::launch::async, [&] { return plot_curve(folder, rows, simulation.scene(), law); });
+    auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
+      return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law); });
+    });
     std::string of_cracks, of_mechanism;
     if (simulation.riding() || simulation.scene().blocks) {
-      of_mechanism = plot_mechanism(folder, simulation);
-      of_cracks = plot_block_cracks(folder, simulation, surfaces);
+      of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation); });
+      of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces); });
     } else {
-      of_cracks = plot_cracks(folder, simulation, surfaces, rows, law);
+      of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law); });
     }
     for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
       if (!notice.empty()) recorder.progress().message("quoin: " + notice);
@@ -269,9 +326,9 @@ void run(RunOptions options, int& exit_code) {
   info.quasi_static = check_quasi_static(rows, simulation.scene());
   info.crushed_out = find_crushed_out(simulation);
   info.wall_clock_s = process_seconds();
-  write_summary(folder / "summary.json", simulation, rows, info);
+  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
   std::error_code ignored;
-  if (!failure) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
+  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
 
   if (const auto& multiplier = simulation.outcome().collapse_multiplier)
     fmt::print("collapse multiplier {:.4f}\n", *multiplier);
@@ -290,7 +347,6 @@ void run(RunOptions options, int& exit_code) {
     recorder.progress().message(failure->exit_code == Exit::interrupted
                                     ? "quoin: interrupted; what was computed is kept in " + folder.string()
                                     : fmt::format("quoin: {}", failure->what()));
-    exit_code = static_cast<int>(failure->exit_code);
   }
 }
 
@@ -316,6 +372,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   CLI::Option* set = command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
+  command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,
                    "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <random>
 #include <system_error>
@@ -44,18 +43,76 @@ void finish_file(const std::filesystem::path& path) {
   if (error) throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}", path.string(), error.message()));
 }
 
+namespace {
+
+std::string words_of(int fault) { return std::error_code(fault, std::generic_category()).message(); }
+
+[[noreturn]] void refuse_write(const std::filesystem::path& path, int fault) {
+  throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; free space or choose another place with --out",
+                                           path.string(), words_of(fault)));
+}
+
+// Whether all of it was written; errno says why not.
+bool write_all(int file, const void* bytes, std::size_t size) {
+  for (std::size_t done = 0; done < size;) {
+    const ssize_t count = write(file, static_cast<const char*>(bytes) + done, size - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+}  // namespace
+
 void write_file(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream stream(begin_file(path), std::ios::binary | std::ios::trunc);
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   stream.close();
   if (!stream) {
-    const std::string reason = std::strerror(errno);
+    const int fault = errno;
     std::error_code ignored;
     std::filesystem::remove(part_name(path), ignored);
-    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; free space or choose another place with --out",
-                                             path.string(), reason));
+    refuse_write(path, fault);
   }
   finish_file(path);
+}
+
+std::filesystem::path named_place(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::file_status kind = fs::status(path, error);
+  if (fs::is_directory(kind)) throw Error(Exit::bad_input, path.string() + ": is a folder; give the name of a file");
+  const bool device = fs::exists(kind) && !fs::is_regular_file(kind);  // /dev/stdout leads to what has no name
+  if (device || !fs::is_symlink(path, error)) return path;
+  const fs::path target = fs::canonical(path, error);
+  if (error)
+    throw Error(Exit::bad_input, fmt::format("{}: is a link that leads to no file ({}); remove it or give another name",
+                                             path.string(), error.message()));
+  return target;
+}
+
+void write_named_file(const std::filesystem::path& path, const std::string& bytes) {
+  const std::filesystem::path place = named_place(path);
+  std::error_code error;
+  if (!std::filesystem::exists(place, error) || std::filesystem::is_regular_file(place, error))
+    return write_file(place, bytes);
+  const int file = open(place.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+  const bool good = file >= 0 && write_all(file, bytes.data(), bytes.size());
+  const int fault = errno;
+  if (file >= 0) close(file);
+  if (!good) refuse_write(path, fault);
+}
+
+void require_space(const std::filesystem::path& folder, double bytes, const std::string& what) {
+  std::error_code unknown;
+  const std::filesystem::space_info space = std::filesystem::space(folder, unknown);
+  if (unknown || bytes <= static_cast<double>(space.available)) return;
+  throw Error(
+      Exit::bad_input,
+      fmt::format("{}: {} need about {:.3g} MB and {:.3g} MB are free there; free space, ask for less or choose "
+                  "another place with --out",
+                  folder.string(), what, bytes / 1e6, static_cast<double>(space.available) / 1e6));
 }
 
 void write_durable_file(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
@@ -63,20 +120,12 @@ void write_durable_file(const std::filesystem::path& path, const std::vector<std
   std::error_code ignored;
   std::filesystem::remove(part, ignored);  // never written through a link
   const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  bool good = file >= 0;
-  for (std::size_t done = 0; good && done < bytes.size();) {
-    const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
-    if (count < 0 && errno == EINTR) continue;
-    good = count > 0;
-    if (good) done += static_cast<std::size_t>(count);
-  }
-  good = good && fsync(file) == 0;
+  const bool good = file >= 0 && write_all(file, bytes.data(), bytes.size()) && fsync(file) == 0;
   const int fault = errno;
   if (file >= 0) close(file);
   if (!good) {
     std::filesystem::remove(part, ignored);
-    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; free space or choose another place with --out",
-                                             path.string(), std::strerror(fault)));
+    refuse_write(path, fault);
   }
   finish_file(path);
   // The name, too, is on the disk only when its folder is.

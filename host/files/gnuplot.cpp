@@ -11,11 +11,17 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "files/file.h"
 
 extern char** environ;
@@ -59,6 +65,33 @@ bool is_whole_png(const fs::path& file) {
 
 bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
 
+// s that a picture may take. A plot program that waits for ever shall not hold the results of a run.
+double longest_drawing() {
+  double seconds = 0.0;
+  const char* given = std::getenv("QUOIN_PLOT_SECONDS");
+  return given != nullptr && parse_number(given, seconds) && seconds > 0.0 ? seconds : 300.0;
+}
+
+// The status of the child when it ends, or nothing after so many seconds: it is killed then.
+std::optional<int> wait_for(pid_t child, double seconds) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  auto pause = std::chrono::milliseconds(1);
+  int status = 0;
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0 && errno != EINTR) return std::nullopt;
+    if (std::chrono::duration<double>(Clock::now() - begin).count() > seconds) break;
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, std::chrono::milliseconds(20));
+  }
+  kill(child, SIGKILL);
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return std::nullopt;
+}
+
 // gnuplot reads the script from its standard input and writes the picture to its standard output: neither a name of a
 // file nor any other text is on its command line.
 Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, const fs::path& picture) {
@@ -88,16 +121,18 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
   posix_spawn_file_actions_destroy(&actions);
 
   Drawing drawing;
-  int status = 0;
   if (no_start == ENOENT) {
     drawing.fault = "gnuplot is not installed (apt-get install gnuplot-nox)";
   } else if (no_start != 0) {
     drawing.fault =
         fmt::format("gnuplot cannot be started: {}", std::error_code(no_start, std::generic_category()).message());
   } else {
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || !is_whole_png(part)) drawing.fault = "gnuplot failed";
+    const double limit = longest_drawing();
+    const std::optional<int> status = wait_for(child, limit);
+    if (!status)
+      drawing.fault = fmt::format("gnuplot was stopped after {:g} s (QUOIN_PLOT_SECONDS allows more)", limit);
+    else if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0 || !is_whole_png(part))
+      drawing.fault = "gnuplot failed";
   }
   lseek(messages.number(), 0, SEEK_SET);
   std::array<char, 4096> buffer{};
@@ -150,7 +185,10 @@ std::string draw_picture(const fs::path& folder, const std::string& name, const 
 void draw_picture_alone(const fs::path& picture, const std::string& script) {
   const fs::path folder = picture.parent_path();
   if (!folder.empty()) make_folder(folder);
-  const Drawing drawing = run_gnuplot("/", script, picture);
+  const fs::path place = named_place(picture);
+  if (std::error_code error; fs::exists(place, error) && !fs::is_regular_file(place, error))
+    throw Error(Exit::bad_input, place.string() + ": is no regular file; give another folder");
+  const Drawing drawing = run_gnuplot("/", script, place);
   if (!drawing.fault.empty())
     throw Error(Exit::bad_input, fmt::format("{}: {} {}", picture.string(), drawing.fault, drawing.messages));
 }

@@ -15,8 +15,8 @@ std::string gnuplot_text(const std::string& text);
 
 // Draws FOLDER/NAME.png with a script that sets no output, run in FOLDER/plots. Script, data and messages stay there as
 // NAME.gp, the caller's files and NAME.log, to be changed and run again. The picture appears only when gnuplot is
-// content. Returns a one-line notice when there is no picture, otherwise nothing. Throws Error(bad_input) when the
-// folder cannot be written.
+// content, within 300 s or the seconds in $QUOIN_PLOT_SECONDS. Returns a one-line notice when there is no picture,
+// otherwise nothing. Throws Error(bad_input) when the folder cannot be written.
 std::string draw_picture(const std::filesystem::path& folder, const std::string& name, const std::string& script);
 
 // Draws PICTURE and leaves nothing beside it; its folder is made. Throws Error(bad_input) with gnuplot's message.

@@ -22,6 +22,7 @@
 
 #include "base/error.h"
 #include "files/file.h"
+#include "files/notice.h"
 
 namespace quoin {
 
@@ -166,8 +167,8 @@ FolderLock::FolderLock(const fs::path& folder) {
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
     const int fault = errno;
     if (fault != EWOULDBLOCK) {
-      fmt::print(stderr, "quoin: warning: {} cannot be locked ({}): start no second run in this folder\n",
-                 folder.string(), message(fault));
+      notice(fmt::format("quoin: warning: {} cannot be locked ({}): start no second run in this folder",
+                         folder.string(), message(fault)));
       return;
     }
     std::array<char, 300> text{};

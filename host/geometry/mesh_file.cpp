@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/number_text.h"
 
 namespace quoin::geometry {
@@ -221,10 +220,6 @@ std::vector<RawShape> read_stl(const std::string& path, const std::string& bytes
 }  // namespace
 
 std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
-  std::error_code fault;
-  std::ifstream file(path, std::ios::binary);
-  if (!file || !std::filesystem::is_regular_file(path, fault))
-    throw Error(Exit::bad_input, fmt::format("{}: cannot be opened", path));
   std::string ending = path.substr(std::min(path.size(), path.rfind('.')));
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   std::vector<RawShape> (*read)(const std::string&, const std::string&) = nullptr;
@@ -237,7 +232,7 @@ std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
   } else {
     throw Error(Exit::bad_input, fmt::format("{}: unknown kind of mesh file; .off, .obj and .stl are read", path));
   }
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = read_input_file(path);
   std::vector<RawShape> raw = read(path, bytes);
   if (raw.empty()) throw Error(Exit::bad_input, fmt::format("{}: no block in this file", path));
   std::vector<NamedShape> shapes;

@@ -110,7 +110,7 @@ void cubic_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
 void grid_rule(const Polygon& p, double spacing, std::vector<QuadraturePoint>& points) {
   const size_t n = p.size(), first = points.size();
   auto divisions = [&](double length2) {
-    constexpr double most = 200;
+    constexpr double most = 100;  // points are merged pair by pair
     const double count = std::max(1.0, std::ceil(std::sqrt(length2) / spacing - 1e-6));
     if (count > most) {
       throw Error(Exit::bad_input,

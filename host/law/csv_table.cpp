@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <system_error>
+#include <sstream>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/number_text.h"
 
 namespace quoin {
@@ -41,11 +40,7 @@ CsvTable read_csv(const std::string& file) {
     throw Error(Exit::bad_input,
                 line > 0 ? fmt::format("{}:{}: {}", file, line, message) : fmt::format("{}: {}", file, message));
   };
-  std::error_code fault;
-  if (!std::filesystem::exists(file, fault)) fail(0, "no such file");
-  if (std::filesystem::is_directory(file, fault)) fail(0, "is a folder, not a CSV file");
-  std::ifstream stream(file);
-  if (!stream) fail(0, "cannot be read; check its permissions");
+  std::istringstream stream(read_input_file(file));
 
   CsvTable table;
   table.file = file;

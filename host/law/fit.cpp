@@ -314,7 +314,7 @@ class Fit {
       property.id = ids_[i];
       for (uint64_t k = 0; k < law_.law->property_count; ++k) {
         const quoin_property_info& info = *law_.law->properties[k];
-        if (property.id == info.id) property.symbol = info.symbol, property.unit = info.unit;
+        if (property.id == info.id) property.symbol = law_text(info.symbol), property.unit = law_text(info.unit);
       }
       const double half = student(freedom) * std::sqrt(std::max(0.0, covariance(j, j)));
       property.value = value_of(ids_[i], logs_[j]);

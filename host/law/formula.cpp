@@ -65,12 +65,18 @@ const Function* find_function(const std::string& name) {
   return nullptr;
 }
 
+std::string shortened(const std::string& text) { return text.size() > 200 ? text.substr(0, 200) + "..." : text; }
+
 // Recursive descent: comparison < sum < product < sign < power < atom.
 class Parser {
  public:
   explicit Parser(const std::string& text) : text_(text) {}
 
   NodePointer whole() {
+    // Long sums are deep trees, too.
+    if (text_.size() > kLongest)
+      throw std::invalid_argument(
+          fmt::format("formula '{}...': {} characters; at most {}", text_.substr(0, 40), text_.size(), kLongest));
     NodePointer result = comparison();
     skip();
     if (at_ != text_.size()) fail("unexpected text");
@@ -79,7 +85,8 @@ class Parser {
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::invalid_argument(fmt::format("formula '{}': {} at '{}'", text_, what, text_.substr(at_)));
+    throw std::invalid_argument(
+        fmt::format("formula '{}': {} at '{}'", shortened(text_), what, shortened(text_.substr(at_))));
   }
   void skip() {
     while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
@@ -93,6 +100,19 @@ class Parser {
   static NodePointer call(std::string name, std::vector<NodePointer> arguments) {
     return std::make_shared<Node>(Node{Node::Kind::call, 0.0, std::move(name), std::move(arguments)});
   }
+  // Parentheses, signs and powers within each other. Beyond, a formula is a slip, and the stack has an end.
+  class Deeper {
+   public:
+    explicit Deeper(Parser& parser) : depth_(parser.depth_) {
+      if (++depth_ > kDeepest) parser.fail(fmt::format("nested more than {} deep", kDeepest));
+    }
+    ~Deeper() { --depth_; }
+    Deeper(const Deeper&) = delete;
+    Deeper& operator=(const Deeper&) = delete;
+
+   private:
+    int& depth_;
+  };
   NodePointer comparison() {
     NodePointer left = sum();
     for (const char* token : {"<=", ">=", "<", ">"}) {
@@ -125,6 +145,7 @@ class Parser {
     }
   }
   NodePointer sign() {
+    const Deeper deeper(*this);
     if (take("-")) return call("neg", {sign()});
     if (take("+")) return sign();
     NodePointer base = atom();
@@ -164,8 +185,11 @@ class Parser {
     return call(std::move(name), std::move(arguments));
   }
 
+  static constexpr int kDeepest = 200;
+  static constexpr std::size_t kLongest = 10000;  // characters
   const std::string& text_;
   std::size_t at_ = 0;
+  int depth_ = 0;
 };
 
 double evaluate(const Node& node, const Variables& variables) {

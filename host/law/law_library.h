@@ -66,3 +66,5 @@ class Material {
 std::vector<std::string> installed_laws();
 
 }  // namespace quoin
+// Texts of a law may be null.
+inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }

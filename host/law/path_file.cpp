@@ -13,7 +13,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "files/gnuplot.h"
+#include "files/memory.h"
 #include "law/csv_table.h"
 #include "law/property_text.h"
 #include "scene/toml.h"
@@ -41,11 +43,9 @@ class Reader {
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   PathFile read() {
-    std::error_code fault;
-    if (!std::filesystem::is_regular_file(file_, fault)) throw Error(Exit::bad_input, file_ + ": no such file");
     toml::table root;
     try {
-      root = toml::parse_file(file_);
+      root = toml::parse(read_input_file(file_), file_);
     } catch (const toml::parse_error& error) {
       throw Error(Exit::bad_input, fmt::format("{}:{}: {}", file_, error.source().begin.line, error.description()));
     }
@@ -279,7 +279,13 @@ std::string path_row(const quoin_law& law, const PointResult& point) {
   return row + fmt::format(",{}\n", full_precision(point.work));
 }
 
-PathOutcome run_path(const PathFile& path, const std::string& law_name) {
+PathOutcome run_path(const PathFile& path, const std::string& law_name, bool force) {
+  double steps = 0.0;
+  for (const PathPoint& point : path.points) steps += point.steps;
+  constexpr double kOfStep = 2300.0;  // bytes: every quantity by its name
+  if (!force)
+    require_memory(kOfStep * steps, fmt::format("{}: {:g} steps", path.file, steps),
+                   "give fewer steps, or try all the same with --force");
   const Law law = Law::find(law_name.empty() ? path.law : law_name);
   const auto material = std::make_shared<const Material>(law, path.properties);
   MaterialPoint contact(material, path.initial);

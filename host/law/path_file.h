@@ -76,8 +76,9 @@ struct PathOutcome {
   double worst = 0.0;  // largest error as a fraction of its tolerance
 };
 
-// law: a name or path used instead of the file's; empty: the file's. Throws Error as the loader and the law do.
-PathOutcome run_path(const PathFile& path, const std::string& law = {});
+// law: a name or path used instead of the file's; empty: the file's. force: more steps, too, than the memory here
+// holds. Throws Error as the loader and the law do.
+PathOutcome run_path(const PathFile& path, const std::string& law = {}, bool force = false);
 
 // Writes FOLDER/STEM.png with gnuplot: the law's points beside the closed form. Throws Error(bad_input) when gnuplot
 // fails.

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "law/law_library.h"
 
 namespace quoin {
 
@@ -49,7 +50,8 @@ PropertySetting parse_setting(const quoin_law& law, const std::string& assignmen
   } else if (info->kind == QUOIN_PROPERTY_NUMBER) {
     double number = 0.0;
     if (!parse_number(value, number)) {
-      throw Error(Exit::bad_input, fmt::format("{}: '{}' is no number [{}]", setting.source.text, value, info->unit));
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: '{}' is no number [{}]", setting.source.text, value, law_text(info->unit)));
     }
     setting.numbers = {number};
   } else {

@@ -126,7 +126,8 @@ Curve read_history(const std::filesystem::path& file, int first_stage, const std
     curve.displacement.push_back(1e3 * number(displacement, 0.0));
     curve.force.push_back(1e-3 * number(horizontal, 0.0));
     curve.vertical.push_back(1e-3 * number(vertical, 0.0));
-    curve.unbalanced.push_back(number(unbalanced, 0.0));
+    const bool loaded = !fields[unbalanced].empty();  // nothing bears anything before the first load
+    curve.unbalanced.push_back(loaded ? number(unbalanced, 0.0) : HUGE_VAL);
   }
   return curve;
 }

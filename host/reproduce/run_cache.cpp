@@ -20,6 +20,7 @@
 
 #include "base/error.h"
 #include "files/file.h"
+#include "files/notice.h"
 #include "law/law_library.h"
 
 namespace quoin::reproduce {
@@ -142,8 +143,8 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
   }
   if (queue.empty()) return;
   std::stable_sort(queue.begin(), queue.end(), [](const RunSpec* a, const RunSpec* b) { return a->cost > b->cost; });
-  fmt::print(stderr, "{} runs, {} of them done before; {} side by side\n", seen.size(), seen.size() - queue.size(),
-             std::min<std::size_t>(queue.size(), static_cast<std::size_t>(settings_.jobs)));
+  notice(fmt::format("{} runs, {} of them done before; {} side by side", seen.size(), seen.size() - queue.size(),
+                     std::min<std::size_t>(queue.size(), static_cast<std::size_t>(settings_.jobs))));
 
   struct Job {
     const RunSpec* spec;
@@ -198,10 +199,10 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
     running.erase(found);
     threads_used -= job.threads;
     ++finished;
-    fmt::print(stderr, "[{}/{}] {} {}: {} ({:.0f} s)\n", finished, queue.size(), key(*job.spec), job.spec->name,
-               done(*job.spec) ? last_line(folder(*job.spec) / "log.txt")
-                               : "NOT DONE: " + last_line(folder(*job.spec) / "log.txt"),
-               std::chrono::duration<double>(Clock::now() - job.since).count());
+    notice(fmt::format("[{}/{}] {} {}: {} ({:.0f} s)", finished, queue.size(), key(*job.spec), job.spec->name,
+                       done(*job.spec) ? last_line(folder(*job.spec) / "log.txt")
+                                       : "NOT DONE: " + last_line(folder(*job.spec) / "log.txt"),
+                       std::chrono::duration<double>(Clock::now() - job.since).count()));
   }
   if (stop_asked)
     throw Error(Exit::interrupted, "stopped; runs that are done are kept, the others start again next time");

@@ -4,12 +4,12 @@
 
 #include <array>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <limits>
 #include <set>
 
 #include "base/archive.h"
 #include "base/error.h"
+#include "base/input_file.h"
 #include "files/file.h"
 
 #ifndef QUOIN_VERSION
@@ -51,11 +51,9 @@ class Hash {
   std::uint64_t value_ = 0xcbf29ce484222325u;
 };
 
+// Of any size: a checkpoint is as large as its model.
 std::string read_whole(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.is_open() || stream.bad()) throw Error(Exit::bad_input, path.string() + ": cannot be read");
-  return text;
+  return read_input_file(path.string(), std::numeric_limits<std::size_t>::max());
 }
 
 std::string hash_of_file(const std::filesystem::path& path) {

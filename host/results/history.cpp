@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "files/file.h"
 
 namespace quoin {
@@ -17,6 +19,9 @@ std::string csv_text(const std::string& text) {
   }
   return result + "\"";
 }
+
+// Nothing where there is nothing to say: an unbalanced force over contact forces of 0.
+std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 }  // namespace
 
@@ -49,7 +54,7 @@ void History::add(const HistoryRow& row) {
   const Response r = response(row, stage);
   std::string line = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.stage + 1, csv_text(stage.name), row.step,
                                  row.time, r.displacement, row.monitor_displacement[1], r.horizontal_force,
-                                 r.vertical_force, row.unbalanced_ratio, row.kinetic_energy);
+                                 r.vertical_force, csv_number(row.unbalanced_ratio), row.kinetic_energy);
   if (scene_.output.energy) {
     const Energies e = row.energies.value_or(Energies{});
     line += fmt::format(",{},{},{},{},{},{},{},{},{}", e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1],
@@ -67,15 +72,23 @@ void History::add(const HistoryRow& row) {
     }
   }
   stream_ << line << '\n';
+  if (!stream_) refuse();  // now, and not after hours
   rows_.push_back(row);
 }
 
 void History::finish() {
   stream_.close();
-  if (!stream_)
-    throw Error(Exit::bad_input,
-                path_.string() + ": cannot be written; free space or choose another folder with --out");
+  if (!stream_) refuse();
   finish_file(path_);
+}
+
+void History::refuse() {
+  stream_.close();
+  std::error_code ignored;
+  std::filesystem::remove(part_name(path_), ignored);
+  throw Error(Exit::bad_input, path_.string() +
+                                   ": cannot be written; free space and go on with --resume, or choose another folder "
+                                   "with --out");
 }
 
 }  // namespace quoin

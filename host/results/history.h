@@ -22,11 +22,13 @@ class History {
   // Rows go to the partial file of PATH (file.h) as they come; finish() renames it.
   // before: rows of a run that this one goes on with.
   History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before = {});
+  // Both throw Error(bad_input) where the file cannot be written.
   void add(const HistoryRow& row);
   void finish();
   const std::vector<HistoryRow>& rows() const { return rows_; }
 
  private:
+  [[noreturn]] void refuse();
   std::filesystem::path path_;
   const Scene& scene_;
   std::ofstream stream_;

@@ -27,7 +27,8 @@ Json laws_of(const Simulation& simulation) {
   Json laws = Json::object();
   for (const ContactFamily& family : simulation.model().families) {
     const Law& law = family.material->law();
-    laws[family.name] = {{"law", law.law->id}, {"version", law.law->version}, {"library", law.library->path()}};
+    laws[family.name] = {
+        {"law", law.law->id}, {"version", law_text(law.law->version)}, {"library", law.library->path()}};
   }
   return laws;
 }

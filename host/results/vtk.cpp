@@ -85,6 +85,15 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
   grid.write(path, points.size() / 3, types.size());
 }
 
+std::set<std::string> state_ids(const Simulation& simulation) {
+  std::set<std::string> ids;
+  for (const ContactFamily& f : simulation.model().families) {
+    const quoin_law& law = f.material->api();
+    for (uint64_t s = 0; s < law.state_count; ++s) ids.insert(law.states[s]->id);
+  }
+  return ids;
+}
+
 void write_joints(const Simulation& simulation, const Surfaces& surfaces, const std::filesystem::path& path) {
   const auto joint_points = surfaces.joint_points(simulation);
   std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
@@ -141,12 +150,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   grid.array("PointData", "crack", crack);
 
   // And the law's own states, whatever they are.
-  std::set<std::string> ids;
-  for (const ContactFamily& f : simulation.model().families) {
-    const quoin_law& law = f.material->api();
-    for (uint64_t s = 0; s < law.state_count; ++s) ids.insert(law.states[s]->id);
-  }
-  for (const std::string& id : ids) {
+  for (const std::string& id : state_ids(simulation)) {
     std::vector<float> column;
     const auto values = simulation.state(id);
     if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) continue;
@@ -158,6 +162,27 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
 }
 
 }  // namespace
+
+double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
+  constexpr double kVector = 12.0, kNumber = 4.0, kIndex = 8.0, kHeads = 10000.0;
+  double bytes = kHeads;
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const auto& mesh = surfaces.mesh(b);
+    double corners = 4.0 * static_cast<double>(mesh.zone.size()), cells = static_cast<double>(mesh.zone.size());
+    for (const auto& face : mesh.face) {
+      if (!mesh.zone.empty()) break;
+      corners += static_cast<double>(face.size()), cells += 1.0;
+    }
+    // Place and displacement; offset, type, stress of six components, block, unit and course.
+    bytes += static_cast<double>(mesh.gridpoint.size()) * 2 * kVector + corners * kIndex +
+             cells * (kIndex + 1.0 + 6 * kNumber + 3 * kNumber);
+  }
+  // Vectors: place, displacement, traction, normal, shear axis. Numbers: 6 of the joint, 5 codes, the law's states.
+  const auto points = static_cast<double>(simulation.point_count());
+  bytes += points * (5 * kVector + 11 * kNumber + static_cast<double>(state_ids(simulation).size()) * kNumber);
+  const auto quads = static_cast<double>(surfaces.quads().size());
+  return bytes + (simulation.riding() ? points * (2 * kIndex + 1.0) : quads * (5 * kIndex + 1.0));
+}
 
 void VtkSeries::add_frame(const Simulation& simulation) {
   const size_t frame = times_.size();

@@ -12,6 +12,9 @@
 
 namespace quoin {
 
+// Bytes of one frame of both, to a few per cent.
+double frame_bytes(const Simulation& simulation, const Surfaces& surfaces);
+
 class VtkSeries {
  public:
   // before: times of the frames of a run that this one goes on with, s.

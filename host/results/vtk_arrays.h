@@ -13,6 +13,31 @@
 
 namespace quoin {
 
+// As the value of an attribute. Bytes that XML or UTF-8 cannot hold become "?".
+inline std::string xml_text(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += code < 0x20 || code >= 0x7f ? '?' : c;
+    }
+  }
+  return result;
+}
+
 class VtkArrays {
  public:
   // The element that names the array; its values go to the appended block. T: float, int32_t, uint8_t or int64_t.
@@ -24,7 +49,7 @@ class VtkArrays {
                                                          : "Int64";
     std::string element = fmt::format(
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n", type,
-        name, components, appended_.size(), extra);
+        xml_text(name), components, appended_.size(), extra);
     const std::uint64_t bytes = values.size() * sizeof(T);
     append(&bytes, sizeof bytes);
     append(values.data(), bytes);

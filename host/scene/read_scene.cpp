@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <sstream>
 #include <utility>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
@@ -172,6 +170,7 @@ JointFamily read_joint(const std::string& name, Table t) {
   family.source = {t.where()};
   t.text("law", family.law, "the name of a law (see `quoin models`) or the path of a library", true);
   t.text("initial_state", family.initial_state, "an initial state of the law, as bonded or dry");
+  family.initial_state_source = {t.has("initial_state") ? t.where("initial_state") : t.where() + ".initial_state"};
   for (auto&& [key, node] : t.toml()) {
     PropertySetting p;
     p.id = std::string(key.str());
@@ -309,15 +308,8 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
 }
 
 toml::table parse(const std::string& path) {
-  std::error_code fault;
-  const bool folder = std::filesystem::is_directory(path, fault);  // which opens, and throws when read
-  std::ifstream stream(path, std::ios::binary);
-  std::string text;
-  if (!folder) text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (folder || !stream.is_open() || stream.bad())
-    throw Error(Exit::bad_input, path + ": cannot read the scene; give the path of an existing .toml file");
   try {
-    return toml::parse(text, path);
+    return toml::parse(read_input_file(path), path);
   } catch (const toml::parse_error& error) {
     throw Error(Exit::bad_input, fmt::format("{}:{}:{}: not valid TOML: {}", path, error.source().begin.line,
                                              error.source().begin.column, error.description()));

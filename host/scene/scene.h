@@ -34,7 +34,7 @@ struct JointFamily {
   std::string law;   // name of a shipped law or path of a library
   std::string initial_state = "bonded";
   std::vector<PropertySetting> properties;
-  Source source;
+  Source source, initial_state_source;
 };
 
 struct BlockMaterial {

@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/number_text.h"
 
 namespace quoin {
@@ -29,11 +28,7 @@ std::vector<std::string> words_of(std::string line) {
 
 TimeSeries read_series_file(const std::string& file) {
   const auto refuse = [&](const std::string& why) { throw Error(Exit::bad_input, fmt::format("{}: {}", file, why)); };
-  std::error_code fault;
-  if (!std::filesystem::exists(file, fault)) refuse("no such file");
-  if (!std::filesystem::is_regular_file(file, fault)) refuse("is no regular file");
-  std::ifstream stream(file);
-  if (!stream) refuse("cannot be read; check its permissions");
+  std::istringstream stream(read_input_file(file));
 
   constexpr size_t listed = 5;
   std::vector<std::string> faults;
@@ -69,7 +64,6 @@ TimeSeries read_series_file(const std::string& file) {
     series.time.push_back(time);
     series.value.push_back(value);
   }
-  if (stream.bad()) refuse("could not be read to its end");
   if (bad > listed) faults.push_back(fmt::format("{}: {} more lines like these", file, bad - listed));
   if (bad > 0) throw Error(Exit::bad_input, fmt::format("{}", fmt::join(faults, "\n")));
   if (series.time.empty()) refuse("has no row; allowed: lines of two numbers, time (s) and value");

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -30,11 +31,13 @@ class Cli : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  // standard_error: where it goes; -1: to a file, which finish reads
-  pid_t start(const std::vector<std::string>& words, int standard_error = -1) {
+  // standard_error: where it goes; -1: to a file, which finish reads. before: done in the child before it begins.
+  pid_t start(const std::vector<std::string>& words, int standard_error = -1,
+              const std::function<void()>& before = {}) {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
+    for (const char* words_of_the_last : {"stdout", "stderr"}) fs::remove(folder_ / words_of_the_last);
     const pid_t child = fork();
     if (child == 0) {
       const int out = open((folder_ / "stdout").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -42,6 +45,7 @@ class Cli : public ::testing::Test {
           standard_error >= 0 ? standard_error : open((folder_ / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
       dup2(out, STDOUT_FILENO);
       dup2(error, STDERR_FILENO);
+      if (before) before();
       execv(arguments[0], arguments.data());
       _exit(126);
     }
@@ -54,9 +58,9 @@ class Cli : public ::testing::Test {
     error_ = read_all(folder_ / "stderr");
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
-  int quoin(std::vector<std::string> words) {
+  int quoin(std::vector<std::string> words, const std::function<void()>& before = {}) {
     words.insert(words.begin(), QUOIN_PROGRAM);
-    return finish(start(words));
+    return finish(start(words, -1, before));
   }
   int run_small(std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"run", small_, "--out", out(), "--threads", "1"});

@@ -132,7 +132,7 @@ TEST_F(ReadBlockScene, NoLineOfARecordIsLeftOut) {
   EXPECT_THAT(record_fault(""), HasSubstr("has no row"));
   EXPECT_THAT(record_fault("# nothing\ntime, acceleration\n"), HasSubstr("has no row"));
   EXPECT_THAT(refusal([&] { read_series_file((folder_ / "none.csv").string()); }), HasSubstr("no such file"));
-  EXPECT_THAT(refusal([&] { read_series_file(folder_.string()); }), HasSubstr("is no regular file"));
+  EXPECT_THAT(refusal([&] { read_series_file(folder_.string()); }), HasSubstr("it is a folder"));
 }
 
 TEST_F(ReadBlockScene, OnlyTheFirstBadLinesAreListed) {

@@ -96,7 +96,8 @@ TEST_F(ReadScene, FoldersAndMissingFilesAreNoScenes) {
       ADD_FAILURE() << path;
     } catch (const Error& error) {
       EXPECT_EQ(error.exit_code, Exit::bad_input);
-      EXPECT_EQ(error.what(), path.string() + ": cannot read the scene; give the path of an existing .toml file");
+      EXPECT_EQ(error.what(), path.string() + ": cannot read it: " +
+                                  (path == folder_ ? "it is a folder; give a file" : "no such file"));
     }
   }
 }

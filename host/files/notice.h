@@ -1,0 +1,16 @@
+// Words to the person at the terminal, on standard error. A terminal that is gone, or a full disk behind it, costs the
+// words and nothing else.
+#pragma once
+
+#include <cstdio>
+#include <string>
+
+namespace quoin {
+
+// One line.
+inline void notice(const std::string& text) {
+  std::fputs((text + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace quoin

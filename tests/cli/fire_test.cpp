@@ -1,0 +1,377 @@
+// Under fire: files that never end, disks that are full, signals, laws that crash. Whatever happens, the program ends
+// in time, with a documented exit code and a message that says where and what to do, and keeps what was computed.
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::AnyOf;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class Fire : public Cli {
+ protected:
+  // What does not end in this many seconds ends with SIGALRM, and finish() gives 142.
+  static void in_time(unsigned seconds = 60) { alarm(seconds); }
+  int quoin_in_time(const std::vector<std::string>& words) {
+    return quoin(words, [] { in_time(); });
+  }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  // The small wall with one text replaced.
+  std::string wall_with(const std::string& from, const std::string& to) const {
+    std::string text = read_all(small_);
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return write("changed.toml", text.replace(at, from.size(), to));
+  }
+  std::vector<std::string> short_run(const std::string& scene, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"run", scene, "--out", out(), "--threads", "1", "--set", "stage.2.displacement=1e-5",
+                               "--set", "output.frames=0", "--set", "output.plots=false"});
+    return more;
+  }
+  // A run that would take minutes, at work in its last stage.
+  pid_t start_long(const std::function<void()>& before = {}) {
+    const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                               "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                              -1, [before] {
+                                in_time(120);
+                                if (before) before();
+                              });
+    while (read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return child;
+  }
+  std::vector<std::string> parts() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(out()))
+      if (entry.path().extension() == ".part") names.push_back(entry.path().string());
+    return names;
+  }
+};
+
+// A pipe that nobody writes to, a device without an end, a folder, a file larger than any text.
+TEST_F(Fire, WhatIsNoFileIsNoInput) {
+  const fs::path pipe = folder_ / "pipe", zero = folder_ / "zero.off", large = folder_ / "large.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", zero);
+  std::ofstream(large) << "dn,ds,dt\n";
+  fs::resize_file(large, std::uintmax_t{1} << 30);  // no more than a few bytes on the disk
+  const auto expect_refused = [&](const std::vector<std::string>& words, const std::string& file) {
+    EXPECT_EQ(quoin_in_time(words), 3) << error_;
+    EXPECT_THAT(error_, AllOf(HasSubstr(file + ": cannot read it"), Not(HasSubstr("internal error")))) << words[0];
+  };
+  for (const fs::path& file : {pipe, fs::path("/dev/zero"), folder_, large}) {
+    expect_refused({"check", file.string()}, file.string());
+    expect_refused({"run", file.string(), "--out", out()}, file.string());
+    expect_refused({"path", file.string()}, file.string());
+    expect_refused({"path", "--law", "elastic", "--set", "normal_stiffness=1e9", "--jumps", file.string(), "--out",
+                    (folder_ / "out.csv").string()},
+                   file.string());
+  }
+  std::string blocks = read_all(QUOIN_SCENES "/arch.toml");
+  blocks += "\n[[block]]\nname = \"mesh\"\nmaterial = \"stone\"\nmesh = \"zero.off\"\n";
+  const std::string scene = write("mesh.toml", blocks);
+  EXPECT_EQ(quoin_in_time({"check", scene}), 3);
+  EXPECT_THAT(error_, HasSubstr("zero.off"));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(Fire, InitialStatesAreToldByFileAndLine) {
+  const std::string scene =
+      wall_with("law = \"fracture_energy\"", "initial_state = \"wet\"\nlaw = \"fracture_energy\"");
+  for (const char* command : {"check", "run"}) {
+    EXPECT_EQ(quoin({command, scene}), 3);
+    EXPECT_THAT(error_,
+                AllOf(HasSubstr("changed.toml:10: joints.mortar.initial_state = 'wet'"), HasSubstr("bonded, dry")));
+  }
+}
+
+// Before the first load the ratio of forces has no value; a history holds numbers only, or nothing.
+TEST_F(Fire, HistoriesHoldFiniteNumbersOnly) {
+  ASSERT_EQ(quoin(short_run(small_)), 0) << error_;
+  EXPECT_THAT(read_all(out() + "/history.csv"), AllOf(Not(HasSubstr("inf")), Not(HasSubstr("nan"))));
+}
+
+TEST_F(Fire, LawsWithoutTextsRunAsOthers) {
+  const auto with_bad_law = [] {
+    in_time();
+    setenv("QUOIN_BAD_LAW", "null texts", 1);
+  };
+  std::vector<std::string> words = short_run(small_, {"--law", QUOIN_BAD_LAW_LIBRARY});
+  ASSERT_EQ(quoin(words, with_bad_law), 0) << error_;
+  EXPECT_EQ(summary()["laws"]["mortar"]["version"], "");
+  EXPECT_EQ(quoin({"check", small_, "--law", QUOIN_BAD_LAW_LIBRARY}, with_bad_law), 0) << error_;
+  EXPECT_EQ(quoin({"models", QUOIN_BAD_LAW_LIBRARY}, with_bad_law), 0) << error_;
+}
+
+TEST_F(Fire, IdsOfStatesDoNotTearVtuFiles) {
+  ASSERT_EQ(quoin({"run", small_, "--out", out(), "--threads", "1", "--law", QUOIN_BAD_LAW_LIBRARY, "--set",
+                   "stage.2.displacement=1e-5", "--set", "output.frames=1", "--set", "output.plots=false"},
+                  [] { setenv("QUOIN_BAD_LAW", "odd state", 1); }),
+            0)
+      << error_;
+  const std::string file = read_all(out() + "/joints_0000.vtu");
+  EXPECT_THAT(file.substr(0, file.find("<AppendedData")), HasSubstr("Name=\"state_a&lt;b&gt;&amp;&quot;c&quot;\""));
+}
+
+// A plot program that waits for ever, and none at all.
+TEST_F(Fire, PicturesDoNotHoldResults) {
+  const fs::path tools = folder_ / "tools";
+  fs::create_directories(tools);
+  std::ofstream(tools / "gnuplot") << "#!/bin/sh\nexec sleep 1000\n";
+  fs::permissions(tools / "gnuplot", fs::perms::owner_all);
+  const std::vector<std::string> words{
+      "run",   small_,           "--out", out(), "--threads", "1", "--set", "stage.2.displacement=1e-5",
+      "--set", "output.frames=0"};
+  ASSERT_EQ(quoin(words,
+                  [&] {
+                    in_time();
+                    setenv("PATH", (tools.string() + ":/usr/bin:/bin").c_str(), 1);
+                    setenv("QUOIN_PLOT_SECONDS", "0.5", 1);
+                  }),
+            0)
+      << error_;
+  EXPECT_THAT(error_, HasSubstr("no curve.png: gnuplot was stopped after 0.5 s"));
+  EXPECT_EQ(summary()["status"], "done");
+  EXPECT_FALSE(fs::exists(out() + "/curve.png"));
+  EXPECT_THAT(parts(), IsEmpty());
+  ASSERT_EQ(quoin(words, [&] { setenv("PATH", folder_.c_str(), 1); }), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("no curve.png: gnuplot is not installed"));
+  EXPECT_EQ(summary()["status"], "done");
+}
+
+// No file may grow beyond 40 kB, as on a disk with little left: pictures and frames fail, history and summary are kept.
+TEST_F(Fire, FullDisksLeaveNoFileThatIsNotWhole) {
+  const auto small_files = [] {
+    in_time();
+    const rlimit limit{40000, 40000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  };
+  EXPECT_EQ(quoin({"run", QUOIN_SCENES "/solid_wall_030.toml", "--out", out(), "--threads", "1", "--set",
+                   "stage.shear.displacement=1e-6", "--set", "output.frames=1", "--set", "stage.1.record_interval=1000",
+                   "--set", "stage.2.record_interval=1000"},
+                  small_files),
+            3)
+      << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr("no more frames for ParaView"), HasSubstr("curve.png")));
+  EXPECT_THAT(parts(), IsEmpty());
+  EXPECT_EQ(summary()["status"], "done");
+  for (const auto& entry : fs::recursive_directory_iterator(out())) {
+    const bool empty = entry.is_regular_file() && entry.file_size() == 0;
+    EXPECT_FALSE(empty && entry.path().extension() != ".log") << entry.path();
+    EXPECT_NE(entry.path().extension(), ".png");
+    EXPECT_NE(entry.path().extension(), ".vtu");
+  }
+}
+
+TEST_F(Fire, ResultsThatDoNotFitAreRefusedBeforeTheWork) {
+  const std::vector<std::string> words{"run",   QUOIN_SCENES "/solid_wall_030.toml",
+                                       "--out", out(),
+                                       "--set", "output.frames=100000",
+                                       "--set", "wall.zones=[16,8,8]"};
+  const double most = 144.0 * 16 * 8 * 8 * 5 * 77 * 1e5;
+  if (static_cast<double>(fs::space(folder_).available) > most) GTEST_SKIP() << "the disk takes " << most << " bytes";
+  EXPECT_EQ(quoin(words, [] { in_time(300); }), 3) << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr("output.frames = 100000"), ContainsRegex("need about .* MB and .* MB are free")));
+  EXPECT_FALSE(fs::exists(out() + "/history.csv"));
+}
+
+// Devices and links keep their places; a folder and a link to nothing are refused.
+TEST_F(Fire, NamedOutputsDoNotReplaceDevicesAndLinks) {
+  const std::string jumps = write("in.csv", "dn,ds,dt\n-1e-6,0,0\n");
+  const auto path_to = [&](const std::string& file) {
+    return quoin_in_time({"path", "--law", "elastic", "--set", "normal_stiffness=1e9", "--set", "shear_stiffness=1e9",
+                          "--jumps", jumps, "--out", file});
+  };
+  const fs::path target = folder_ / "target.csv", link = folder_ / "link.csv", dangling = folder_ / "dangling.csv",
+                 device = folder_ / "null";
+  write("target.csv", "old");
+  fs::create_symlink(target, link);
+  fs::create_symlink(folder_ / "nothing", dangling);
+  ASSERT_EQ(path_to(link.string()), 0) << error_;
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_THAT(read_all(target), HasSubstr("dn,ds,dt,sigma"));
+  EXPECT_EQ(path_to(dangling.string()), 3);
+  EXPECT_THAT(error_, HasSubstr("leads to no file"));
+  EXPECT_EQ(path_to(folder_.string()), 3);
+  EXPECT_THAT(error_, HasSubstr("is a folder"));
+  ASSERT_EQ(path_to("/dev/stdout"), 0) << error_;
+  EXPECT_THAT(out_ + read_all(folder_ / "stdout"), HasSubstr("dn,ds,dt,sigma"));
+  if (mknod(device.c_str(), S_IFCHR | 0600, makedev(1, 3)) != 0) GTEST_SKIP() << "only root makes devices";
+  EXPECT_EQ(path_to(device.string()), 0) << error_;
+  EXPECT_TRUE(fs::is_character_file(device));
+  const fs::path full = folder_ / "full";
+  ASSERT_EQ(mknod(full.c_str(), S_IFCHR | 0600, makedev(1, 7)), 0);
+  EXPECT_EQ(path_to(full.string()), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("cannot be written"), HasSubstr("No space left")));
+  EXPECT_TRUE(fs::is_character_file(full));
+}
+
+// Standard output and error closed or full: results are there, and the exit code says what was lost.
+TEST_F(Fire, OutputsThatAreGoneDoNotLoseTheRun) {
+  const auto to = [](int descriptor, const char* file) {
+    return [descriptor, file] {
+      in_time();
+      close(descriptor);
+      if (*file != '\0') open(file, O_WRONLY);
+    };
+  };
+  for (const char* file : {"", "/dev/full"}) {
+    EXPECT_EQ(quoin(short_run(small_), to(STDOUT_FILENO, file)), 3) << error_;
+    EXPECT_THAT(error_, HasSubstr("standard output cannot be written"));
+    EXPECT_EQ(summary()["status"], "done");
+    fs::remove_all(out());
+    EXPECT_EQ(quoin(short_run(small_), to(STDERR_FILENO, file)), 0);
+    EXPECT_EQ(summary()["status"], "done");
+    EXPECT_THAT(read_all(out() + "/history.csv"), Not(HasSubstr("stage 1/2"))) << "words in the place of another file";
+    fs::remove_all(out());
+    EXPECT_EQ(quoin({"models"}, to(STDOUT_FILENO, file)), 3);
+    EXPECT_EQ(quoin({"--help"}, to(STDOUT_FILENO, file)), 3);
+    EXPECT_EQ(quoin({"run", "/nowhere.toml"}, to(STDERR_FILENO, file)), 3);
+  }
+}
+
+TEST_F(Fire, SignalsOfTheTerminalKeepWhatWasComputed) {
+  for (const int signal : {SIGHUP, SIGPIPE, SIGTERM}) {
+    const pid_t child = start_long();
+    kill(child, signal);
+    EXPECT_EQ(finish(child), 130) << error_;
+    EXPECT_TRUE(summary()["interrupted"]);
+    EXPECT_TRUE(fs::exists(out() + "/history.csv"));
+    EXPECT_THAT(parts(), IsEmpty());
+  }
+  // Under nohup a run outlives its terminal.
+  const pid_t child = start_long([] { std::signal(SIGHUP, SIG_IGN); });
+  kill(child, SIGHUP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "it runs on";
+  kill(child, SIGINT);
+  EXPECT_EQ(finish(child), 130);
+}
+
+// Words into a pipe whose reader has gone.
+TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
+                             "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                            ends[1], [&] {
+                              in_time(120);
+                              close(ends[0]);
+                            });
+  close(ends[1]);
+  char buffer[100];
+  EXPECT_GT(read(ends[0], buffer, sizeof buffer), 0);
+  close(ends[0]);
+  EXPECT_EQ(finish(child), 130);
+  EXPECT_TRUE(summary()["interrupted"]);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which want to be the first library
+TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
+  EXPECT_EQ(quoin({"run", small_, "--out", out(), "--threads", "600", "--set", "stage.2.displacement=1e-6", "--set",
+                   "output.frames=0"},
+                  [] {
+                    in_time();
+                    setenv("LD_PRELOAD", QUOIN_FEW_THREADS_LIBRARY, 1);
+                  }),
+            0)
+      << error_;
+  EXPECT_THAT(error_, HasSubstr("warning: the machine started 3 threads of the 600 wanted"));
+  EXPECT_EQ(summary()["threads"], 3);
+  EXPECT_TRUE(fs::exists(out() + "/plots/curve.gp")) << "written without a thread of its own";
+}
+#endif
+
+// Models, paths and steps beyond any machine are refused with numbers, and at once.
+TEST_F(Fire, WorkWithoutAnEndIsRefusedBeforeItBegins) {
+  const std::string deformable = write("block.toml", R"([materials.stone]
+young_modulus = 10e9
+poisson_ratio = 0.2
+density = 2000.0
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e10
+shear_stiffness = 1e10
+[[block]]
+material = "stone"
+rigid = false
+divisions = [200, 200, 200]
+box = { size = [1, 1, 1] }
+[[stage]]
+gravity = [0, -9.81, 0]
+duration = 1
+)");
+  const std::string path = write("path.toml",
+                                 "law = \"elastic\"\n[properties]\nnormal_stiffness = 1e9\n[[point]]\n"
+                                 "dn = 1e-6\nsteps = 1e8\n");
+  const auto here = [](double gigabytes) {
+    return [gigabytes] {
+      in_time(20);
+      const rlimit limit{static_cast<rlim_t>(gigabytes * 1e9), static_cast<rlim_t>(gigabytes * 1e9)};
+      setrlimit(RLIMIT_AS, &limit);
+    };
+  };
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers take all addresses";
+#endif
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", deformable},
+        {"check", small_, "--set", "wall.courses=10000", "--set", "wall.units_per_course=10000"},
+        {"run", small_, "--out", out(), "--set", "wall.zones=[64,64,64]", "--set", "wall.courses=100"},
+        {"path", path}}) {
+    EXPECT_EQ(quoin(words, here(16)), 3) << words[1];
+    EXPECT_THAT(error_, AllOf(ContainsRegex("about .* GB of memory|at most can be numbered"),
+                              AnyOf(HasSubstr("--force"), HasSubstr("smaller"))));
+  }
+  // The same wall fits here, and not there.
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}, here(8)), 0) << error_;
+  EXPECT_THAT(out_, ContainsRegex("memory about 0.* GB of 8 GB here"));
+  const std::vector<std::string> larger{"check", QUOIN_SCENES "/solid_wall_030.toml", "--set", "wall.zones=[16,16,16]"};
+  EXPECT_EQ(quoin(larger, here(0.25)), 3);
+  EXPECT_THAT(error_, HasSubstr("--force"));
+  EXPECT_EQ(quoin({"check", small_, "--set", "joints.mortar.normal_stiffness=1e300"}, here(8)), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("1e+20 Pa/m at most")));
+}
+
+TEST_F(Fire, FormulasHaveAnEnd) {
+  const auto with_formula = [&](const std::string& formula) {
+    const std::string file = write("path.toml",
+                                   "law = \"elastic\"\n[properties]\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n"
+                                   "[[point]]\ndn = \"" +
+                                       formula + "\"\n");
+    return quoin_in_time({"path", file});
+  };
+  EXPECT_EQ(with_formula(std::string(100, '(') + "1e-9" + std::string(100, ')')), 0) << error_;
+  for (const std::string& deep : {std::string(20000, '(') + "1" + std::string(20000, ')'), std::string(4000, '(') + "1",
+                                  std::string(20000, '-') + "1", std::string(9000, '-') + "1"}) {
+    EXPECT_EQ(with_formula(deep), 3);
+    EXPECT_THAT(error_, AllOf(HasSubstr("path.toml:6"), AnyOf(HasSubstr("deep"), HasSubstr("characters"))));
+    EXPECT_LT(error_.size(), 1000u);
+  }
+  std::string sum = "0", power = "1";
+  for (int i = 0; i < 100000; ++i) sum += "+1";
+  for (int i = 0; i < 4000; ++i) power += "^1";
+  EXPECT_EQ(with_formula(sum), 3);
+  EXPECT_EQ(with_formula(power), 3);
+}
+
+}  // namespace
