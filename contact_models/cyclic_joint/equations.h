@@ -8,8 +8,11 @@
 #define QUOIN_CYCLIC_JOINT_EQUATIONS_H
 #endif
 
+#include <type_traits>
+
 #include "cyclic_joint/parameters.h"
 #include "shim/extras.h"
+#include "shim/known_mask.h"
 #include "shim/root.h"
 #include "shim/softening.h"
 
@@ -38,6 +41,8 @@ struct Lanes {
   V end;                                    // f(xi >= end) = 0
   M admissible;                             // LAW.md, "Refused"; false only for columns
   bool hardens;                             // any of them, before the peak
+  bool recovers;                            // any chi
+  bool stays_open;                          // any beta
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, const Given& g)
@@ -75,6 +80,8 @@ struct Lanes {
     wp = hn::IfThenElseZero(crushes, g.wp);
     hardens = !none(wp > zero());
     inv_wp = hn::IfThenElseZero(wp > zero(), one / wp);
+    recovers = !none(g.chi > zero());
+    stays_open = !none(beta > zero());
     hardening = hn::IfThenElseZero(crushes, fc - fy);
     yield = select(wp > zero(), fy, fc);
     yield_squared = yield * yield;
@@ -168,6 +175,9 @@ struct Equations {
     const V mean = a + b - splat(1.0 / 3.0) * (a * a + a * b + b * b);  // of x (2 - x)
     return hn::MulAdd(p.wp * (b - a), hn::MulAdd(p.hardening, mean, p.fy), softened);
   }
+  HWY_INLINE V recovery(V l0, V l1) const {  // chi/(2 fc) times that
+    return p.recovers ? p.half_chi * F_area(l0, l1) : zero();
+  }
   HWY_INLINE V C(V l) const { return hn::MulAdd(p.compliance_by_crushing, l, p.inv_kn); }
 
   struct Crushed {
@@ -211,17 +221,16 @@ struct Equations {
     V reach;          // |d_n| + w + v + q
     V floor;          // of the scale of every test: kn reach, |tau*|
     Crushed crushed;  // at the old l
-    M open;
     explicit HWY_INLINE Step(const State& state) : old(state) {}
     HWY_INLINE V tolerance(V strength) const { return splat(kYieldTolerance) * hn::Max(strength, floor); }
   };
+  template <bool kUncrushed>  // known of every lane
   HWY_INLINE Step step_of(const Increment& in, const State& old) const {
     Step s(old);
     s.d_n = in.d_n;
     s.v = uplift(old);
     s.e = in.d_n - s.v + old.w;
     s.h = s.e - old.q;
-    s.open = s.h > zero();
     s.trial_s = hn::MulAdd(p.ks, in.d_s, old.tau_s);
     s.trial_t = hn::MulAdd(p.ks, in.d_t, old.tau_t);
     s.t = hn::Sqrt(hn::MulAdd(s.trial_s, s.trial_s, s.trial_t * s.trial_t));
@@ -229,7 +238,7 @@ struct Equations {
     s.n_s = s.trial_s * inv_t, s.n_t = s.trial_t * inv_t;
     s.reach = hn::Abs(in.d_n) + (old.w + s.v + old.q);
     s.floor = hn::Max(p.kn * s.reach, s.t);
-    s.crushed = crushed(old.l);
+    s.crushed = kUncrushed ? Crushed{p.kn, p.yield, splat(1.0)} : crushed(old.l);
     return s;
   }
 
@@ -239,9 +248,12 @@ struct Equations {
     V sigma, tau_s, tau_t;
   };
 
+  static HWY_INLINE M untouched(const State& s) { return hn::Or(hn::Or(s.q, s.l), s.v_m) == zero(); }  // bit by bit
+
   // True, and the traction filled in, when every lane is elastic at full stiffness: closed and not at the end of a
   // residual opening, or not yet opened beyond u0; and |tau*| within the strength. The same bits as evaluate gives.
-  // kOpeningFirst: an opening joint is told at once. kUntouched: q, l and v_m are 0, and no more is read of the seat.
+  // kOpeningFirst: an opening joint is told at once. kUntouched: only where q, l and v_m are 0, and no more is read of
+  // the seat.
   template <bool kOpeningFirst, bool kUntouched>
   HWY_INLINE bool elastic(const Increment& in, const State& old, Traction& traction) const {
     V h, virgin = hn::IfThenElseZero(old.xi == zero(), p.u0);
@@ -270,7 +282,7 @@ struct Equations {
     const V F_squared = kUntouched ? p.yield_squared : c.F * c.F;
     const M within_cap = hn::MulAdd(sigma, sigma, p.Cs * trial_squared) < F_squared;
     M elastic = hn::And(hn::And(held, full_stiffness), within_cap);
-    if constexpr (!kUntouched) elastic = hn::And(elastic, hn::Or(old.q == zero(), zero() - sigma < p.ft));
+    elastic = hn::And(elastic, kUntouched ? untouched(old) : hn::Or(old.q == zero(), zero() - sigma < p.ft));
     if (!all(elastic)) return false;
     traction = {sigma, trial_s, trial_t};
     return true;
@@ -287,15 +299,16 @@ struct Equations {
     V s0, T;   // stress on the bonded share, what is left of c0 under it
     M opens;
   };
-  HWY_INLINE Opening opening(const Step& s) const {
+  template <bool kEnergies, class Open>
+  HWY_INLINE Opening opening(const Step& s, Open open) const {
     const State& old = s.old;
     Opening o{old.xi, reached(old), old.q, s.h, zero(), zero(), zero(), hn::MaskFromVec(zero())};
     const V further = s.e - o.kappa;
-    o.opens = hn::And(s.open, p.kn * further > s.tolerance(p.ft));
+    o.opens = both(open, p.kn * further > s.tolerance(p.ft));
     if (!none(o.opens)) {
       const V xi = hn::Max(hn::MulAdd(further, p.inv_lt, old.xi), p.xi_at_first_opening);
       o.xi = select(o.opens, xi, old.xi);
-      o.passed = f.area(old.xi, o.xi);
+      if (kEnergies || p.stays_open) o.passed = f.area(old.xi, o.xi);
       o.q = hn::MulAdd(p.beta * p.lt, o.passed, old.q);
       o.kappa = select(o.opens, s.e, o.kappa);
       o.h = s.e - o.q;
@@ -432,13 +445,18 @@ struct Equations {
     V D, l, F1, F1_slope, P, Q;
     V inv_a, inv_k, a_rate, k_rate;  // a_rate, k_rate: a'/a, k'/k
   };
+  HWY_INLINE static Cap either(M mask, const Cap& yes, const Cap& no) {
+    const auto one = [&](V Cap::*member) { return select(mask, yes.*member, no.*member); };
+    return {one(&Cap::D), one(&Cap::l),     one(&Cap::F1),    one(&Cap::F1_slope), one(&Cap::P),
+            one(&Cap::Q), one(&Cap::inv_a), one(&Cap::inv_k), one(&Cap::a_rate),   one(&Cap::k_rate)};
+  }
   HWY_INLINE Cap cap_at(const Step& s, V pressure, V T1, V D) const {
     Cap c;
     c.D = D;
     c.l = s.old.l + D;
     c.F1 = F(c.l), c.F1_slope = F_slope(c.l);
     const V C1 = C(c.l), E0 = s.crushed.E, shear = p.ks * p.Cs;
-    const V a = (hn::MulAdd(c.F1, C1, D) - p.half_chi * F_area(s.old.l, c.l)) * E0;
+    const V a = (hn::MulAdd(c.F1, C1, D) - recovery(s.old.l, c.l)) * E0;
     const V k = hn::MulAdd(shear, D, c.F1);
     c.inv_a = splat(1.0) / a, c.inv_k = splat(1.0) / k;
     c.a_rate = (hn::MulAdd(c.F1_slope, C1, splat(1.0)) + p.half_chi * c.F1) * E0 * c.inv_a;
@@ -446,9 +464,13 @@ struct Equations {
     c.P = pressure * c.inv_a, c.Q = T1 * c.inv_k;
     return c;
   }
-  HWY_INLINE V cap_fall(const Cap& c) const {  // of (P^2 + Cs Q^2)/2 with D
-    return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate);
+  // R = sqrt(P^2 + Cs Q^2), 1 on the cap. 1/R is nearly straight in D: R^2 (R - 1) over the fall of R^2/2 is its Newton
+  // step.
+  HWY_INLINE V beyond_cap(const Cap& c) const {
+    const V R_squared = hn::MulAdd(c.P, c.P, p.Cs * (c.Q * c.Q));
+    return R_squared * (hn::Sqrt(R_squared) - splat(1.0));
   }
+  HWY_INLINE V cap_fall(const Cap& c) const { return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate); }
 
   // N - F beyond its tolerance.
   HWY_INLINE M outside_cap(const Step& s, V N) const { return N - s.crushed.F > s.tolerance(s.crushed.F); }
@@ -474,9 +496,8 @@ struct Equations {
         active, select(active, hn::Min(hn::IfThenElseZero(guess > zero(), guess), highest), guess), zero(), highest,
         splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V D, V & value, V & slope) __attribute__((always_inline)) {
           c = cap_at(s, pressure, T1, D);
-          const V inv_R = one / hn::Sqrt(hn::MulAdd(c.P, c.P, p.Cs * (c.Q * c.Q)));
-          value = one - inv_R;
-          slope = hn::Neg(cap_fall(c) * inv_R * (inv_R * inv_R));
+          value = beyond_cap(c);
+          slope = hn::Neg(cap_fall(c));
         });
     return c;
   }
@@ -485,9 +506,10 @@ struct Equations {
     return hn::IfThenElseZero(c.D > zero(), hn::MulAdd(c.P, P_by, p.Cs * c.Q * Q_by) / cap_fall(c));
   }
 
-  // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0, and its change where p, T1 and f change so.
+  // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0; its change with D; and its change and that of
+  // D along the cap, where p, T1 and f change so.
   struct Corner {
-    V J, J_by, D_by;
+    V J, J_D, J_by, D_by;
   };
   HWY_INLINE Corner corner(const Cap& c, V factor, V p_by, V T1_by, V factor_by) const {
     const V mu = hn::MulAdd(p.mu_drop, factor, p.mur), inv_F1 = splat(1.0) / c.F1;
@@ -495,12 +517,12 @@ struct Equations {
     const V residual = hn::IfThenElseZero(p.cr > zero(), p.cr * inv_F1);
     const V bonded = p.c_drop * select(past_peak, p.inv_fc, inv_F1);  // (c0 - cr) b1/F1
     const V P_by = p_by * c.inv_a, Q_by = T1_by * c.inv_k, D_by = crushing_by(c, P_by, Q_by);
-    const V F_by = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope * D_by / c.F1);  // F1 may be too small for 1/F1
+    const V F_rate = hn::IfThenElseZero(c.F1 > zero(), c.F1_slope / c.F1);  // F1 may be too small for 1/F1
     Corner j;
     j.D_by = D_by;
     j.J = c.Q - residual - bonded * factor - mu * c.P;
-    j.J_by = Q_by - c.Q * c.k_rate * D_by + residual * F_by + hn::IfThenZeroElse(past_peak, bonded * factor * F_by) -
-             bonded * factor_by - p.mu_drop * factor_by * c.P - mu * (P_by - c.P * c.a_rate * D_by);
+    j.J_D = (residual + hn::IfThenZeroElse(past_peak, bonded * factor)) * F_rate + mu * c.P * c.a_rate - c.Q * c.k_rate;
+    j.J_by = hn::MulAdd(j.J_D, D_by, Q_by - (bonded + p.mu_drop * c.P) * factor_by - mu * P_by);
     return j;
   }
 
@@ -540,65 +562,109 @@ struct Equations {
     return a;
   }
 
-  // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
-  HWY_NOINLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
-    Cap at = crush(capped, s, p_start, s.t);
-    const M may_slip = hn::And(capped, gamma > zero());
-    if (none(may_slip)) return at;
-    const auto p_by = [&](V x) {
-      if (!c.any_on_seat) return zero();
-      const Seat a = seat(s, x, c.stop);
-      return hn::IfThenElseZero(c.on_seat, pressure_slope(s, a.v) * a.v_slope * r_slope(s, a));
-    };
-    const V T1_by = zero() - p.ks;
-    const auto factor_by = [&](V x) { return f.slope(hn::MulAdd(x, c.line.rate, c.line.xi)) * c.line.rate; };
-    const Corner no_slip = corner(at, factor_no_slip, p_by(zero()), T1_by, factor_by(zero()));
-    const M slips = hn::And(may_slip, no_slip.J > zero());
-    const V gamma_A = hn::IfThenElseZero(slips, gamma);
-    gamma = hn::IfThenZeroElse(capped, gamma);
-    if (none(slips)) return at;
-    const V N = N_of(p_start, s.t);
-    const V guess = hn::Min(gamma_A, positive_part(zero() - no_slip.J / no_slip.J_by));
-    // Each crushing begins at the tangent of the one before. A lane whose slip has been found keeps its crushing.
-    Cap met = at;
-    V last = zero(), D_by = no_slip.D_by;
-    const V root = find_root(
-        slips, guess, zero(), gamma_A, splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V x, V& value, V& slope) {
-          const Slid a = slide(s, c, p_start, x);
-          const V T1 = hn::NegMulAdd(p.ks, x, s.t), N_now = N_of(a.p, T1);
-          const M outside = hn::And(slips, outside_cap(s, N_now)), moved = x != last;
-          const V first = select(moved, hn::MulAdd(D_by, x - last, met.D), met.D);
-          met = crush_from(hn::And(outside, moved), s, a.p, T1, N_now, hn::IfThenElseZero(outside, first));
-          const Corner j = corner(met, a.factor, p_by(x), T1_by, factor_by(x));
-          value = j.J, slope = j.J_by;
-          last = x, D_by = j.D_by;
-        });
-    gamma = select(slips, root, gamma);
-    const auto both = [&](V Cap::*member) { at.*member = select(slips, met.*member, at.*member); };
-    for (V Cap::*member : {&Cap::D, &Cap::l, &Cap::F1, &Cap::F1_slope, &Cap::P, &Cap::Q, &Cap::inv_a, &Cap::inv_k,
-                           &Cap::a_rate, &Cap::k_rate}) {
-      both(member);
+  // J after a slip of gamma and this crushing, and its change along the cap with the slip.
+  HWY_INLINE Corner corner_after(const Step& s, const Course& c, V gamma, V factor, const Cap& crushed) const {
+    V p_by = zero();
+    if (c.any_on_seat) {
+      const Seat a = seat(s, gamma, c.stop);
+      p_by = hn::IfThenElseZero(c.on_seat, pressure_slope(s, a.v) * a.v_slope * r_slope(s, a));
     }
-    return at;
+    const V factor_by = f.slope(hn::MulAdd(gamma, c.line.rate, c.line.xi)) * c.line.rate;
+    return corner(crushed, factor, p_by, zero() - p.ks, factor_by);
   }
 
-  template <bool kEnergies, bool kTangent>
-  HWY_INLINE Result evaluate(const Increment& in, const State& old, Energies* energies, Tangent* tangent) const {
-    const M nowhere = hn::MaskFromVec(zero());
-    const Step s = step_of(in, old);  // 0
+  // Where slip and crushing meet: Newton's method on both at once, from no slip. Lanes that it does not bring there in
+  // a few steps, or to where the cap is not met, are left to a bracket.
+  struct Meeting {
+    V gamma;
+    Cap cap;
+    M found;
+  };
+  HWY_INLINE Meeting meet(M slips, const Step& s, const Course& c, V p_start, V gamma_A, V tolerance,
+                          const Corner& no_slip, const Cap& cap_no_slip) const {
+    const auto within = [&](V gamma) { return hn::Min(positive_part(gamma), gamma_A); };
+    Meeting m{within(zero() - no_slip.J / no_slip.J_by), cap_no_slip, Nowhere()};
+    V D = positive_part(hn::MulAdd(no_slip.D_by, m.gamma, cap_no_slip.D));
+    V N = zero();
+    for (int step = 0; step < 8; ++step) {
+      const Slid a = slide(s, c, p_start, m.gamma);
+      const V T1 = hn::NegMulAdd(p.ks, m.gamma, s.t);
+      N = N_of(a.p, T1);
+      m.cap = cap_at(s, a.p, T1, D);
+      const Corner j = corner_after(s, c, m.gamma, a.factor, m.cap);
+      const V beyond = beyond_cap(m.cap);
+      m.found = hn::And(hn::Abs(beyond) <= tolerance, hn::Abs(j.J) <= tolerance);
+      if (none(hn::AndNot(m.found, slips))) break;
+      const V onto_cap = beyond / cap_fall(m.cap);
+      const V gamma = within(m.gamma - hn::MulAdd(j.J_D, onto_cap, j.J) / j.J_by);
+      D = select(m.found, D, positive_part(D + hn::MulAdd(j.D_by, gamma - m.gamma, onto_cap)));
+      m.gamma = select(m.found, m.gamma, gamma);
+    }
+    m.found = hn::And(hn::And(m.found, m.gamma > zero()), outside_cap(s, N));
+    return m;
+  }
+  HWY_NOINLINE Meeting meet_in_bracket(M slips, const Step& s, const Course& c, V p_start, V gamma_A, V tolerance,
+                                       const Corner& no_slip, const Cap& cap_no_slip) const {
+    const V guess = hn::Min(gamma_A, positive_part(zero() - no_slip.J / no_slip.J_by));
+    // Each crushing begins at the tangent of the one before. A lane whose slip has been found keeps its crushing.
+    Meeting m{zero(), cap_no_slip, slips};
+    V last = zero(), D_by = no_slip.D_by;
+    m.gamma = find_root(slips, guess, zero(), gamma_A, tolerance, [&](V x, V& value, V& slope) {
+      const Slid a = slide(s, c, p_start, x);
+      const V T1 = hn::NegMulAdd(p.ks, x, s.t), N = N_of(a.p, T1);
+      const M outside = hn::And(slips, outside_cap(s, N)), moved = x != last;
+      const V first = select(moved, hn::MulAdd(D_by, x - last, m.cap.D), m.cap.D);
+      m.cap = crush_from(hn::And(outside, moved), s, a.p, T1, N, hn::IfThenElseZero(outside, first));
+      const Corner j = corner_after(s, c, x, a.factor, m.cap);
+      value = j.J, slope = j.J_by;
+      last = x, D_by = j.D_by;
+    });
+    return m;
+  }
+
+  // 4 for the lanes that gamma_A leaves outside the cap: crush at no slip, or at the slip where both surfaces meet.
+  HWY_INLINE Cap cap(M capped, const Step& s, const Course& c, V p_start, V factor_no_slip, V& gamma) const {
+    const Cap no_slip = crush(capped, s, p_start, s.t);
+    const M may_slip = hn::And(capped, gamma > zero());
+    if (none(may_slip)) return no_slip;
+    const Corner J = corner_after(s, c, zero(), factor_no_slip, no_slip);
+    const M slips = hn::And(may_slip, J.J > zero());
+    const V gamma_A = hn::IfThenElseZero(slips, gamma);
+    gamma = hn::IfThenZeroElse(capped, gamma);
+    if (none(slips)) return no_slip;
+    const V tolerance = splat(0.25) * s.tolerance(s.crushed.F) / N_of(p_start, s.t);
+    Meeting m = meet(slips, s, c, p_start, gamma_A, tolerance, J, no_slip);
+    const M left = hn::AndNot(m.found, slips);
+    if (!none(left)) {
+      const Meeting other = meet_in_bracket(left, s, c, p_start, gamma_A, tolerance, J, no_slip);
+      m.gamma = select(left, other.gamma, m.gamma);
+      m.cap = either(left, other.cap, m.cap);
+    }
+    gamma = select(slips, m.gamma, gamma);
+    return either(slips, m.cap, no_slip);
+  }
+
+  // 1 to 5, after 0 has told what is open: h > 0. As a mask of lanes for any joints; as Nowhere or Everywhere for plain
+  // ones, none of them crushed: false, and no result, where a lane slips on its seat or meets the cap.
+  template <bool kEnergies, bool kTangent, class Open>
+  HWY_INLINE bool evaluate(const Step& s, Open open, Result& r, Energies* energies, Tangent* tangent) const {
+    constexpr bool kPlain = !std::is_same_v<Open, M>;
+    const State& old = s.old;
+    const M nowhere = Nowhere();
+    const auto closed = opposite(open);
 
     // 3, at no slip
-    const V p_start = hn::IfThenZeroElse(s.open, pressure(s, s.v));
+    const V p_start = only(closed, pressure(s, s.v));
     const V held = hn::Min(p_start, s.crushed.F);
     Course c;
     c.line = {old.xi, p.inv_su, hn::MulAdd(p.mur, held, p.cr), hn::MulAdd(p.mu_drop, held, p.c_drop * s.crushed.b)};
     Opening o{old.xi, old.kappa, old.q, s.h, zero(), zero(), zero(), nowhere};
-    if (!none(s.open)) {  // 1, and 2 at no slip
-      o = opening(s);
+    if (!none(open)) {  // 1, and 2 at no slip
+      o = opening<kEnergies>(s, open);
       c.line.xi = o.xi;
-      c.line.rate = select(s.open, o.T * p.inv_c0_su, c.line.rate);
-      c.line.S_end = hn::IfThenZeroElse(s.open, c.line.S_end);
-      c.line.S_drop = select(s.open, s.crushed.b * o.T, c.line.S_drop);
+      c.line.rate = select(open, o.T * p.inv_c0_su, c.line.rate);
+      c.line.S_end = unless(open, c.line.S_end);
+      c.line.S_drop = select(open, s.crushed.b * o.T, c.line.S_drop);
     }
     const V factor_no_slip = f.factor(c.line.xi);
     const V S = c.line.at(factor_no_slip);
@@ -613,10 +679,12 @@ struct Equations {
     if (!none(c.slips)) {
       c.line.xi = hn::Max(c.line.xi, hn::IfThenElseZero(c.slips, p.xi_at_first_slip));
       c.factor_start = hn::IfThenElseZero(c.line.xi == o.xi, factor_no_slip);
-      c.on_seat = hn::AndNot(s.open, hn::And(c.slips, hn::Or(p.tan_psi > zero(), old.v_m != zero())));
-      c.any_on_seat = !none(c.on_seat);
+      const auto on_seat = both(closed, hn::And(c.slips, hn::Or(p.tan_psi > zero(), old.v_m != zero())));
+      c.on_seat = on_seat;
+      c.any_on_seat = !none(on_seat);
+      if (kPlain && c.any_on_seat) return false;
       V gamma = slip_to(hn::AndNot(c.on_seat, c.slips), c.line, c.factor_start, s.t, tolerance);
-      if (c.any_on_seat) {
+      if (!kPlain && c.any_on_seat) {
         c.stop = select(c.on_seat, seat_stop(s), c.stop);
         const Step kept = s;  // here and at the cap: whose address a call takes, so that s stays in registers
         gamma = select(c.on_seat, slip_on_seat(c.on_seat, kept, c.line.xi, c.stop, tolerance), gamma);
@@ -626,19 +694,17 @@ struct Equations {
     }
 
     // 4
-    Result r;
     r.crushes = nowhere;
     V p_end = a.p, l = old.l, w = old.w;
     Cap cap_end;
     const V N_squared = hn::MulAdd(a.p, a.p, p.Cs * (a.tau * a.tau));
-    if (!none(hn::AndNot(s.open, N_squared > s.crushed.F * s.crushed.F))) {
+    if (!none(both(closed, N_squared > s.crushed.F * s.crushed.F))) {
       const V T1 = hn::NegMulAdd(p.ks, a.gamma, s.t);
-      r.crushes = hn::AndNot(s.open, outside_cap(s, N_of(a.p, T1)));
-      if (!none(r.crushes)) {
+      r.crushes = both(closed, outside_cap(s, N_of(a.p, T1)));
+      if (kPlain && !none(r.crushes)) return false;
+      if (!kPlain && !none(r.crushes)) {
         V gamma = a.gamma;
-        const Step kept = s;
-        const Course course = c;
-        cap_end = cap(r.crushes, kept, course, p_start, factor_no_slip, gamma);
+        cap_end = cap(r.crushes, s, c, p_start, factor_no_slip, gamma);
         if (!none(c.slips)) {
           const Slid once_more = slide(s, c, p_start, gamma);
           const M stays = hn::And(r.crushes, gamma == zero());
@@ -651,61 +717,59 @@ struct Equations {
         p_end = select(r.crushes, cap_end.P * cap_end.F1, a.p);
         a.tau = select(r.crushes, cap_end.Q * cap_end.F1, a.tau);
         l = select(r.crushes, cap_end.l, l);
-        const V closure = cap_end.P * hn::NegMulAdd(p.half_chi, F_area(old.l, cap_end.l), cap_end.D);
+        const V closure = cap_end.P * (cap_end.D - recovery(old.l, cap_end.l));
         w = select(r.crushes, old.w + closure, w);
       }
     }
     r.slips = hn::And(c.slips, a.gamma > zero());
 
     // 5
-    const V e = in.d_n - a.seat.v + old.w;
+    const V e = s.d_n - a.seat.v + old.w;
     V q = o.q;
     r.gives_way = nowhere;
-    if (!none(hn::AndNot(s.open, old.q > zero()))) {
+    if (!none(both(closed, old.q > zero()))) {
       const V given = hn::Min(old.q, positive_part(p.ft / s.crushed.E + e));
-      const M rests = hn::AndNot(s.open, hn::And(old.q > zero(), (old.q - e) * s.crushed.E > p.ft));
+      const M rests = both(closed, hn::And(old.q > zero(), (old.q - e) * s.crushed.E > p.ft));
       q = select(rests, given, q);
-      r.gives_way = q < old.q;
-      r.gives_way = hn::AndNot(s.open, r.gives_way);
+      r.gives_way = both(closed, q < old.q);
     }
     r.opens = o.opens;
     r.reseats = a.seat.v < s.v;
     r.gamma = a.gamma;
     r.trial = s.t;
-    r.sigma = select(s.open, s.crushed.b * a.factor * o.s0, zero() - p_end);
+    r.sigma = select(open, s.crushed.b * a.factor * o.s0, zero() - p_end);
     State& now = r.state;
     now.xi = a.xi;
     now.kappa = select(o.opens, o.kappa, old.kappa);
     now.q = q;
     now.l = l;
     now.w = w;
-    now.g_s = select(s.open, old.g_s, a.seat.g_s);
-    now.g_t = select(s.open, old.g_t, a.seat.g_t);
+    now.g_s = select(open, old.g_s, a.seat.g_s);
+    now.g_t = select(open, old.g_t, a.seat.g_t);
     now.r_m = select(a.seat.beyond, a.seat.r, old.r_m);
     now.v_m = select(a.seat.beyond, a.seat.v, old.v_m);
     const M turned = hn::Or(c.slips, r.crushes);
     now.tau_s = select(turned, s.n_s * a.tau, s.trial_s);
     now.tau_t = select(turned, s.n_t * a.tau, s.trial_t);
-    r.h = select(s.open, o.h, in.d_n - a.seat.v + w - q);
-    r.used =
-        hn::MulAdd(s.h + r.h, zero(), hn::IfThenElseZero(hn::AndNot(old.xi == zero(), s.open), old.kappa * zero()));
+    r.h = select(open, o.h, s.d_n - a.seat.v + w - q);
+    r.used = hn::MulAdd(s.h + r.h, zero(), only(open, hn::IfThenZeroElse(old.xi == zero(), old.kappa * zero())));
     r.used = hn::MulAdd(old.xi + old.l, zero(), r.used);
     r.used = r.used + hn::IfThenElseZero(r.slips, (now.g_s + now.g_t + now.r_m) * zero());
 
-    if constexpr (kEnergies) *energies = energies_of(s, o, c, a, r, p_end);
-    if constexpr (kTangent) *tangent = tangent_of(s, o, c, a, r, cap_end);
-    return r;
+    if constexpr (kEnergies) *energies = energies_of(s, open, o, c, a, r, p_end);
+    if constexpr (kTangent) *tangent = tangent_of(s, open, o, c, a, r, cap_end);
+    return true;
   }
 
   // ---- Energies -----------------------------------------------------------------------------------------------------
 
-  HWY_NOINLINE Energies energies_of(const Step& s, const Opening& o, const Course& c, const Slid& a, const Result& r,
-                                    V pressure_end) const {
+  HWY_NOINLINE Energies energies_of(const Step& s, M open, const Opening& o, const Course& c, const Slid& a,
+                                    const Result& r, V pressure_end) const {
     const State &old = s.old, &now = r.state;
     const V half = splat(0.5), b = s.crushed.b;
     Energies E;
     const V tau_squared = hn::MulAdd(now.tau_s, now.tau_s, now.tau_t * now.tau_t);
-    const V normal = select(s.open, r.sigma * r.h, pressure_end * pressure_end * C(now.l));
+    const V normal = select(open, r.sigma * r.h, pressure_end * pressure_end * C(now.l));
     E.stored = half * hn::MulAdd(tau_squared, p.inv_ks, normal);
 
     // b ft (f0 (kappa0 - q0) - f1 (kappa1 - q1)) without the difference of large numbers
@@ -720,22 +784,21 @@ struct Equations {
       const M starts_at_end = c.line.xi > o.xi;  // no area under a cohesion without drop
       const V area = hn::IfThenZeroElse(starts_at_end, f.area(c.line.xi, a.xi));
       const V dropped = select(starts_at_end, f1, f.drop(c.line.xi, a.xi));
-      const M open = hn::And(s.open, slips), closed = hn::AndNot(s.open, slips);
-      E.tension = E.tension + hn::IfThenElseZero(open, half * b * o.s0 * o.h * dropped);
+      E.tension = E.tension + hn::IfThenElseZero(hn::And(open, slips), half * b * o.s0 * o.h * dropped);
 
       const V bond_end = bond(now.l, F(now.l));
       const V cohesive =
-          select(s.open, b * p.c0 * p.su * area, hn::MulAdd(p.cr, r.gamma, p.c_drop * bond_end * p.su * area));
+          select(open, b * p.c0 * p.su * area, hn::MulAdd(p.cr, r.gamma, p.c_drop * bond_end * p.su * area));
       const V held = hn::Min(hn::Sqrt(hn::MulAdd(old.tau_s, old.tau_s, old.tau_t * old.tau_t)), s.t);
       const V B = b * f1;
       const V residual = hn::Min(p.cr * (splat(1.0) - B), hn::NegMulAdd(B, o.T, held));
       const M by_opening = hn::And(hn::And(p.ft == zero(), f1 == zero()), f0 > zero());
       const M at_once = hn::Or(by_opening, hn::And(p.c0 == p.cr, f1 > zero()));
-      const V lost = hn::IfThenElseZero(s.open, select(at_once, held, positive_part(residual)));
+      const V lost = hn::IfThenElseZero(open, select(at_once, held, positive_part(residual)));
       E.cohesion = hn::IfThenElseZero(slips, hn::MulAdd(half * lost * lost, p.inv_ks, cohesive));
 
       const V rubbed = hn::MulAdd(p.mu_drop, p.su * area, p.mur * r.gamma) - (a.seat.v - s.v);
-      E.friction = hn::IfThenElseZero(closed, positive_part(pressure_end * rubbed));
+      E.friction = hn::IfThenElseZero(hn::AndNot(open, slips), positive_part(pressure_end * rubbed));
     }
     E.tension = hn::MulAdd(p.ft, hn::IfThenElseZero(r.gives_way, old.q - now.q), E.tension);
     if (!none(r.crushes)) E.crushing = hn::IfThenElseZero(r.crushes, positive_part(F_area(old.l, now.l)));
@@ -749,8 +812,8 @@ struct Equations {
     V sigma, tau;
   };
 
-  HWY_NOINLINE Tangent tangent_of(const Step& s, const Opening& o, const Course& c, const Slid& a, const Result& r,
-                                  const Cap& cap) const {
+  HWY_NOINLINE Tangent tangent_of(const Step& s, M open, const Opening& o, const Course& c, const Slid& a,
+                                  const Result& r, const Cap& cap) const {
     const State& old = s.old;
     const V one = splat(1.0), f_slope = f.slope(a.xi);
     Change by[3];  // d_n, |tau*|, angle
@@ -813,8 +876,8 @@ struct Equations {
       const V rate_by = k == 0 ? hn::MulAdd(rate_n, r.gamma, xi_n) : zero();
       const V xi_by = hn::MulAdd(c.line.rate, open_gamma[k], rate_by);
       const V sigma_open = b * hn::MulAdd(f_slope * xi_by, o.s0, k == 0 ? a.factor * s0_n : zero());
-      by[k].sigma = select(s.open, sigma_open, by[k].sigma);
-      by[k].tau = select(s.open, hn::NegMulAdd(p.ks, open_gamma[k], t_by), by[k].tau);
+      by[k].sigma = select(open, sigma_open, by[k].sigma);
+      by[k].tau = select(open, hn::NegMulAdd(p.ks, open_gamma[k], t_by), by[k].tau);
     }
 
     // delta tau = n (by d_n, by ks n.d, by the angle ks e.d/t) + tau e ks e.d/t, e = (-n_t, n_s)

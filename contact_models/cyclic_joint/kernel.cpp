@@ -118,6 +118,7 @@ struct At {
   HWY_INLINE State untouched_state() const {
     State s{};
     s.xi = in(kStateOld + kXi), s.w = in(kStateOld + kW);
+    s.q = in(kStateOld + kQ), s.l = in(kStateOld + kL), s.v_m = in(kStateOld + kVm);
     s.tau_s = in(kTractionOld + 1), s.tau_t = in(kTractionOld + 2);
     return s;
   }
@@ -126,13 +127,26 @@ struct At {
     out(kTractionNew + 1, tau_s);
     out(kTractionNew + 2, tau_t);
   }
-  HWY_INLINE void put_history(const State& s) const {
-    const auto put = [&](int k, V value) { out(kStateNew + k, value); };
+  HWY_INLINE void put(int k, V value) const { out(kStateNew + k, value); }
+  HWY_INLINE void keep(int k) const { put(k, in(kStateOld + k)); }
+
+  HWY_INLINE void put_history(M, const State& s) const {
     put(kXi, s.xi), put(kKappa, s.kappa), put(kQ, s.q), put(kL, s.l), put(kW, s.w);
     put(kGs, s.g_s), put(kGt, s.g_t), put(kRm, s.r_m), put(kVm, s.v_m);
   }
+  // What a plain step of closed joints moves, and what one of open joints does.
+  HWY_INLINE void put_history(Nowhere, const State& s) const {
+    put(kXi, s.xi), put(kQ, s.q), put(kGs, s.g_s), put(kGt, s.g_t);
+    if (c.in_place) return;
+    keep(kKappa), keep(kL), keep(kW), keep(kRm), keep(kVm);
+  }
+  HWY_INLINE void put_history(Everywhere, const State& s) const {
+    put(kXi, s.xi), put(kKappa, s.kappa), put(kQ, s.q);
+    if (c.in_place) return;
+    keep(kL), keep(kW), keep(kGs), keep(kGt), keep(kRm), keep(kVm);
+  }
   HWY_INLINE void keep_history() const {
-    for (int k = 0; k < kSlip; ++k) out(kStateNew + k, in(kStateOld + k));
+    for (int k = 0; k < kSlip; ++k) keep(k);
     put_slip(zero());
   }
   HWY_INLINE void put_slip(V slip) const {
@@ -140,24 +154,26 @@ struct At {
   }
 };
 
-template <bool kFull, bool kColumns, class Access, class Law>
-HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
-  const At<Access> at{c, i};
-  const State old = at.state();
+// The step of a vector after 0: law.evaluate with what is open, and where its outputs go. False, and nothing written,
+// where that has no result.
+template <bool kFull, bool kColumns, class Access, class Law, class Open>
+HWY_INLINE bool finish_step(const Law& law, const typename Law::Step& s, Open open, const At<Access>& at,
+                            std::size_t count, Summary& summary) {
   Energies energies;
   Tangent tangent;
-  Result r = law.template evaluate<kFull, kFull>(at.increment(), old, &energies, &tangent);
+  Result r;
+  if (!law.template evaluate<kFull, kFull>(s, open, r, &energies, &tangent)) return false;
 
   // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state.
   M sound = is_finite(gather_non_finite(r.state.xi, gather_non_finite(r.trial, gather_non_finite(r.sigma, r.used))));
   if constexpr (kColumns) sound = hn::And(sound, law.p.admissible);
   if (!all(sound)) {
     r.sigma = select(sound, r.sigma, at.in(kTractionOld));
-    r.state = either(sound, r.state, old);
+    r.state = either(sound, r.state, s.old);
     r.gamma = hn::IfThenElseZero(sound, r.gamma);
     r.opens = hn::And(sound, r.opens), r.slips = hn::And(sound, r.slips);
     r.crushes = hn::And(sound, r.crushes), r.gives_way = hn::And(sound, r.gives_way);
-    summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - i)));
+    summary.failed += hn::CountTrue(D(), hn::AndNot(sound, hn::FirstN(D(), count - at.i)));
   }
 
   if (!summary.yielding) {
@@ -166,11 +182,48 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   at.put_slip(r.gamma);
   if constexpr (kFull) {
     put_extras(
-        c, i, sound, energies, tangent, [&] { return flags_of(law, r); },
+        at.c, at.i, sound, energies, tangent, [&] { return flags_of(law, r); },
         [&](int mode) { return damage_of(law, r.state, mode); });
   }
   at.put_traction(r.sigma, r.state.tau_s, r.state.tau_t);
-  at.put_history(r.state);
+  at.put_history(open, r.state);
+  return true;
+}
+
+template <bool kFull, bool kColumns, class Access, class Law>
+HWY_INLINE void step_any(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  const At<Access> at{c, i};
+  const State old = at.state();
+  const auto s = law.template step_of<false>(at.increment(), old);
+  finish_step<kFull, kColumns>(law, s, s.h > zero(), at, count, summary);
+}
+
+// Closed joints, or open ones, without crushing: false, and nothing written, where a vector has others or evaluate
+// gives no result.
+template <class Access, class Law>
+HWY_INLINE bool step_plain(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  const At<Access> at{c, i};
+  const State old = at.state();
+  if (!all(old.l == zero())) return false;
+  const auto s = law.template step_of<true>(at.increment(), old);
+  const M open = s.h > zero();
+  if (none(open)) return finish_step<false, false>(law, s, Nowhere(), at, count, summary);
+  return all(open) && finish_step<false, false>(law, s, Everywhere(), at, count, summary);
+}
+
+// Out of line: most vectors are plain.
+template <class Access, class Law>
+HWY_NOINLINE void step_other(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  step_any<false, false, Access>(law, c, i, count, summary);
+}
+
+template <bool kFull, bool kColumns, class Access, class Law>
+HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  if constexpr (kFull) {
+    step_any<kFull, kColumns, Access>(law, c, i, count, summary);
+  } else if (!step_plain<Access>(law, c, i, count, summary)) {
+    step_other<Access>(law, c, i, count, summary);
+  }
 }
 
 template <class Access, class Law>
@@ -183,14 +236,11 @@ HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::siz
 template <class Access, class Law>
 HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
-  const auto old = [&](int k) { return at.in(kStateOld + k); };
   typename Law::Traction traction;
-  if (all(old(kQ) + old(kL) + old(kVm) == zero())) {
-    const State state = at.untouched_state();
-    if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) return false;
-  } else {
+  const State state = at.untouched_state();
+  if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) {
     typename Law::Traction touched;
-    if (!elastic_and_touched<Access>(law, c, i, touched)) return false;
+    if (all(law.untouched(state)) || !elastic_and_touched<Access>(law, c, i, touched)) return false;
     traction = touched;
   }
   if (!c.in_place) at.keep_history();

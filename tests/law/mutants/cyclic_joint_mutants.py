@@ -49,7 +49,7 @@ MUTANTS = {
     ),
     "closure_without_recovery": (
         "w = l, whatever compliance crushing adds",
-        [(EQUATIONS, "const V closure = cap_end.P * hn::NegMulAdd(p.half_chi, F_area(old.l, cap_end.l), cap_end.D);",
+        [(EQUATIONS, "const V closure = cap_end.P * (cap_end.D - recovery(old.l, cap_end.l));",
           "const V closure = cap_end.P * cap_end.D;")],
     ),
     "crushing_keeps_the_bond": (
@@ -58,7 +58,7 @@ MUTANTS = {
     ),
     "corner_returns_to_the_old_pressure": (
         "a slip that ends on the cap keeps gamma_A",
-        [(EQUATIONS, "gamma = select(slips, root, gamma);", "gamma = select(slips, gamma_A, gamma);")],
+        [(EQUATIONS, "gamma = select(slips, m.gamma, gamma);", "gamma = select(slips, gamma_A, gamma);")],
     ),
     "rising_function_stops_the_root": (
         "Newton walks from the upper end away from the root and stops there",
@@ -67,7 +67,7 @@ MUTANTS = {
     ),
     "open_slip_costs_as_closed": (
         "an open slip spends su whatever tension does to its strength",
-        [(EQUATIONS, "c.line.rate = select(s.open, o.T * p.inv_c0_su, c.line.rate);", "")],
+        [(EQUATIONS, "c.line.rate = select(open, o.T * p.inv_c0_su, c.line.rate);", "")],
     ),
     "stiffness_bound_kn": (
         "the bound of an open joint that slides is left out",
