@@ -96,8 +96,9 @@ class Tree:
             to.write_bytes(text)
 
     def copy(self, mutants):
-        """Quicker to build: host with -O1, tests with -O0, one instruction set beside the baseline. Host libraries are shared,
-        so that a mutant built alone links one of them; they use their own copies of inline functions, not those of tests."""
+        """Quicker to build: host with -O1, its cold parts and tests with -O0, one instruction set beside the baseline. Host
+        libraries are shared, so that a mutant built alone links one of them; they use their own copies of inline functions,
+        not those of tests."""
         for name in self.files:
             if name in self.texts:
                 mine = [m for m in mutants if m.file == name]
@@ -108,7 +109,7 @@ class Tree:
                     text = text.replace(b" STATIC", b" SHARED")
                 if name == "host/CMakeLists.txt":
                     options = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'
-                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text
+                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text.replace(b"-O1>", b"-O0>")
                 if name == "CMakeLists.txt":
                     for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
                         adds = b"  add_subdirectory(" + part + b")"
@@ -284,6 +285,7 @@ def judge(mutant, tree, tests, jobs, alone):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=200, help="mutants of each seed that compile and change something")
+    parser.add_argument("--first", type=int, help="of --count, which are built, judge so many of each seed for now")
     parser.add_argument("--seed", type=int, nargs="+", default=[1])
     parser.add_argument("--only", default="", help="files whose path begins so")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -352,7 +354,7 @@ def main():
         for seed, sites_drawn in drawn.items():
             count = {"killed": 0, "survived": 0}
             for m in [planted[site[:3]] for site in sites_drawn if re.match(options.part, site[0])]:
-                if sum(count.values()) >= options.count:
+                if sum(count.values()) >= min(options.count, options.first or options.count):
                     break
                 result = known.get(key(m))
                 if result is None:
