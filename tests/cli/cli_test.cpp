@@ -171,6 +171,9 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
     for (size_t i = 0; i < bar.size(); i += bar[i] == ' ' ? 1 : 3, ++cells) full += bar.compare(i, 3, "█") == 0;
     EXPECT_EQ(cells, 40) << bar;
     EXPECT_NEAR(100.0 * full / 40, std::stod(wide.substr(end + 3)), 2.5 + 0.5) << "a cell, and rounding";
+    const std::string after = wide.substr(end, wide.find('\r', end) - end);
+    EXPECT_THAT(after, ::testing::ContainsRegex("%  left (--:--|[0-9]+:[0-9][0-9](:[0-9][0-9])?)  "))
+        << "minutes, seconds";
     at = end;
     ++bars;
   }

@@ -210,6 +210,22 @@ TEST_F(Outputs, NamesOfStagesDoNotTearTheHistory) {
   EXPECT_THAT(history, HasSubstr("\n2,\"a \"\"b\"\", c d\","));
 }
 
+// The third half cycle of equal amplitude has less force than the first: the run says which, and by how much.
+TEST_F(Outputs, AStopAtForceLossIsToldWithItsForces) {
+  std::string text = read_all(small_);
+  const size_t stage = text.find("[[stage]]\nname = \"shear\""), output = text.find("[output]");
+  text.replace(stage, output - stage,
+               "[[stage]]\nname = \"cycles\"\nkind = \"cycles\"\namplitudes = [2e-4]\ncycles = 3\nvelocity = 0.05\n"
+               "ramp_time = 0.001\nstop_at_force_loss = 0.97\n");
+  ASSERT_EQ(quoin({"run", write("cycles.toml", text), "--out", out(), "--set", "output.plots=false"}), 0) << error_;
+  const auto stop = summary()["stopped_at_force_loss"][0];
+  const double force = stop["force_N"], before = stop["largest_force_before_N"];
+  EXPECT_EQ(stop["half_cycle"], 3);
+  EXPECT_LT(force, 0.97 * before);
+  EXPECT_THAT(error_, HasSubstr(fmt::format("half cycle 3 reached {:.2f} kN, {:.2f} of {:.2f} kN before", force / 1e3,
+                                            force / before, before / 1e3)));
+}
+
 // Arrays of a VTU file with one appended block of raw data, as this program writes it: VTK's format, read without VTK.
 class Vtu {
  public:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <random>
 
 #include "scene/read_scene.h"
@@ -53,6 +54,23 @@ TEST(BodyGroup, EveryBodyHasALaneAndEveryPointASlotOnEachSide) {
     EXPECT_TRUE(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));
     EXPECT_TRUE(std::all_of(sides.begin(), sides.end(), [](int n) { return n == 2; }));
   }
+}
+
+// What the step benchmark counts for the processor's caches.
+TEST(BodyGroup, HotArraysAreWhatAStepReads) {
+  const Simulation simulation(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {}));
+  const Model& model = simulation.model();
+  std::map<std::string, std::size_t> bytes;
+  for (const HotArray& array : simulation.hot_arrays())
+    if (array.of != HotOf::block) bytes[array.what] = array.bytes;
+  const std::size_t points = at(model.point_count);
+  EXPECT_EQ(bytes["traction"], points * 24);
+  EXPECT_EQ(bytes["offsets of the two gridpoints"], points * 8);
+  std::size_t slots = 0;  // of all groups; three doubles a lane each, and one integer for its points in a row
+  for (const BodyGroup& group : model.body_groups) slots += at(model.body_slots[at(group.slots)].slot_count());
+  EXPECT_GE(slots * kLanes, 2 * points) << "both sides of every point";
+  EXPECT_EQ(bytes["gridpoints: displacement along the normal, velocity across"], slots * kLanes * 24);
+  EXPECT_EQ(bytes["where slots find their points in a row"], slots * 4);
 }
 
 // The reason for the order of contact points.

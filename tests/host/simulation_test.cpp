@@ -259,6 +259,33 @@ TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
   }
 }
 
+// At an even pace the time left is that of the steps left. Stopped when it has been told three times.
+TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
+  struct Watcher : Observer {
+    Simulation* simulation = nullptr;
+    std::vector<Progress> told;
+    void on_progress(const Progress& progress) override {
+      told.push_back(progress);
+      if (told.size() == 3) simulation->request_stop();
+    }
+  } watcher;
+  Scene scene = sheared_wall(1e-4, 2, 1);
+  scene.stages.erase(scene.stages.begin());
+  scene.stages[0].displacement.reset();
+  scene.stages[0].controls[1].velocity[0] = 1e-6;
+  scene.stages[0].duration = 10.0;
+  Simulation simulation(scene, assemble(scene), 1);
+  watcher.simulation = &simulation;
+  EXPECT_THROW(simulation.run(watcher), Error);
+  ASSERT_EQ(watcher.told.size(), 3u);
+  const double steps = 10.0 / simulation.time_step_report().time_step;
+  for (const Progress& p : watcher.told) {
+    const double done = static_cast<double>(p.step) / steps;
+    EXPECT_NEAR(p.fraction, done, 1e-9);
+    EXPECT_NEAR(p.seconds_left * p.steps_per_second, steps - static_cast<double>(p.step), 1e-6 * steps);
+  }
+}
+
 TEST(Simulation, StableStepsOnlyAreNotPromisedAboveOne) {
   Scene scene = sheared_wall(1e-4, 2, 1);
   scene.solver.time_step_fraction = 1.1;
