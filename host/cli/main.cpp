@@ -1,4 +1,4 @@
-// The program `quoin`: one file a command, registered here. Exit codes are those of scene/error.h.
+// The program `quoin`: one file a command, registered here. Exit codes are those of base/error.h.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
