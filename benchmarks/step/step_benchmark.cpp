@@ -1,6 +1,7 @@
 // Time per step and by phase on the paper's solid wall (11,520 zones, 3,447 contact points) and its 576-block wall,
 // under shear. Arguments: courses, half units a course, threads, displacement before the measurement in um (0: nothing
-// has cracked). The same on the walls of rigid cubes, while cracks run: size, threads.
+// has cracked). The same on the walls of rigid cubes, while cracks run: size, threads, 1 for the kernels of blocks of
+// any shape in place of those of the lattice.
 #include <benchmark/benchmark.h>
 
 #include "machine_limits.h"
@@ -8,6 +9,7 @@
 #include "scene/quality.h"
 #include "scene/read_scene.h"
 #include "step/kernels.h"
+#include "step/large_motion.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -77,13 +79,15 @@ void measure_steps(Simulation& simulation, benchmark::State& state) {
   double block_count = 0.0, body_count = 0.0, bytes[3] = {0.0, 0.0, 0.0};
   for (const Model::BlockPlace& place : simulation.model().place) ++(place.body < 0 ? block_count : body_count);
   const double counts[3] = {block_count, body_count, static_cast<double>(simulation.model().point_count)};
+  const blocks::Model* const riding = simulation.riding();
+  const double points = riding ? static_cast<double>(riding->point_count()) : counts[2];
   for (const HotArray& array : simulation.hot_arrays())
     bytes[static_cast<int>(array.of)] += static_cast<double>(array.bytes);
   state.counters["contacts_us"] = contacts * 1e6 / kWindow;
   state.counters["blocks_us"] = blocks * 1e6 / kWindow;
   state.counters["step_us"] = (contacts + blocks) * 1e6 / kWindow;
-  state.counters["ns_a_block"] = (contacts + blocks) * 1e9 / kWindow / (block_count + body_count);
-  state.counters["ns_a_point"] = (contacts + blocks) * 1e9 / kWindow / counts[2];
+  state.counters["ns_a_block"] = (contacts + blocks) * 1e9 / kWindow / static_cast<double>(simulation.block_count());
+  state.counters["ns_a_point"] = (contacts + blocks) * 1e9 / kWindow / points;
   const char* const names[3] = {"bytes_a_block", "bytes_a_body", "bytes_a_point"};
   for (int i = 0; i < 3; ++i) {
     if (counts[i] > 0.0) state.counters[names[i]] = bytes[i] / counts[i];
@@ -101,12 +105,17 @@ void step(benchmark::State& state) {
 }
 
 void cubes(benchmark::State& state) {
-  const Scene scene = read_scene(QUOIN_SCENES "/cube_wall_" + std::to_string(state.range(0)) + ".toml", {});
-  Simulation simulation(scene, assemble(scene), static_cast<int>(state.range(1)));
+  const std::string file = QUOIN_SCENES "/cube_wall_" + std::to_string(state.range(0)) + ".toml";
+  const char* const kernels = state.range(2) == 0 ? "lattice" : "general";
+  Simulation simulation(read_scene(file, {std::string("solver.kernels=") + kernels}), static_cast<int>(state.range(1)));
   simulation.advance(2000);
   measure_steps(simulation, state);
 }
-BENCHMARK(cubes)->ArgsProduct({{10, 20}, {1, 2}})->Iterations(3000)->Unit(benchmark::kMicrosecond)->UseRealTime();
+BENCHMARK(cubes)
+    ->ArgsProduct({{10, 20}, {1, 2}, {0, 1}})
+    ->Iterations(3000)
+    ->Unit(benchmark::kMicrosecond)
+    ->UseRealTime();
 
 // The product with the stiffness alone, over all blocks of the 576-block wall, on one thread: of what the machine can
 // do at best, measured just before.
