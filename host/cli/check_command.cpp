@@ -25,7 +25,8 @@ void print_limit(const char* name, const TimeStepLimit& limit, const TimeStepRep
 }
 
 void print_memory(const SceneSize& size) {
-  fmt::print("  memory about {:.2g} GB of {:.3g} GB here\n", size.bytes / 1e9, memory_here() / 1e9);
+  fmt::print("  memory of the model about {:.0f} MB of {:.0f} MB here\n", std::ceil(size.bytes / 1e6),
+             memory_here() / 1e6);
 }
 
 // How blocks move: which kernel, and how well its lanes are filled.
@@ -43,6 +44,22 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
+// What ends each stage, and how many steps that takes where it can be told.
+void print_stages(const Scene& scene, double time_step) {
+  fmt::print("stages\n");
+  for (const Stage& stage : scene.stages) {
+    double seconds = stage.duration.value_or(0.0);
+    if (stage.displacement) {
+      for (const BodyControl& c : stage.controls) {
+        const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
+        if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
+      }
+    }
+    fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
+               seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
+  }
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   const Simulation simulation(scene);
   const TimeStepReport& step = simulation.time_step_report();
@@ -56,9 +73,9 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              simulation.riding()->small_displacement() ? "large (small at first)" : "large", rigid,
              static_cast<long>(made.size()) - rigid);
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
-  fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\nstages\n", step.time_step,
+  fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
-  for (const Stage& stage : scene.stages) fmt::print("  {:<16} until {}\n", stage.name, end_of(stage));
+  print_stages(scene, step.time_step);
 }
 
 void check(const SceneOptions& options) {
@@ -95,18 +112,7 @@ void check(const SceneOptions& options) {
   if (report.added_mass != 0.0)
     fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
                100 * report.added_mass / report.model_mass);
-  fmt::print("stages\n");
-  for (const Stage& stage : scene.stages) {
-    double seconds = stage.duration.value_or(0.0);
-    if (stage.displacement) {
-      for (const BodyControl& c : stage.controls) {
-        const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
-        if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
-      }
-    }
-    fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
-               seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / report.time_step) : "");
-  }
+  print_stages(scene, report.time_step);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "cli/reproduce_command.h"
 #include "cli/run_command.h"
 #include "files/notice.h"
+#include "law/law_watch.h"
 
 namespace {
 
@@ -86,7 +87,9 @@ int run_command(int argc, char** argv) {
 int main(int argc, char** argv) {
   fill_closed_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a disk that is full, with a message
+  quoin::watch_laws();
   const int exit_code = run_command(argc, argv);
+  quoin::end_of_watch();
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return exit_code;
   notice(

@@ -44,7 +44,7 @@ std::string value_text(const PropertySetting& p) {
 
 // Before anything of that size is made.
 void refuse_what_does_not_fit(const Scene& scene, bool force) {
-  constexpr double kMost = 2e9, kLarge = 1e9;  // what can be numbered; B from which on a user waits for the first word
+  constexpr double kMost = 2e9, kLarge = 1e8;  // what can be numbered; B from which on a user waits for the first word
   const SceneSize size = size_of(scene);
   const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
                                         size.blocks, size.zones, size.points);
@@ -53,7 +53,7 @@ void refuse_what_does_not_fit(const Scene& scene, bool force) {
                 fmt::format("{}: of each, {:g} at most can be numbered; make the scene smaller", words, kMost));
   if (!force) require_memory(size.bytes, words, "make the scene smaller, or try all the same with --force");
   if (size.bytes > kLarge)
-    notice(fmt::format("{}, about {:.2g} GB; making them takes minutes", words, size.bytes / 1e9));
+    notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
 }
 
 // Stiffnesses beyond are slips, and time steps follow from them.

@@ -282,6 +282,9 @@ void run(RunOptions options, int& exit_code) {
     failure = error;
   } catch (const std::bad_alloc&) {
     failure = Error(Exit::numerical, "out of memory; make the scene smaller");
+  } catch (const std::exception& error) {  // by a law, perhaps
+    failure = Error(Exit::numerical,
+                    fmt::format("internal error: {}; please report it with the scene and the law", error.what()));
   }
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";

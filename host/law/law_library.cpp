@@ -3,18 +3,25 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
+#include <functional>
+#include <map>
+#include <mutex>
 #include <set>
 #include <utility>
 
 #include "base/error.h"
+#include "base/input_file.h"
+#include "law/elf_file.h"
+#include "law/law_watch.h"
 
 namespace quoin {
 
@@ -97,26 +104,23 @@ std::string resolve(const std::string& name_or_path) {
                      remedy));
 }
 
-// A private copy of the file. dlopen knows a library by its inode and would hand out the old one for a rebuilt file.
-std::string copy_to_temporary(const std::string& path) {
-  std::error_code fault;
-  fs::path folder = fs::temp_directory_path(fault);
-  if (fault) folder = "/tmp";
-  std::string copy = (folder / "quoin-law-XXXXXX").string();
-  const int descriptor = mkstemp(copy.data());
-  if (descriptor < 0) {
-    refuse(fmt::format("law '{}' could not be loaded from a copy: no temporary file in {}; set TMPDIR", path,
-                       folder.string()));
-  }
-  close(descriptor);
-  fs::copy_file(path, copy, fs::copy_options::overwrite_existing, fault);
-  if (fault) {
-    const std::string reason = fault.message();
-    fs::remove(copy, fault);
-    refuse(fmt::format("law '{}' could not be loaded from a copy: {}", path, reason));
+// The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law while we compute
+// does not pull its code from under us, and a rebuilt law is another file (dlopen knows files by their inodes).
+int copy_in_memory(const std::string& bytes) {
+  const int copy = memfd_create("law", MFD_CLOEXEC);
+  for (std::size_t done = 0; copy >= 0 && done < bytes.size();) {
+    const ssize_t count = write(copy, bytes.data() + done, bytes.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      close(copy);
+      return -1;
+    }
+    done += static_cast<std::size_t>(count);
   }
   return copy;
 }
+
+std::string name_of(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
 
 // The loader's own words, less the file name that dlerror puts in front of them.
 std::string loader_reason(const std::string& path) {
@@ -189,31 +193,51 @@ std::string metadata_fault(const quoin_law* law) {
 
 }  // namespace
 
-std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path, bool from_copy) {
-  const std::shared_ptr<LawLibrary> result(new LawLibrary());
-  result->path_ = resolve(name_or_path);
-  const std::string& path = result->path_;
-
-  std::string file = path;
-  if (from_copy) file = copy_to_temporary(path);
-  // RTLD_LOCAL: two laws may share symbol names. RTLD_NOW: a missing symbol shows here, not in the middle of a run.
-  result->handle_ = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-  const std::string reason = result->handle_ == nullptr ? loader_reason(file) : std::string();
-  if (from_copy) {  // the mapping outlives the name
-    std::error_code ignored;
-    fs::remove(file, ignored);
-  }
+std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path) {
+  static std::mutex one_at_a_time;
+  static std::map<std::string, std::weak_ptr<const LawLibrary>> loaded;  // by path and bytes
+  const std::lock_guard guard(one_at_a_time);
+  const std::string path = resolve(name_or_path);
   const std::string failed = fmt::format("law '{}' could not be loaded from {}: ", name_or_path, path);
-  if (result->handle_ == nullptr) {
-    refuse(fmt::format("{}the dynamic loader says: {}; give a shared library built for this machine", failed, reason));
+  std::string bytes;
+  try {
+    bytes = read_input_file(path);
+  } catch (const Error& error) {
+    refuse(failed + error.what());
+  }
+  const std::string key = fmt::format("{} {} {}", bytes.size(), std::hash<std::string>()(bytes), path);
+  if (auto known = loaded[key].lock()) return known;
+  const std::string missing = missing_of_elf(bytes);
+  if (!missing.empty()) refuse(fmt::format("{}it is not whole: {}; copy or build it again", failed, missing));
+
+  const std::shared_ptr<LawLibrary> result(new LawLibrary());
+  const WatchedLoading watched(path);
+  result->path_ = path;
+  result->open(bytes, failed);
+  loaded[key] = result;
+  return result;
+}
+
+void LawLibrary::open(const std::string& bytes, const std::string& failed) {
+  // RTLD_LOCAL: two laws may share symbol names. RTLD_NOW: a missing symbol shows here, not in the middle of a run.
+  constexpr int kMode = RTLD_NOW | RTLD_LOCAL;
+  if (std::getenv("QUOIN_LAW_IN_PLACE") == nullptr) copy_ = copy_in_memory(bytes);
+  if (copy_ >= 0) handle_ = dlopen(name_of(copy_).c_str(), kMode);
+  // A law may need files beside it, and a machine may run no code from memory.
+  if (handle_ == nullptr) handle_ = dlopen(path_.c_str(), kMode);
+  if (handle_ == nullptr) {
+    refuse(fmt::format("{}the dynamic loader says: {}; give a shared library built for this machine", failed,
+                       loader_reason(path_)));
   }
 
   dlerror();
-  const auto entry = reinterpret_cast<quoin_library_function>(dlsym(result->handle_, QUOIN_LIBRARY_SYMBOL));
+  const auto entry = reinterpret_cast<quoin_library_function>(dlsym(handle_, QUOIN_LIBRARY_SYMBOL));
   if (entry == nullptr) {
     refuse(fmt::format("{}it is a shared library, but it exports no {}, so it is no contact law of ABI version {}",
                        failed, QUOIN_LIBRARY_SYMBOL, QUOIN_ABI_MAJOR));
   }
+  entry_ = reinterpret_cast<const void*>(entry);
+  note_law(entry_, path_);
 
   quoin_host_info host{};
   host.struct_size = sizeof host;
@@ -246,12 +270,21 @@ std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_pa
     const std::string fault = metadata_fault(library->laws[i]);
     if (!fault.empty()) refuse(fmt::format("{}its metadata is faulty: {}; tell its author", failed, fault));
   }
-  result->library_ = library;
-  return result;
+  library_ = library;
 }
 
 LawLibrary::~LawLibrary() {
-  if (handle_ != nullptr) dlclose(handle_);
+  if (handle_ == nullptr) {
+    if (copy_ >= 0) close(copy_);
+    return;
+  }
+  forget_law(entry_);
+  dlclose(handle_);
+  if (copy_ < 0) return;
+  // The loader knows libraries by their names, too: one that it keeps must keep its name.
+  void* const kept = dlopen(name_of(copy_).c_str(), RTLD_NOW | RTLD_NOLOAD);
+  if (kept != nullptr) dlclose(kept);
+  if (kept == nullptr) close(copy_);
 }
 
 Law Law::find(const std::string& name_or_path) {

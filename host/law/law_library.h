@@ -15,9 +15,10 @@ class LawLibrary {
  public:
   // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
   // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
-  // missing file, not a shared library, no quoin_library_v1, other ABI version. from_copy: load from a temporary copy,
-  // so that a rebuilt file is really read again.
-  static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path, bool from_copy = false);
+  // missing file, not a shared library, not all of one, no quoin_library_v1, other ABI version. The library runs from a
+  // copy in memory, made anew where the file has changed since the last load: what happens to the file later does not
+  // touch it. With $QUOIN_LAW_IN_PLACE set it runs from its file, as debuggers and profilers need it.
+  static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path);
   ~LawLibrary();
   LawLibrary(const LawLibrary&) = delete;
   LawLibrary& operator=(const LawLibrary&) = delete;
@@ -27,7 +28,10 @@ class LawLibrary {
 
  private:
   LawLibrary() = default;
+  void open(const std::string& bytes, const std::string& failed);
   void* handle_ = nullptr;
+  const void* entry_ = nullptr;  // in the library's code
+  int copy_ = -1;                // descriptor of the copy; -1: none
   const quoin_library* library_ = nullptr;
   std::string path_;
 };
@@ -62,9 +66,10 @@ class Material {
   std::string warnings_;
 };
 
+// Texts of a law may be null.
+inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }
+
 // Laws in the search path, by name, for `quoin models`.
 std::vector<std::string> installed_laws();
 
 }  // namespace quoin
-// Texts of a law may be null.
-inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }

@@ -169,9 +169,10 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
   for (int b = 0; b < simulation.block_count(); ++b) {
     const auto& mesh = surfaces.mesh(b);
     double corners = 4.0 * static_cast<double>(mesh.zone.size()), cells = static_cast<double>(mesh.zone.size());
+    const bool rigid = mesh.zone.empty(), brick = rigid && !simulation.riding();
+    if (brick) corners = 8.0, cells = 1.0;
     for (const auto& face : mesh.face) {
-      if (!mesh.zone.empty()) break;
-      corners += static_cast<double>(face.size()), cells += 1.0;
+      if (rigid && !brick) corners += static_cast<double>(face.size()), cells += 1.0;
     }
     // Place and displacement; offset, type, stress of six components, block, unit and course.
     bytes += static_cast<double>(mesh.gridpoint.size()) * 2 * kVector + corners * kIndex +

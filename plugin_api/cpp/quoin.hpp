@@ -15,7 +15,9 @@
 // Errors: quoin::api::Error, which says what was refused, and by which law.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -34,18 +36,24 @@ class Error : public std::runtime_error {
   std::string words;  // the law's own: every fault, one a line
 };
 
-// What call(quoin_text*) has to say, in full: it is called again where the first buffer is too short.
+// What call(quoin_text*) has to say, in full: it is called again where the first buffer is too short. Once, and up to a
+// megabyte: of a law that tells wrong lengths, what is in the buffer is taken.
 template <class Call>
 std::string text_of(const Call& call) {
+  constexpr std::uint64_t longest = 1 << 20;
   std::string buffer(4096, '\0');
-  for (;;) {
+  for (bool again = true;; again = false) {
     quoin_text text{sizeof text, buffer.data(), buffer.size(), 0};
     call(&text);
     if (text.length < buffer.size()) {
-      buffer.resize(text.length);
+      buffer.resize(static_cast<std::size_t>(text.length));
       return buffer;
     }
-    buffer.assign(text.length + 1, '\0');
+    if (!again || text.length >= longest) {
+      buffer.resize(std::min(buffer.find('\0'), buffer.size()));
+      return buffer;
+    }
+    buffer.assign(static_cast<std::size_t>(text.length) + 1, '\0');
   }
 }
 

@@ -7,6 +7,7 @@
 
 QUOIN_EXPORT const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text);
 extern void throw_int(void);
+extern void throw_words(void);
 
 static const char* fault(void) {
   const char* name = getenv("QUOIN_BAD_LAW");
@@ -23,6 +24,7 @@ static void misbehave(void) {
   if (is("crash")) crash();
   if (is("exit")) exit(0);
   if (is("throw")) throw_int();
+  if (is("throw words")) throw_words();
   if (is("abort")) abort();
 }
 

@@ -17,6 +17,7 @@ namespace {
 using ::testing::_;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -200,6 +201,8 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
                           HasSubstr("2/omega_max"), HasSubstr("Gershgorin"), HasSubstr("eq. 3"), HasSubstr("set at")));
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/ferris_tin_loi_2.toml"}), 0);  // a scene of the general path
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
+  EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // and one that is no bricks
+  EXPECT_THAT(out_, AllOf(HasSubstr("memory of the model about 1 MB"), ContainsRegex("[0-9.]+ s, about [0-9]+ steps")));
 }
 
 // Every scene that is shipped passes the check, and the README beside it tells what it is.

@@ -473,7 +473,8 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
     const std::string numbers = line.substr(0, 2) + line.substr(line.find("\",") + 2);
     rows.emplace_back();
     std::istringstream fields(numbers);
-    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(std::stod(field));
+    for (std::string field; std::getline(fields, field, ',');)
+      rows.back().push_back(field.empty() ? NAN : std::stod(field));
   }
   // stage, step, time, displacement, vertical displacement, horizontal force, vertical force
   size_t shear = 0;
