@@ -20,7 +20,7 @@ plot csv using (of(law, "mixed", 8)):4 with linespoints pt 7 title "largest erro
      "" using (strcol(1) eq law && strcol(2) ne "mixed" ? $8 : NaN):4 with points pt 4 title "monotonic paths, against closed forms (largest)"
 set title "cyclic\\_joint, starting values of its page"
 set yrange [1e-4:1e5]
-set key top left
+set key at graph 0.98, 0.97
 law = "cyclic_joint"
 plot csv using (of(law, "mixed", 8)):4 with linespoints pt 7 title "the same paths: largest error of traction over strength", \
      "" using (of(law, "mixed", 8)):5 with linespoints pt 7 title "root mean square", \
