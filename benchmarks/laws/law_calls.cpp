@@ -57,11 +57,13 @@ constexpr Case kCases[] = {{"elastic", nullptr, "elastic", Population::elastic},
                            {"cyclic_joint", "linear", "softening", Population::softening, "fracture_energy"},
                            {"cyclic_joint", "linear", "crushing", Population::crushing, "fracture_energy"},
                            {"cyclic_joint", "linear", "corner", Population::corner, "fracture_energy"},
+                           {"cyclic_joint", "linear", "both", Population::both},
                            {"cyclic_joint", "exponential", "in place", Population::elastic, "fracture_energy", true},
                            {"cyclic_joint", "exponential", "sliding", Population::sliding, "fracture_energy"},
                            {"cyclic_joint", "exponential", "opening", Population::opening, "fracture_energy"},
                            {"cyclic_joint", "exponential", "crushing", Population::crushing, "fracture_energy"},
-                           {"cyclic_joint", "exponential", "corner", Population::corner, "fracture_energy"}};
+                           {"cyclic_joint", "exponential", "corner", Population::corner, "fracture_energy"},
+                           {"cyclic_joint", "exponential", "both", Population::both}};
 
 void measure(const Case& what, const std::vector<std::string>& folders) {
   std::vector<Material> laws;

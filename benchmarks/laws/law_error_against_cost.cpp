@@ -1,6 +1,8 @@
-// Run time against error of the fracture-energy law: 256 points on cyclic paths of opening, sliding in two directions
-// and varying pressure, each cut into more and more increments, against the same paths in 2^20 increments; and the
-// monotonic paths against their closed forms. Writes CSV to the standard output:
+// Run time against error of fracture_energy and cyclic_joint: 256 points on cyclic paths of opening, sliding in two
+// directions and varying pressure, each cut into more and more increments, against the same paths in 2^20
+// (cyclic_joint: 2^16) increments; and the monotonic paths of fracture_energy against their closed forms. cyclic_joint
+// has the page's starting values, so that every branch acts, and a second kind of path that crushes as well. Writes CSV
+// to the standard output:
 //   law_error_against_cost > law_error_against_cost.csv && gnuplot law_error_against_cost.gp
 #include <fmt/format.h>
 #include <time.h>
@@ -10,7 +12,8 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <tuple>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "quoin/quoin.h"
@@ -52,11 +55,11 @@ struct Drive {
 
  private:
   void run(const Law& law, Path path, int increments, bool energies) {
-    constexpr std::size_t kStates = 5;
-    std::vector<std::vector<double>> columns(3 + 3 + kStates + 4, std::vector<double>(kPoints, 0.0));
-    auto *jump = columns.data(), *traction = jump + 3, *state = traction + 3, *dissipated = state + kStates;
-    quoin_in old_states[kStates];
-    quoin_out new_states[kStates];
+    const std::size_t states = law.law().state_count;  // bonded: 0
+    std::vector<std::vector<double>> columns(3 + 3 + states + 4, std::vector<double>(kPoints, 0.0));
+    auto *jump = columns.data(), *traction = jump + 3, *state = traction + 3, *dissipated = state + states;
+    std::vector<quoin_in> old_states(states);
+    std::vector<quoin_out> new_states(states);
     quoin_batch batch{};
     batch.struct_size = sizeof batch;
     batch.count = kPoints;
@@ -66,12 +69,13 @@ struct Drive {
       batch.traction_old[k] = {traction[k].data(), 1};
       batch.traction_new[k] = {traction[k].data(), 1};
     }
-    for (std::size_t k = 0; k < kStates; ++k) {
+    for (std::size_t k = 0; k < states; ++k) {
+      if (law.law().states[k]->role == QUOIN_ROLE_DIAGNOSTIC) continue;
       old_states[k] = {state[k].data(), 1};
       new_states[k] = {state[k].data(), 1};
     }
-    batch.state_old = old_states;
-    batch.state_new = new_states;
+    batch.state_old = old_states.data();
+    batch.state_new = new_states.data();
     for (std::size_t k = 0; k < 4 && energies; ++k) batch.dissipated[k] = {dissipated[k].data(), 1};
 
     std::vector<Jump> last(kPoints);
@@ -98,22 +102,35 @@ struct Drive {
   }
 };
 
+// Six numbers of its own for every point, in [0, 1).
+const std::array<double, 6>& numbers(std::size_t point) {
+  static const std::vector<std::array<double, 6>> all = [] {
+    std::mt19937_64 random(20261121);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::vector<std::array<double, 6>> drawn(kPoints);
+    for (auto& of_point : drawn) std::generate(of_point.begin(), of_point.end(), [&] { return unit(random); });
+    return drawn;
+  }();
+  return all[point];
+}
+
 // A different path for every point: pressure, then opening to a third of the ultimate 150 um and back, growing from
 // cycle to cycle, with sliding to and fro in both directions, to half of the ultimate 830 um.
 Jump mixed(std::size_t point, double x) {
-  static const std::vector<std::array<double, 6>> numbers = [] {
-    std::mt19937_64 random(20261121);
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    std::vector<std::array<double, 6>> all(kPoints);
-    for (auto& of_point : all) std::generate(of_point.begin(), of_point.end(), [&] { return unit(random); });
-    return all;
-  }();
-  const auto& r = numbers[point];
+  const auto& r = numbers(point);
   const double turn = 2.0 * std::numbers::pi * x;
   const double opening = (1e-5 + 4e-5 * r[1]) * x * (1.0 - std::cos((2.0 + 2.0 * r[2]) * turn));
   const double sliding = 4e-4 * r[3] * x;
   return {-1.5e-5 * r[0] * std::min(1.0, 20.0 * x) + opening, sliding * std::sin((2.0 + 3.0 * r[4]) * turn),
           0.5 * sliding * std::sin((1.0 + 3.0 * r[5]) * turn)};
+}
+// The same, and between the openings pressed together to beyond the peak at 90 um.
+Jump crushing(std::size_t point, double x) {
+  const auto& r = numbers(point);
+  const double turn = 2.0 * std::numbers::pi * x;
+  Jump d = mixed(point, x);
+  d.n -= (5e-5 + 2e-4 * r[4]) * x * (1.0 + std::cos((2.0 + 2.0 * r[2]) * turn));
+  return d;
 }
 
 // The monotonic paths, ten per cent beyond the end of softening in the last point, and their answers.
@@ -143,54 +160,76 @@ struct Errors {
   double largest = 0.0, rms = 0.0, energy = 0.0;
 };
 
-void print(const char* path, int increments, const Errors& e, double seconds) {
+void print(const Law& law, const char* path, int increments, const Errors& e, double seconds) {
   const double nanoseconds = 1e9 * seconds / kPoints;
-  fmt::print("{},{},{:.3e},{:.3e},{:.3e},{:.2f},{:.4g}\n", path, increments, e.largest, e.rms, e.energy,
-             nanoseconds / increments, 1e-3 * nanoseconds);
+  fmt::print("{},{},{},{:.3e},{:.3e},{:.3e},{:.2f},{:.4g}\n", law.law().id, path, increments, e.largest, e.rms,
+             e.energy, nanoseconds / increments, 1e-3 * nanoseconds);
+  std::fflush(stdout);
 }
 
-}  // namespace
-
-int main() {
-  const Law law = quoin::test::make_material(quoin::test::load_law("fracture_energy"),
-                                             {{properties.begin(), properties.end()}, {}, {}});
-  fmt::print(
-      "path,increments,largest_error_over_strength,rms_error_over_strength,error_of_dissipation,"
-      "ns_per_point_and_increment,us_per_point_and_path\n");
-  const Drive exact(law, mixed, 1 << 20);
+// Against the same path in finest increments, up to a sixteenth of them; tractions over normal and shear.
+void refine(const Law& law, const char* name, Path path, double normal, double shear, int finest) {
+  const Drive exact(law, path, finest);
   double spent = 0.0;
   for (std::size_t i = 0; i < kPoints; ++i) spent += exact.answers[(kChecks - 1) * kPoints + i].dissipated;
-  for (int increments = kChecks; increments <= 1 << 16; increments *= 2) {
-    const Drive drive(law, mixed, increments);
+  for (int increments = kChecks; increments <= finest / 16; increments *= 2) {
+    const Drive drive(law, path, increments);
     Errors e;
     for (std::size_t k = 0; k < exact.answers.size(); ++k) {
       const Answer &a = drive.answers[k], &b = exact.answers[k];
       const double error =
-          std::max(std::abs(a.sigma - b.sigma) / ft, std::hypot(a.tau_s - b.tau_s, a.tau_t - b.tau_t) / c0);
+          std::max(std::abs(a.sigma - b.sigma) / normal, std::hypot(a.tau_s - b.tau_s, a.tau_t - b.tau_t) / shear);
       e.largest = std::max(e.largest, error);
       e.rms += error * error / static_cast<double>(exact.answers.size());
       if (k >= (kChecks - 1) * kPoints) e.energy += std::abs(a.dissipated - b.dissipated) / spent;
     }
     e.rms = std::sqrt(e.rms);
-    print("mixed", increments, e, drive.seconds);
+    print(law, name, increments, e, drive.seconds);
   }
-  const std::tuple<const char*, Path, Answer (*)(const Jump&)> monotonic[] = {
-      {"opening", opening, opening_answer}, {"sliding", sliding, sliding_answer}, {"closing", closing, closing_answer}};
-  for (const auto& [name, path, answer] : monotonic) {
-    for (int increments = kChecks; increments <= 1 << 14; increments *= 16) {
-      const Drive drive(law, path, increments);
-      Errors e;
-      for (int check = 0; check < kChecks; ++check) {
-        for (std::size_t i = 0; i < kPoints; ++i) {
-          const Answer& a = drive.answers[static_cast<std::size_t>(check) * kPoints + i];
-          const Answer b = answer(path(i, static_cast<double>(check + 1) / kChecks));
-          const double error = std::max(std::abs(a.sigma - b.sigma) / ft, std::abs(a.tau_s - b.tau_s) / c0);
-          e.largest = std::max(e.largest, error);
-          e.rms += error * error / (kChecks * kPoints);
-        }
+}
+
+// Against a closed form.
+void check(const Law& law, const char* name, Path path, Answer (*answer)(const Jump&)) {
+  for (int increments = kChecks; increments <= 1 << 14; increments *= 16) {
+    const Drive drive(law, path, increments);
+    Errors e;
+    for (int check = 0; check < kChecks; ++check) {
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        const Answer& a = drive.answers[static_cast<std::size_t>(check) * kPoints + i];
+        const Answer b = answer(path(i, static_cast<double>(check + 1) / kChecks));
+        const double error = std::max(std::abs(a.sigma - b.sigma) / ft, std::abs(a.tau_s - b.tau_s) / c0);
+        e.largest = std::max(e.largest, error);
+        e.rms += error * error / (kChecks * kPoints);
       }
-      e.rms = std::sqrt(e.rms);
-      print(name, increments, e, drive.seconds);
     }
+    e.rms = std::sqrt(e.rms);
+    print(law, name, increments, e, drive.seconds);
   }
+}
+
+Law joint(const char* law, std::vector<std::pair<std::string, double>> more = {}) {
+  more.insert(more.begin(), properties.begin(), properties.end());
+  return quoin::test::make_material(quoin::test::load_law(law), {std::move(more), {}, {}});
+}
+
+}  // namespace
+
+int main() {
+  fmt::print(
+      "law,path,increments,largest_error_over_strength,rms_error_over_strength,error_of_dissipation,"
+      "ns_per_point_and_increment,us_per_point_and_path\n");
+  const Law fracture = joint("fracture_energy");
+  refine(fracture, "mixed", mixed, ft, c0, 1 << 20);
+  check(fracture, "opening", opening, opening_answer);
+  check(fracture, "sliding", sliding, sliding_answer);
+  check(fracture, "closing", closing, closing_answer);
+  // LAW.md of cyclic_joint, "Calibration", Start
+  const Law cyclic = joint("cyclic_joint", {{"residual_opening", 0.3},
+                                            {"dilation_angle", 15.0},
+                                            {"dilation_pressure", 1.5e6},
+                                            {"compressive_yield", fc / 3.0},
+                                            {"compressive_peak_closure", 0.09e-3},
+                                            {"crushing_recovery", 0.5}});
+  refine(cyclic, "mixed", mixed, ft, c0, 1 << 16);
+  refine(cyclic, "crushing", crushing, fc, fc / 3.0, 1 << 16);  // 3: the root of Cs
 }

@@ -32,8 +32,9 @@ inline api::Material mortar_joint(const std::string& path, const char* softening
 }
 
 // softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
-// the softening branch without slip; corner: with slip.
-enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, mixed, random };
+// the softening branch without slip; corner: with a slip far beyond both surfaces of cyclic_joint, where crushing alone
+// brings it back; both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
+enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, both, mixed, random };
 
 // Columns on cache lines, as a host that cares lays them out (a vector that crosses a line costs two accesses), and an
 // odd number of lines apart, so that they do not share the sets of a cache.
@@ -116,6 +117,19 @@ struct Points {
         damage(i, 0.3);
         jump[i] = -w - 1.001 * left / mortar::kn;
         slip_s[i] = kind == Population::corner ? 2.0 * left / mortar::ks : 0.0;
+      } else if (kind == Population::both) {
+        const double x = 0.1 + 0.4 * u, w = x * wu, xi = 0.3;
+        const double F = mortar::fc * (exponential ? std::exp(-x) : 1.0 - x);
+        const double c = mortar::c0 * (F / mortar::fc) * (exponential ? std::exp(-xi) : 1.0 - xi);
+        // p^2 + Cs (c + mu p)^2 = F^2
+        constexpr double kCs = 9.0, kA = 1.0 + kCs * kFriction * kFriction;
+        const double half_b = kCs * kFriction * c;
+        const double p = (std::sqrt(half_b * half_b + kA * (F * F - kCs * c * c)) - half_b) / kA;
+        set({"w", "l"}, i, w);
+        damage(i, xi);
+        jump[i] = -w - (p + 2e3) / mortar::kn;
+        traction[1][i] = c + kFriction * p;
+        slip_s[i] = 1e-7;
       } else {
         damage(i, unit(random) < 0.5 ? 0.0 : 1.2 * unit(random));
         set({"w", "l"}, i, unit(random) < 0.9 ? 0.0 : 1e-4 * unit(random));

@@ -464,13 +464,19 @@ struct Equations {
     c.P = pressure * c.inv_a, c.Q = T1 * c.inv_k;
     return c;
   }
-  // R = sqrt(P^2 + Cs Q^2), 1 on the cap. 1/R is nearly straight in D: R^2 (R - 1) over the fall of R^2/2 is its Newton
-  // step.
-  HWY_INLINE V beyond_cap(const Cap& c) const {
-    const V R_squared = hn::MulAdd(c.P, c.P, p.Cs * (c.Q * c.Q));
-    return R_squared * (hn::Sqrt(R_squared) - splat(1.0));
+  HWY_INLINE V cap_fall(const Cap& c) const {  // of R^2/2 with D, R^2 = P^2 + Cs Q^2, 1 on the cap
+    return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate);
   }
-  HWY_INLINE V cap_fall(const Cap& c) const { return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate); }
+  // R - 1 and its slope, both times the larger of R^2 and 1: Newton's step is that of 1/R, which is nearly straight in
+  // D, and the division does not wait for the root.
+  struct Beyond {
+    V value, slope;
+  };
+  HWY_INLINE Beyond beyond_cap(const Cap& c) const {
+    const V one = splat(1.0), R_squared = hn::MulAdd(c.P, c.P, p.Cs * (c.Q * c.Q));
+    const V fall = cap_fall(c) / hn::Min(R_squared, one);
+    return {hn::Max(R_squared, one) * (hn::Sqrt(R_squared) - one), zero() - fall};
+  }
 
   // N - F beyond its tolerance.
   HWY_INLINE M outside_cap(const Step& s, V N) const { return N - s.crushed.F > s.tolerance(s.crushed.F); }
@@ -496,8 +502,8 @@ struct Equations {
         active, select(active, hn::Min(hn::IfThenElseZero(guess > zero(), guess), highest), guess), zero(), highest,
         splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V D, V & value, V & slope) __attribute__((always_inline)) {
           c = cap_at(s, pressure, T1, D);
-          value = beyond_cap(c);
-          slope = hn::Neg(cap_fall(c));
+          const Beyond beyond = beyond_cap(c);
+          value = beyond.value, slope = beyond.slope;
         });
     return c;
   }
@@ -592,10 +598,10 @@ struct Equations {
       N = N_of(a.p, T1);
       m.cap = cap_at(s, a.p, T1, D);
       const Corner j = corner_after(s, c, m.gamma, a.factor, m.cap);
-      const V beyond = beyond_cap(m.cap);
-      m.found = hn::And(hn::Abs(beyond) <= tolerance, hn::Abs(j.J) <= tolerance);
+      const Beyond beyond = beyond_cap(m.cap);
+      m.found = hn::And(hn::Abs(beyond.value) <= tolerance, hn::Abs(j.J) <= tolerance);
       if (none(hn::AndNot(m.found, slips))) break;
-      const V onto_cap = beyond / cap_fall(m.cap);
+      const V onto_cap = zero() - beyond.value / beyond.slope;
       const V gamma = within(m.gamma - hn::MulAdd(j.J_D, onto_cap, j.J) / j.J_by);
       D = select(m.found, D, positive_part(D + hn::MulAdd(j.D_by, gamma - m.gamma, onto_cap)));
       m.gamma = select(m.found, m.gamma, gamma);

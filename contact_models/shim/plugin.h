@@ -323,27 +323,42 @@ class Plugin {
   // Hosts of version 1.0 do not reach so far.
   static bool knows_damage(const quoin_batch& batch) { return batch.struct_size >= sizeof(quoin_batch); }
 
+  // Points columns at tractions and history, where the caller keeps them; no look at what else is asked for. Without
+  // branches: short calls spend their time here.
+  struct Pointed {
+    bool complete, contiguous;  // nothing required is missing; every stride is 1
+  };
+  [[gnu::always_inline]] static Pointed point_at(const quoin_batch& batch, Columns& columns) {
+    columns.property_columns = columns.extras = false;
+    columns.in_place = true;
+    Pointed is{true, true};
+    const auto note = [&](const auto& view) {
+      is.complete &= view.data != nullptr;
+      is.contiguous &= view.stride == 1;
+      return view.data;
+    };
+    columns.in[kNormalJump] = note(batch.normal_jump);
+    for (int k = 0; k < 2; ++k) columns.in[kSlipIncrement + k] = note(batch.slip_increment[k]);
+    for (int k = 0; k < 3; ++k) columns.in[kTractionOld + k] = note(batch.traction_old[k]);
+    for (int k = 0; k < 3; ++k) columns.out[kTractionNew + k] = note(batch.traction_new[k]);
+    for (std::size_t k = 0; k < kStates; ++k) {
+      const quoin_in& old = batch.state_old[k];
+      const quoin_out& now = batch.state_new[k];
+      const bool missing = (old.data == nullptr) | (now.data == nullptr);
+      columns.in[kStateOld + k] = missing ? nullptr : old.data;
+      columns.out[kStateNew + k] = missing ? nullptr : now.data;
+      columns.in_place &= missing | (old.data == now.data);
+      is.contiguous &= missing | ((old.stride == 1) & (now.stride == 1));
+      is.complete &= !missing | (L::states[k]->role != QUOIN_ROLE_HISTORY);
+    }
+    return is;
+  }
+
   // A call of one point, as programs that know no batches make it for every contact and step: no look at strides, no
   // copies.
   static quoin_status run_one(const typename L::Material& material, quoin_batch& batch) noexcept {
     Columns columns;
-    columns.property_columns = columns.extras = columns.in_place = false;
-    columns.in[kNormalJump] = batch.normal_jump.data;
-    for (int k = 0; k < 2; ++k) columns.in[kSlipIncrement + k] = batch.slip_increment[k].data;
-    for (int k = 0; k < 3; ++k) columns.in[kTractionOld + k] = batch.traction_old[k].data;
-    for (int k = 0; k < 3; ++k) columns.out[kTractionNew + k] = batch.traction_new[k].data;
-    bool complete = true;
-    for (int k = 0; k < kStateOld; ++k) complete &= columns.in[k] != nullptr;
-    for (int k = 0; k < kStateNew; ++k) complete &= columns.out[k] != nullptr;
-    for (std::size_t k = 0; k < kStates; ++k) {
-      const double* const old = batch.state_old[k].data;
-      double* const now = batch.state_new[k].data;
-      const bool given = (old != nullptr) & (now != nullptr);
-      columns.in[kStateOld + k] = given ? old : nullptr;
-      columns.out[kStateNew + k] = given ? now : nullptr;
-      complete &= given | (L::states[k]->role != QUOIN_ROLE_HISTORY);
-    }
-    if (!complete) return QUOIN_ERROR_ARGUMENT;
+    if (!point_at(batch, columns).complete) return QUOIN_ERROR_ARGUMENT;
     Summary summary;
     L::evaluate_one(material, columns, summary);
     put_summary(summary, batch);
@@ -360,12 +375,27 @@ class Plugin {
   }
 
   static quoin_status run(const typename L::Material& material, quoin_batch& batch) {
+    // What hosts ask for in every step: whole vectors of tractions and history on their own memory.
+    Columns columns;
+    const std::size_t count = static_cast<std::size_t>(batch.count);
+    if (count % kMaxLanes == 0 && count > 0 && !asks_for_more(batch)) {
+      const Pointed is = point_at(batch, columns);
+      if (is.complete && is.contiguous) {
+        Summary summary;
+        L::evaluate(material, columns, count, summary);
+        put_summary(summary, batch);
+        return QUOIN_OK;
+      }
+    }
+    return run_views(material, batch, count);
+  }
+
+  static quoin_status run_views(const typename L::Material& material, quoin_batch& batch, std::size_t count) {
     Views views;
     const quoin_status status = collect(batch, views);
     if (status != QUOIN_OK) return status;
 
     Summary summary;
-    const std::size_t count = static_cast<std::size_t>(batch.count);
     std::size_t first = 0;
     if (count >= kMaxLanes && views.contiguous) {
       first = count / kMaxLanes * kMaxLanes;

@@ -241,6 +241,27 @@ TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(l)), 1e-9 * real(j.fc));
 }
 
+// A traction a million times beyond the cap comes back onto it: there the first guess of the crushing may leave the
+// point as deep inside as it was outside. A step of law_stress.
+TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
+  Joint j;
+  j.kn = 5.835e13, j.ks = 3.377e13, j.c0 = 90.67, j.phi0 = j.phir = 29.68, j.psi0 = 20.2;
+  j.fc = 145056, j.fcr = 42418, j.G2 = 8.1093e-09, j.Gc = 0.0026619, j.pd = 40440, j.chi = 0.81592, j.Cs = 3.13834;
+  j.sd = 1.3633, j.shape = Shape::exponential;
+  LawPoints points(law(), j, 1, false);
+  auto& b = points.batch;
+  b.in[0][0] = -0.789471, b.in[1][0] = -0.13491, b.in[2][0] = -0.893055;
+  const double old[] = {3.55e10, 0.4314, 0.0, 0.91737, 0.568491, -1.05516, 0.313681, 1.1008, 0.0179637, 0.0};
+  for (std::size_t k = 0; k < std::size(old); ++k) b.in[6 + k][0] = old[k];
+  b.evaluate(points.material);
+  b.advance();
+  const double sigma = b.in[3][0], tau = std::hypot(b.in[4][0], b.in[5][0]), mu = real(j.mur());
+  EXPECT_GT(b.in[6 + kSlip][0], 0.1);
+  // 1e-11 of the elastic trial
+  EXPECT_NEAR(tau, -mu * sigma, 1e-11 * real(j.kn));
+  EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(b.in[6 + kL][0])), 1e-11 * real(j.kn));
+}
+
 quoin_stiffness_bounds bounds_of(const LawPoints& points) {
   quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
   EXPECT_EQ(law().stiffness_bounds(points.material.handle(), &bounds), QUOIN_OK);
