@@ -1,5 +1,5 @@
-// The law beside its rate equations integrated by other means (rates.h), on mixed cyclic paths: LAW.md, "What must
-// hold", 6.
+// The law beside its rate equations integrated by other means (rates.h), on mixed cyclic paths:
+// contact_models/cyclic_joint/LAW.md, "What must hold", 6.
 #include "rates.h"
 
 #include <gtest/gtest.h>
