@@ -337,7 +337,7 @@ class World {
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
-  double unbalanced_ratio() const;  // largest unbalanced force / mean contact force, of the last step
+  double unbalanced_ratio() const;  // largest unbalanced force / mean contact force of the last step; inf: none
   size_t point_count() const;
   double mass() const;
   double mass_of(int block) const;  // that has weight, kg

@@ -1,5 +1,6 @@
 // What can be asked of a model.
 #include <cstring>
+#include <limits>
 
 #include "model/world.h"
 
@@ -146,7 +147,8 @@ double World::unbalanced_ratio() const {
       forces += f.area[i] * std::sqrt(square);
     }
   }
-  return forces > 0 ? unbalanced_ * double(point_count()) / forces : 0.0;
+  if (unbalanced_ == 0.0) return 0.0;
+  return forces > 0 ? unbalanced_ * double(point_count()) / forces : std::numeric_limits<double>::infinity();
 }
 
 size_t World::point_count() const {
