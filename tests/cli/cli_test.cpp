@@ -162,16 +162,18 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
     close(master);
     return shown;
   };
+  const char* const kEighths[] = {"▏", "▎", "▍", "▌", "▋", "▊", "▉", "█"};
   const std::string wide = shown_at(200);
   int bars = 0;
   for (size_t at = wide.find("│"); at != std::string::npos; at = wide.find("│", at + 3)) {
     const size_t begin = at + 3, end = wide.find("│", begin);
     ASSERT_NE(end, std::string::npos);
     const std::string bar = wide.substr(begin, end - begin);
-    int full = 0, cells = 0;
-    for (size_t i = 0; i < bar.size(); i += bar[i] == ' ' ? 1 : 3, ++cells) full += bar.compare(i, 3, "█") == 0;
+    int cells = 0, eighths = 0;
+    for (size_t i = 0; i < bar.size(); i += bar[i] == ' ' ? 1 : 3, ++cells)
+      for (int k = 0; k < 8; ++k) eighths += bar.compare(i, 3, kEighths[k]) == 0 ? k + 1 : 0;
     EXPECT_EQ(cells, 40) << bar;
-    EXPECT_NEAR(100.0 * full / 40, std::stod(wide.substr(end + 3)), 2.5 + 0.5) << "a cell, and rounding";
+    EXPECT_NEAR(100.0 * eighths / 320, std::stod(wide.substr(end + 3)), 100.0 / 320 + 0.5) << "an eighth, and rounding";
     const std::string after = wide.substr(end, wide.find('\r', end) - end);
     EXPECT_THAT(after, ::testing::ContainsRegex("%  left (--:--|[0-9]+:[0-9][0-9](:[0-9][0-9])?)  "))
         << "minutes, seconds";

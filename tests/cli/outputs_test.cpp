@@ -564,6 +564,19 @@ TEST_F(Outputs, CellsOfAFrameFillTheWall) {
     const std::string text = read_all(of), mark = what + "=\"";
     return std::stoul(text.substr(text.find(mark) + mark.size(), 20));
   };
+  // Arrays have as many components as their name says.
+  for (const auto& [of, name, components] : {std::tuple{file, "block", 1},
+                                             {file, "types", 1},
+                                             {file, "connectivity", 1},
+                                             {file, "position", 3},
+                                             {file, "stress_Pa", 6},
+                                             {joints_file, "area_m2", 1},
+                                             {joints_file, "normal", 3},
+                                             {joints_file, "slip_m", 1}}) {
+    const std::string text = read_all(of), mark = "NumberOfComponents=\"";
+    const size_t at = text.find(std::string("Name=\"") + name + "\"");
+    EXPECT_EQ(std::stoi(text.substr(text.find(mark, at) + mark.size(), 3)), components) << name;
+  }
   const auto place = blocks.array<float>("position");
   const auto cell = blocks.array<std::int64_t>("connectivity"), end = blocks.array<std::int64_t>("offsets");
   const auto type = blocks.array<std::uint8_t>("types");

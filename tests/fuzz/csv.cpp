@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     expect_words(error);
   }
   try {
-    const SeriesSpec series = read_series_file(file);
+    const TimeSeries series = read_series_file(file);
     for (std::size_t i = 1; i < series.time.size(); ++i) {
       if (!(series.time[i] > series.time[i - 1])) std::abort();
     }

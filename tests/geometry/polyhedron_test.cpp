@@ -175,6 +175,25 @@ TEST(Polyhedron, RandomHullsAreConvexAndClosed) {
   }
 }
 
+// A prism of length 4 over a trapezoid of sides 3 and 1 and height 2: centroids of its faces in closed form.
+TEST(Polyhedron, CentroidsOfFaces) {
+  std::vector<Vector> corners;
+  for (const double z : {0.0, 4.0})
+    for (const Vector& p : {Vector{0, 0, z}, Vector{3, 0, z}, Vector{2, 2, z}, Vector{1, 2, z}}) corners.push_back(p);
+  const ConvexPolyhedron prism = from_vertices(corners, "prism");
+  int found = 0;
+  for (size_t f = 0; f < prism.faces.size(); ++f) {
+    const Vector& n = prism.normals[f];
+    Vector expected = std::abs(n.z) > 0.5 ? Vector{1.5, 2.0 / 3.0 * (3 + 2 * 1) / (3 + 1), n.z > 0 ? 4.0 : 0.0}
+                      : n.y < -0.5        ? Vector{1.5, 0, 2}
+                      : n.y > 0.9         ? Vector{1.5, 2, 2}
+                                          : Vector{n.x > 0 ? 2.5 : 0.5, 1, 2};
+    EXPECT_LT(norm(face_centroid(prism, int(f)) - expected), 1e-12) << f;
+    ++found;
+  }
+  EXPECT_EQ(found, 6);
+}
+
 TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
   const ConvexPolyhedron b = box({0, 0, 0}, {1, 1, 1});
   EXPECT_NE(refusal([] {

@@ -113,7 +113,9 @@ class Tree:
                 if name == "CMakeLists.txt":
                     for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
                         adds = b"  add_subdirectory(" + part + b")"
-                        text = text.replace(adds, b"  add_compile_options(" + option + b")\n" + adds)
+                        # Shared libraries do not hand on what they need, as static ones do.
+                        options = b"  add_compile_options(" + option + b")\n  add_link_options(-Wl,--copy-dt-needed-entries)\n"
+                        text = text.replace(adds, options + adds)
             self.write(name, text)
             shutil.copymode(self.root / name, self.folder / name)
         for part in SCOPE:

@@ -141,7 +141,8 @@ TEST_F(ReadBlockScene, OnlyTheFirstBadLinesAreListed) {
   const std::string message = record_fault(text);
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 5) << message;
   EXPECT_THAT(message, AllOf(HasSubstr("quake.csv:5:"), Not(HasSubstr("quake.csv:6:")), HasSubstr("95 more lines")));
-  EXPECT_THAT(record_fault("?, 0\n?, 1\n?, 2\n?, 3\n?, 4\n"), AllOf(HasSubstr("quake.csv:5:"), Not(HasSubstr("more lines"))));
+  EXPECT_THAT(record_fault("?, 0\n?, 1\n?, 2\n?, 3\n?, 4\n"),
+              AllOf(HasSubstr("quake.csv:5:"), Not(HasSubstr("more lines"))));
 }
 
 TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
@@ -244,6 +245,16 @@ TEST_F(ReadBlockScene, DeformableBlocksAreDividedOneWayOrTheOther) {
   EXPECT_THAT(read({"block.1.rigid=false", "block.1.divisions=[1, 1, 1]"}).blocks->blocks.at(0).divisions,
               ElementsAre(1, 1, 1));
   EXPECT_THAT(fault("block.1.divisions=[1, 1, 1]"), HasSubstr("only with rigid = false"));
+}
+
+TEST_F(ReadBlockScene, LargeMotionFromTheStartIsNoLattice) {
+  EXPECT_THAT(refusal([&] {
+                read({"solver.kernels='lattice'", "contact.small_displacement=0"});
+              }),
+              HasSubstr("0 is large motion from the start"));
+  EXPECT_EQ(read({"solver.kernels='lattice'", "contact.small_displacement=0.01"}).blocks->contact.small_displacement,
+            0.01);
+  EXPECT_EQ(read({"contact.small_displacement=0"}).blocks->contact.small_displacement, 0.0);
 }
 
 // The inner radius of an arch is more than nothing.
