@@ -223,7 +223,7 @@ int main() {
   check(fracture, "opening", opening, opening_answer);
   check(fracture, "sliding", sliding, sliding_answer);
   check(fracture, "closing", closing, closing_answer);
-  // contact_models/cyclic_joint/LAW.md of cyclic_joint, "Calibration", Start
+  // contact_models/cyclic_joint/LAW.md, "Calibration": Start
   const Law cyclic = joint("cyclic_joint", {{"residual_opening", 0.3},
                                             {"dilation_angle", 15.0},
                                             {"dilation_pressure", 1.5e6},
