@@ -52,21 +52,39 @@ std::map<Key, Seen> look(const Simulation& simulation, const std::vector<Vec3>& 
   return seen;
 }
 
+// Displacement and velocity of every gridpoint of every deformable block, by block and place at the start in um.
+std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion_of(const Simulation& simulation) {
+  std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> motion;
+  for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
+    const auto mesh = simulation.block_mesh(b);
+    if (mesh.zone.empty()) continue;
+    const auto displacement = simulation.block_displacement(b), velocity = simulation.block_velocity(b);
+    for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
+      const Vec3& x = mesh.gridpoint[i];
+      const auto um = [](double length) { return std::lround(1e6 * length); };
+      motion[{b, um(x[0]), um(x[1]), um(x[2])}] = {displacement[i], velocity[i]};
+    }
+  }
+  return motion;
+}
+
 struct Watch : Observer {
   const Simulation* simulation = nullptr;
   std::vector<HistoryRow> rows;
   std::map<Key, Seen> before, after;
+  std::map<std::array<long, 4>, std::pair<Vec3, Vec3>> gridpoints;  // block and place in um: displacement, velocity
   double strain_energy = 0.0;
   int promotions = 0, warnings = 0;
   std::vector<std::uint8_t> saved;
   void on_row(const HistoryRow& row) override { rows.push_back(row); }
   void on_motion_bound(const std::string&) override {
     ++warnings;
-    if (simulation) before = look(*simulation, {});
+    if (simulation) before = look(*simulation, {}), gridpoints = motion_of(*simulation);
   }
   void on_promotion(const Simulation& promoted) override {
     ++promotions;
     saved = promoted.save();
+    gridpoints = motion_of(promoted);
     if (!simulation) return;
     // Points of large motion stand where they have moved to: found by where they were in the assembly.
     const Simulation at_start(wall("always"));
@@ -186,6 +204,33 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
   }
   EXPECT_GT(loaded, 100);
   EXPECT_GT(damaged, 0);
+}
+
+// Blocks go on from where they are, at the velocity that they have: what a turn of 1e-4 rad moves beyond the linear
+// field, 1e-8 / 2 of a block's size of 0.2 m, is all that may differ.
+TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
+  Scene stays = wall("never");
+  stays.solver.motion_bound.stop = false;
+  Simulation small(stays), promoted(wall("automatic"));
+  Watch of_small, of_promoted;
+  of_small.simulation = &small, of_promoted.simulation = &promoted;
+  small.run(of_small);
+  promoted.run(of_promoted);
+  ASSERT_GT(of_small.gridpoints.size(), 100u);
+  ASSERT_EQ(of_small.gridpoints.size(), of_promoted.gridpoints.size());
+  double largest = 0.0, fastest = 0.0;
+  for (const auto& [place, before] : of_small.gridpoints) {
+    const auto after = of_promoted.gridpoints.find(place);
+    ASSERT_NE(after, of_promoted.gridpoints.end());
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(before.first[c], after->second.first[c], 1e-9);
+      EXPECT_NEAR(before.second[c], after->second.second[c], 2e-4 * 0.02);
+      largest = std::max(largest, std::abs(before.first[c]));
+      fastest = std::max(fastest, std::abs(before.second[c]));
+    }
+  }
+  EXPECT_GT(largest, 1e-6) << "nothing has moved: nothing is tested";
+  EXPECT_GT(fastest, 1e-3);
 }
 
 // To 0.5 mm the two are the same wall up to what small displacements leave out, as for large motion from the start
