@@ -8,38 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "files/file.h"
+#include "files/markup.h"
 
 namespace quoin::reproduce {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string html(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      case '\'':
-        result += "&#39;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 // A relative address: bytes that could mean anything else in it are written as their number.
 std::string link(const fs::path& file) {
@@ -55,7 +30,7 @@ std::string link(const fs::path& file) {
 std::string list(const char* heading, const std::vector<std::string>& items) {
   if (items.empty()) return {};
   std::string out = fmt::format("<h3>{}</h3>\n<ul>\n", heading);
-  for (const std::string& item : items) out += "<li>" + html(item) + "</li>\n";
+  for (const std::string& item : items) out += "<li>" + escaped(item) + "</li>\n";
   return out + "</ul>\n";
 }
 
@@ -96,28 +71,28 @@ caption { text-align: left; color: #555; padding-bottom: .3rem; }
 
 void write_section(const fs::path& root, const Study& study, const Quality& quality, const StudyReport& report) {
   std::string out = fmt::format("<h2 id=\"{0}\">{1} <span class=\"small\">({0}; {2})</span></h2>\n", study.id,
-                                html(study.title), html(study.figures));
+                                escaped(study.title), escaped(study.figures));
   out += fmt::format("<p class=\"claim\"><b>{}:</b> {}</p>\n", study.beyond ? "Asked" : "The paper says",
-                     html(study.claim));
+                     escaped(study.claim));
   out += fmt::format("<p class=\"small\">Quality {}: {:g} mm/s for a wall of 1 m; expected error of peaks {}.</p>\n",
-                     quality.name, quality.velocity * 1e3, html(quality.error));
+                     quality.name, quality.velocity * 1e3, escaped(quality.error));
   for (const Verdict& v : report.verdicts)
     out += fmt::format("<p><span class=\"{}\">{}</span> {}: {}</p>\n", v.reproduced ? "yes" : "no",
-                       v.reproduced ? "Reproduced." : "Not reproduced.", html(v.claim), html(v.text));
+                       v.reproduced ? "Reproduced." : "Not reproduced.", escaped(v.claim), escaped(v.text));
   for (const Picture& p : report.pictures) {
     const bool cracks = p.file.filename() == "cracks.png";
     out += fmt::format(
         "<figure{}><a href=\"{}\"><img src=\"{}\" alt=\"{}\" "
         "loading=\"lazy\"></a><figcaption>{}</figcaption></figure>\n",
-        cracks ? " class=\"half\"" : "", link(p.file), link(p.file), html(p.caption), html(p.caption));
+        cracks ? " class=\"half\"" : "", link(p.file), link(p.file), escaped(p.caption), escaped(p.caption));
   }
   for (const Table& t : report.tables) {
-    out += "<table><caption>" + html(t.caption) + "</caption>\n<tr>";
-    for (const std::string& h : t.header) out += "<th>" + html(h) + "</th>";
+    out += "<table><caption>" + escaped(t.caption) + "</caption>\n<tr>";
+    for (const std::string& h : t.header) out += "<th>" + escaped(h) + "</th>";
     out += "</tr>\n";
     for (const auto& row : t.rows) {
       out += "<tr>";
-      for (const std::string& cell : row) out += "<td>" + html(cell) + "</td>";
+      for (const std::string& cell : row) out += "<td>" + escaped(cell) + "</td>";
       out += "</tr>\n";
     }
     out += "</table>\n";
@@ -149,16 +124,16 @@ void write_page(const fs::path& root) {
     out += "<table><tr><th>Study</th><th>Claim</th><th>Number</th><th>Reference</th><th></th></tr>\n";
     for (const auto& v : verdicts) {
       if (!v.is_object() || !v.contains("reference")) continue;
-      const std::string id = html(v.value("study", "")), unit = html(v.value("unit", ""));
+      const std::string id = escaped(v.value("study", "")), unit = escaped(v.value("unit", ""));
       const bool yes = v.value("reproduced", false);
       out += fmt::format(
           "<tr><td><a href=\"#{0}\">{0}</a></td><td>{1}</td><td>{2} {3}</td><td>{4}</td><td class=\"{5}\">{6}</td>"
           "</tr>\n",
-          id, html(v.value("claim", "")),
+          id, escaped(v.value("claim", "")),
           v["number"].is_number() ? fmt::format("{:.4g}", v["number"].get<double>()) : "none", unit,
           v["reference"].is_number() ? fmt::format("{:.4g} {} <span class=\"small\">{}</span>",
-                                                   v["reference"].get<double>(), unit, html(v.value("kind", "")))
-                                     : html(v.value("kind", "")),
+                                                   v["reference"].get<double>(), unit, escaped(v.value("kind", "")))
+                                     : escaped(v.value("kind", "")),
           yes ? "yes" : "no", yes ? "reproduced" : "not reproduced");
     }
     out += "</table>\n";

@@ -10,32 +10,17 @@
 #include <vector>
 
 #include "files/file.h"
+#include "files/markup.h"
 
 namespace quoin {
 
 // As the value of an attribute. Bytes that XML or UTF-8 cannot hold become "?".
-inline std::string xml_text(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
+inline std::string xml_text(std::string text) {
+  for (char& c : text) {
     const auto code = static_cast<unsigned char>(c);
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += code < 0x20 || code >= 0x7f ? '?' : c;
-    }
+    if (code < 0x20 || code >= 0x7f) c = '?';
   }
-  return result;
+  return escaped(text);
 }
 
 class VtkArrays {

@@ -96,6 +96,22 @@ struct Watch : Observer {
   }
 };
 
+// The wall that stays with small displacements, and the one that leaves them.
+struct Both {
+  Simulation small{[] {
+    Scene stays = wall("never");
+    stays.solver.motion_bound.stop = false;
+    return stays;
+  }()};
+  Simulation promoted{wall("automatic")};
+  Watch of_small, of_promoted;
+  Both() {
+    of_small.simulation = &small, of_promoted.simulation = &promoted;
+    small.run(of_small);
+    promoted.run(of_promoted);
+  }
+};
+
 double peak(const std::vector<HistoryRow>& rows) {
   double largest = 0.0;
   for (const HistoryRow& row : rows) {
@@ -170,13 +186,8 @@ TEST(Promotion, AWallFallsToTheGround) {
 // Tractions and states are those of the run that stays with small displacements, bit for bit, at the step where the
 // other leaves them. Contact points of both stand at the same gridpoints, on the same axes.
 TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
-  Scene stays = wall("never");
-  stays.solver.motion_bound.stop = false;
-  Simulation small(stays), promoted(wall("automatic"));
-  Watch of_small, of_promoted;
-  of_small.simulation = &small, of_promoted.simulation = &promoted;
-  small.run(of_small);
-  promoted.run(of_promoted);
+  const Both runs;
+  const auto& [small, promoted, of_small, of_promoted] = runs;
   ASSERT_EQ(of_small.warnings, 1);
   ASSERT_EQ(of_promoted.promotions, 1);
   ASSERT_TRUE(promoted.riding());
@@ -209,13 +220,8 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
 // Blocks go on from where they are, at the velocity that they have: what a turn of 1e-4 rad moves beyond the linear
 // field, 1e-8 / 2 of a block's size of 0.2 m, is all that may differ.
 TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
-  Scene stays = wall("never");
-  stays.solver.motion_bound.stop = false;
-  Simulation small(stays), promoted(wall("automatic"));
-  Watch of_small, of_promoted;
-  of_small.simulation = &small, of_promoted.simulation = &promoted;
-  small.run(of_small);
-  promoted.run(of_promoted);
+  const Both runs;
+  const auto& [small, promoted, of_small, of_promoted] = runs;
   ASSERT_GT(of_small.gridpoints.size(), 100u);
   ASSERT_EQ(of_small.gridpoints.size(), of_promoted.gridpoints.size());
   double largest = 0.0, fastest = 0.0;
