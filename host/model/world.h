@@ -296,6 +296,8 @@ class World {
   double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
   bool small_displacement() const { return small_; }
   long detections() const { return detections_; }
+  // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
+  bool looks_at_motion() const { return step_count_ + 1 >= next_check_; }
   int unit_count() const { return unit_count_; }  // units in two halves that hold together
   long narrow_calls() const { return narrow_calls_; }
 

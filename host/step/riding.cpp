@@ -269,7 +269,7 @@ double Simulation::Impl::stage_time() const {
 void Simulation::Impl::end_riding_step() {
   const long detections = riding->detections();
   const int units = riding->unit_count();
-  const auto before = Clock::now();
+  const auto before = riding->looks_at_motion() ? Clock::now() : Clock::time_point();
   riding->end_step();
   if (riding->detections() == detections && riding->unit_count() == units) return;
   partition_work();

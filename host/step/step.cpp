@@ -21,7 +21,8 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     clock.start();
     return &clock;
   };
-  auto before = Clock::now();
+  const auto watch = [&](bool on) { return on ? Clock::now() : Clock::time_point(); };
+  auto before = watch(timed);
 
   auto contacts = [&](int thread, int i) {
     PhaseClock* const clock = clock_of(thread);
@@ -50,7 +51,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   if (timed) book_time(seconds_since(before), weight);
   if (riding) end_riding_step();
   if (measure_step) {
-    before = Clock::now();
+    before = watch(true);
     sum_measurements();
     times[Phase::measurement] += seconds_since(before);
   }
