@@ -269,12 +269,13 @@ double Simulation::Impl::stage_time() const {
 void Simulation::Impl::end_riding_step() {
   const long detections = riding->detections();
   const int units = riding->unit_count();
-  const auto before = riding->looks_at_motion() ? Clock::now() : Clock::time_point();
+  const bool looks = riding->looks_at_motion();
+  const auto before = looks ? Clock::now() : Clock::time_point();
   riding->end_step();
+  if (looks) times[Phase::detection] += seconds_since(before);
   if (riding->detections() == detections && riding->unit_count() == units) return;
   partition_work();
   follow_time_step();
-  times[Phase::detection] += seconds_since(before);
 }
 
 void Simulation::Impl::follow_time_step() {
