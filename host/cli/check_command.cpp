@@ -68,10 +68,11 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              simulation.point_count(), step.model_mass);
   print_memory(size_of(scene));
   const auto& made = simulation.riding()->assembly().blocks;
+  const int alike = simulation.riding()->alike_count();
   const auto rigid = std::count_if(made.begin(), made.end(), [](const blocks::Block& b) { return b.rigid; });
-  fmt::print("  motion in {} displacement: {} rigid, {} zone by zone\n",
-             simulation.riding()->small_displacement() ? "large (small at first)" : "large", rigid,
-             static_cast<long>(made.size()) - rigid);
+  fmt::print("  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} zone by zone\n",
+             simulation.riding()->small_displacement() ? "large (small at first)" : "large", rigid, alike,
+             static_cast<long>(made.size()) - rigid - alike);
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);

@@ -45,8 +45,12 @@ RigidInertia::RigidInertia(std::span<const Vector> x, std::span<const double> ma
     const Vector r = x[i] - centre_;
     second += outer(mass[i] * r, r);
   }
-  inertia_ = trace(second) * Matrix{} - second;
-  for (int k = 0; k < 3; ++k) held_[k] = any >> k & 1;
+  *this = RigidInertia(centre_, mass_, second, any);
+}
+
+RigidInertia::RigidInertia(const Vector& centre, double mass, const Matrix& second, std::uint8_t held)
+    : centre_(centre), mass_(mass), inertia_(trace(second) * Matrix{} - second) {
+  for (int k = 0; k < 3; ++k) held_[k] = held >> k & 1;
   invert();
 }
 

@@ -52,6 +52,8 @@ class RigidInertia {
  public:
   RigidInertia() = default;
   RigidInertia(std::span<const Vector> x, std::span<const double> mass, std::span<const std::uint8_t> held);
+  // From sums about the mass centre: second = sum m r r^T, kg m2; held: bits of all gridpoints.
+  RigidInertia(const Vector& centre, double mass, const Matrix& second, std::uint8_t held);
   // Of both together.
   RigidInertia(const RigidInertia& a, const RigidInertia& b);
 

@@ -34,7 +34,7 @@ Gridpoints World::gridpoints_of(int block) const {
   const auto of_block = [&](const auto& field) {
     return std::span(field).subspan(size_t(b.first_node), size_t(b.node_count));
   };
-  return {of_block(node_x_), of_block(node_v_), of_block(node_f_), of_block(node_mass_), of_block(node_held_)};
+  return {of_block(node_x_), of_block(node_v_), of_block(node_mass_), of_block(node_held_)};
 }
 
 UnitInertia World::inertia_of(const Unit& unit) const {
@@ -114,6 +114,7 @@ void World::part_units() {
     if (energy_) later_.detection += together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
   }
   if (!parted) return;
+  take_back_facets();
   divide_work();
   if (solver_.unit_inertia != 1.0) find_time_step();
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace quoin {
 namespace {
@@ -34,31 +33,6 @@ Zone make_zone(std::array<int, 4> node, const std::vector<Vec3>& position) {
     zone.shape_gradient[static_cast<std::size_t>(i)] = normal;
   }
   return zone;
-}
-
-using NodeBlock = std::array<double, 9>;  // rows of gridpoint i, columns of gridpoint j
-
-std::vector<std::map<int, NodeBlock>> assemble(const BrickTemplate& brick, double lambda, double mu) {
-  std::vector<std::map<int, NodeBlock>> rows(static_cast<std::size_t>(brick.node_count));
-  for (const Zone& zone : brick.zone) {
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b < 4; ++b) {
-        const Vec3& g = zone.shape_gradient[a];
-        const Vec3& h = zone.shape_gradient[b];
-        NodeBlock& block =
-            rows[static_cast<std::size_t>(zone.node[a])].try_emplace(zone.node[b], NodeBlock{}).first->second;
-        for (std::size_t c = 0; c < 3; ++c) {
-          for (std::size_t d = 0; d < 3; ++d) {
-            // K = V (lambda g h^T + mu h g^T + mu (g.h) I)
-            double k = lambda * g[c] * h[d] + mu * h[c] * g[d];
-            if (c == d) k += mu * dot(g, h);
-            block[3 * c + d] += zone.volume * k;
-          }
-        }
-      }
-    }
-  }
-  return rows;
 }
 
 }  // namespace
@@ -121,42 +95,8 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   const double e = material.young_modulus, nu = material.poisson_ratio;
   brick.lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
   brick.shear_modulus = e / (2.0 * (1.0 + nu));
-  const auto rows = assemble(brick, brick.lambda, brick.shear_modulus);
-  double largest = 0.0;
-  for (const auto& row : rows) {
-    for (const auto& [j, block] : row) {
-      for (double k : block) largest = std::max(largest, std::abs(k));
-    }
-  }
-  for (const auto& row : rows) {
-    for (const auto& [j, block] : row) {
-      for (unsigned d = 0; d < 3; ++d) {
-        const auto present = [&, &k = block](unsigned c) { return std::abs(k[3 * c + d]) > 1e-14 * largest; };
-        if (!present(0) && !present(1) && !present(2)) continue;
-        brick.column.push_back(j * kLine + static_cast<int>(d) * kLanes);
-        for (unsigned c = 0; c < 3; ++c) brick.coefficient.push_back(present(c) ? block[3 * c + d] : 0.0);
-      }
-    }
-    if (brick.column.size() % 2 != 0) {  // the kernel takes two at a time
-      brick.column.push_back(0);
-      brick.coefficient.insert(brick.coefficient.end(), 3, 0.0);
-    }
-    brick.column_end.push_back(static_cast<std::int32_t>(brick.column.size()));
-  }
+  brick.stiffness = assemble(brick.zone, brick.node_count, brick.lambda, brick.shear_modulus);
   return brick;
-}
-
-std::vector<std::pair<int, double>> stiffness_row(const BrickTemplate& brick, int row) {
-  const auto node = static_cast<std::size_t>(row / 3);
-  std::vector<std::pair<int, double>> result;
-  for (auto i = static_cast<std::size_t>(node == 0 ? 0 : brick.column_end[node - 1]);
-       i < static_cast<std::size_t>(brick.column_end[node]); ++i) {
-    const double k = brick.coefficient[3 * i + static_cast<std::size_t>(row % 3)];
-    const int offset = brick.column[i];
-    if (k != 0.0) result.emplace_back(offset / kLine * 3 + offset % kLine / kLanes, k);
-  }
-  std::sort(result.begin(), result.end());
-  return result;
 }
 
 std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& u, double young_modulus,

@@ -2,20 +2,12 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <vector>
 
-#include "model/lanes.h"
+#include "model/stiffness.h"
 #include "scene/assembly.h"
 
 namespace quoin {
-
-// Constant-strain tetrahedron of a template.
-struct Zone {
-  std::array<int, 4> node;             // positive orientation
-  double volume;                       // m3
-  std::array<Vec3, 4> shape_gradient;  // grad N of each corner, 1/m
-};
 
 // One outer triangle of a brick, for the areas of contact points.
 struct FaceTriangle {
@@ -36,21 +28,13 @@ struct BrickTemplate {
   double lambda = 0.0, shear_modulus = 0.0;  // Lame constants, Pa
   std::vector<double> node_mass;             // kg, a quarter of each zone, without any scaling
 
-  // Assembled stiffness K, the three rows of a gridpoint together: gridpoint i has the columns
-  // [column_end[i - 1], column_end[i]), an even number, each with its coefficients in the rows x, y, z. Coefficients
-  // that cancel are kept as zeros: loops of irregular length cost more in mispredicted branches than the multiply-adds.
-  std::vector<std::int32_t> column;      // doubles from the first line of the group: 24 j + 8 d
-  std::vector<std::int32_t> column_end;  // by gridpoint
-  std::vector<double> coefficient;       // Pa m, three a column
+  Stiffness stiffness;
 
   int node_index(int i, int j, int k) const { return i + (zones[0] + 1) * (j + (zones[1] + 1) * k); }
 };
 
 // Zones, masses and stiffness of a brick; cold.
 BrickTemplate make_brick_template(const Brick& brick, const BlockMaterial& material);
-
-// Row i (3 node + component) of K as (column, value) pairs, columns ascending; for the time step and for tests.
-std::vector<std::pair<int, double>> stiffness_row(const BrickTemplate& brick, int row);
 
 // Stress of a zone from the displacements of its corners: xx, yy, zz, xy, yz, zx; Pa, tension positive.
 std::array<double, 6> zone_stress(const Zone& zone, const std::array<Vec3, 4>& displacement, double young_modulus,

@@ -153,6 +153,7 @@ struct World::Before {
 void World::detect_contacts(bool everything) {
   Detection found;
   found.at_start = detections_++ == 0;
+  take_back_facets();
   place_blocks();
   look_closely(close_pairs(everything), everything, found);
   if (found.changed || found.at_start) {
@@ -733,6 +734,21 @@ void World::refresh_facet_frame(Point& p, Facet& facet) const {
   facet.gradient[1][0] = 1 / length, facet.gradient[1][1] = -x3 / (length * y3);
   facet.gradient[2][0] = 0, facet.gradient[2][1] = 1 / y3;
   for (int k = 0; k < 2; ++k) facet.gradient[0][k] = -facet.gradient[1][k] - facet.gradient[2][k];
+}
+
+void World::take_back_facets() {
+  for (const Chunk& chunk : chunks_) {
+    Family& f = families_[size_t(chunk.family)];
+    for (const FacetLanes& lanes : chunk.facets) {
+      for (size_t l = 0; l < lanes.count; ++l) {
+        Point& p = f.point[lanes.first + l];
+        for (int k = 0; k < 3; ++k) {
+          p.n[k] = lanes.n[k][l], p.s[k] = lanes.s[k][l], p.t[k] = lanes.t[k][l];
+          facets_[size_t(lanes.facet_a[l])].weight[k] = lanes.weight_a[k][l];
+        }
+      }
+    }
+  }
 }
 
 // Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.

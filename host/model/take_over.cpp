@@ -70,8 +70,8 @@ void World::take_over(const std::vector<PointHistory>& histories) {
       if (!rides_on_facet) p.offset += now.jump - opening;
       for (int k = 0; k < 2; ++k) f.slid[k][i] = now.slid[k] - slip[k];
     }
-    pack(f);
   }
+  divide_work();
   if (taken == histories.size()) return;
   throw Error(Exit::numerical, fmt::format("large motion finds {} of the {} contact points of small displacements",
                                            taken, histories.size()));

@@ -89,7 +89,7 @@ class UndamagedSystem {
     for (std::size_t t = 0; t < model_.templates.size(); ++t) {
       for (int row = 0; row < 3 * model_.templates[t].node_count; ++row) {
         double sum = 0.0, diagonal = 0.0;
-        for (const auto& [column, k] : stiffness_row(model_.templates[t], row)) {
+        for (const auto& [column, k] : model_.templates[t].stiffness.row(row)) {
           sum += std::abs(k);
           if (column == row) diagonal = k;
         }

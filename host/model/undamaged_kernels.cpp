@@ -170,9 +170,9 @@ template <int kCount>
 HWY_INLINE void zones_of(const BrickTemplate& shape, const BlockGroup* group, const double* HWY_RESTRICT u,
                          double* HWY_RESTRICT f) {
   const D d;
-  const std::int32_t* column = shape.column.data();
+  const std::int32_t* column = shape.stiffness.column.data();
   const std::int32_t* columns = column;
-  const double* coefficient = shape.coefficient.data();
+  const double* coefficient = shape.stiffness.coefficient.data();
   const double* from[kCount];
   double* to[kCount];
   for (int b = 0; b < kCount; ++b) {
@@ -186,7 +186,7 @@ HWY_INLINE void zones_of(const BrickTemplate& shape, const BlockGroup* group, co
         for (V& s : of_component) s = hn::Zero(d);
       }
     }
-    for (const std::int32_t* end = columns + shape.column_end[static_cast<std::size_t>(n)]; column < end;
+    for (const std::int32_t* end = columns + shape.stiffness.column_end[static_cast<std::size_t>(n)]; column < end;
          ++column, coefficient += 3) {
       const V k[3] = {hn::Set(d, coefficient[0]), hn::Set(d, coefficient[1]), hn::Set(d, coefficient[2])};
       for (int b = 0; b < kCount; ++b) {

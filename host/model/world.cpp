@@ -219,8 +219,6 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   }
   node_reference_ = node_x_;
   node_v_.resize(node_x_.size());
-  node_f_.resize(node_x_.size());
-  node_viscous_f_.resize(node_x_.size());
   node_held_v_.resize(node_x_.size());
   node_weight_mass_ = node_mass_;
   for (double& m : node_mass_) {
@@ -242,6 +240,7 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
   }
   find_units();
+  find_alike();
   const ContactSettings& c = assembly_.contact;
   size_ = least;
   skin_ = c.skin > 0 ? c.skin : 0.05 * least;
@@ -250,6 +249,67 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   small_ = c.small_displacement > 0;
   detect_contacts(true);
   set_damping(solver);
+}
+
+namespace {
+
+// Shapes that are the same but for rounding have the same number. The grid, a part of the radius, is far finer than any
+// strain that matters; its offset keeps round dimensions away from where rounding turns.
+std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
+  constexpr double kGrid = 1e-10, kOffset = 0.2371;
+  std::map<std::pair<std::vector<std::vector<int>>, std::vector<int64_t>>, int> known;
+  std::vector<int> kinds;
+  for (const ConvexPolyhedron& shape : shapes) {
+    double radius = 0.0;
+    for (const Vector& p : shape.vertices) radius = std::max(radius, norm(p - shape.vertices[0]));
+    const double step = kGrid * std::exp2(std::ceil(std::log2(radius)));  // the same for shapes that hardly differ
+    std::vector<int64_t> places;
+    for (const Vector& p : shape.vertices) {
+      for (int k = 0; k < 3; ++k) places.push_back(int64_t(std::floor((p[k] - shape.vertices[0][k]) / step + kOffset)));
+    }
+    kinds.push_back(known.try_emplace({shape.faces, std::move(places)}, int(known.size())).first->second);
+  }
+  return kinds;
+}
+
+}  // namespace
+
+// From three blocks on, one product with their stiffness for all costs less than their zones one by one.
+void World::find_alike() {
+  constexpr size_t kFewest = 3;
+  const std::vector<int> kinds = kinds_of_shapes(assembly_.shapes);
+  std::map<std::array<double, 7>, std::vector<int>> of_kind;
+  for (int i = 0; i < block_count(); ++i) {
+    const Block& b = assembly_.blocks[size_t(i)];
+    if (b.rigid) continue;
+    of_kind[{double(kinds[size_t(b.shape)]), double(b.material), b.zone_edge, double(b.divisions[0]),
+             double(b.divisions[1]), double(b.divisions[2]), double(b.parity)}]
+        .push_back(i);
+  }
+  by_zone_.assign(blocks_.size(), 0);
+  for (const auto& [kind, blocks] : of_kind) {
+    if (blocks.size() < kFewest) continue;
+    const Block& input = assembly_.blocks[size_t(blocks.front())];
+    const ModelBlock& b = blocks_[size_t(blocks.front())];
+    const Matrix turned = matrix(input.orientation);
+    std::vector<Vector> node;
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
+      node.push_back(transposed_times(turned, node_reference_[size_t(n)] - node_reference_[size_t(b.first_node)]));
+    std::vector<quoin::Zone> zones;
+    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+      const Zone& from = zones_[size_t(z)];
+      quoin::Zone& zone = zones.emplace_back();
+      zone.volume = from.volume;
+      for (size_t k = 0; k < 4; ++k) {
+        zone.node[k] = from.node[k] - b.first_node;
+        zone.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
+      }
+    }
+    const Zone& first = zones_[size_t(b.first_zone)];
+    for (const int i : blocks) blocks_[size_t(i)].alike = int32_t(alike_.size());
+    alike_.push_back(make_alike_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones,
+                                       first.lambda, first.mu));
+  }
 }
 
 void World::put_in_lanes(const ModelBlock& b) {
@@ -308,6 +368,7 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
                         std::span<const double> opening_shift) {
   Family& f = families_[size_t(family)];
   const double kn = f.kn, ks = f.ks;
+  take_back_facets();
   take_law(family, std::move(material));
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
@@ -319,11 +380,10 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
     f.normal_jump[i] += opening_shift[i];
     if (!f.old_jump.empty()) f.old_jump[i] += opening_shift[i];
   }
-  pack(f);
   // What the old law has stored stays in the columns if the new one writes none.
   std::fill(f.stored.begin(), f.stored.end(), 0.0);
   for (auto& column : f.dissipated) std::fill(column.begin(), column.end(), 0.0);
-  bind_columns();
+  divide_work();
   if (f.kn > kn || f.ks > ks) find_time_step();
 }
 

@@ -17,7 +17,9 @@
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
+#include "model/alike_blocks.h"
 #include "model/block_inertia.h"
+#include "model/lanes.h"
 #include "scene/blocks.h"
 
 namespace quoin::blocks {
@@ -67,7 +69,8 @@ struct ZoneLanes {
 struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into World::facets_ for a deformable side
-  Vector n, s, t;                      // unit, n from a to b; current frame in space where facet_a >= 0
+  // Unit, n from a to b. In space where facet_a >= 0: of the last step, or the last detection (see frame_of).
+  Vector n, s, t;
   double offset = 0.0;     // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
   Vector arm;              // of the point in b's body frame (rigid b), m
   double area = 0.0;       // m2
@@ -112,6 +115,25 @@ struct RigidPair {
   Vector force, moment_a, moment_b;  // on a, N; about the centre of a, on a, and of b, on b, N m
 };
 
+// Up to kCount points in a row between gridpoints, lane by lane; those beyond `count` repeat the last one.
+struct FacetLanes {
+  static constexpr int kCount = 8;
+  uint32_t first, count;  // points of the family
+  uint32_t row;           // of the first point in World::facet_rows_
+  int32_t node_a[3][kCount], node_b[3][kCount];
+  int32_t facet_a[kCount];  // where the weights go back to
+  alignas(64) double weight_b[3][kCount];
+  double reference[kCount], area[kCount];  // m, m2
+  // Of the last step, of the triangle that owns the plane:
+  double n[3][kCount], s[3][kCount], t[3][kCount];
+  double slope[3][kCount];     // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
+  double weight_a[3][kCount];  // of the foot of the point on it
+};
+// What a point does to its six gridpoints, N: a's three, then b's; the fourth number of a row has no meaning.
+struct FacetRows {
+  double force[6][4];
+};
+
 // A run of points of one family: one call of its law, one piece of work. At most kChunk points.
 struct Chunk {
   int family = 0;
@@ -119,8 +141,9 @@ struct Chunk {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  std::vector<RigidPair> pairs;  // of its points between rigid blocks
-  std::vector<uint32_t> others;  // points with a deformable side
+  std::vector<RigidPair> pairs;    // of its points between rigid blocks
+  std::vector<FacetLanes> facets;  // between gridpoints
+  std::vector<uint32_t> others;    // with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;
@@ -135,10 +158,23 @@ struct Touch {
   uint32_t point;
   bool side_a;
 };
+// One side of a point between gridpoints.
+struct FacetTouch {
+  uint32_t row;
+  int32_t node[3];  // of the block
+  bool side_a;
+};
 // One side of a pair of rigid blocks.
 struct PairTouch {
   const RigidPair* pair;
   bool side_a;
+};
+
+// Blocks that move on together: rigid ones, or deformable ones with both halves of their units.
+struct Piece {
+  uint32_t first, count;  // of World::piece_blocks_; at most kBodies
+  bool rigid;
+  int32_t alike;  // into World::alike_; -1: zone by zone
 };
 
 // What the step of one block adds up to.
@@ -147,6 +183,7 @@ struct BlockSums {
   Vector net;               // their sum, N
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
+  double deformation = 0.0;  // of blocks alike, the largest |u| beside the first gridpoint, m
 };
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
@@ -182,8 +219,8 @@ struct Unit {
 
 // Those of one block.
 struct Gridpoints {
-  std::span<const Vector> x, v, f;  // m, m/s, N
-  std::span<const double> mass;     // kg
+  std::span<const Vector> x, v;  // m, m/s
+  std::span<const double> mass;  // kg
   std::span<const uint8_t> held;
 };
 
@@ -239,6 +276,7 @@ struct ModelBlock {
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t first_zone = 0, zone_count = 0;
   int32_t first_lanes = 0;  // into the zones in lanes, which alike blocks share
+  int32_t alike = -1;       // into what blocks of the same shape share; -1: too few of them
   int32_t lanes_count() const { return (zone_count + ZoneLanes::kCount - 1) / ZoneLanes::kCount; }
   uint32_t first_corner = 0;  // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
@@ -296,6 +334,7 @@ class World {
   double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
   bool small_displacement() const { return small_; }
   long detections() const { return detections_; }
+  long divisions() const { return divisions_; }  // how often the work has been divided anew
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
   bool looks_at_motion() const { return step_count_ + 1 >= next_check_; }
   int unit_count() const { return unit_count_; }  // units in two halves that hold together
@@ -304,7 +343,9 @@ class World {
   // Results.
   int chunk_count() const { return int(chunks_.size()); }
   double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
-  double block_work(int block) const;
+  int alike_count() const;  // blocks whose inner forces come from a stiffness that they share
+  int piece_count() const { return int(pieces_.size()); }
+  double piece_work(int piece) const;
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
@@ -363,10 +404,11 @@ class World {
   // after contacts or columns have changed
   void divide_work();
   void bind_columns();
-  // Rigid blocks that move on together from this one on: 0 when it moves on with one before it.
-  int bodies_with(int block) const { return bodies_with_[size_t(block)]; }
   void divide_points();
-  void divide_bodies();
+  void divide_blocks();
+  std::span<const int32_t> blocks_of(const Piece& piece) const {
+    return std::span(piece_blocks_).subspan(piece.first, piece.count);
+  }
   void divide_sides();
   static void pack(Family& f);
   void bind(Family& f, Chunk& chunk) const;
@@ -384,6 +426,8 @@ class World {
   double rigid_kinetic_energy(const Unit& unit) const;
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void put_in_lanes(const ModelBlock& block);  // its zones
+  void put_in_lanes(const Point& p, uint32_t index, std::vector<FacetLanes>& lanes);
+  void find_alike();
   void find_units();
   void part_units();
   void scale_motion(std::vector<Vector>& y, bool of_forces) const;
@@ -425,6 +469,7 @@ class World {
   bool edge_point(const Contact& c, double area, std::vector<NewPoint>& out);
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
   void refresh_facet_frame(Point& p, Facet& facet) const;
+  void take_back_facets();  // frames and feet, from lanes to points
   struct Location {
     Vector at;
     double jump = 0.0, slid[2] = {0.0, 0.0};
@@ -442,13 +487,14 @@ class World {
   std::vector<Matrix> start_r_;      // orientation of every block's frame at the start
   std::vector<Vector> start_x_;
 
-  std::vector<Vector> node_x_, node_reference_, node_v_, node_f_;
+  std::vector<Vector> node_x_, node_reference_, node_v_;
   std::vector<double> node_mass_, node_weight_mass_;
   std::vector<uint8_t> node_held_, node_support_;  // bits 0..2; of held, what a plane of symmetry holds for good
   std::vector<Vector> node_held_v_;
-  std::vector<Vector> node_viscous_f_;  // of the step, when damping in zones and energies need it
   std::vector<Zone> zones_;
   std::vector<ZoneLanes> zone_lanes_;
+  std::vector<AlikeBlocks> alike_;
+  std::vector<uint8_t> by_zone_;     // by block: it has deformed too much to go with those alike
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
   int unit_count_ = 0;               // of two halves
 
@@ -462,9 +508,13 @@ class World {
   std::vector<uint32_t> touch_end_;      // by block
   std::vector<PairTouch> pair_touches_;  // the same of pairs of rigid blocks
   std::vector<uint32_t> pair_touch_end_;
+  std::vector<FacetTouch> facet_touches_;  // and of points between gridpoints
+  std::vector<uint32_t> facet_touch_end_;
+  LaneVector<FacetRows> facet_rows_;  // of the step
   std::vector<BlockSums> block_sums_;
-  std::vector<uint8_t> bodies_with_;  // by block
-  long divisions_ = 0;                // how often the work has been divided anew
+  std::vector<Piece> pieces_;
+  std::vector<int32_t> piece_blocks_;
+  long divisions_ = 0;  // how often the work has been divided anew
 
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;

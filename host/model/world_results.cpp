@@ -48,6 +48,12 @@ Vector World::angular_velocity(int block) const {
 Vector World::contact_force(int block) const { return block_contact_force_[block]; }
 
 Matrix World::frame_of(const Point& p) const {
+  if (p.facet_a >= 0 && !small_) {
+    Point now = p;
+    Facet facet = facets_[size_t(p.facet_a)];
+    refresh_facet_frame(now, facet);
+    return {{now.n, now.s, now.t}};
+  }
   if (p.facet_a >= 0) return {{p.n, p.s, p.t}};
   const Matrix& r = bodies_[size_t(blocks_[size_t(p.a)].body)].r;
   return {{r * p.n, r * p.s, r * p.t}};
@@ -175,7 +181,7 @@ double World::mass() const {
 size_t World::memory_bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   size_t sum = bytes(blocks_) + bytes(bodies_) + bytes(corner_) + bytes(placed_corner_) + bytes(placed_normal_) +
-               bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 5 + bytes(node_mass_) * 2 +
+               bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 4 + bytes(node_mass_) * 2 +
                bytes(zones_) + bytes(zone_lanes_) + bytes(facets_) + bytes(contacts_) + bytes(block_contact_force_) +
                bytes(assembly_.blocks);
   for (const Family& f : families_) sum += bytes(f.point) + (6 + f.state.size()) * f.size() * sizeof(double);

@@ -103,7 +103,7 @@ double World::highest_frequency() const {
           const int i = blocks_[p.b].body;
           vb = v[i] + cross(w[i], at - bodies_[i].x);
         }
-        const Vector normal = p.facet_a >= 0 ? p.n : bodies_[blocks_[p.a].body].r * p.n;
+        const Vector normal = frame_of(p).row[0];
         const Vector d = vb - va;
         const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
         if (p.facet_a >= 0) {

@@ -1,5 +1,7 @@
 // Who does what: contact points in runs for one call of their law, the sides of points that a block fetches, and what
 // both cost.
+#include <map>
+
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -30,7 +32,7 @@ void World::divide_work() {
   divide_points();
   bind_columns();
   divide_sides();
-  divide_bodies();
+  divide_blocks();
   block_sums_.resize(blocks_.size());
   loaded_.resize(blocks_.size(), 0);
   ++divisions_;
@@ -48,6 +50,7 @@ void World::pack(Family& f) {
 
 void World::divide_points() {
   chunks_.clear();
+  facet_rows_.clear();
   for (size_t k = 0; k < families_.size(); ++k) {
     const Family& f = families_[k];
     for (uint32_t first = 0; first < f.size(); first += kChunk) {
@@ -56,6 +59,10 @@ void World::divide_points() {
       chunk.count = std::min(kChunk, uint32_t(f.size()) - first);
       for (uint32_t i = first; i < first + chunk.count; ++i) {
         const Point& p = f.point[i];
+        if (p.facet_a >= 0 && p.facet_b >= 0) {
+          put_in_lanes(p, i, chunk.facets);
+          continue;
+        }
         if (p.facet_a >= 0 || p.facet_b >= 0) {
           chunk.others.push_back(i);
           continue;
@@ -73,6 +80,29 @@ void World::divide_points() {
   }
 }
 
+void World::put_in_lanes(const Point& p, uint32_t i, std::vector<FacetLanes>& all) {
+  constexpr int kCount = FacetLanes::kCount;
+  if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
+    all.emplace_back().first = i;
+    all.back().row = uint32_t(facet_rows_.size());
+  }
+  FacetLanes& lanes = all.back();
+  const Facet &a = facets_[size_t(p.facet_a)], &b = facets_[size_t(p.facet_b)];
+  const double slope[3] = {a.gradient[1][0], a.gradient[1][1], a.gradient[2][1]};
+  for (int l = int(lanes.count); l < kCount; ++l) {
+    lanes.facet_a[l] = p.facet_a;
+    lanes.reference[l] = p.reference, lanes.area[l] = p.area;
+    for (int k = 0; k < 3; ++k) {
+      lanes.node_a[k][l] = a.node[k], lanes.node_b[k][l] = b.node[k];
+      lanes.weight_a[k][l] = a.weight[k], lanes.weight_b[k][l] = b.weight[k];
+      lanes.n[k][l] = p.n[k], lanes.s[k][l] = p.s[k], lanes.t[k][l] = p.t[k];
+      lanes.slope[k][l] = slope[k];
+    }
+  }
+  ++lanes.count;
+  facet_rows_.emplace_back();
+}
+
 void World::divide_sides() {
   by_block(blocks_.size(), touches_, touch_end_, [&](const auto& visit) {
     for (const Chunk& chunk : chunks_) {
@@ -80,6 +110,21 @@ void World::divide_sides() {
         const Point& p = families_[size_t(chunk.family)].point[i];
         visit(p.a, Touch{chunk.family, i, true});
         visit(p.b, Touch{chunk.family, i, false});
+      }
+    }
+  });
+  by_block(blocks_.size(), facet_touches_, facet_touch_end_, [&](const auto& visit) {
+    for (const Chunk& chunk : chunks_) {
+      for (const FacetLanes& lanes : chunk.facets) {
+        for (uint32_t l = 0; l < lanes.count; ++l) {
+          const Point& p = families_[size_t(chunk.family)].point[lanes.first + l];
+          for (const bool side_a : {true, false}) {
+            const int32_t block = side_a ? p.a : p.b, first = blocks_[size_t(block)].first_node;
+            const auto& node = side_a ? lanes.node_a : lanes.node_b;
+            visit(block,
+                  FacetTouch{lanes.row + l, {node[0][l] - first, node[1][l] - first, node[2][l] - first}, side_a});
+          }
+        }
       }
     }
   });
@@ -94,32 +139,78 @@ void World::divide_sides() {
   });
 }
 
-// Rigid blocks that follow each other, as many as a vector takes.
-void World::divide_bodies() {
-  bodies_with_.assign(blocks_.size(), 0);
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (blocks_[i].body < 0) continue;
-    const size_t first = i;
-    while (i + 1 < blocks_.size() && i + 1 - first < kBodies && blocks_[i + 1].body >= 0) ++i;
-    bodies_with_[first] = uint8_t(i + 1 - first);
+// As many as a vector takes. Units of blocks alike go by kind, so that most vectors are full; where few are left of a
+// kind they go with the others, zone by zone.
+void World::divide_blocks() {
+  constexpr size_t kFewest = 3;
+  constexpr int kZones = 500;  // of a piece whose zones go one by one, so that threads share them
+  pieces_.clear(), piece_blocks_.clear();
+  const auto zones_of = [&](const Unit& unit) {
+    int zones = 0;
+    for (const int block : unit.blocks()) zones += blocks_[size_t(block)].zone_count;
+    return zones;
+  };
+  // Of a list of units, in its order, those that go into one piece after the other.
+  const auto divide = [&](std::span<const Unit> units, bool rigid, int32_t alike) {
+    int zones = 0;
+    for (size_t i = 0; i < units.size(); ++i) {
+      zones += zones_of(units[i]);
+      const bool is_full = i == 0 || int(pieces_.back().count) + units[i].count > kBodies;
+      if (is_full || (alike < 0 && zones > kZones)) {
+        pieces_.push_back({uint32_t(piece_blocks_.size()), 0, rigid, alike});
+        zones = zones_of(units[i]);
+      }
+      for (const int block : units[i].blocks()) piece_blocks_.push_back(block);
+      pieces_.back().count += uint32_t(units[i].count);
+    }
+  };
+  std::vector<Unit> rigid, unlike;
+  std::map<int32_t, std::vector<Unit>> of_kind;
+  const auto kind_of = [&](int block) { return by_zone_[size_t(block)] ? -1 : blocks_[size_t(block)].alike; };
+  for (int i = 0; i < block_count(); ++i) {
+    if (blocks_[size_t(i)].body >= 0) {
+      rigid.push_back({{i, -1}, 1});
+      continue;
+    }
+    const Unit unit = unit_of(i);
+    if (unit.block[0] != i) continue;  // goes with the first half
+    const int32_t kind = kind_of(i);
+    const bool is_alike = kind >= 0 && (unit.count == 1 || kind_of(unit.block[1]) == kind);
+    (is_alike ? of_kind[kind] : unlike).push_back(unit);
   }
+  for (const auto& [kind, units] : of_kind) {
+    size_t blocks = 0;
+    for (const Unit& unit : units) blocks += size_t(unit.count);
+    if (blocks >= kFewest)
+      divide(units, false, kind);
+    else
+      unlike.insert(unlike.end(), units.begin(), units.end());
+  }
+  divide(unlike, false, -1);
+  divide(rigid, true, -1);
 }
 
-double World::block_work(int block) const {
-  // A zone costs about as much as two sides of contact points, a body as three, a pair of them as one.
-  constexpr double kZone = 2.0, kBody = 3.0;
+int World::alike_count() const {
+  int count = 0;
+  for (const Piece& piece : pieces_) count += piece.alike >= 0 ? int(piece.count) : 0;
+  return count;
+}
+
+double World::piece_work(int index) const {
+  // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two, and
+  // a quarter of it as one of up to kBodies blocks alike.
+  constexpr double kZone = 2.0, kAlikeZone = 4.0, kBody = 3.0;
   const auto sides = [](const std::vector<uint32_t>& end, size_t b) {
     return double(end[b] - (b > 0 ? end[b - 1] : 0));
   };
+  const Piece& piece = pieces_[size_t(index)];
   double work = 0.0;
-  if (blocks_[size_t(block)].body >= 0) {
-    for (int i = block; i < block + bodies_with(block); ++i)
-      work += kBody + sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i));
-    return work;
+  for (const int32_t i : blocks_of(piece)) {
+    work += sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i)) + sides(facet_touch_end_, size_t(i));
+    if (piece.rigid) work += kBody;
+    if (!piece.rigid && piece.alike < 0) work += kZone * blocks_[size_t(i)].zone_count;
   }
-  const Unit unit = unit_of(block);
-  if (unit.block[0] != block) return 0.0;  // goes with the first half
-  for (int i : unit.blocks()) work += kZone * blocks_[size_t(i)].zone_count + sides(touch_end_, size_t(i));
+  if (piece.alike >= 0) work += kAlikeZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
   return work;
 }
 

@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "model/stiffness-inl.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -81,55 +82,6 @@ void ContactForces(const Model& model, const ContactChunk& chunk, const StepData
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------
 
-// Walks the rows of a template: next() gives K w of the next gridpoint for kCount groups at once, which share the loads
-// of the coefficients. Alone, even and odd columns are summed apart, so that there are enough independent multiply-adds
-// to hide the latency of one.
-template <int kCount>
-struct StiffnessRows {
-  explicit StiffnessRows(const BrickTemplate& shape)
-      : column(shape.column.data()),
-        columns(column),
-        column_end(shape.column_end.data()),
-        coefficient(shape.coefficient.data()) {}
-
-  HWY_INLINE void next(const double* const (&w)[kCount], V (&f)[kCount][3][kParts]) {
-    constexpr int kSums = kCount == 1 ? 2 : 1;
-    const D d;
-    V sum[kSums][kCount][3][kParts];
-    for (auto& of_group : sum) {
-      for (auto& of_component : of_group) {
-        for (auto& of_part : of_component) {
-          for (V& x : of_part) x = hn::Zero(d);
-        }
-      }
-    }
-    const auto add = [&](std::int32_t from, const double* k, V(&to)[kCount][3][kParts]) HWY_ATTR {
-      V factor[3];
-      for (int c = 0; c < 3; ++c) factor[c] = hn::Set(d, k[c]);
-      for (int b = 0; b < kCount; ++b) {
-        for (int p = 0; p < kParts; ++p) {
-          const V x = hn::Load(d, w[b] + from + p * kWidth);
-          for (int c = 0; c < 3; ++c) to[b][c][p] = hn::MulAdd(factor[c], x, to[b][c][p]);
-        }
-      }
-    };
-    for (const std::int32_t* end = columns + *column_end++; column < end; column += kSums, coefficient += 3 * kSums) {
-      for (int i = 0; i < kSums; ++i) add(column[i], coefficient + 3 * i, sum[i]);
-    }
-    for (int b = 0; b < kCount; ++b) {
-      for (int c = 0; c < 3; ++c) {
-        for (int p = 0; p < kParts; ++p)
-          f[b][c][p] = kSums == 2 ? hn::Add(sum[0][b][c][p], sum[kSums - 1][b][c][p]) : sum[0][b][c][p];
-      }
-    }
-  }
-
-  const std::int32_t* column;
-  const std::int32_t* columns;
-  const std::int32_t* column_end;
-  const double* coefficient;
-};
-
 // K w zone by zone for the blocks of a group, one after the other: f = V sigma grad N at each corner.
 HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const double* w, double* f) {
   std::memset(f, 0, sizeof(double) * static_cast<std::size_t>(shape.node_count) * kLine);
@@ -166,7 +118,7 @@ HWY_NOINLINE void zone_forces(const BrickTemplate& shape, int block_count, const
 template <int kCount>
 class InternalForceRows {
  public:
-  explicit InternalForceRows(const BrickTemplate& shape) : rows_(shape) {}
+  explicit InternalForceRows(const BrickTemplate& shape) : rows_(shape.stiffness) {}
   void group(int b, const double* w, const double* by_zone) {
     w_[b] = w;
     by_zone_[b] = by_zone;

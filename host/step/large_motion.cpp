@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "step/deformable_kernels.h"
+#include "step/facet_kernels.h"
 #include "step/rigid_kernels.h"
 #include "step/zone_kernels.h"
 
@@ -11,17 +13,36 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+namespace {
+
+constexpr size_t kRow = 4;  // doubles of a gridpoint where vectors are read from
+
+// The larger of the two; NaN wins, so that it is seen.
+double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
+
+double viscous_alpha(const SolverSettings& solver) {
+  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
+}
+
+uint8_t held_somewhere(const LaneBlock& block) {
+  uint8_t held = 0;
+  for (int n = 0; n < block.node_count; ++n) held |= block.held[n];
+  return held;
+}
+
+}  // namespace
+
 void Model::step() {
   if (pool_ && shared_division_ != divisions_) share_work();
   begin_step();
   auto contacts = [&](int, int chunk) { advance_contacts(chunk); };
-  auto blocks = [&](int, int block) { advance_block(block); };
+  auto blocks = [&](int, int piece) { advance_piece(piece); };
   if (pool_) {
     pool_->for_each(chunk_end_, contacts);
-    pool_->for_each(block_end_, blocks);
+    pool_->for_each(piece_end_, blocks);
   } else {
     for (int c = 0; c < chunk_count(); ++c) contacts(0, c);
-    for (int b = 0; b < block_count(); ++b) blocks(0, b);
+    for (int p = 0; p < piece_count(); ++p) blocks(0, p);
   }
   end_step();
 }
@@ -45,6 +66,7 @@ void Model::end_step() {
   time_ += dt_;
   ++step_count_;
   watch();
+  leave_alike();
   part_units();
   if (moved_enough()) detect_contacts();
 }
@@ -69,8 +91,8 @@ void Model::share_work() {
   for (int c = 0; c < chunk_count(); ++c) weight.push_back(chunk_work(c));
   chunk_end_ = shares(weight, pool_->thread_count());
   weight.clear();
-  for (int b = 0; b < block_count(); ++b) weight.push_back(block_work(b));
-  block_end_ = shares(weight, pool_->thread_count());
+  for (int p = 0; p < piece_count(); ++p) weight.push_back(piece_work(p));
+  piece_end_ = shares(weight, pool_->thread_count());
   shared_division_ = divisions_;
 }
 
@@ -94,10 +116,20 @@ RigidColumns rigid_columns(Family& f) {
   return c;
 }
 
+FacetColumns facet_columns(Family& f) {
+  FacetColumns c{};
+  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.normal_jump = f.normal_jump.data();
+  return c;
+}
+
 }  // namespace
 
 void Model::contact_kinematics(Family& f, Chunk& chunk) {
   rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
+  facet_jumps(chunk.facets, node_x_.data(), facet_columns(f), small_);
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
@@ -163,6 +195,7 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
   chunk.damping = 0.0;
   if (viscous_contacts()) viscous_tractions(f, chunk);
   rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
+  facet_forces(chunk.facets, facet_columns(f), facet_rows_.data());
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     double traction[3];
@@ -202,26 +235,61 @@ void Model::viscous_tractions(Family& f, Chunk& chunk) {
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
 
-void Model::advance_block(int block, PhaseClock* clock) {
-  const ModelBlock& b = blocks_[size_t(block)];
-  if (b.body >= 0) {
-    advance_bodies(block, clock);
-    return;
-  }
-  const Unit unit = unit_of(block);
-  if (unit.block[0] != block) return;  // goes with the first half
-  for (int i : unit.blocks()) {
-    block_sums_[size_t(i)] = {};
-    internal_forces(blocks_[size_t(i)], block_sums_[size_t(i)]);
-    lap(clock, Phase::internal_forces);
-    forces_on_gridpoints(i);
-  }
-  if (splits_motion())
-    integrate_unit(unit);
+void Model::advance_piece(int index, PhaseClock* clock) {
+  const Piece& piece = pieces_[size_t(index)];
+  if (piece.rigid)
+    advance_bodies(blocks_of(piece), clock);
   else
-    for (int i : unit.blocks()) integrate_gridpoints(blocks_[size_t(i)], nullptr, block_sums_[size_t(i)]);
-  for (int i : unit.blocks()) {
-    if (energy_ && loaded_[size_t(i)]) block_sums_[size_t(i)].external += work_of_loads(i);
+    advance_deformable(piece, clock);
+}
+
+void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
+  const std::span<const int32_t> blocks = blocks_of(piece);
+  const size_t count = blocks.size();
+  thread_local LaneColumns columns;
+  thread_local std::vector<double> rows;
+  columns.viscous = energy_ && zone_damping() > 0;
+  size_t size = 0;
+  for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
+  rows.resize(std::max(rows.size(), 2 * size));
+  double *force = rows.data(), *viscous = rows.data() + size;
+  LaneBlock lanes[kBodies];
+  BlockSums* sums[kBodies];
+  for (size_t l = 0; l < count; ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[l])];
+    sums[l] = &block_sums_[size_t(blocks[l])];
+    *sums[l] = {};
+    forces_on_gridpoints(blocks[l], force);
+    lap(clock, Phase::motion);
+    if (piece.alike < 0) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
+    const size_t first = size_t(b.first_node);
+    lanes[l] = {
+        &node_x_[first],    &node_v_[first],      force,       columns.viscous ? viscous : nullptr, &node_mass_[first],
+        &node_held_[first], &node_held_v_[first], b.node_count};
+    force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
+  }
+  load_blocks({lanes, count}, &columns);
+  if (piece.alike >= 0) {
+    AlikeSums of_alike;
+    alike_forces(alike_[size_t(piece.alike)], {zone_damping(), dt_, energy_}, &columns, &of_alike);
+    for (size_t l = 0; l < count; ++l) {
+      sums[l]->deformation = of_alike.deformation[l];
+      if (energy_) sums[l]->strain = of_alike.strain[l];
+    }
+  }
+  lap(clock, Phase::internal_forces);
+  RigidGain gain[kBodies];
+  if (splits_motion()) split_motion(blocks, {lanes, count}, columns, gain);
+  const GridpointStep step{dt_,
+                           solver_.damping == DampingKind::local ? gamma() : 0.0,
+                           viscous_alpha(solver_),
+                           splits_motion() ? solver_.deformation_inertia : 1.0,
+                           1.0 / solver_.mass_scaling,
+                           gravity_factor_.at(time_) * gravity_,
+                           energy_};
+  advance_gridpoints({lanes, count}, columns, splits_motion() ? gain : nullptr, step, sums);
+  for (size_t l = 0; l < count; ++l) {
+    if (energy_ && loaded_[size_t(blocks[l])]) sums[l]->external += work_of_loads(blocks[l]);
   }
   lap(clock, Phase::motion);
 }
@@ -232,14 +300,12 @@ double Model::zone_damping() const {
   return solver_.damping == DampingKind::viscous ? solver_.stiffness_damping : 0.0;
 }
 
-void Model::internal_forces(const ModelBlock& b, BlockSums& sums) {
-  constexpr size_t kRow = 4;
+void Model::zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous) {
   const ZoneStep step{zone_damping(), dt_, energy_};
-  const bool apart = energy_ && step.beta > 0;  // viscous forces are wanted by themselves
-  thread_local std::vector<double> rows;        // displacement, velocity, force, viscous force
+  thread_local std::vector<double> rows;  // displacement, velocity
   const size_t column = kRow * size_t(b.node_count);
-  rows.assign(4 * column, 0.0);
-  double *const u = rows.data(), *const v = u + column, *const force = v + column, *const viscous = force + column;
+  rows.resize(std::max(rows.size(), 2 * column));
+  double *const u = rows.data(), *const v = u + column;
   for (size_t i = 0; i < size_t(b.node_count); ++i) {
     const size_t node = size_t(b.first_node) + i;
     const Vector moved = node_x_[node] - node_reference_[node];
@@ -247,19 +313,28 @@ void Model::internal_forces(const ModelBlock& b, BlockSums& sums) {
     if (step.beta > 0)
       v[kRow * i] = node_v_[node].x, v[kRow * i + 1] = node_v_[node].y, v[kRow * i + 2] = node_v_[node].z;
   }
+  if (viscous) std::fill(viscous, viscous + column, 0.0);
   const std::span<const ZoneLanes> zones(zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count()));
   sums.strain += zone_forces(zones, step, {u, v, force, viscous});
-  for (size_t i = 0; i < size_t(b.node_count); ++i) {
-    const size_t node = size_t(b.first_node) + i;
-    const double *const f = force + kRow * i, *const fv = viscous + kRow * i;
-    node_f_[node] = {f[0], f[1], f[2]};
-    if (apart) node_viscous_f_[node] = {fv[0], fv[1], fv[2]};
-  }
 }
 
-void Model::forces_on_gridpoints(int block) {
+void Model::forces_on_gridpoints(int block, double* force) {
   const ModelBlock& b = blocks_[size_t(block)];
-  Vector contacts;
+  const auto add = [&](int32_t node, const Vector& f) {
+    double* const row = force + kRow * size_t(node - b.first_node);
+    row[0] += f.x, row[1] += f.y, row[2] += f.z;
+  };
+  Vector per_mass = gravity_factor_.at(time_) * gravity_;
+  if (loaded_[size_t(block)] && !applied_.empty()) per_mass += applied_[size_t(block)] / mass_of(block);
+  for (size_t i = 0; i < size_t(b.node_count); ++i) {
+    const Vector weight = node_weight_mass_[size_t(b.first_node) + i] * per_mass;
+    double* const row = force + kRow * i;
+    row[0] = weight.x, row[1] = weight.y, row[2] = weight.z, row[3] = 0.0;
+  }
+  const auto begin = [&](const std::vector<uint32_t>& end) { return block > 0 ? end[size_t(block) - 1] : 0; };
+  const uint32_t first = begin(facet_touch_end_);
+  Vector contacts = add_facet_rows(std::span(facet_touches_).subspan(first, facet_touch_end_[size_t(block)] - first),
+                                   facet_rows_.data(), force);
   for (uint32_t k = block > 0 ? touch_end_[size_t(block) - 1] : 0; k < touch_end_[size_t(block)]; ++k) {
     const Touch& touch = touches_[k];
     const Family& f = families_[size_t(touch.family)];
@@ -270,34 +345,28 @@ void Model::forces_on_gridpoints(int block) {
       const double gap = f.normal_jump[touch.point] + p.reference;
       for (int i = 0; i < 3; ++i) {
         const double couple = -gap * p.area * (facet.gradient[i][0] * p.shear[0] + facet.gradient[i][1] * p.shear[1]);
-        node_f_[facet.node[i]] += facet.weight[i] * p.force + couple * p.n;
+        add(facet.node[i], facet.weight[i] * p.force + couple * p.n);
       }
       contacts += p.force;
     } else {
       const Facet& facet = facets_[p.facet_b];
-      for (int i = 0; i < 3; ++i) node_f_[facet.node[i]] -= facet.weight[i] * p.force;
+      for (int i = 0; i < 3; ++i) add(facet.node[i], -facet.weight[i] * p.force);
       contacts -= p.force;
     }
   }
   block_contact_force_[size_t(block)] = contacts;
-  const Vector g = gravity_factor_.at(time_) * gravity_;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_f_[i] += node_weight_mass_[i] * g;
   if (!loaded_[size_t(block)]) return;
-  if (!applied_.empty()) {
-    const Vector per_mass = applied_[size_t(block)] / mass_of(block);
-    for (int i = b.first_node; i < b.first_node + b.node_count; ++i) node_f_[i] += node_weight_mass_[i] * per_mass;
-  }
   for (const Load& l : loads_) {
     if (l.block != block) continue;
     const Vector f = l.scale * l.factor.at(time_) * l.force;
-    for (const auto& [node, weight] : l.share) node_f_[node] += weight * f;
+    for (const auto& [node, weight] : l.share) add(node, weight * f);
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
     const double value = p.scale * p.value * p.factor.at(time_);
     for (const auto& t : p.triangles) {
       const Vector m = cross(node_x_[t[1]] - node_x_[t[0]], node_x_[t[2]] - node_x_[t[0]]);
-      for (int32_t node : t) node_f_[node] -= value / 6 * m;
+      for (int32_t node : t) add(node, -value / 6 * m);
     }
   }
 }
@@ -371,123 +440,72 @@ double Model::work_of_loads(int block) const {
   return work;
 }
 
-namespace {
-
-// The larger of the two; NaN wins, so that it is seen.
-double larger(double so_far, double x) { return x <= so_far ? so_far : x; }
-
-// New velocity of one degree of freedom of mass m under force f, with the damping asked for; work of damping into
-// `taken`.
-struct Damper {
-  double gamma;  // local
-  double alpha;  // viscous, mass proportional, 1/s
-  double dt;
-  double velocity(double v, double f, double m, double& taken) const {
-    if (gamma > 0) {
-      const double damping = v == 0 ? 0 : -std::copysign(gamma * std::abs(f), v);
-      const double next = v + dt / m * (f + damping);
-      taken -= damping * 0.5 * (v + next) * dt;
-      return next;
-    }
-    if (alpha > 0) {
-      const double next = ((1 - 0.5 * alpha * dt) * v + dt / m * f) / (1 + 0.5 * alpha * dt);
-      const double mean = 0.5 * (v + next);
-      taken += alpha * m * mean * mean * dt;
-      return next;
-    }
-    return v + dt / m * f;
-  }
-};
-
-double viscous_alpha(const SolverSettings& solver) {
-  return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
-}
-
-}  // namespace
-
-// Inertia scaled apart, damping by block (inertia.h).
-void Model::integrate_unit(const Unit& unit) {
-  const UnitInertia inertia = inertia_of(unit);
+void Model::split_motion(std::span<const int32_t> blocks, std::span<const LaneBlock> lanes, const LaneColumns& columns,
+                         RigidGain* gain) {
+  LaneSums sums[kLanes];
+  rigid_sums(columns, sums);
   const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
-  Rigid momentum[2], force[2];
-  for (int k = 0; k < unit.count; ++k) {
-    const Gridpoints g = gridpoints_of(unit.block[k]);
-    momentum[k] = sum_about(inertia.block[k].centre(), g.x, g.v, g.mass);
-    force[k] = sum_about(inertia.block[k].centre(), g.x, g.f);
-  }
   const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
-  const RigidStep step = rigid_step(inertia, factors, eq1, dt_, momentum, force);
-  for (int k = 0; k < unit.count; ++k)
-    integrate_gridpoints(blocks_[size_t(unit.block[k])], &step.gain[k], block_sums_[size_t(unit.block[k])]);
-  if (!energy_) return;
   const double alpha = viscous_alpha(solver_);
-  BlockSums& sums = block_sums_[size_t(unit.block[0])];
-  Rigid mean[2];  // velocity at the time of the forces
-  for (int k = 0; k < unit.count; ++k) {
-    mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (step.velocity[k] + 0.5 * step.change[k]);
-    sums.damping += dt_ * dot(step.damping[k], mean[k]);
-  }
-  const double rigid = rigid_energy(inertia, factors, mean);
-  sums.kinetic += rigid;
-  sums.damping += 2 * alpha * dt_ * rigid;
-}
-
-// gain: of motion that is split; null: true inertia.
-void Model::integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums) {
-  const Damper damper{solver_.damping == DampingKind::local ? gamma() : 0.0, viscous_alpha(solver_), dt_};
-  const double factor = gain ? solver_.deformation_inertia : 1.0;
-  const bool viscous = energy_ && zone_damping() > 0;
-  double taken = 0.0, unbalanced = 0.0;  // of the latter the square
-  const Vector g = gravity_factor_.at(time_) * gravity_;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
-    Vector& v = node_v_[i];
-    const Vector before = v, force = node_f_[i];
-    const Vector driving =
-        gain ? 1 / factor * force + node_mass_[i] / dt_ * gain->at(node_x_[i]) : force;  // of the true mass
-    double free = 0.0, energy = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      if (node_held_[i] >> k & 1) {
-        v[k] = node_held_v_[i][k];
-        if (energy_) sums.external += (node_weight_mass_[i] * g[k] - force[k]) * 0.5 * (v[k] + before[k]) * dt_;
-      } else {
-        v[k] = damper.velocity(v[k], driving[k], node_mass_[i], taken);
-        free += force[k] * force[k];
-        sums.net[k] += force[k];
-        energy += factor * (before[k] + v[k]) * (before[k] + v[k]);
-        if (energy_) sums.external += node_weight_mass_[i] * g[k] * 0.5 * (v[k] + before[k]) * dt_;
-      }
+  for (size_t l = 0; l < blocks.size();) {
+    UnitInertia inertia;
+    inertia.count = unit_of(blocks[l]).count;
+    Rigid momentum[2], force[2];
+    for (int k = 0; k < inertia.count; ++k) {
+      const LaneSums& s = sums[l + size_t(k)];
+      inertia.block[k] = RigidInertia(s.centre, s.mass, s.second, held_somewhere(lanes[l + size_t(k)]));
+      momentum[k] = {s.momentum, s.angular_momentum}, force[k] = {s.force, s.moment};
     }
-    unbalanced = larger(unbalanced, free);
-    sums.kinetic += 0.125 * node_mass_[i] * energy;
-    if (viscous) sums.damping -= 0.5 * dt_ * dot(node_viscous_f_[i], before + v);
-    node_x_[i] += dt_ * v;
-    sums.positions += node_x_[i].x + node_x_[i].y + node_x_[i].z;
+    if (inertia.count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
+    const RigidStep step = rigid_step(inertia, factors, eq1, dt_, momentum, force);
+    for (int k = 0; k < inertia.count; ++k) gain[l + size_t(k)] = step.gain[k];
+    if (energy_) {
+      BlockSums& of_unit = block_sums_[size_t(blocks[l])];
+      Rigid mean[2];  // velocity at the time of the forces
+      for (int k = 0; k < inertia.count; ++k) {
+        mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (step.velocity[k] + 0.5 * step.change[k]);
+        of_unit.damping += dt_ * dot(step.damping[k], mean[k]);
+      }
+      const double rigid = rigid_energy(inertia, factors, mean);
+      of_unit.kinetic += rigid;
+      of_unit.damping += 2 * alpha * dt_ * rigid;
+    }
+    l += size_t(inertia.count);
   }
-  sums.damping += factor * taken;
-  sums.unbalanced = std::sqrt(unbalanced);
 }
 
-// The rigid blocks that begin with this one: those of a vector.
-void Model::advance_bodies(int first, PhaseClock* clock) {
+void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
-  int count = 0;
-  for (int block = first; count < bodies_with(first); ++block, ++count) {
-    forces_on_body(block);
-    index[count] = blocks_[size_t(block)].body;
-    sums[count] = &block_sums_[size_t(block)];
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    forces_on_body(blocks[i]);
+    index[i] = blocks_[size_t(blocks[i])].body;
+    sums[i] = &block_sums_[size_t(blocks[i])];
   }
-  if (count == 0) return;  // moves on with one before it
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
-  advance_rigid(bodies_.data(), index, count, step, sums);
+  advance_rigid(bodies_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   if (!energy_) return;
-  for (int block = first; block < first + count; ++block) {
+  for (const int32_t block : blocks) {
     if (loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
   }
+}
+
+void Model::leave_alike() {
+  bool some = false;
+  for (const Piece& piece : pieces_) {
+    if (piece.alike < 0) continue;
+    for (const int32_t i : blocks_of(piece)) {
+      const bool fits = block_sums_[size_t(i)].deformation <= kLargestDeformation * blocks_[size_t(i)].least_extent;
+      if (!fits) by_zone_[size_t(i)] = 1, some = true;
+    }
+  }
+  if (!some) return;
+  take_back_facets();
+  divide_work();
 }
 
 void Model::sum_up() {

@@ -3,8 +3,9 @@
 // Rigid blocks: central differences in translation; in rotation the angular momentum is the unknown and the orientation
 //   follows by the implicit midpoint rule, so that a free block keeps its angular momentum to rounding and its energy
 //   without drift.
-// Deformable blocks: total Lagrangian with the Green strain and a linear (St. Venant-Kirchhoff) law: equal to linear
-//   elasticity at small strain, and exactly indifferent to rotation, so that nothing needs to be co-rotated.
+// Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. Blocks alike by one stiffness
+// in
+//   their own frame (deformable_kernels.h), others zone by zone, total Lagrangian (zone_kernels.h).
 #pragma once
 
 #include "base/phase_clock.h"
@@ -18,6 +19,9 @@ struct ArchiveReader;
 
 namespace quoin::blocks {
 
+struct LaneBlock;
+struct LaneColumns;
+
 class Model : public World {
  public:
   using World::World;
@@ -28,11 +32,11 @@ class Model : public World {
   void step();
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all blocks, end.
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end.
   void begin_step() { apply_ground_motion(); }
   // clock: of the thread, started; null: not timed.
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
-  void advance_block(int block, PhaseClock* clock = nullptr);
+  void advance_piece(int piece, PhaseClock* clock = nullptr);
   void end_step();
   void run(double duration);  // s
   void run_steps(long steps) {
@@ -42,24 +46,28 @@ class Model : public World {
   // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
   // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
   // those of an uninterrupted run, whatever the number of threads.
-  void save(ArchiveWriter& writer) const;
+  void save(ArchiveWriter& writer);
   void restore(ArchiveReader& reader);
 
  private:
-  // phases of the step: contacts chunk by chunk, then blocks one by one
+  // phases of the step: contacts chunk by chunk, then blocks piece by piece
   void apply_ground_motion();
   void contact_kinematics(Family& f, Chunk& chunk);
   void contact_law(Family& f, Chunk& chunk);
   void contact_forces(Family& f, Chunk& chunk);
   void viscous_tractions(Family& f, Chunk& chunk);
-  void internal_forces(const ModelBlock& b, BlockSums& sums);
-  void forces_on_gridpoints(int block);
+  void advance_deformable(const Piece& piece, PhaseClock* clock);
+  // By gridpoint of the block, four doubles each: set; added to, viscous part of it apart where that is not null.
+  void forces_on_gridpoints(int block, double* force);
+  void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);
-  void advance_bodies(int first, PhaseClock* clock);
-  void integrate_unit(const Unit& unit);
-  void integrate_gridpoints(const ModelBlock& b, const RigidGain* gain, BlockSums& sums);
+  void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
+  // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
+  void split_motion(std::span<const int32_t> blocks, std::span<const LaneBlock> lanes, const LaneColumns& columns,
+                    RigidGain* gain);
   double work_of_loads(int block) const;  // of the step, J
   void sum_up();
+  void leave_alike();  // blocks that have deformed too much for it
   void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   [[noreturn]] void report_failure(const Chunk& chunk) const;
   double zone_damping() const;
@@ -69,7 +77,7 @@ class Model : public World {
   static void transfer_state(Archive& archive, Self& m);
 
   ThreadPool* pool_ = nullptr;
-  std::vector<int> chunk_end_, block_end_;  // shares of the threads
+  std::vector<int> chunk_end_, piece_end_;  // shares of the threads
   long shared_division_ = -1;               // that they are of
 };
 

@@ -31,6 +31,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.array(m.node_held_v_);
   archive.array(m.other_half_);
   archive.value(m.unit_count_);
+  archive.array(m.by_zone_);
   for (auto& f : m.families_) {
     archive.array(f.point);
     for (auto& column : f.slid) archive.array(column);
@@ -96,14 +97,17 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.later_);
 }
 
-void Model::save(ArchiveWriter& writer) const { transfer_state(writer, *this); }
+void Model::save(ArchiveWriter& writer) {
+  take_back_facets();
+  transfer_state(writer, *this);
+}
 
 void Model::restore(ArchiveReader& reader) {
   const std::size_t bodies = bodies_.size(), nodes = node_x_.size();
   transfer_state(reader, *this);
   if (bodies_.size() != bodies || node_x_.size() != nodes || node_v_.size() != nodes || node_held_.size() != nodes ||
       node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
-      loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() ||
+      loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() || by_zone_.size() != blocks_.size() ||
       (!applied_.empty() && applied_.size() != blocks_.size()))
     throw Error(Exit::bad_input, kOther);
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };

@@ -267,13 +267,12 @@ double Simulation::Impl::stage_time() const {
 }
 
 void Simulation::Impl::end_riding_step() {
-  const long detections = riding->detections();
-  const int units = riding->unit_count();
+  const long divisions = riding->divisions();
   const bool looks = riding->looks_at_motion();
   const auto before = looks ? Clock::now() : Clock::time_point();
   riding->end_step();
   if (looks) times[Phase::detection] += seconds_since(before);
-  if (riding->detections() == detections && riding->unit_count() == units) return;
+  if (riding->divisions() == divisions) return;
   partition_work();
   follow_time_step();
 }

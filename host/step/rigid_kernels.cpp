@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "model/lanes3-inl.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -155,37 +156,10 @@ static_assert(offsetof(Body, torque) == 19 * sizeof(double) && offsetof(Body, in
 
 constexpr double kRounding = 0x1p-56;  // relative; an eighth of the last bit, so that errors of steps do not add up
 
-struct Lanes3 {
-  V x, y, z;
-  HWY_INLINE V& operator[](int k) { return k == 0 ? x : (k == 1 ? y : z); }
-  HWY_INLINE const V& operator[](int k) const { return k == 0 ? x : (k == 1 ? y : z); }
-};
 struct Lanes4 {
   V w;
   Lanes3 v;
 };
-struct Lanes33 {
-  Lanes3 row[3];
-};
-
-HWY_INLINE V twice(V a) { return hn::Add(a, a); }
-HWY_INLINE Lanes3 cross_of(const Lanes3& a, const Lanes3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-HWY_INLINE V dot_of(const Lanes3& a, const Lanes3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-HWY_INLINE Lanes3 scaled(V f, const Lanes3& a) { return {hn::Mul(f, a.x), hn::Mul(f, a.y), hn::Mul(f, a.z)}; }
-HWY_INLINE Lanes3 sum_of(const Lanes3& a, const Lanes3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
-HWY_INLINE Lanes3 times(const Lanes33& m, const Lanes3& v) {
-  return {dot_of(m.row[0], v), dot_of(m.row[1], v), dot_of(m.row[2], v)};
-}
-HWY_INLINE Lanes3 transposed_times_of(const Lanes33& m, const Lanes3& v) {
-  return sum_of(scaled(v.x, m.row[0]), sum_of(scaled(v.y, m.row[1]), scaled(v.z, m.row[2])));
-}
 HWY_INLINE Lanes4 product(const Lanes4& a, const Lanes4& b) {
   return {hn::NegMulAdd(a.v.x, b.v.x, hn::NegMulAdd(a.v.y, b.v.y, hn::NegMulAdd(a.v.z, b.v.z, hn::Mul(a.w, b.w)))),
           sum_of(sum_of(scaled(a.w, b.v), scaled(b.w, a.v)), cross_of(a.v, b.v))};

@@ -159,7 +159,7 @@ void Simulation::Impl::partition_work() {
     for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
       const BlockGroup& group = model.groups[static_cast<std::size_t>(g)];
       const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-      weight.back() += static_cast<double>(shape.coefficient.size());
+      weight.back() += static_cast<double>(shape.stiffness.coefficient.size());
       largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
     }
   }
@@ -167,7 +167,7 @@ void Simulation::Impl::partition_work() {
     weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
   for (const int b : model.lone_bodies)
     weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
-  for (int b = 0; riding && b < riding->block_count(); ++b) weight.push_back(riding->block_work(b));
+  for (int p = 0; riding && p < riding->piece_count(); ++p) weight.push_back(riding->piece_work(p));
   item_end = shares(weight, pool.thread_count());
   data.scratch_doubles = kScratchColumns * largest;
   for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {

@@ -42,7 +42,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
 
   auto blocks_and_bodies = [&](int thread, int i) {
     PhaseClock* const clock = clock_of(thread);
-    if (riding) return riding->advance_block(i, clock);
+    if (riding) return riding->advance_piece(i, clock);
     double* const memory = scratch[static_cast<std::size_t>(thread)].data();
     advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
     lap(clock, Phase::motion);

@@ -19,7 +19,7 @@ Brick half_brick(std::array<int, 3> zones = {4, 2, 2}, int parity = 0) {
 Eigen::MatrixXd unpack(const BrickTemplate& brick) {
   Eigen::MatrixXd k = Eigen::MatrixXd::Zero(3 * brick.node_count, 3 * brick.node_count);
   for (int row = 0; row < k.rows(); ++row) {
-    for (const auto& [column, value] : stiffness_row(brick, row)) k(row, column) = value;
+    for (const auto& [column, value] : brick.stiffness.row(row)) k(row, column) = value;
   }
   return k;
 }
@@ -48,7 +48,7 @@ TEST(BrickTemplate, StiffnessIsTheSumOfItsZones) {
       const Eigen::VectorXd mass = dense_mass(source, brick_material());
       for (int n = 0; n < brick.node_count; ++n)
         EXPECT_NEAR(brick.node_mass[static_cast<std::size_t>(n)], mass[3 * n], 1e-15);
-      EXPECT_EQ(brick.column.size() % 2, 0u);
+      EXPECT_EQ(brick.stiffness.column.size() % 2, 0u);
     }
   }
 }

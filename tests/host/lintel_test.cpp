@@ -172,7 +172,7 @@ double cantilever_stiffness(int refinement, const BlockMaterial& material, const
       const int i = free_dof[static_cast<std::size_t>(3 * n + c)];
       if (i < 0) continue;
       if (at_end && c == 1) load[i] = shape.node_mass[static_cast<std::size_t>(n)];
-      for (const auto& [column, k] : stiffness_row(shape, 3 * n + c)) {
+      for (const auto& [column, k] : shape.stiffness.row(3 * n + c)) {
         const int j = free_dof[static_cast<std::size_t>(column)];
         if (j >= 0) entries.emplace_back(i, j, k);
       }

@@ -1,0 +1,21 @@
+// What deformable blocks of one shape, zoning and material share, in the frame of their shape.
+#pragma once
+
+#include <vector>
+
+#include "geometry/vector.h"
+#include "model/stiffness.h"
+
+namespace quoin::blocks {
+
+struct AlikeBlocks {
+  Stiffness stiffness;                   // K of the undeformed shape
+  std::vector<geometry::Vector> place;   // X of gridpoints about the mass centre, m
+  std::vector<geometry::Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m: sum X b^T = 1, sum b = 0
+};
+
+// node, mass: of gridpoints, m and kg. zones: as of one block, indices from 0.
+AlikeBlocks make_alike_blocks(std::span<const geometry::Vector> node, std::span<const double> mass,
+                              std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
+
+}  // namespace quoin::blocks

@@ -1,0 +1,425 @@
+#include "step/deformable_kernels.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "step/deformable_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "model/lanes3-inl.h"
+#include "model/stiffness-inl.h"
+#include "model/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::blocks {
+namespace HWY_NAMESPACE {
+using namespace quoin::HWY_NAMESPACE;
+
+constexpr Vector kNothing[2] = {};  // what blocks that have fewer gridpoints have there
+
+void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
+  const LaneColumns& to = *columns;
+  for (int n = 0; n < to.node_count; ++n) {
+    for (int first = 0; first < kLanes; first += kWidth) {
+      const auto here = [&](int l) {
+        const auto lane = static_cast<std::size_t>(first + l);
+        return lane < blocks.size() && n < blocks[lane].node_count ? &blocks[lane] : nullptr;
+      };
+      const LaneBlock* at[kWidth];
+      for (int l = 0; l < kWidth; ++l) at[l] = here(l);
+      const auto vectors = [&](Vector* LaneBlock::*field) HWY_ATTR {
+        return load_vectors([&](int l) { return at[l] ? &(at[l]->*field)[n].x : &kNothing[0].x; });
+      };
+      const auto rows = [&](const double* LaneBlock::*field) HWY_ATTR {
+        return load_vectors([&](int l) { return at[l] ? at[l]->*field + kFour * n : &kNothing[0].x; });
+      };
+      store_line(vectors(&LaneBlock::x), to.x + n * kLine + first);
+      store_line(vectors(&LaneBlock::v), to.v + n * kLine + first);
+      store_line(rows(&LaneBlock::force), to.force + n * kLine + first);
+      if (to.viscous) store_line(rows(&LaneBlock::viscous), to.viscous_force + n * kLine + first);
+      for (int l = 0; l < kWidth; ++l) to.mass[n * kLanes + first + l] = at[l] ? at[l]->mass[n] : 0.0;
+    }
+  }
+}
+
+// R of a matrix near a rotation, by Newton's iteration R <- (R + R^-T)/2, whose error e becomes e^2/2: four take
+// kLargestDeformation to rounding.
+HWY_INLINE Lanes33 rotation_in(const Lanes33& f) {
+  const V half = hn::Set(D(), 0.5);
+  Lanes33 r = f;
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Lanes33 cofactor = cofactors_of(r);
+    const V over = hn::Div(half, dot_of(r.row[0], cofactor.row[0]));
+    for (int i = 0; i < 3; ++i) r.row[i] = plus_scaled(scaled(half, r.row[i]), over, cofactor.row[i]);
+  }
+  return r;
+}
+
+// sum x b^T.
+HWY_INLINE void add_outer(const Lanes3& x, const Lanes3& b, Lanes33& sum) {
+  for (int i = 0; i < 3; ++i) sum.row[i] = plus_scaled(sum.row[i], x[i], b);
+}
+
+HWY_INLINE Lanes33 zero_matrix() { return {{zeros(), zeros(), zeros()}}; }
+
+// Where a vector of blocks is turned to.
+struct Pose {
+  Lanes3 centre;
+  Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
+};
+
+HWY_INLINE Pose pose_of(const AlikeBlocks& alike, const LaneColumns& columns, int first, const ZoneStep& step) {
+  Pose pose;
+  pose.centre = load_line(columns.x + first);  // of gridpoint 0: K and b do not see where it is
+  pose.f = zero_matrix();
+  Lanes33 rate = zero_matrix();
+  for (int n = 0; n < columns.node_count; ++n) {
+    const Lanes3 b = broadcast(&alike.anchor[static_cast<std::size_t>(n)].x);
+    add_outer(difference_of(load_line(columns.x + n * kLine + first), pose.centre), b, pose.f);
+    if (step.beta > 0.0) add_outer(load_line(columns.v + n * kLine + first), b, rate);
+  }
+  pose.r = rotation_in(pose.f);
+  if (step.beta > 0.0) {
+    const V back = hn::Set(D(), -step.dt);
+    Lanes33 previous;
+    for (int i = 0; i < 3; ++i) previous.row[i] = plus_scaled(pose.f.row[i], back, rate.row[i]);
+    pose.previous_r = rotation_in(previous);
+  }
+  return pose;
+}
+
+// Displacements u in the frame of the shape, but for a translation, and u + beta du/dt into `product`'s place.
+HWY_INLINE V displacements(const AlikeBlocks& alike, const LaneColumns& columns, int first, const ZoneStep& step,
+                           const Pose& pose) {
+  const D d;
+  const V back = hn::Set(d, -step.dt), ratio = hn::Set(d, step.beta / step.dt);
+  V largest = hn::Zero(d);
+  const Lanes3 origin = broadcast(&alike.place[0].x);
+  for (int n = 0; n < columns.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 shape = difference_of(broadcast(&alike.place[static_cast<std::size_t>(n)].x), origin);
+    const Lanes3 y = difference_of(load_line(columns.x + at), pose.centre);
+    const Lanes3 u = difference_of(transposed_times_of(pose.r, y), shape);
+    store_line(u, columns.u + at);
+    largest = hn::Max(largest, dot_of(u, u));
+    if (step.beta > 0.0) {
+      const Lanes3 before = plus_scaled(y, back, load_line(columns.v + at));
+      const Lanes3 previous = difference_of(transposed_times_of(pose.previous_r, before), shape);
+      store_line(plus_scaled(u, ratio, difference_of(u, previous)), columns.weighted + at);
+    }
+  }
+  return hn::Sqrt(largest);
+}
+
+// K w, for all lanes.
+HWY_INLINE void times_stiffness(const AlikeBlocks& alike, const double* w, int node_count, double* product) {
+  StiffnessRows<1> rows(alike.stiffness);
+  const double* const of[1] = {w};
+  for (int n = 0; n < node_count; ++n) {
+    V f[1][3][kParts];
+    rows.next(of, f);
+    for (int c = 0; c < 3; ++c) {
+      for (int p = 0; p < kParts; ++p) hn::Store(f[0][c][p], D(), product + n * kLine + c * kLanes + p * kWidth);
+    }
+  }
+}
+
+// -R (g - q x b) of K w, into the forces of the blocks.
+HWY_INLINE void add_to_forces(const AlikeBlocks& alike, const LaneColumns& columns, int first, const Pose& pose,
+                              double* force) {
+  const D d;
+  Lanes3 moment = zeros();
+  for (int n = 0; n < columns.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 place = sum_of(broadcast(&alike.place[static_cast<std::size_t>(n)].x), load_line(columns.u + at));
+    moment = sum_of(moment, cross_of(place, load_line(columns.product + at)));
+  }
+  Lanes33 u = zero_matrix();  // R^T F
+  for (int i = 0; i < 3; ++i) add_outer(pose.r.row[i], pose.f.row[i], u);
+  const V trace = hn::Add(u.row[0].x, hn::Add(u.row[1].y, u.row[2].z));
+  Lanes33 g;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const V mean = hn::Mul(hn::Set(d, -0.5), hn::Add(u.row[i][j], u.row[j][i]));
+      g.row[i][j] = i == j ? hn::Add(trace, mean) : mean;
+    }
+  }
+  const Lanes33 cofactor = cofactors_of(g);  // symmetric, as g is
+  const Lanes3 q = scaled(hn::Div(hn::Set(d, 1.0), dot_of(g.row[0], cofactor.row[0])), times(cofactor, moment));
+  for (int n = 0; n < columns.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 b = broadcast(&alike.anchor[static_cast<std::size_t>(n)].x);
+    const Lanes3 f = times(pose.r, difference_of(load_line(columns.product + at), cross_of(q, b)));
+    store_line(difference_of(load_line(force + at), f), force + at);
+  }
+}
+
+void AlikeForces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums) {
+  const D d;
+  const LaneColumns& c = *columns;
+  const bool is_viscous = step.beta > 0.0;
+  Pose pose[kParts];
+  for (int p = 0; p < kParts; ++p) {
+    pose[p] = pose_of(alike, c, p * kWidth, step);
+    hn::Store(displacements(alike, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
+  }
+  if (step.energies) {
+    times_stiffness(alike, c.u, c.node_count, c.elastic);
+    for (int p = 0; p < kParts; ++p) {
+      V twice_energy = hn::Zero(d);
+      for (int n = 0; n < c.node_count; ++n) {
+        const int at = n * kLine + p * kWidth;
+        twice_energy = hn::Add(twice_energy, dot_of(load_line(c.u + at), load_line(c.elastic + at)));
+      }
+      hn::Store(hn::Mul(hn::Set(d, 0.5), twice_energy), d, sums->strain + p * kWidth);
+    }
+  }
+  // The same forces to the last bit whether or not energies are wanted.
+  times_stiffness(alike, is_viscous ? c.weighted : c.u, c.node_count, c.product);
+  for (int p = 0; p < kParts; ++p) add_to_forces(alike, c, p * kWidth, pose[p], c.force);
+  if (!c.viscous) return;
+  const int size = c.node_count * kLine;
+  std::fill(c.viscous_force, c.viscous_force + size, 0.0);
+  for (int i = 0; i < size; i += kWidth)
+    hn::Store(hn::Sub(hn::Load(d, c.product + i), hn::Load(d, c.elastic + i)), d, c.product + i);
+  for (int p = 0; p < kParts; ++p) add_to_forces(alike, c, p * kWidth, pose[p], c.viscous_force);
+}
+
+// ---- Rigid motion --------------------------------------------------------------------------------------------------
+
+HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) {
+  for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
+}
+
+void RigidSums(const LaneColumns& c, LaneSums (&sums)[kLanes]) {
+  const D d;
+  alignas(64) double mass[kLanes], vector[5][3][kLanes], second[3][3][kLanes];
+  for (int first = 0; first < kLanes; first += kWidth) {
+    const Lanes3 origin = load_line(c.x + first);
+    V total = hn::Zero(d);
+    Lanes3 centre = zeros(), momentum = zeros(), force = zeros();
+    for (int n = 0; n < c.node_count; ++n) {
+      const int at = n * kLine + first;
+      const V m = hn::Load(d, c.mass + n * kLanes + first);
+      total = hn::Add(total, m);
+      centre = plus_scaled(centre, m, difference_of(load_line(c.x + at), origin));
+      momentum = plus_scaled(momentum, m, load_line(c.v + at));
+      force = sum_of(force, load_line(c.force + at));
+    }
+    const V is_some = hn::IfThenElse(hn::Eq(total, hn::Zero(d)), hn::Set(d, 1.0), total);
+    centre = sum_of(origin, scaled(hn::Div(hn::Set(d, 1.0), is_some), centre));
+    Lanes3 spin = zeros(), moment = zeros();
+    Lanes33 square = zero_matrix();
+    for (int n = 0; n < c.node_count; ++n) {
+      const int at = n * kLine + first;
+      const Lanes3 r = difference_of(load_line(c.x + at), centre);
+      const Lanes3 m_r = scaled(hn::Load(d, c.mass + n * kLanes + first), r);
+      add_outer(m_r, r, square);
+      spin = sum_of(spin, cross_of(m_r, load_line(c.v + at)));
+      // A gridpoint that a block does not have carries no force.
+      moment = sum_of(moment, cross_of(r, load_line(c.force + at)));
+    }
+    hn::Store(total, d, mass + first);
+    const Lanes3* const all[5] = {&centre, &momentum, &spin, &force, &moment};
+    for (int k = 0; k < 5; ++k) store_by_lane(*all[k], vector[k], first);
+    for (int k = 0; k < 3; ++k) store_by_lane(square.row[k], second[k], first);
+  }
+  for (int l = 0; l < kLanes; ++l) {
+    const auto of = [&](const double(&from)[3][kLanes]) { return Vector{from[0][l], from[1][l], from[2][l]}; };
+    sums[l] = {of(vector[0]), {{of(second[0]), of(second[1]), of(second[2])}},
+               mass[l],       of(vector[1]),
+               of(vector[2]), of(vector[3]),
+               of(vector[4])};
+  }
+}
+
+// ---- Gridpoints ----------------------------------------------------------------------------------------------------
+
+// What a step adds up, a column a lane.
+struct GridpointSums {
+  alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
+  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
+};
+
+struct GainLanes {
+  alignas(64) double centre[3][kLanes], linear[3][kLanes], turning[3][3][kLanes];
+};
+
+// Of the lanes of a vector that have gridpoint n, three numbers each. The fourth of a row is what the next gridpoint
+// begins with, which is written after it; behind the last one nothing is touched.
+HWY_INLINE void store_vectors(std::span<const LaneBlock> blocks, int first, int n, const Lanes3& a,
+                              Vector* LaneBlock::*field) {
+  const V column[kFour] = {a.x, a.y, a.z, hn::Zero(D())};
+  for_rows(column, std::min(kWidth, static_cast<int>(blocks.size()) - first), [&](int l, int c, F part) HWY_ATTR {
+    const LaneBlock& block = blocks[static_cast<std::size_t>(first + l)];
+    double* const to = &(block.*field)[n].x;
+    if (n + 1 < block.node_count) {
+      hn::StoreU(part, Four(), to + c);
+    } else if (n < block.node_count) {
+      double last[kPart];
+      hn::StoreU(part, Four(), last);
+      for (int i = 0; i < kPart && c + i < 3; ++i) to[c + i] = last[i];
+    }
+  });
+}
+
+template <bool kEnergies>
+HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
+                               const GainLanes* gain, const GridpointStep& step, GridpointSums* sums) {
+  const D d;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
+  const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
+  const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, as the mean of both velocities
+  const V keep = hn::Set(d, 1.0 - a), over = hn::Set(d, 1.0 / (1.0 + a));
+  const V factor = hn::Set(d, step.inertia_factor), over_factor = hn::Set(d, 1.0 / step.inertia_factor);
+  Lanes3 centre, linear;
+  Lanes33 turning;
+  for (int k = 0; gain && k < 3; ++k) {
+    centre[k] = hn::Load(d, gain->centre[k] + first);
+    linear[k] = hn::Load(d, gain->linear[k] + first);
+    for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gain->turning[k][j] + first);
+  }
+  V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // of the first the square
+  Lanes3 net = zeros();
+  for (int n = 0; n < columns.node_count; ++n) {
+    const int at = n * kLine + first;
+    const Lanes3 x = load_line(columns.x + at), v = load_line(columns.v + at), force = load_line(columns.force + at);
+    const V mass = hn::Load(d, columns.mass + n * kLanes + first);
+    const V dt_over_mass = hn::IfThenZeroElse(hn::Eq(mass, zero), hn::Div(dt, mass));
+    Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
+    if (gain) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
+    Lanes3 held_v;
+    if (columns.some_held) {
+      held_v = load_vectors([&](int l) {
+        const auto lane = static_cast<std::size_t>(first + l);
+        return lane < blocks.size() && n < blocks[lane].node_count ? &blocks[lane].held_v[n].x : &kNothing[0].x;
+      });
+    }
+    Lanes3 next;
+    V free = zero;
+    for (int k = 0; k < 3; ++k) {
+      const auto hold = columns.some_held ? hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero)
+                                          : hn::FirstN(d, 0);
+      V change = driven[k];
+      V brake = zero;
+      if (step.gamma > 0.0) {
+        const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), v[k]);
+        brake = hn::IfThenZeroElse(hn::Eq(v[k], zero), hn::Neg(amount));
+        change = hn::MulAdd(dt_over_mass, brake, change);
+      }
+      next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, hn::MulAdd(keep, v[k], change)));
+      const V free_force = hn::IfThenZeroElse(hold, force[k]);
+      free = hn::MulAdd(free_force, free_force, free);
+      net[k] = hn::Add(net[k], free_force);
+      const V twice_mean = hn::Add(v[k], next[k]);
+      kinetic = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Mul(mass, twice_mean)), twice_mean, kinetic);
+      if (!kEnergies) continue;
+      const V mean = hn::Mul(half, twice_mean), way = hn::Mul(mean, dt);
+      const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, mean)));
+      damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
+      const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
+      external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
+      if (columns.viscous) damping = hn::NegMulAdd(hn::Load(d, columns.viscous_force + at + k * kLanes), way, damping);
+    }
+    unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
+    const Lanes3 place = plus_scaled(x, dt, next);
+    positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
+    store_vectors(blocks, first, n, place, &LaneBlock::x);
+    store_vectors(blocks, first, n, next, &LaneBlock::v);
+  }
+  hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
+  store_by_lane(net, sums->net, first);
+  hn::Store(positions, d, sums->positions + first);
+  hn::Store(hn::Mul(hn::Mul(hn::Set(d, 0.125), factor), kinetic), d, sums->kinetic + first);
+  hn::Store(damping, d, sums->damping + first);
+  hn::Store(external, d, sums->external + first);
+}
+
+void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+                       const GridpointStep& step, BlockSums* const* sums) {
+  GainLanes gains = {};
+  for (std::size_t l = 0; gain && l < blocks.size(); ++l) {
+    for (int k = 0; k < 3; ++k) {
+      gains.centre[k][l] = gain[l].centre[k], gains.linear[k][l] = gain[l].linear[k];
+      for (int j = 0; j < 3; ++j) gains.turning[k][j][l] = gain[l].turning.row[k][j];
+    }
+  }
+  GridpointSums lanes;
+  for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
+    if (step.energies)
+      advance_vector<true>(blocks, columns, first, gain ? &gains : nullptr, step, &lanes);
+    else
+      advance_vector<false>(blocks, columns, first, gain ? &gains : nullptr, step, &lanes);
+  }
+  for (std::size_t l = 0; l < blocks.size(); ++l) {
+    BlockSums& s = *sums[l];
+    s.unbalanced = lanes.unbalanced[l];
+    s.net = {lanes.net[0][l], lanes.net[1][l], lanes.net[2][l]};
+    s.positions = lanes.positions[l];
+    s.kinetic += lanes.kinetic[l], s.damping += lanes.damping[l], s.external += lanes.external[l];
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace quoin::blocks
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace quoin::blocks {
+
+HWY_EXPORT(LoadBlocks);
+HWY_EXPORT(AlikeForces);
+HWY_EXPORT(RigidSums);
+HWY_EXPORT(AdvanceGridpoints);
+
+void LaneColumns::resize(int nodes) {
+  node_count = nodes;
+  double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic, &held};
+  const auto size = static_cast<std::size_t>(nodes) * kLine;
+  memory_.resize(std::max(memory_.size(), std::size(columns) * size + size / 3));
+  double* from = memory_.data();
+  for (double** column : columns) *column = from, from += size;
+  mass = from;
+}
+
+void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
+  int nodes = 0;
+  std::uint8_t held = 0;
+  for (const LaneBlock& b : blocks) {
+    nodes = std::max(nodes, b.node_count);
+    for (int n = 0; n < b.node_count; ++n) held |= b.held[n];
+  }
+  columns->resize(nodes);
+  columns->some_held = held != 0;
+  if (held) {
+    std::fill(columns->held, columns->held + nodes * kLine, 0.0);
+    for (std::size_t l = 0; l < blocks.size(); ++l) {
+      for (int n = 0; n < blocks[l].node_count; ++n) {
+        for (int k = 0; k < 3; ++k)
+          columns->held[static_cast<std::size_t>(n * kLine + k * kLanes) + l] = blocks[l].held[n] >> k & 1;
+      }
+    }
+  }
+  HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
+}
+
+void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums) {
+  HWY_DYNAMIC_DISPATCH(AlikeForces)(alike, step, columns, sums);
+}
+
+void rigid_sums(const LaneColumns& columns, LaneSums (&sums)[kLanes]) {
+  HWY_DYNAMIC_DISPATCH(RigidSums)(columns, sums);
+}
+
+void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+                        const GridpointStep& step, BlockSums* const* sums) {
+  HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gain, step, sums);
+}
+
+}  // namespace quoin::blocks
+
+#endif  // HWY_ONCE

@@ -1,0 +1,90 @@
+// Deformable blocks in large motion, eight side by side: their rigid motion, their gridpoints moved on; and the forces
+// inside of blocks that are alike, from one stiffness in their own frame. Compiled for every instruction set that
+// Highway knows and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
+//
+// Blocks that are alike. X: places of the undeformed shape about its mass centre, m: masses, x: places now;
+//   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar),   u = R^T (x - c) - X.
+// The strain energy 1/2 u . K u has the forces
+//   f = -R (g - q x b),  g = K u,  q = (tr(U) 1 - U)^-1 sum (X + u) x g;
+// the second part is what R turns by when a gridpoint moves. So forces and moments balance to rounding, and energy
+// stays as it does with any force that has a potential. Viscosity of zones: g = K (u + beta du/dt) with du the whole
+// change of u in the step, which is nothing in rigid motion however fast. Limits: linear elasticity for small turning,
+// no force in rigid motion. Strain and turning inside of a block have to be small (kLargestDeformation); else zone by
+// zone (zone_kernels.h), which differs by the square of the strain.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "model/lanes.h"
+#include "model/world.h"
+#include "step/zone_kernels.h"
+
+namespace quoin::blocks {
+
+// A block as the kernels read and write it, by gridpoint.
+struct LaneBlock {
+  Vector *x, *v;             // m, m/s at half steps
+  const double* force;       // N, four doubles a gridpoint, the last of no meaning
+  const double* viscous;     // the viscous part of it, alike; null where it is not wanted, or not yet known
+  const double* mass;        // of inertia, kg
+  const std::uint8_t* held;  // bits 0..2
+  const Vector* held_v;      // m/s
+  int node_count;
+};
+
+// Columns of up to kLanes blocks, a line a gridpoint; gridpoints that a block does not have are zero, lanes without a
+// block hold numbers of no meaning. Scratch of a thread.
+struct LaneColumns {
+  int node_count = 0;  // most of a block
+  bool some_held = false;
+  bool viscous = false;                      // viscous_force is wanted: set before load_blocks
+  double *x, *v, *force, *viscous_force;     // m, m/s, N
+  double *u, *weighted, *product, *elastic;  // of alike_forces
+  double* mass;                              // kg, kLanes a gridpoint
+  double* held;                              // not 0: held; where some are
+
+  void resize(int nodes);
+
+ private:
+  LaneVector<double> memory_;
+};
+
+// Of a block in a lane, about its mass centre.
+struct LaneSums {
+  Vector centre;                      // m
+  Matrix second;                      // sum m r r^T, kg m2
+  double mass;                        // kg
+  Vector momentum, angular_momentum;  // kg m/s, kg m2/s
+  Vector force, moment;               // N, N m
+};
+
+void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns);
+
+// By lane: the largest |u|, m; strain energy, J, when energies are wanted.
+struct AlikeSums {
+  alignas(64) double deformation[kLanes], strain[kLanes];
+};
+inline constexpr double kLargestDeformation = 0.01;  // |u| over the least extent of a block: error of its stiffness 1 %
+
+// Adds internal forces to those in the columns.
+void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums);
+
+void rigid_sums(const LaneColumns& columns, LaneSums (&sums)[kLanes]);
+
+// How gridpoints are moved on.
+struct GridpointStep {
+  double time_step;        // s
+  double gamma;            // of eq. 1, on gridpoints
+  double alpha;            // mass-proportional viscosity, 1/s; with gamma = 0
+  double inertia_factor;   // of deformation
+  double weight_per_mass;  // mass that has weight over mass of inertia
+  Vector gravity;          // m/s2
+  bool energies;           // work and kinetic energy are wanted
+};
+
+// gain: of motion that is split, of each block; null: true inertia. sums: added to.
+void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+                        const GridpointStep& step, BlockSums* const* sums);
+
+}  // namespace quoin::blocks

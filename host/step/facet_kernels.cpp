@@ -1,0 +1,168 @@
+#include "step/facet_kernels.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "step/facet_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "model/lanes3-inl.h"
+#include "model/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::blocks {
+namespace HWY_NAMESPACE {
+using namespace quoin::HWY_NAMESPACE;
+
+static_assert(FacetLanes::kCount == kLanes);
+
+HWY_INLINE Lanes3 columns_of(const double (&of)[3][kLanes], int first) {
+  return {hn::Load(D(), of[0] + first), hn::Load(D(), of[1] + first), hn::Load(D(), of[2] + first)};
+}
+HWY_INLINE void keep(const Lanes3& a, double (&in)[3][kLanes], int first) {
+  for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), in[k] + first);
+}
+
+// The corners of a triangle.
+HWY_INLINE void corners_of(const std::int32_t (&node)[3][kLanes], int first, const Vector* x, Lanes3 (&corner)[3]) {
+  for (int k = 0; k < 3; ++k) corner[k] = load_vectors([&](int l) { return &x[node[k][first + l]].x; });
+}
+
+HWY_INLINE Lanes3 weighted(const Lanes3& weight, const Lanes3 (&corner)[3]) {
+  return plus_scaled(plus_scaled(scaled(weight.x, corner[0]), weight.y, corner[1]), weight.z, corner[2]);
+}
+
+// Numbers of the points `first` on, `count` of a vector.
+struct Part {
+  int count;
+  HWY_INLINE V load(const double* from) const {
+    if (count >= kWidth) return hn::LoadU(D(), from);
+    return hn::MaskedLoad(hn::FirstN(D(), static_cast<std::size_t>(count)), D(), from);
+  }
+  HWY_INLINE void store(V v, double* to) const {
+    if (count >= kWidth) return hn::StoreU(v, D(), to);
+    hn::BlendedStore(v, hn::FirstN(D(), static_cast<std::size_t>(count)), D(), to);
+  }
+};
+
+void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColumns& c, bool fixed) {
+  const D d;
+  const V one = hn::Set(d, 1.0);
+  for (FacetLanes& lanes : all) {
+    for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
+      const Part part{static_cast<int>(lanes.count) - first};
+      const std::size_t i = lanes.first + static_cast<std::size_t>(first);
+      Lanes3 a[3], b[3];
+      corners_of(lanes.node_a, first, node_x, a);
+      corners_of(lanes.node_b, first, node_x, b);
+      const Lanes3 weight_a = columns_of(lanes.weight_a, first);
+      const Lanes3 apart = difference_of(weighted(columns_of(lanes.weight_b, first), b), weighted(weight_a, a));
+      Lanes3 n, s, t, slope;
+      if (fixed) {
+        n = columns_of(lanes.n, first), s = columns_of(lanes.s, first), t = columns_of(lanes.t, first);
+      } else {
+        const Lanes3 e2 = difference_of(a[1], a[0]), e3 = difference_of(a[2], a[0]), across = cross_of(e2, e3);
+        const V over_length = hn::Div(one, hn::Sqrt(dot_of(e2, e2)));
+        const V over_area = hn::Div(one, hn::Sqrt(dot_of(across, across)));
+        s = scaled(over_length, e2), n = scaled(over_area, across), t = cross_of(n, s);
+        const V over_height = hn::Div(one, dot_of(t, e3));
+        slope = {over_length, hn::Neg(hn::Mul(hn::Mul(dot_of(s, e3), over_length), over_height)), over_height};
+        keep(n, lanes.n, first), keep(s, lanes.s, first), keep(t, lanes.t, first), keep(slope, lanes.slope, first);
+      }
+      part.store(hn::Sub(dot_of(n, apart), hn::Load(d, lanes.reference + first)), c.normal_jump + i);
+      const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
+      for (int k = 0; k < 2; ++k) {
+        part.store(hn::Sub(place[k], part.load(c.slid[k] + i)), c.slip[k] + i);
+        part.store(fixed ? place[k] : hn::Zero(d), c.slid[k] + i);
+      }
+      if (fixed) continue;
+      const V of_1 = hn::MulAdd(slope.y, place[1], hn::Mul(slope.x, place[0])), of_2 = hn::Mul(slope.z, place[1]);
+      keep(sum_of(weight_a, {hn::Neg(hn::Add(of_1, of_2)), of_1, of_2}), lanes.weight_a, first);
+    }
+  }
+}
+
+void FacetForces(std::span<const FacetLanes> all, const FacetColumns& c, FacetRows* rows) {
+  const D d;
+  for (const FacetLanes& lanes : all) {
+    for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
+      const Part part{static_cast<int>(lanes.count) - first};
+      const std::size_t i = lanes.first + static_cast<std::size_t>(first);
+      const V area = hn::Load(d, lanes.area + first);
+      V f[3];
+      for (int k = 0; k < 3; ++k) {
+        f[k] = part.load(c.traction[k] + i);
+        if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
+        f[k] = hn::Mul(area, f[k]);
+      }
+      const Lanes3 n = columns_of(lanes.n, first);
+      const Lanes3 force =
+          plus_scaled(plus_scaled(scaled(f[0], n), f[1], columns_of(lanes.s, first)), f[2], columns_of(lanes.t, first));
+      const V gap = hn::Add(part.load(c.normal_jump + i), hn::Load(d, lanes.reference + first));
+      const Lanes3 slope = columns_of(lanes.slope, first);
+      const V of_1 = hn::Neg(hn::Mul(gap, hn::MulAdd(slope.y, f[2], hn::Mul(slope.x, f[1]))));
+      const V of_2 = hn::Neg(hn::Mul(gap, hn::Mul(slope.z, f[2])));
+      const Lanes3 couple = {hn::Neg(hn::Add(of_1, of_2)), of_1, of_2};
+      for (int k = 0; k < 3; ++k) {
+        const Lanes3 on_a = plus_scaled(scaled(hn::Load(d, lanes.weight_a[k] + first), force), couple[k], n);
+        const Lanes3 on_b = scaled(hn::Neg(hn::Load(d, lanes.weight_b[k] + first)), force);
+        const auto put = [&](const Lanes3& on, int row) HWY_ATTR {
+          const V column[kFour] = {on.x, on.y, on.z, hn::Zero(d)};
+          for_rows(column, std::min(kWidth, part.count), [&](int l, int at, F four) HWY_ATTR {
+            hn::StoreU(four, Four(), rows[lanes.row + static_cast<std::uint32_t>(first + l)].force[row] + at);
+          });
+        };
+        put(on_a, k), put(on_b, 3 + k);
+      }
+    }
+  }
+}
+
+Vector AddFacetRows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force) {
+  const Four d;
+  F sum[kFour / kPart];
+  for (F& s : sum) s = hn::Zero(d);
+  for (const FacetTouch& touch : touches) {
+    for (int k = 0; k < 3; ++k) {
+      const double* const row = rows[touch.row].force[touch.side_a ? k : 3 + k];
+      double* const at = force + kFour * touch.node[k];
+      for (int c = 0; c < kFour; c += kPart) {
+        const F f = hn::LoadU(d, row + c);
+        sum[c / kPart] = hn::Add(sum[c / kPart], f);
+        hn::StoreU(hn::Add(hn::LoadU(d, at + c), f), d, at + c);
+      }
+    }
+  }
+  double total[kFour];
+  for (int c = 0; c < kFour; c += kPart) hn::StoreU(sum[c / kPart], d, total + c);
+  return {total[0], total[1], total[2]};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace quoin::blocks
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace quoin::blocks {
+
+HWY_EXPORT(FacetJumps);
+HWY_EXPORT(FacetForces);
+HWY_EXPORT(AddFacetRows);
+
+void facet_jumps(std::span<FacetLanes> lanes, const Vector* node_x, const FacetColumns& columns, bool fixed) {
+  HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, node_x, columns, fixed);
+}
+
+void facet_forces(std::span<const FacetLanes> lanes, const FacetColumns& columns, FacetRows* rows) {
+  HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, columns, rows);
+}
+
+Vector add_facet_rows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force) {
+  return HWY_DYNAMIC_DISPATCH(AddFacetRows)(touches, rows, force);
+}
+
+}  // namespace quoin::blocks
+
+#endif  // HWY_ONCE

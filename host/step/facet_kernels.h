@@ -1,0 +1,30 @@
+// Contact points between gridpoints in large motion, eight side by side. Compiled for every instruction set that
+// Highway knows and chosen at run time.
+//
+// Block a owns the plane of a triangle, n its normal, s along its first edge; b carries the point on a triangle of its
+// own. The foot of the point on a's triangle follows it, so that the pair of forces stays collinear. The pair acts at
+// the point: shear times the gap is a couple, which a's triangle takes as forces along n.
+#pragma once
+
+#include <span>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+// Columns of a family, from its first point on.
+struct FacetColumns {
+  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
+  double *slid[2], *normal_jump, *slip[2];
+};
+
+// Openings and slips of the step. fixed: frames and feet stay those of the start (small displacements).
+void facet_jumps(std::span<FacetLanes> lanes, const Vector* node_x, const FacetColumns& columns, bool fixed);
+
+// Forces on gridpoints from the tractions at the jumps of facet_jumps, into the rows of the points.
+void facet_forces(std::span<const FacetLanes> lanes, const FacetColumns& columns, FacetRows* rows);
+
+// Adds what acts on one block to its gridpoints, four doubles each; returns the sum, N.
+Vector add_facet_rows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force);
+
+}  // namespace quoin::blocks

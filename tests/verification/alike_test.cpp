@@ -1,0 +1,187 @@
+// Blocks alike, whose inner forces come from one stiffness in their own frame (host/step/deformable_kernels.h), beside
+// the same blocks zone by zone (zone_kernels.h), which fewer than three of a kind go by.
+#include <cstring>
+
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+const Vector kAxis = normalized(Vector{0.5, -0.3, 0.8});
+
+// `count` bricks apart from each other, each turned otherwise.
+Scene bricks_apart(int count) {
+  Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
+  for (int i = 0; i < count; ++i) {
+    Block b;
+    b.rigid = false, b.divisions = {2, 1, 1}, b.orientation = geometry::rotation(0.7 * i * kAxis);
+    b.position = {2.0 * i, 0.0, 0.0};
+    scene.assembly.add(box({-0.2, -0.05, -0.1}, {0.4, 0.1, 0.2}), b);
+  }
+  for (Block& b : scene.assembly.blocks) b.shape = 0;
+  return scene;
+}
+
+// The same velocities in the frame of each block, m/s, whatever its place.
+void shake(Model& m, double size) {
+  for (int i = 0; i < m.block_count(); ++i) {
+    uint64_t random = 88172645463325252u;
+    const Matrix turned = geometry::matrix(m.assembly().blocks[size_t(i)].orientation);
+    const ModelBlock& b = m.block(i);
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
+      Vector v;
+      for (int k = 0; k < 3; ++k) {
+        random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+        v[k] = size * (double(random >> 11) / 9007199254740992.0 - 0.5);
+      }
+      m.node_velocities()[size_t(n)] = turned * v;
+    }
+  }
+}
+
+// Displacements of block 0 in its own frame.
+std::vector<Vector> displacements(const Model& m, int block) {
+  const ModelBlock& b = m.block(block);
+  const Matrix turned = geometry::matrix(m.assembly().blocks[size_t(block)].orientation);
+  std::vector<Vector> u;
+  for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
+    u.push_back(transposed_times(turned, m.node_positions()[size_t(n)] - m.node_reference()[size_t(n)]));
+  return u;
+}
+
+double largest_difference(const std::vector<Vector>& a, const std::vector<Vector>& b) {
+  double largest = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, norm(a[i] - b[i]));
+  return largest;
+}
+double largest(const std::vector<Vector>& a) { return largest_difference(a, std::vector<Vector>(a.size())); }
+
+// Motion of the two ways differs by the square of the strain: a hundredth of the motion gives a ten thousandth.
+TEST(BlocksAlike, AreThoseZoneByZoneForSmallStrain) {
+  for (const auto& [what, solver] : {std::pair{"undamped", undamped(0.7)}, {"viscous", viscous(0, 2e-5, 0.7)}}) {
+    double difference[2];
+    for (int i = 0; i < 2; ++i) {
+      auto alike = bricks_apart(4).model(solver), alone = bricks_apart(1).model(solver);
+      ASSERT_NEAR(alike->time_step(), alone->time_step(), 1e-7 * alone->time_step());  // by Lanczos
+      for (Model* m : {alike.get(), alone.get()}) {
+        shake(*m, i == 0 ? 1.0 : 0.01);
+        for (int step = 0; step < 40; ++step) m->step();
+      }
+      const std::vector<Vector> u = displacements(*alone, 0);
+      difference[i] = largest_difference(displacements(*alike, 0), u) / largest(u);
+      // In whatever direction a block is turned.
+      for (int block = 1; block < 4; ++block)
+        EXPECT_LT(largest_difference(displacements(*alike, block), displacements(*alike, 0)), 1e-13);  // places to 6 m
+    }
+    check_error(std::string("blocks alike beside zone by zone, ") + what + ", motion 1e-4", difference[1], 2e-4, "-",
+                "relative");
+    EXPECT_NEAR(difference[0] / difference[1], 100.0, 30.0) << what;
+  }
+}
+
+// Free, vibrating and tumbling: momenta to rounding, energy without drift.
+TEST(BlocksAlike, TumblingKeepsMomentumAndEnergy) {
+  auto m = bricks_apart(3).model(undamped(0.5));
+  const Vector omega{13.0, 33.0, 20.0};
+  shake(*m, 0.1);
+  for (int i = 0; i < m->block_count(); ++i) {
+    const ModelBlock& b = m->block(i);
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
+      m->node_velocities()[size_t(n)] += cross(omega, m->node_positions()[size_t(n)] - m->position(i));
+  }
+  m->track_energy(true);
+  m->step();
+  const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
+  const double start = m->energies().kinetic + m->energies().strain, end = 20 * 2 * pi / norm(omega);
+  double early = 0.0, all = 0.0;
+  while (m->time() < end) {
+    m->step();
+    all = std::max(all, std::abs((m->energies().kinetic + m->energies().strain) / start - 1));
+    if (m->time() < 0.1 * end) early = all;
+  }
+  check_error("blocks alike, tumbling 20 turns: momentum", norm(m->linear_momentum() - linear) / norm(angular), 1e-11,
+              "-", "relative");
+  check_error("blocks alike, tumbling 20 turns: angular momentum",
+              norm(m->angular_momentum() - angular) / norm(angular), 1e-11, "-", "relative");
+  check_error("blocks alike, tumbling 20 turns: energy", all, 2e-3, "-", "relative, swinging");
+  EXPECT_LT(all, 2.0 * early) << "it drifts";
+}
+
+// Viscosity of zones takes nothing from steady spin, and the stretch is that of zone by zone.
+TEST(BlocksAlike, ViscositySeesNoRigidMotion) {
+  const double omega = 60.0;
+  const auto spin = [&](int count, double* lost) {
+    auto m = bricks_apart(count).model(viscous(0, 2e-5, 0.7));
+    for (int i = 0; i < count; ++i) {
+      const Vector axis = geometry::matrix(m->assembly().blocks[size_t(i)].orientation) * Vector{0, 1, 0};
+      m->set_velocity(i, {}, omega * axis);
+    }
+    m->run(2 * 2 * pi / omega);  // vibrations of the start fade
+    const double before = m->kinetic_energy();
+    m->run(10 * 2 * pi / omega);
+    *lost = 1 - m->kinetic_energy() / before;
+    const ModelBlock& b = m->block(0);
+    double longest = 0.0;
+    for (int i = b.first_node; i < b.first_node + b.node_count; ++i) {
+      for (int j = b.first_node; j < i; ++j)
+        longest = std::max(longest, norm(m->node_positions()[size_t(i)] - m->node_positions()[size_t(j)]));
+    }
+    return longest - norm(Vector{0.4, 0.1, 0.2});
+  };
+  double lost = 0.0, lost_alone = 0.0;
+  const double stretch = spin(3, &lost), alone = spin(1, &lost_alone);
+  check_error("blocks alike, viscous, 10 turns: kinetic energy lost", std::abs(lost), 1e-9, "-", "relative");
+  EXPECT_GT(alone, 1e-6);
+  check("blocks alike, centrifugal stretch", alone, stretch, 1e-3, "m", "that of zone by zone");
+}
+
+// A block that deforms by more than its frame may leave out goes on zone by zone; energy stays.
+TEST(BlocksAlike, LeaveWhenTheyDeformMuch) {
+  auto alike = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(undamped(0.5));
+  for (Model* m : {alike.get(), alone.get()}) {
+    // Stretched along its length, 3 % at most.
+    for (int i = 0; i < m->block_count(); ++i) {
+      const ModelBlock& b = m->block(i);
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
+        const Matrix turned = geometry::matrix(m->assembly().blocks[size_t(i)].orientation);
+        const double x = transposed_times(turned, m->node_reference()[size_t(n)] - m->position(i)).x;
+        m->node_velocities()[size_t(n)] = 100.0 * x * (turned * Vector{1, 0, 0});
+      }
+    }
+    m->track_energy(true);
+    m->step();
+  }
+  const auto energy = [](const Model& m) { return m.energies().kinetic + m.energies().strain; };
+  const auto change = [&](const Model& m, double from) { return std::abs(energy(m) / from - 1); };
+  const double start = energy(*alike), start_alone = energy(*alone);
+  double furthest = 0.0, lost = 0.0, lost_alone = 0.0;
+  for (int step = 0; step < 60; ++step) {
+    alike->step(), alone->step();
+    furthest = std::max(furthest, largest(displacements(*alone, 0)));
+    lost = std::max(lost, change(*alike, start)), lost_alone = std::max(lost_alone, change(*alone, start_alone));
+  }
+  EXPECT_GT(furthest, 0.02 * 0.1);
+  check("blocks alike, stretched by percents: swing of the energy", lost_alone, lost, 0.1, "-", "that of zone by zone");
+  EXPECT_LT(largest_difference(displacements(*alike, 0), displacements(*alone, 0)), 0.03 * furthest);
+}
+
+// What a block does is the same to the last bit whatever its neighbours in a vector do.
+TEST(BlocksAlike, CompanyChangesNoBit) {
+  std::vector<Vector> of[2];
+  for (const int run : {0, 1}) {
+    auto m = bricks_apart(11).model(undamped(0.7));
+    shake(*m, 0.1);
+    m->set_gravity({0, -9.81, 0});
+    for (int i = 0; i < m->block_count() && run == 1; ++i) {
+      if (i != 1 && i != 9) m->set_velocity(i, {0.3 * i, 1.0, -2.0}, {40.0, 5.0 * i, 0.0});
+    }
+    for (int step = 0; step < 20; ++step) m->step();
+    for (const int block : {1, 9}) {
+      for (const Vector& u : displacements(*m, block)) of[run].push_back(u);
+    }
+  }
+  EXPECT_EQ(std::memcmp(of[0].data(), of[1].data(), of[0].size() * sizeof(Vector)), 0);
+}
+
+}  // namespace
+}  // namespace quoin::verification
