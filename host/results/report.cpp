@@ -109,6 +109,7 @@ struct Surface {
   std::vector<Triangle> triangle;     // of vertices of the surface
   std::vector<std::uint32_t> edge;    // pairs of these: sharp edges
   std::vector<std::int32_t> block;    // by vertex
+  std::set<std::int32_t> beams;       // rigid blocks beside the masonry, on the lattice
 };
 
 std::vector<Triangle> triangles_of(const VtuFile& blocks) {
@@ -181,6 +182,11 @@ Surface surface_of(const VtuFile& blocks, const std::vector<float>& points) {
       of_point[static_cast<std::size_t>(connectivity[i])] = block[c];
   }
   for (const std::uint32_t p : s.vertex) s.block.push_back(of_point[p]);
+  const auto types = blocks.read<std::uint8_t>("types");
+  const auto unit = blocks.read<std::int32_t>("unit");
+  for (std::size_t c = 0; c < types.size(); ++c) {
+    if (types[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
+  }
   return s;
 }
 
@@ -230,11 +236,13 @@ struct JointValues {
   std::vector<float> damage, opening, slip;
 };
 
+// Of those blocks that show what their joints say.
 class VerticesOfBlocks {
  public:
   explicit VerticesOfBlocks(const Surface& surface) {
     for (std::size_t v = 0; v < surface.block.size(); ++v) {
-      const auto b = static_cast<std::size_t>(std::max(0, surface.block[v]));
+      if (surface.block[v] < 0 || surface.beams.contains(surface.block[v])) continue;
+      const auto b = static_cast<std::size_t>(surface.block[v]);
       if (b >= of_block_.size()) of_block_.resize(b + 1);
       of_block_[b].push_back(v);
     }
@@ -376,7 +384,7 @@ Part part_of(const fs::path& folder) {
   const VerticesOfBlocks vertices(surface);
 
   struct Frame {
-    std::vector<float> displacement, stress, rim, points;
+    std::vector<float> displacement, stress, rim, points, points_moved;
     JointValues joints;
     std::vector<std::uint8_t> crack, point_crack;
   };
@@ -397,7 +405,8 @@ Part part_of(const fs::path& folder) {
     frame.stress = stress_of(blocks, vertex, points.size() / 3);
     const std::vector<std::uint32_t> rim_now = rim_of(joints);
     const auto place = joints.read<float>("position"), carried = joints.read<float>("displacement_m");
-    const auto crack = joints.read<std::int32_t>("crack");
+    const auto crack = joints.read<std::int32_t>("crack"), block_a = joints.read<std::int32_t>("block_a"),
+               block_b = joints.read<std::int32_t>("block_b");
     // Joints of blocks of any shape are points, given where they stand: beside the vertices of now.
     std::vector<float> standing = start;
     for (std::size_t i = 0; rim_now.empty() && i < standing.size(); ++i) standing[i] += frame.displacement[i];
@@ -417,7 +426,14 @@ Part part_of(const fs::path& folder) {
     } else {
       for (std::size_t i = 0; i < crack.size(); ++i) {
         if (crack[i] == 0) continue;
-        for (const float x : at(place, i)) frame.points.push_back(x);
+        auto vertex_beside = vertices.nearest(block_a[i], at(place, i), standing);
+        if (!vertex_beside) vertex_beside = vertices.nearest(block_b[i], at(place, i), standing);
+        if (!vertex_beside) continue;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float came = frame.displacement[3 * *vertex_beside + c];
+          frame.points.push_back(at(place, i)[c] - came);
+          frame.points_moved.push_back(came);
+        }
         frame.point_crack.push_back(static_cast<std::uint8_t>(crack[i]));
       }
     }
@@ -443,6 +459,7 @@ Part part_of(const fs::path& folder) {
     if (frame.rim.size() == rim_start.size()) blob.add(name("rim_moved"), rim_moved.words(frame.rim));
     blob.add(name("crack"), frame.crack);
     blob.add(name("points"), frame.points);
+    blob.add(name("points_moved"), frame.points_moved);
     blob.add(name("point_crack"), frame.point_crack);
   }
   const auto range = [](const Quantised& q) { return Json{q.lower, q.upper}; };

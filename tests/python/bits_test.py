@@ -89,4 +89,4 @@ class Bits(Folder):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(verbosity=2)

@@ -30,4 +30,4 @@ class Examples(Folder):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(verbosity=2)

@@ -260,4 +260,4 @@ class Interruptions(Folder):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    unittest.main(verbosity=2)

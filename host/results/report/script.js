@@ -113,7 +113,7 @@ class Run {
     const size = this.reference.getSize(new THREE.Vector3()), centre = this.reference.getCenter(new THREE.Vector3());
     this.size = size.length();
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.01 * this.size, 20 * this.size);
-    this.camera.position.copy(centre).add(new THREE.Vector3(0.25, 0.2, 1).normalize().multiplyScalar(1.75 * this.size));
+    this.camera.position.copy(centre).add(new THREE.Vector3(0.25, 0.2, 1).normalize().multiplyScalar(1.6 * this.size));
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.target.copy(centre);
     this.controls.update();
@@ -139,7 +139,7 @@ class Run {
     this.rim = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(
       {vertexColors: THREE.VertexColors, depthFunc: THREE.LessEqualDepth}));
     this.dots = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial(
-      {vertexColors: THREE.VertexColors, size: 0.012 * this.size}));
+      {vertexColors: THREE.VertexColors, size: 0.008 * this.size}));
     for (const thing of [this.rim, this.dots]) { thing.frustumCulled = false; this.scene.add(thing); }
     surface.computeBoundingSphere();
     for (const thing of this.scene.children) thing.frustumCulled = false;
@@ -197,9 +197,11 @@ class Run {
       for (let end = 0; end < 2; ++end) paint.push(colour.r, colour.g, colour.b);
     }
     this.fill(this.rim.geometry, at, paint);
-    const points = this.array('points' + frame), kinds = this.array('point_crack' + frame), dots = [];
+    const points = this.array('points' + frame), moved_points = this.array('points_moved' + frame);
+    const kinds = this.array('point_crack' + frame), dots = [], stand = [];
+    if (cracks) points.forEach((x, i) => stand.push(x + magnified * moved_points[i]));
     for (const k of cracks ? kinds : []) { const c = new THREE.Color(CRACKS[k][1]); dots.push(c.r, c.g, c.b); }
-    this.fill(this.dots.geometry, cracks && magnified === 1 ? Array.from(points) : [], dots);
+    this.fill(this.dots.geometry, stand, dots);
     this.cracked = at.length / 6 + dots.length / 3;
   }
   fill(geometry, at, paint) {
