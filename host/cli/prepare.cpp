@@ -71,7 +71,10 @@ void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
-  Scene scene = read_scene(options.scene, options.overrides);
+  return prepare_scene(read_scene(options.scene, options.overrides), options);
+}
+
+Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options.force);
   std::string faults;
   const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };

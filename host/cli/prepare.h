@@ -19,6 +19,7 @@ struct SceneOptions {
 // that the new law does not have are left out, with a word on stderr), and refuses properties that no law knows, each
 // with its place and a suggestion.
 Scene prepare_scene(const SceneOptions& options);
+Scene prepare_scene(Scene read, const SceneOptions& options);  // the same, of a scene that has been read
 
 std::string end_of(const Stage& stage);  // "displacement 4 mm or 2 s"
 

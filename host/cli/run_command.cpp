@@ -22,6 +22,7 @@
 #include "results/history.h"
 #include "results/plots.h"
 #include "results/quasi_static.h"
+#include "results/report.h"
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
@@ -94,6 +95,7 @@ struct RunOptions {
   std::string resume;  // folder of the run that goes on; empty: a new one
   double checkpoint_every = 60.0;
   int threads = 0;
+  bool report = false;
 };
 
 // Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
@@ -330,6 +332,9 @@ void run(RunOptions options, int& exit_code) {
   info.crushed_out = find_crushed_out(simulation);
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
+  keep([&] {
+    if (options.report) write_report({folder});
+  });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
 
@@ -375,6 +380,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   CLI::Option* set = command->add_option("--set", options->scene.overrides, "Set a key of the scene; may be repeated")
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
+  command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
   command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,

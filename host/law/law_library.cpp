@@ -40,6 +40,11 @@ fs::path program_folder() {
   return fault ? fs::path(".") : program.parent_path();
 }
 
+std::vector<fs::path>& added_folders() {
+  static std::vector<fs::path> folders;
+  return folders;
+}
+
 // Folders that hold laws, in the order in which they are searched.
 std::vector<fs::path> search_folders() {
   std::vector<fs::path> folders;
@@ -51,6 +56,7 @@ std::vector<fs::path> search_folders() {
       begin = end + 1;
     }
   }
+  folders.insert(folders.end(), added_folders().begin(), added_folders().end());
   const fs::path program = program_folder();
   folders.push_back(program / "laws");
   std::vector<fs::path> installed;
@@ -397,6 +403,8 @@ std::vector<double> Material::initial_state(const std::string& id) const {
   }
   return values;
 }
+
+void add_law_folder(const std::string& folder) { added_folders().emplace_back(folder); }
 
 std::vector<std::string> installed_laws() {
   std::set<std::string> found;

@@ -69,6 +69,9 @@ class Material {
 // Texts of a law may be null.
 inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }
 
+// One more folder where laws are searched by name, before those beside the program: for what is no program itself.
+void add_law_folder(const std::string& folder);
+
 // Laws in the search path, by name, for `quoin models`.
 std::vector<std::string> installed_laws();
 

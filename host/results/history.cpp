@@ -20,8 +20,35 @@ std::string csv_text(const std::string& text) {
   return result + "\"";
 }
 
-// Nothing where there is nothing to say: an unbalanced force over contact forces of 0.
-std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+using Value = double(const HistoryRow&, const Stage&);
+constexpr auto kNumber = HistoryColumn::Kind::number;
+
+Energies energies(const HistoryRow& row) { return row.energies.value_or(Energies{}); }
+
+template <std::size_t mode>
+double dissipated(const HistoryRow& row, const Stage&) {
+  return energies(row).dissipated[mode];
+}
+template <double Energies::*part>
+double energy(const HistoryRow& row, const Stage&) {
+  return energies(row).*part;
+}
+template <double HistoryRow::*part>
+double number(const HistoryRow& row, const Stage&) {
+  return row.*part;
+}
+template <Vec3 HistoryRow::*part, std::size_t c>
+double component(const HistoryRow& row, const Stage&) {
+  return (row.*part)[c];
+}
+
+std::string text_of(const HistoryColumn& column, const HistoryRow& row, const Stage& stage) {
+  if (column.kind == HistoryColumn::Kind::text) return csv_text(stage.name);
+  const double value = column.value(row, stage);
+  if (column.kind == HistoryColumn::Kind::integer) return fmt::format("{}", static_cast<long>(value));
+  // Nothing where there is nothing to say: an unbalanced force over contact forces of 0.
+  return std::isfinite(value) ? fmt::format("{}", value) : "";
+}
 
 }  // namespace
 
@@ -32,18 +59,54 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], force, row.vertical_force};
 }
 
-History::History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before)
-    : path_(path), scene_(scene), stream_(begin_file(path), std::ios::trunc) {
-  stream_ << "stage,stage_name,step,time_s,displacement_m,vertical_displacement_m,horizontal_force_N,vertical_force_N,"
-             "unbalanced_ratio,kinetic_energy_J";
-  if (scene.output.energy)
-    stream_ << ",strain_energy_J,contact_energy_J,dissipated_tension_J,dissipated_cohesion_J,dissipated_friction_J,"
-               "dissipated_crushing_J,external_work_J,damping_work_J,energy_balance_error_J";
-  if (scene.blocks) {
-    stream_ << ",multiplier,monitor_dx_m,monitor_dy_m,monitor_dz_m,monitor_fx_N,monitor_fy_N,monitor_fz_N,"
-               "largest_displacement_m";
-    if (scene.output.energy) stream_ << ",kinetic_J,strain_J,contact_stored_J,damping_J,external_J,detection_J";
+std::vector<HistoryColumn> history_columns(const Scene& scene) {
+  using Kind = HistoryColumn::Kind;
+  std::vector<HistoryColumn> columns{
+      {"stage", Kind::integer, [](const HistoryRow& row, const Stage&) { return row.stage + 1.0; }},
+      {"stage_name", Kind::text, nullptr},
+      {"step", Kind::integer, [](const HistoryRow& row, const Stage&) { return static_cast<double>(row.step); }},
+      {"time_s", kNumber, number<&HistoryRow::time>},
+      {"displacement_m", kNumber, [](const HistoryRow& row, const Stage& s) { return response(row, s).displacement; }},
+      {"vertical_displacement_m", kNumber, component<&HistoryRow::monitor_displacement, 1>},
+      {"horizontal_force_N", kNumber,
+       [](const HistoryRow& row, const Stage& s) { return response(row, s).horizontal_force; }},
+      {"vertical_force_N", kNumber, number<&HistoryRow::vertical_force>},
+      {"unbalanced_ratio", kNumber, number<&HistoryRow::unbalanced_ratio>},
+      {"kinetic_energy_J", kNumber, number<&HistoryRow::kinetic_energy>}};
+  const auto add = [&](const char* name, Value* value) { columns.push_back({name, kNumber, value}); };
+  if (scene.output.energy) {
+    add("strain_energy_J", energy<&Energies::strain>);
+    add("contact_energy_J", energy<&Energies::contact_stored>);
+    add("dissipated_tension_J", dissipated<0>);
+    add("dissipated_cohesion_J", dissipated<1>);
+    add("dissipated_friction_J", dissipated<2>);
+    add("dissipated_crushing_J", dissipated<3>);
+    add("external_work_J", energy<&Energies::external>);
+    add("damping_work_J", energy<&Energies::damping>);
+    add("energy_balance_error_J", [](const HistoryRow& row, const Stage&) { return energies(row).balance_error(); });
   }
+  if (!scene.blocks) return columns;
+  add("multiplier", number<&HistoryRow::multiplier>);
+  add("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
+  add("monitor_dy_m", component<&HistoryRow::monitor_displacement, 1>);
+  add("monitor_dz_m", component<&HistoryRow::monitor_displacement, 2>);
+  add("monitor_fx_N", component<&HistoryRow::joint_force, 0>);
+  add("monitor_fy_N", component<&HistoryRow::joint_force, 1>);
+  add("monitor_fz_N", component<&HistoryRow::joint_force, 2>);
+  add("largest_displacement_m", number<&HistoryRow::largest_displacement>);
+  if (!scene.output.energy) return columns;
+  add("kinetic_J", energy<&Energies::kinetic>);
+  add("strain_J", energy<&Energies::strain>);
+  add("contact_stored_J", energy<&Energies::contact_stored>);
+  add("damping_J", energy<&Energies::damping>);
+  add("external_J", energy<&Energies::external>);
+  add("detection_J", energy<&Energies::detection>);
+  return columns;
+}
+
+History::History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before)
+    : path_(path), scene_(scene), columns_(history_columns(scene)), stream_(begin_file(path), std::ios::trunc) {
+  for (const HistoryColumn& column : columns_) stream_ << (&column == columns_.data() ? "" : ",") << column.name;
   stream_ << '\n';
   for (const HistoryRow& row : before) add(row);
 }
@@ -51,25 +114,10 @@ History::History(const std::filesystem::path& path, const Scene& scene, const st
 // Numbers in the shortest decimals that read back to the same double.
 void History::add(const HistoryRow& row) {
   const Stage& stage = scene_.stages[static_cast<size_t>(row.stage)];
-  const Response r = response(row, stage);
-  std::string line = fmt::format("{},{},{},{},{},{},{},{},{},{}", row.stage + 1, csv_text(stage.name), row.step,
-                                 row.time, r.displacement, row.monitor_displacement[1], r.horizontal_force,
-                                 r.vertical_force, csv_number(row.unbalanced_ratio), row.kinetic_energy);
-  if (scene_.output.energy) {
-    const Energies e = row.energies.value_or(Energies{});
-    line += fmt::format(",{},{},{},{},{},{},{},{},{}", e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1],
-                        e.dissipated[2], e.dissipated[3], e.external, e.damping, e.balance_error());
-  }
-  if (scene_.blocks) {
-    line += fmt::format(",{}", row.multiplier);
-    for (const Vec3& v : {row.monitor_displacement, row.joint_force})
-      line += fmt::format(",{},{},{}", v[0], v[1], v[2]);
-    line += fmt::format(",{}", row.largest_displacement);
-    if (scene_.output.energy) {
-      const Energies e = row.energies.value_or(Energies{});
-      line +=
-          fmt::format(",{},{},{},{},{},{}", e.kinetic, e.strain, e.contact_stored, e.damping, e.external, e.detection);
-    }
+  std::string line;
+  for (const HistoryColumn& column : columns_) {
+    if (!line.empty()) line += ',';
+    line += text_of(column, row, stage);
   }
   stream_ << line << '\n';
   if (!stream_) refuse();  // now, and not after hours

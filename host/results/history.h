@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <vector>
 
 #include "step/simulation.h"
@@ -16,6 +17,15 @@ struct Response {
   double vertical_force = 0.0;    // compression positive, N
 };
 Response response(const HistoryRow& row, const Stage& stage);
+
+// A column of the history. value: of numbers and integers (exact); texts are the name of the stage.
+struct HistoryColumn {
+  enum class Kind { integer, text, number };
+  std::string name;
+  Kind kind;
+  double (*value)(const HistoryRow& row, const Stage& stage);
+};
+std::vector<HistoryColumn> history_columns(const Scene& scene);  // in the order of the file
 
 class History {
  public:
@@ -31,6 +41,7 @@ class History {
   [[noreturn]] void refuse();
   std::filesystem::path path_;
   const Scene& scene_;
+  std::vector<HistoryColumn> columns_;
   std::ofstream stream_;
   std::vector<HistoryRow> rows_;
 };

@@ -8,9 +8,13 @@
 
 namespace quoin {
 
-// Names of files may hold any bytes, JSON holds UTF-8: bytes that are none become U+FFFD. Throws as write_file().
+// Names of files may hold any bytes, JSON holds UTF-8: bytes that are none become U+FFFD.
+inline std::string json_text(const nlohmann::ordered_json& json) {
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+// Throws as write_file().
 inline void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json) {
-  write_file(path, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  write_file(path, json_text(json));
 }
 
 }  // namespace quoin

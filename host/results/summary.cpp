@@ -149,6 +149,10 @@ std::string why_error_unknown(const Scene& scene, const RunInfo& info) {
 
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info) {
+  write_file(path, summary_text(simulation, rows, info));
+}
+
+std::string summary_text(const Simulation& simulation, const std::vector<HistoryRow>& rows, const RunInfo& info) {
   const Scene& scene = simulation.scene();
   const TimeStepReport& step = simulation.time_step_report();
   const Peak peak = find_peak(rows, scene);
@@ -217,7 +221,7 @@ void write_summary(const std::filesystem::path& path, const Simulation& simulati
   if (simulation.riding()) json.update(of_blocks(simulation, rows));
   json["set"] = info.overrides;
   json["settings"] = settings_of(scene, info);
-  write_json(path, json);
+  return json_text(json);
 }
 
 }  // namespace quoin

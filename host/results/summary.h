@@ -26,6 +26,8 @@ std::string law_names(const Assembly& assembly);
 // Why the errors of the quality do not speak of this run: what it is, or how it went. Empty when they do.
 std::string why_error_unknown(const Scene& scene, const RunInfo& info);
 
+// As the file has it.
+std::string summary_text(const Simulation& simulation, const std::vector<HistoryRow>& rows, const RunInfo& info);
 void write_summary(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info);
 

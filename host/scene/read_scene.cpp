@@ -528,9 +528,12 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 }
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  return read_scene(parse(path), path, overrides);
+}
+
+Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
-  toml::table root = parse(path);
   for (const std::string& setting : overrides) apply_override(root, setting, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");

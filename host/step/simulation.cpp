@@ -50,6 +50,11 @@ void Simulation::advance(long steps, bool measure_last) {
 }
 
 void Simulation::run(Observer& observer) {
+  while (run_stage(observer)) {
+  }
+}
+
+bool Simulation::run_stage(Observer& observer, long most_steps) {
   Impl& s = *impl_;
   const auto tell = [&s](const auto& what) {
     const auto before = Clock::now();
@@ -57,96 +62,96 @@ void Simulation::run(Observer& observer) {
     s.times[Phase::output] += seconds_since(before);
   };
   const int stage_count = static_cast<int>(s.scene.stages.size());
-  const int first = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
-  for (int index = first; index < stage_count; ++index) {
-    if (!s.in_stage) s.begin_stage(index);
-    observer.on_stage_begin(*this, index);
-    for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
-    const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
-    const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
-    auto last_progress = Clock::now();
-    long steps_then = s.stage_step;
-    double fraction_then = s.stage_fraction();
+  const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
+  if (index >= stage_count) return false;
+  if (!s.in_stage) s.begin_stage(index);
+  observer.on_stage_begin(*this, index);
+  for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
+  const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
+  const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
+  auto last_progress = Clock::now();
+  long steps_then = s.stage_step;
+  double fraction_then = s.stage_fraction();
 
-    for (bool done = false; !done;) {
-      const bool stop = stop_requested();
-      const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
-      const bool due = s.stage_step >= s.next_row, row = stop || due;
-      const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
-      s.step_once(check || row || frame || s.want_energy, frame);
+  for (bool done = false; !done; --most_steps) {
+    if (most_steps <= 0) return true;
+    const bool stop = stop_requested();
+    const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
+    const bool due = s.stage_step >= s.next_row, row = stop || due;
+    const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
+    s.step_once(check || row || frame || s.want_energy, frame);
 
-      done = check && s.equilibrium_reached(settings);
-      if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
-      if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
-      if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
-      // Before a row that only the stop asks for: who goes on from here has a history without it.
-      if (stop && !due && !done && !frame) tell([&] { observer.on_pause(*this, true); });
-      if (row || done) {
-        const auto before = Clock::now();
-        const HistoryRow now = s.measure();
-        s.times[Phase::measurement] += seconds_since(before);
-        s.require_finite(now);
-        tell([&] { observer.on_row(now); });
-        const bool was_past = !s.past_motion_bound().empty();
-        s.look_at_motion();
-        const std::string past = s.past_motion_bound();
-        const SolverSettings& solver = s.scene.solver;
-        if (!past.empty() && solver.large_motion == LargeMotion::never && solver.motion_bound.stop) {
-          throw Error(
-              Exit::numerical,
-              fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, "
-                          "or solver.past_motion_bound = \"warn\" to go on all the same",
-                          s.stage_step, settings.name, past));
-        }
-        if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
-          s.promote(past);
-          observer.on_promotion(*this);
-        } else if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) {
-          observer.on_motion_bound(past);
-        }
-        while (s.next_row < s.stage_step) s.next_row += s.row_interval;
+    done = check && s.equilibrium_reached(settings);
+    if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
+    if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
+    if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
+    // Before a row that only the stop asks for: who goes on from here has a history without it.
+    if (stop && !due && !done && !frame) tell([&] { observer.on_pause(*this, true); });
+    if (row || done) {
+      const auto before = Clock::now();
+      const HistoryRow now = s.measure();
+      s.times[Phase::measurement] += seconds_since(before);
+      s.require_finite(now);
+      tell([&] { observer.on_row(now); });
+      const bool was_past = !s.past_motion_bound().empty();
+      s.look_at_motion();
+      const std::string past = s.past_motion_bound();
+      const SolverSettings& solver = s.scene.solver;
+      if (!past.empty() && solver.large_motion == LargeMotion::never && solver.motion_bound.stop) {
+        throw Error(Exit::numerical,
+                    fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, "
+                                "or solver.past_motion_bound = \"warn\" to go on all the same",
+                                s.stage_step, settings.name, past));
       }
-      if (frame) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
-      if (stop)
-        throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
-      if (!done && s.stage_step >= settings.max_steps) {
-        std::string reason = fmt::format("stage '{}' has not ended after {} steps", settings.name, s.stage_step);
-        if (settings.equilibrium_ratio) {
-          reason += fmt::format(": unbalanced force ratio {:.4g}, wanted {:.4g}", s.unbalanced_ratio,
-                                *settings.equilibrium_ratio);
-        }
-        throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
+      if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
+        s.promote(past);
+        observer.on_promotion(*this);
+      } else if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) {
+        observer.on_motion_bound(past);
       }
-      if (!done && s.stage_step % kPauseInterval == 0) tell([&] { observer.on_pause(*this, false); });
-      if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
-        const double seconds = seconds_since(last_progress);
-        Progress progress;
-        progress.stage = index;
-        progress.stage_count = stage_count;
-        progress.settings = &settings;
-        progress.step = s.stage_step;
-        progress.unbalanced_ratio = s.unbalanced_ratio;
-        const double by_length = s.stage_fraction();
-        progress.fraction = by_length;
-        if (settings.equilibrium_ratio && s.unbalanced_ratio > 0.0 && std::isfinite(s.unbalanced_ratio) &&
-            *settings.equilibrium_ratio < 1.0) {
-          progress.fraction = std::max(by_length, std::log(s.unbalanced_ratio) / std::log(*settings.equilibrium_ratio));
-        }
-        progress.fraction = std::clamp(progress.fraction, 0.0, 1.0);
-        progress.steps_per_second = static_cast<double>(s.stage_step - steps_then) / seconds;
-        progress.seconds_left =
-            by_length > fraction_then ? seconds * (1.0 - by_length) / (by_length - fraction_then) : -1.0;
-        observer.on_progress(progress);
-        last_progress = Clock::now();
-        steps_then = s.stage_step;
-        fraction_then = by_length;
-      }
+      while (s.next_row < s.stage_step) s.next_row += s.row_interval;
     }
-    // Frames that the end overtook: the last one shows the end.
-    if (frames > 0 && s.next_frame <= frames) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
-    s.in_stage = false;
-    observer.on_stage_end(*this, index, s.measure());
+    if (frame) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+    if (stop)
+      throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
+    if (!done && s.stage_step >= settings.max_steps) {
+      std::string reason = fmt::format("stage '{}' has not ended after {} steps", settings.name, s.stage_step);
+      if (settings.equilibrium_ratio) {
+        reason += fmt::format(": unbalanced force ratio {:.4g}, wanted {:.4g}", s.unbalanced_ratio,
+                              *settings.equilibrium_ratio);
+      }
+      throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
+    }
+    if (!done && s.stage_step % kPauseInterval == 0) tell([&] { observer.on_pause(*this, false); });
+    if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
+      const double seconds = seconds_since(last_progress);
+      Progress progress;
+      progress.stage = index;
+      progress.stage_count = stage_count;
+      progress.settings = &settings;
+      progress.step = s.stage_step;
+      progress.unbalanced_ratio = s.unbalanced_ratio;
+      const double by_length = s.stage_fraction();
+      progress.fraction = by_length;
+      if (settings.equilibrium_ratio && s.unbalanced_ratio > 0.0 && std::isfinite(s.unbalanced_ratio) &&
+          *settings.equilibrium_ratio < 1.0) {
+        progress.fraction = std::max(by_length, std::log(s.unbalanced_ratio) / std::log(*settings.equilibrium_ratio));
+      }
+      progress.fraction = std::clamp(progress.fraction, 0.0, 1.0);
+      progress.steps_per_second = static_cast<double>(s.stage_step - steps_then) / seconds;
+      progress.seconds_left =
+          by_length > fraction_then ? seconds * (1.0 - by_length) / (by_length - fraction_then) : -1.0;
+      observer.on_progress(progress);
+      last_progress = Clock::now();
+      steps_then = s.stage_step;
+      fraction_then = by_length;
+    }
   }
+  // Frames that the end overtook: the last one shows the end.
+  if (frames > 0 && s.next_frame <= frames) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+  s.in_stage = false;
+  observer.on_stage_end(*this, index, s.measure());
+  return index + 1 < stage_count;
 }
 
 void Simulation::time_phases() {

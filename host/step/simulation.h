@@ -3,8 +3,10 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -164,6 +166,10 @@ class Simulation {
   // All stages, or the rest of them. Throws Error(numerical) with place and values, or Error(interrupted) after
   // request_stop; results can still be read then.
   void run(Observer& observer);
+  // The current stage, or the next one: to its end, or for so many steps if it lasts longer. A later call goes on where
+  // this one left, and begins by reporting the stage and its law swaps again. False: all stages are over. Throws as
+  // run.
+  bool run_stage(Observer& observer, long most_steps = std::numeric_limits<long>::max());
   // Async-signal-safe: the step in progress is finished first.
   void request_stop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
   bool stop_requested() const noexcept { return stop_requested_.load(std::memory_order_relaxed); }
@@ -217,6 +223,31 @@ class Simulation {
   // the law of a point does not tell. Cold, as contact_points.
   std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage() const;
   std::array<long, kConditionCount> condition_counts() const;
+
+  // Steering between two steps (steer.cpp), from now on and until the next stage begins; without a ramp. What the stage
+  // does not hold along a component has no velocity to be given, what it holds takes no force. Before the first step
+  // the first stage is begun. Each throws Error(bad_input) with what the scene has instead, and nothing has changed
+  // then.
+  void set_velocity(const std::string& body, const Vec3& velocity);  // m/s; components that are free keep theirs: NaN
+  void set_force(const std::string& body, const Vec3& force);        // N, on each body of that name; held ones: NaN
+  // The tractions of all points stay. Throws Error(law_refused) too.
+  LawSwap swap_law(const std::string& family, const std::string& law);
+
+  // Where arrays of now lie, in doubles: row r, column c at data[r * row_stride + c * column_stride]. Good until the
+  // simulation is stepped, steered or restored. data null: there is none, as displacements in large motion.
+  struct View {
+    double* data = nullptr;
+    std::size_t rows = 0, columns = 1;
+    std::ptrdiff_t row_stride = 1, column_stride = 1;
+  };
+  enum class BlockArray { displacement, velocity };  // m, m/s
+  // By gridpoint, x y z; of a rigid block one row: its centre.
+  View view(BlockArray what, int block);
+  enum class PointArray { sigma, tau_s, tau_t, area, position };  // Pa, m2, m (reference on the lattice, else now)
+  View view(PointArray what, int family);
+  View view_state(int family, const std::string& id);  // Error(bad_input): the law has no such state
+  // To be called after velocities were written through a view.
+  void velocities_changed();
 
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.

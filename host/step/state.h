@@ -120,6 +120,10 @@ struct Simulation::Impl {
   void begin_stage(int index);
   void control_bodies(const Stage& settings);  // and find the monitor
   void find_loaded_blocks();
+  // Sets velocities (else forces) of bodies, or blocks, that have this name: those components that are numbers.
+  void steer_bodies(const char* what, const std::string& name, const std::vector<int>& bodies, const Vec3& value,
+                    bool velocities);
+  void steer_drives(const char* what, const std::string& name, const Vec3& value, bool velocities);
   void bind_whiffletree();  // bodies and blocks of the stage's floors
   void bind_controls();     // lists that follow from ramps and prescribed components
   void find_bodies_at_rest();

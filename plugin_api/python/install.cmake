@@ -1,4 +1,4 @@
-# Installs quoin.py where Python finds it: the virtual environment or the Python whose modules lie under the prefix; else
+# Installs QUOIN_PYTHON_FILES as parts of the package quoin where Python finds it: the virtual environment or the Python whose modules lie under the prefix; else
 # PREFIX/lib/pythonX.Y/site-packages, for PYTHONPATH. QUOIN_PYTHON_DIR (absolute, or below the prefix) overrides it.
 set(folder "${QUOIN_PYTHON_DIR}")
 if(NOT folder)
@@ -25,4 +25,8 @@ elseif(NOT folder)
   message(STATUS "No Python is here: set PYTHONPATH=${folder}, or install with -DQUOIN_PYTHON_DIR=FOLDER")
 endif()
 cmake_path(ABSOLUTE_PATH folder BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}")
-file(INSTALL DESTINATION "${folder}" TYPE FILE FILES "${CMAKE_CURRENT_LIST_DIR}/quoin.py")
+file(INSTALL DESTINATION "${folder}/quoin" TYPE FILE FILES ${QUOIN_PYTHON_FILES})
+# Where the laws are, seen from there.
+cmake_path(ABSOLUTE_PATH QUOIN_LAW_DIR BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}" OUTPUT_VARIABLE laws)
+cmake_path(RELATIVE_PATH laws BASE_DIRECTORY "${folder}/quoin")
+file(WRITE "$ENV{DESTDIR}${folder}/quoin/where.txt" "${laws}\n")

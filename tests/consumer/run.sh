@@ -33,7 +33,7 @@ case $way in
     fi
     if python3 -c 'import numpy' 2>/dev/null; then
       adapters=$work/elsewhere/share/quoin/adapters
-      module=$(dirname "$(find "$work/elsewhere" -name quoin.py)")
+      module=$(dirname "$(dirname "$(find "$work/elsewhere" -path "*/quoin/law.py")")")
       PYTHONPATH=$module:$adapters/shared:$adapters/lammps:$adapters/yade PYTHONDONTWRITEBYTECODE=1 \
         python3 -c 'import atom_joints, cube_scene, joints'
     else
@@ -50,7 +50,7 @@ case $way in
     fi
     if /usr/bin/python3 -c 'import sys; sys.exit("/usr/local/lib" not in "".join(sys.path))'; then
       DESTDIR=$work/root cmake -DCMAKE_INSTALL_PREFIX=/usr/local -P "$build/plugin_api/cmake_install.cmake" >/dev/null
-      folder=$(dirname "$(find "$work/root" -name quoin.py)")
+      folder=$(dirname "$(dirname "$(find "$work/root" -path "*/quoin/law.py")")")
       (cd / && /usr/bin/python3 -c 'import sys; print("\n".join(sys.path))') | grep -x "${folder#"$work/root"}"
     else
       echo "/usr/local: skipped, /usr/bin/python3 does not look there"

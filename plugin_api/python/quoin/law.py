@@ -1,12 +1,12 @@
 """Contact laws of Quoin from Python: ctypes and NumPy, no compiled part.
 
     import numpy as np, quoin
-    law = quoin.load("laws/fracture_energy.so")[0]
-    print(law)                                    # properties, states, capabilities
-    material = law.material(normal_stiffness=82e9, shear_stiffness=36e9, ...)
+    material = quoin.Law("fracture_energy", normal_stiffness=82e9, shear_stiffness=36e9, ...)
+    print(material.law)                           # properties, states, capabilities
     path = material.drive(normal=np.linspace(0, 2e-4, 1000))                  # an opening that grows
     path = material.drive(sigma=-0.3e6, s=np.linspace(0, 1e-3, 1000))         # sliding at constant pressure
     path.plot("sliding.png")
+    law = quoin.load("laws/fracture_energy.so")[0]                            # of a library, and law.material(...)
 
 Arrays go to the law in place: any float64 array, any stride, is a column without a copy. Lengths in m, stresses in Pa,
 energies in J/m2; opening and tension are positive.
@@ -113,13 +113,17 @@ def _columns(name, arrays, number, count, writable=False):
     """So many arrays as columns; arrays may be None for none of them."""
     if arrays is None:
         return (_Column * number)()
+    if not isinstance(arrays, (list, tuple, np.ndarray)):
+        raise TypeError(f"{name}: {number} arrays in a list are needed, not {type(arrays).__name__}")
     if len(arrays) != number:
         raise ValueError(f"{name}: {len(arrays)} arrays, where {number} are needed")
     columns = [_column(f"{name}[{k}]", a, count, writable=writable) for k, a in enumerate(arrays)]
     return (_Column * max(1, number))(*columns)
 
 
-class Law:
+class LawInfo:
+    """A law of a library: what it is called, its properties and states."""
+
     def __init__(self, library, raw):
         self._library, self._raw = library, raw  # the library stays loaded as long as one of its laws is in use
         for field in ("id", "name", "version", "citation", "description"):
@@ -157,7 +161,10 @@ class Material:
             if isinstance(value, str):
                 values.append(_PropertyValue(c.sizeof(_PropertyValue), name.encode(), 0, None, value.encode()))
             else:
-                numbers = np.ravel(np.asarray(value, dtype=float))
+                try:
+                    numbers = np.ravel(np.asarray(value, dtype=float))
+                except (TypeError, ValueError):
+                    raise TypeError(f"{name}: a number, an array of numbers or a word is needed, not {value!r}") from None
                 data = (_f64 * len(numbers))(*numbers)
                 values.append(_PropertyValue(c.sizeof(_PropertyValue), name.encode(), len(numbers), data, None))
         pointers = (c.POINTER(_PropertyValue) * max(1, len(values)))(*[c.pointer(v) for v in values])
@@ -207,6 +214,8 @@ class Material:
         returns counts them in failed_count, and status tells which."""
         traction_new = traction if traction_new is None else traction_new
         state_new = state if state_new is None else state_new
+        if not isinstance(normal_jump, np.ndarray) or normal_jump.ndim != 1:
+            raise TypeError("normal_jump: a column is a one-dimensional array of float64")
         count, states = len(normal_jump), len(self.law.state_ids)
         batch = _Batch(struct_size=c.sizeof(_Batch), count=count)
         batch.normal_jump = _column("normal_jump", normal_jump, count)
@@ -425,6 +434,29 @@ def _solve(excess, done, start, stiffness):
         near, far = (middle, far) if (over > 0) == (first > 0) else (near, middle)
 
 
+class Law(Material):
+    """A law by its name, or the path of its library, with its properties: Law("elastic", normal_stiffness=1e9, ...).
+    Laws are looked for in the folders of $QUOIN_LAW_PATH and beside this package."""
+
+    def __init__(self, name, /, **properties):
+        if not isinstance(name, str):
+            raise TypeError(f"name: of a law, or the path of a library, not {type(name).__name__}")
+        super().__init__(_find(name), properties)
+
+    def evaluate(self, normal_jump, slip, traction, state, **outputs):
+        """One step of N points, arrays in place: see prepare, which this is but for one thing: every value must be finite.
+
+            normal_jump: (N,) total opening at the end of the step, m; slip: two of (N,), sliding during the step, m;
+            traction: three of (N,), sigma, tau_s, tau_t, Pa; state: those of initial_state(N)."""
+        step = self.prepare(normal_jump, slip, traction, state, **outputs)
+        for name, arrays in (("normal_jump", [normal_jump]), ("slip", slip), ("traction", traction), ("state", state)):
+            for k, array in enumerate(arrays):
+                for i in np.flatnonzero(~np.isfinite(array))[:1]:
+                    which = name if name == "normal_jump" else f"{name}[{k}]"
+                    raise ValueError(f"{which}[{i}] is {array[i]}: every value must be finite")
+        return step()
+
+
 class _Step:
     def __init__(self, material, batch, arrays):
         self._material, self._batch, self._arrays = material, batch, arrays  # the arrays must stay where they are
@@ -474,14 +506,37 @@ def load(path):
     library = c.CDLL(os.path.abspath(path))
     entry = library.quoin_library_v1
     entry.restype, entry.argtypes = c.POINTER(_Library), [c.POINTER(_HostInfo), c.POINTER(_Text)]
-    host = _HostInfo(c.sizeof(_HostInfo), ABI_MAJOR, ABI_MINOR, b"quoin.py", b"1.0")
+    host = _HostInfo(c.sizeof(_HostInfo), ABI_MAJOR, ABI_MINOR, b"quoin.law", b"1.0")
     message = _Message()
     info = entry(c.byref(host), c.byref(message.text))
     if not info:
         raise Refused(f"{path}: {message}")
     if info.contents.abi_major != ABI_MAJOR:
         raise Refused(f"{path}: speaks ABI {info.contents.abi_major}, this module {ABI_MAJOR}")
-    return [Law(library, info.contents.laws[k].contents) for k in range(info.contents.law_count)]
+    return [LawInfo(library, info.contents.laws[k].contents) for k in range(info.contents.law_count)]
+
+
+def folders():
+    """Where laws are looked for by their names."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    found = [f for f in os.environ.get("QUOIN_LAW_PATH", "").split(":") if f]
+    try:
+        with open(os.path.join(here, "where.txt"), encoding="utf-8") as file:  # by whoever installed the package
+            found.append(os.path.normpath(os.path.join(here, file.read().strip())))
+    except FileNotFoundError:
+        pass
+    return found
+
+
+def _find(name):
+    if "/" in name:
+        return load(name)[0]
+    tried = [os.path.join(folder, name + ".so") for folder in folders()]
+    for path in tried:
+        if os.path.exists(path):
+            return next((law for law in load(path) if law.id == name), None) or load(path)[0]
+    raise Refused(f"law '{name}' could not be loaded: not found; tried {', '.join(tried) or 'no folder'}; set "
+                  "QUOIN_LAW_PATH or give the path of its library")
 
 
 if __name__ == "__main__":

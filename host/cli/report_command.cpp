@@ -1,0 +1,32 @@
+#include "cli/report_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <vector>
+
+#include "results/report.h"
+
+namespace quoin {
+
+void add_report_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("report", "Write a page of a run, to be opened in a browser");
+  auto folders = std::make_shared<std::vector<std::string>>();
+  command->add_option("folders", *folders, "Folder of results; a second one is shown beside it")
+      ->type_name("DIR")
+      ->required()
+      ->expected(1, 2);
+  command->footer(
+      "Writes DIR/report.html: one file, opened from the disk, without network. It shows the model, turned by mouse "
+      "and\n"
+      "coloured by damage, opening, slip, stress or displacement; the curve; energies; settings, warnings, known "
+      "error.\n"
+      "Examples:\n"
+      "  quoin report out/solid_wall_030\n"
+      "  quoin report out/solid_wall_030 /tmp/brittle        two runs side by side\n"
+      "  quoin run host/scenes/arch.toml --report            at the end of a run");
+  command->callback([folders] { fmt::print("{}\n", write_report({folders->begin(), folders->end()}).string()); });
+}
+
+}  // namespace quoin

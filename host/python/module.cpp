@@ -1,0 +1,135 @@
+// The compiled part of the package `quoin`: what the Python files beside it are written on. Not for users.
+#include <pybind11/pybind11.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "cli/prepare.h"
+#include "law/law_library.h"
+#include "python/document.h"
+#include "python/session.h"
+#include "scene/reader.h"
+#include "step/large_motion.h"
+
+namespace {
+
+namespace py = pybind11;
+using quoin::Simulation;
+using quoin::python::Session;
+
+// As `quoin run` prepares a scene. document none: the file of that name as it is, so that messages have its lines.
+quoin::Scene scene_of(const py::object& document, const std::string& path) {
+  quoin::SceneOptions options;
+  options.scene = path;
+  if (document.is_none()) return quoin::prepare_scene(options);
+  return quoin::prepare_scene(quoin::reader::read_scene(quoin::python::table_of(document.cast<py::dict>()), path),
+                              options);
+}
+
+py::dict dict_of(const quoin::LawSwap& swap) {
+  py::dict d;
+  d["joint"] = swap.family, d["from"] = swap.from, d["to"] = swap.to, d["points"] = swap.points;
+  d["limited"] = swap.limited, d["stored_before_J"] = swap.stored_before, d["energy_jump_J"] = swap.energy_jump;
+  return d;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_quoin, m) {
+  m.attr("version") = QUOIN_VERSION;
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const quoin::Error& error) {
+      const py::object raised =
+          py::module_::import("quoin.errors").attr("from_exit_code")(static_cast<int>(error.exit_code), error.what());
+      PyErr_SetObject(py::type::of(raised).ptr(), raised.ptr());
+    }
+  });
+  m.def("add_law_folder", &quoin::add_law_folder);
+  m.def("law_path", [](const std::string& name) { return quoin::LawLibrary::load(name)->path(); });
+  m.def("installed_laws", &quoin::installed_laws);
+  m.def("parse", [](const std::string& path) { return quoin::python::document_of(quoin::reader::parse(path)); });
+  m.def("text", [](const py::dict& document) { return quoin::python::text_of(quoin::python::table_of(document)); });
+  m.def("check", [](const py::object& document, const std::string& path) { scene_of(document, path); });
+
+  py::class_<Session>(m, "Session")
+      .def(py::init([](const py::object& document, const std::string& path, int threads, bool keep_frames,
+                       const std::string& folder) {
+        return std::make_unique<Session>(scene_of(document, path), threads, keep_frames, folder);
+      }))
+      .def("step", &Session::step)
+      .def("set_progress", &Session::set_progress)
+      .def("history", &Session::history)
+      .def("measure", &Session::measure)
+      .def("finish", &Session::finish)
+      .def("frames", &Session::frames)
+      .def("mesh", &Session::mesh)
+      .def("contacts", [](const Session& s, const std::string& joint) { return s.contacts(s.family_named(joint)); })
+      .def("damage", [](const Session& s, const std::string& joint) { return s.damage(s.family_named(joint)); })
+      .def("displacement",
+           [](Session& s, const py::object& block) {
+             return s.block_array(Simulation::BlockArray::displacement, s.block_named(block));
+           })
+      .def("velocity",
+           [](Session& s, const py::object& block) {
+             return s.block_array(Simulation::BlockArray::velocity, s.block_named(block));
+           })
+      .def("sigma",
+           [](Session& s, const std::string& joint) {
+             return s.point_array(Simulation::PointArray::sigma, s.family_named(joint));
+           })
+      .def("tau_s",
+           [](Session& s, const std::string& joint) {
+             return s.point_array(Simulation::PointArray::tau_s, s.family_named(joint));
+           })
+      .def("tau_t",
+           [](Session& s, const std::string& joint) {
+             return s.point_array(Simulation::PointArray::tau_t, s.family_named(joint));
+           })
+      .def("area",
+           [](Session& s, const std::string& joint) {
+             return s.point_array(Simulation::PointArray::area, s.family_named(joint));
+           })
+      .def("position",
+           [](Session& s, const std::string& joint) {
+             return s.point_array(Simulation::PointArray::position, s.family_named(joint));
+           })
+      .def("state", [](Session& s, const std::string& joint,
+                       const std::string& id) { return s.state(s.family_named(joint), id); })
+      .def("velocities_changed", &Session::velocities_changed)
+      .def("set_velocity",
+           [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_velocity(body, value); })
+      .def("set_force",
+           [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_force(body, value); })
+      .def("swap_law", [](Session& s, const std::string& joint,
+                          const std::string& law) { return dict_of(s.use().swap_law(joint, law)); })
+      .def("save", &Session::save)
+      .def("restore", &Session::restore)
+      .def("checkpoint", &Session::checkpoint)
+      .def("resume", &Session::resume)
+      .def_property_readonly("steps", [](const Session& s) { return s.use().step(); })
+      .def_property_readonly("time", [](const Session& s) { return s.use().time(); })
+      .def_property_readonly("time_step", [](const Session& s) { return s.use().time_step_report().time_step; })
+      .def_property_readonly("stage", &Session::stage)
+      .def_property_readonly("stage_names",
+                             [](const Session& s) {
+                               std::vector<std::string> names;
+                               for (const quoin::Stage& stage : s.use().scene().stages) names.push_back(stage.name);
+                               return names;
+                             })
+      .def_property_readonly("blocks", [](const Session& s) { return s.use().block_count(); })
+      .def_property_readonly("zones", [](const Session& s) { return s.use().zone_count(); })
+      .def_property_readonly("points", [](const Session& s) { return s.use().point_count(); })
+      .def_property_readonly("joints",
+                             [](const Session& s) {
+                               std::vector<std::string> names;
+                               for (const quoin::ContactFamily& f : s.use().model().families) names.push_back(f.name);
+                               return names;
+                             })
+      .def_property_readonly("threads", [](const Session& s) { return s.use().thread_count(); })
+      .def_property_readonly("large_motion", [](const Session& s) { return s.use().riding() != nullptr; })
+      .def_property_readonly("collapse_multiplier",
+                             [](const Session& s) { return s.use().outcome().collapse_multiplier; })
+      .def_property_readonly("hash", [](const Session& s) { return s.use().hash(); });
+}

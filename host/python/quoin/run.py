@@ -1,0 +1,84 @@
+"""A whole run."""
+import json
+
+from .errors import Error
+from .simulation import Simulation, table
+
+
+class Frame:
+    """A moment of the last stage. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by
+    contact point, position, displacement, traction, opening, slip, damage_tension, damage_shear, crack, block_a, block_b,
+    joint."""
+
+    def __init__(self, of_session):
+        self.time, self.displacement = of_session["time"], of_session["displacement"]
+        self.joints = table(of_session["joints"])
+
+    def __repr__(self):
+        return f"<frame at {self.time:.6g} s: {len(self.displacement)} gridpoints, {len(self.joints)} contact points>"
+
+
+class Run:
+    """What a run has found. history: a structured array with the names and numbers of history.csv; summary: as
+    summary.json; frames, and the mesh that they belong to; out: the folder of its files, or None."""
+
+    def __init__(self, simulation, status="done", message="", out=None):
+        session = simulation._session
+        self.scene, self.out = simulation.scene, out
+        self.history = simulation.history
+        self.summary = json.loads(session.finish(status, message))
+        self.frames = [Frame(f) for f in session.frames()]
+        self.mesh = simulation.mesh()
+
+    @property
+    def dataframe(self):
+        """The history for pandas, where that is installed."""
+        import pandas
+        return pandas.DataFrame({name: self.history[name] for name in self.history.dtype.names})
+
+    @property
+    def peak(self):
+        """Largest horizontal force, N, and the displacement there, m."""
+        return self.summary["peak_horizontal_force_N"], self.summary["displacement_at_peak_m"]
+
+    def __repr__(self):
+        return (f"<run {self.summary['status']}: {len(self.history)} rows, {len(self.frames)} frames, peak "
+                f"{self.peak[0] / 1e3:.2f} kN at {self.peak[1] * 1e3:.3f} mm>")
+
+
+def bar_of(progress):
+    """A function for the progress of a session, and one for its end."""
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        tqdm = None
+    if not progress or tqdm is None:
+        return None, lambda: None
+    bar = tqdm(total=100, unit="%", bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
+
+    def show(stage, stages, name, fraction):
+        bar.set_description_str(f"stage {stage + 1}/{stages} {name}")
+        bar.n = round(100 * (stage + fraction) / stages)
+        bar.refresh()
+    return show, bar.close
+
+
+def run(scene, *, threads=0, progress=False, frames=True, out=None):
+    """Runs a scene, or the file of one, to its end. progress: shown by tqdm where it is installed. out: a folder for
+    history.csv, summary.json and the files for ParaView, as `quoin run --out` writes them. What goes wrong is raised, and
+    Ctrl-C too, with what was computed until then as attribute `run` of the exception."""
+    simulation = Simulation(scene, threads=threads, frames=frames, out=out)
+    show, end = bar_of(progress)
+    simulation._session.set_progress(show)
+    try:
+        simulation.run()
+    except (Error, KeyboardInterrupt) as stopped:
+        interrupted = isinstance(stopped, KeyboardInterrupt)
+        stopped.run = Run(simulation, "interrupted" if interrupted else "failed", str(stopped), out)
+        raise
+    finally:
+        end()
+        simulation._session.set_progress(None)
+    result = Run(simulation, out=out)
+    simulation.close()
+    return result

@@ -1,0 +1,235 @@
+"""Scenes: loaded from TOML files, built in code, written. Objects with the names of the TOML keys and nothing else:
+what the keys are, mean and allow is in host/scenes/README.md and BLOCKS.md, and the reader of files judges these too."""
+import copy
+import os
+
+import numpy as np
+
+from . import _quoin
+
+# Keys that are lists of tables: they need not be there before something is appended.
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "stage")
+TABLES = ("materials", "joints", "solver", "output", "contact")
+
+
+class Table:
+    """Keys as attributes and as items: table.cohesion is table["cohesion"]. A key that is set to None is left out."""
+
+    def __init__(self, *args, **keys):
+        object.__setattr__(self, "_keys", {})
+        for key, value in dict(*args, **keys).items():
+            self[key] = value
+
+    def __getitem__(self, key):
+        return self._keys[key]
+
+    def __setitem__(self, key, value):
+        if not isinstance(key, str):
+            raise TypeError(f"a key is a name, not {key!r}")
+        self._keys[key] = wrapped(value)
+
+    def __delitem__(self, key):
+        del self._keys[key]
+
+    def __getattr__(self, key):
+        if key.startswith("__") or "_keys" not in self.__dict__:  # of copies being made
+            raise AttributeError(key)
+        try:
+            return self._keys[key]
+        except KeyError:
+            raise AttributeError(f"{type(self).__name__} has no key {key!r}; it has {', '.join(self._keys) or 'none'}"
+                                 ) from None
+
+    def __setattr__(self, key, value):
+        self[key] = value
+
+    def __delattr__(self, key):
+        if key not in self._keys:
+            raise AttributeError(key)
+        del self[key]
+
+    def __contains__(self, key):
+        return key in self._keys
+
+    def __iter__(self):
+        return iter(self._keys)
+
+    def __len__(self):
+        return len(self._keys)
+
+    def keys(self):
+        return self._keys.keys()
+
+    def items(self):
+        return self._keys.items()
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._keys]
+
+    def __eq__(self, other):
+        return isinstance(other, Table) and plain(self) == plain(other)
+
+    __hash__ = None
+
+    def __repr__(self):
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self._keys.items())})"
+
+    def __copy__(self):
+        return type(self)(self._keys)
+
+    def __deepcopy__(self, memo):
+        fresh = type(self)()
+        for key, value in self._keys.items():
+            fresh._keys[key] = copy.deepcopy(value, memo)
+        return fresh
+
+
+class Block(Table):
+    """[[block]]: one convex block, by box, vertices (with or without faces) or mesh."""
+
+
+class DryWall(Table):
+    """[[dry_wall]]: a wall of blocks that may move as they like."""
+
+
+class Arch(Table):
+    """[[arch]]"""
+
+
+class JointRule(Table):
+    """[[joint_rule]]"""
+
+
+class Wall(Table):
+    """[wall]: of the lattice."""
+
+
+class Joint(Table):
+    """[joints.NAME]: a law and its properties."""
+
+
+class BlockMaterial(Table):
+    """[materials.NAME]"""
+
+
+class Stage(Table):
+    """[[stage]]"""
+
+
+def wrapped(value):
+    if isinstance(value, dict):
+        return Table(value)
+    if isinstance(value, (list, tuple)):
+        return [wrapped(v) for v in value]
+    return value
+
+
+def plain(value, key="scene"):
+    """The same in dictionaries, lists, numbers and words. TypeError with the dotted key for what a scene cannot hold."""
+    if isinstance(value, (bool, int, float, str)) and not isinstance(value, np.generic):
+        return value
+    if isinstance(value, (Table, dict)):
+        return {k: plain(v, f"{key}.{k}" if key != "scene" else k) for k, v in value.items() if v is not None}
+    if isinstance(value, (list, tuple)):
+        return [plain(v, f"{key}.{i + 1}") for i, v in enumerate(value)]
+    if isinstance(value, (np.ndarray, np.generic)):
+        return plain(value.tolist(), key)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"{key}: a value of type {type(value).__name__}; allowed: a number, a word, true or false, an array, "
+                    "a list or a table")
+
+
+class Scene(Table):
+    """A scene: materials, joints, a wall, building, blocks, and stages. Scene.load reads one; scene.wall.courses,
+    scene.joints.mortar.cohesion, scene.stage[0].pressure are its values; scene.check() says what is wrong with it."""
+
+    def __init__(self, *args, **keys):
+        object.__setattr__(self, "_file", None)     # where it was loaded from
+        object.__setattr__(self, "_loaded", None)   # what was there
+        super().__init__(*args, **keys)
+
+    @classmethod
+    def load(cls, path):
+        """A scene file. BadInput with file and line of what is no TOML; values are judged by check and by simulations."""
+        path = os.fspath(path)
+        scene = cls(_quoin.parse(path))
+        object.__setattr__(scene, "_file", os.path.abspath(path))
+        object.__setattr__(scene, "_loaded", scene._document())
+        scene.check()
+        return scene
+
+    def __getattr__(self, key):
+        if key not in self.__dict__.get("_keys", {}) and key in LISTS + TABLES:
+            self[key] = [] if key in LISTS else Table()
+        return super().__getattr__(key)
+
+    def _document(self):
+        return {k: v for k, v in plain(self).items() if not (k in LISTS + TABLES and not v)}
+
+    def _place(self):
+        """Of messages, and from whose folder the files that the scene names count."""
+        return self._file or "scene"
+
+    def _source(self):
+        """As the reader takes it: unchanged files as they are, so that messages have their lines."""
+        document = self._document()
+        return (None if self._file and document == self._loaded and os.path.exists(self._file) else document,
+                self._place())
+
+    def check(self):
+        """BadInput with every fault, or LawRefused."""
+        _quoin.check(*self._source())
+
+    def text(self):
+        """As TOML."""
+        return _quoin.text(self._document())
+
+    def write(self, path):
+        """As a TOML file that loads as the same scene: files that it names are found from there too."""
+        path = os.path.abspath(os.fspath(path))
+        with open(path + ".part", "w", encoding="utf-8") as file:
+            file.write(_quoin.text(self._with_files_from(os.path.dirname(path))))
+        os.replace(path + ".part", path)
+
+    def _with_files_from(self, folder):
+        """The document, with the files that it names as paths from that folder; None: absolute."""
+        here = os.path.dirname(self._file) if self._file else os.getcwd()
+        document = copy.deepcopy(self._document())
+
+        def moved(table, key):
+            if isinstance(table, dict) and isinstance(table.get(key), str):
+                file = os.path.join(here, table[key])
+                table[key] = os.path.abspath(file) if folder is None or os.path.isabs(table[key]) else \
+                    os.path.relpath(file, folder)
+        for block in document.get("block", []):
+            moved(block, "mesh")
+        for stage in document.get("stage", []):
+            moved(stage.get("ground_motion") if isinstance(stage, dict) else None, "file")
+        return document
+
+    def __eq__(self, other):
+        return isinstance(other, Scene) and self._with_files_from(None) == other._with_files_from(None)
+
+    __hash__ = None
+
+    def copy(self):
+        return copy.deepcopy(self)
+
+    def __deepcopy__(self, memo):
+        fresh = super().__deepcopy__(memo)
+        object.__setattr__(fresh, "_file", self._file)
+        object.__setattr__(fresh, "_loaded", self._loaded)
+        return fresh
+
+    def __repr__(self):
+        return f"<scene {self._keys.get('title') or self._place()!r}: {', '.join(self._keys)}>"
+
+
+def scene_of(scene):
+    """A scene, or the path of one."""
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, (str, os.PathLike)):
+        return Scene.load(scene)
+    raise TypeError(f"scene: a quoin.Scene or the path of a scene file is needed, not {type(scene).__name__}")

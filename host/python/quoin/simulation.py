@@ -1,0 +1,261 @@
+"""A simulation that is stepped from Python."""
+import hashlib
+import math
+import numbers
+import os
+
+import numpy as np
+
+from . import _quoin
+from .errors import BadInput, Gone
+from .scene import scene_of
+from .view import View
+
+MOST_STEPS = 2**62
+
+
+def whole(name, value, lower, upper):
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (numbers.Integral, np.integer)):
+        raise TypeError(f"{name}: an integer is needed, not {type(value).__name__}")
+    if not lower <= value <= upper:
+        raise ValueError(f"{name} = {value}: allowed: {lower} to {upper}")
+    return int(value)
+
+
+def word(name, value):
+    if not isinstance(value, str):
+        raise TypeError(f"{name}: a name is needed, not {type(value).__name__}")
+    return value
+
+
+def vector(name, value):
+    """Three numbers; None stays as it is and becomes not a number."""
+    try:
+        values = [math.nan if v is None else float(v) for v in value]
+    except (TypeError, ValueError):
+        raise TypeError(f"{name}: three numbers are needed, for x, y, z; None for what stays as it is") from None
+    if len(values) != 3:
+        raise ValueError(f"{name}: three numbers are needed, for x, y, z, not {len(values)}")
+    for given, v in zip(value, values):
+        if given is not None and not math.isfinite(v):
+            raise ValueError(f"{name}: {v} is not finite; None for what stays as it is")
+    return values
+
+
+def table(columns):
+    """Columns of equal length as one structured array."""
+    columns = {name: np.asarray(c) for name, c in columns.items()}
+    count = len(next(iter(columns.values())))
+    kinds = [(name, c.dtype if c.size else c.dtype if c.dtype.kind != "U" else "U1", c.shape[1:])
+             for name, c in columns.items()]
+    array = np.empty(count, dtype=kinds)
+    for name, c in columns.items():
+        array[name] = c
+    return array
+
+
+class Simulation:
+    """A scene in motion. step and run move it on, through its stages; between two calls everything can be read, and
+    bodies be moved and loaded. threads 0: as many as the machine has; the bits do not depend on them."""
+
+    def __init__(self, scene, *, threads=0, frames=False, out=None):
+        scene = scene_of(scene)
+        self._session = None
+        threads = whole("threads", threads, 0, 4096)
+        document, place = scene._source()
+        self.scene = scene.copy()
+        self._session = _quoin.Session(document, place, threads, bool(frames), "" if out is None else os.fspath(out))
+
+    # --- time -----------------------------------------------------------------------------------------------------
+
+    def step(self, n=1):
+        """n steps, or fewer when the last stage ends. True as long as there are more to come."""
+        if n.__class__ is not int or n < 1:
+            n = whole("n", n, 1, MOST_STEPS)
+        session = self._session
+        if session is None:
+            raise Gone("step: the simulation is closed")
+        return session.step(n, False)
+
+    def run(self, until=None, *, every=100):
+        """Goes on to the end of the last stage (until None), to a time in s, to the end of the stage of that name, or
+        until until(simulation) is true, which is asked every so many steps. True as long as there is more to come."""
+        session = self._session_of("run")
+        if until is None:
+            return session.step(MOST_STEPS, False)
+        if callable(until):
+            every, more = whole("every", every, 1, MOST_STEPS), True
+            while more and not until(self):
+                more = self.step(every)
+            return more
+        if isinstance(until, str):
+            names = session.stage_names
+            if until not in names:
+                raise BadInput(f"until = {until!r}: there is no such stage; there are {', '.join(names)}")
+            if max(session.stage, 0) > names.index(until):
+                return session.stage < len(names)
+            more = True
+            while more:
+                more = session.step(MOST_STEPS, True)
+                if session.stage >= names.index(until):
+                    break
+            return more
+        if isinstance(until, (bool, np.bool_)) or not isinstance(until, (numbers.Real, np.floating)):
+            raise TypeError(f"until: a time in s, the name of a stage or a function is needed, not {type(until).__name__}")
+        if not math.isfinite(until):
+            raise ValueError(f"until = {until}: allowed: a finite time in s")
+        more = True
+        while more and self.time < until - 1e-9 * self.time_step:
+            more = self.step(max(1, min(MOST_STEPS, math.ceil((until - self.time) / self.time_step - 1e-9))))
+        return more
+
+    steps = property(lambda self: self._session_of("steps").steps, doc="since the start")
+    time = property(lambda self: self._session_of("time").time, doc="s since the start")
+    time_step = property(lambda self: self._session_of("time_step").time_step, doc="s")
+
+    @property
+    def stage(self):
+        """Name of the current stage, or of the last one; None before the first step."""
+        session = self._session_of("stage")
+        return session.stage_names[session.stage] if session.stage >= 0 else None
+
+    # --- what it is and has recorded --------------------------------------------------------------------------------
+
+    blocks = property(lambda self: self._session_of("blocks").blocks, doc="their number")
+    zones = property(lambda self: self._session_of("zones").zones, doc="their number")
+    points = property(lambda self: self._session_of("points").points, doc="number of contact points")
+    joints = property(lambda self: self._session_of("joints").joints, doc="names of the joint families")
+    threads = property(lambda self: self._session_of("threads").threads)
+    large_motion = property(lambda self: self._session_of("large_motion").large_motion,
+                            doc="whether blocks may move by any amount, from now on")
+    collapse_multiplier = property(lambda self: self._session_of("collapse_multiplier").collapse_multiplier)
+    hash = property(lambda self: self._session_of("hash").hash, doc="of everything that moves: equal hashes, equal bits")
+
+    @property
+    def history(self):
+        """Rows until now, with the names and the numbers of history.csv."""
+        return table(self._session_of("history").history())
+
+    def measure(self):
+        """A row of the history, as it stands: a dictionary."""
+        return self._session_of("measure").measure()
+
+    def mesh(self):
+        """points (gridpoints at the start, m), block (of each), zones (tetrahedra) and faces (of whole blocks)."""
+        return self._session_of("mesh").mesh()
+
+    # --- arrays -----------------------------------------------------------------------------------------------------
+
+    def _view(self, what, fetch, writeable=False):
+        fetch(self._session_of(what))  # what is not there is told at once
+        return View(self, what, fetch, writeable)
+
+    def displacement(self, block):
+        """Of the gridpoints of a block, m; of a rigid one on the lattice, of its centre. In large motion computed."""
+        return self._view("displacement", lambda s: s.displacement(block))
+
+    def velocity(self, block):
+        """The same, m/s, of half a step ago; can be written. Of a rigid block, of its centre."""
+        return self._view("velocity", lambda s: s.velocity(block), True)
+
+    def sigma(self, joint):
+        """Normal stress at the contact points of a joint family, Pa, tension positive."""
+        return self._view("sigma", lambda s: s.sigma(word("joint", joint)))
+
+    def tau_s(self, joint):
+        return self._view("tau_s", lambda s: s.tau_s(word("joint", joint)))
+
+    def tau_t(self, joint):
+        return self._view("tau_t", lambda s: s.tau_t(word("joint", joint)))
+
+    def area(self, joint):
+        """m2"""
+        return self._view("area", lambda s: s.area(word("joint", joint)))
+
+    def position(self, joint):
+        """m; in small displacements of the start."""
+        return self._view("position", lambda s: s.position(word("joint", joint)))
+
+    def state(self, joint, id):
+        """A state of the law, as `quoin models` lists them."""
+        return self._view("state", lambda s: s.state(word("joint", joint), word("id", id)))
+
+    def damage(self, joint):
+        """Shares lost of tensile strength, cohesion and compressive strength: three arrays, computed by the law; not a
+        number where it does not tell."""
+        return self._session_of("damage").damage(word("joint", joint))
+
+    def contacts(self, joint):
+        """Contact points of a joint family as a structured array: position, normal, s, t, area, jump (along n, s, t),
+        block_a, block_b, condition. Computed."""
+        return table(self._session_of("contacts").contacts(word("joint", joint)))
+
+    # --- steering ---------------------------------------------------------------------------------------------------
+
+    def set_velocity(self, body, velocity):
+        """Of bodies that the stage holds or moves, m/s, from now to the end of the stage. None: stays as it is."""
+        self._session_of("set_velocity").set_velocity(word("body", body), vector("velocity", velocity))
+
+    def set_force(self, body, force):
+        """On bodies that are free, N, from now to the end of the stage. None: stays as it is."""
+        self._session_of("set_force").set_force(word("body", body), vector("force", force))
+
+    def swap_law(self, joint, law):
+        """Another law for a joint family, with every traction kept: what it took over."""
+        return self._session_of("swap_law").swap_law(word("joint", joint), word("law", law))
+
+    # --- checkpoints ------------------------------------------------------------------------------------------------
+
+    def save(self):
+        """Everything that changes, as bytes. restore goes back to it; the bits from there on are the same."""
+        state = self._session_of("save").save()
+        return hashlib.blake2b(state).digest() + state
+
+    def restore(self, state):
+        session = self._session_of("restore")
+        if not isinstance(state, bytes):
+            raise TypeError(f"state: bytes of save() are needed, not {type(state).__name__}")
+        size = hashlib.blake2b().digest_size
+        if hashlib.blake2b(state[size:]).digest() != state[:size]:
+            raise BadInput("state: not what save() gave, or a checkpoint that is damaged")
+        session.restore(state[size:])
+
+    def _scene_hash(self):
+        return hashlib.sha256(self.scene.text().encode()).hexdigest()
+
+    def checkpoint(self, path):
+        """The same in a file, with the history until now."""
+        self._session_of("checkpoint").checkpoint(os.fspath(path), self._scene_hash())
+
+    @classmethod
+    def resume(cls, scene, path, **options):
+        """A simulation of the same scene that goes on where checkpoint left it."""
+        simulation = cls(scene, **options)
+        simulation._session.resume(os.fspath(path), simulation._scene_hash())
+        return simulation
+
+    # --- its end ----------------------------------------------------------------------------------------------------
+
+    def _session_of(self, what):
+        if self._session is None:
+            raise Gone(f"{what}: the simulation is closed")
+        return self._session
+
+    closed = property(lambda self: self._session is None)
+
+    def close(self):
+        """Gives its memory back. Views of it raise quoin.Gone from now on."""
+        if self._session is not None:
+            self._session.steps  # not while it is being stepped
+        self._session = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __repr__(self):
+        if self.closed:
+            return "<simulation, closed>"
+        return f"<simulation: {self.blocks} blocks, {self.points} contact points, step {self.steps}, {self.time:.6g} s>"

@@ -1,0 +1,362 @@
+#include "python/session.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "results/checkpoint_file.h"
+#include "results/crushed_out.h"
+#include "results/quasi_static.h"
+#include "results/summary.h"
+#include "step/large_motion.h"
+
+namespace quoin::python {
+
+namespace {
+
+constexpr double kLookPeriod = 0.05;  // s between two looks at whether the user has pressed Ctrl-C
+
+double seconds_since(std::chrono::steady_clock::time_point then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+// rows x columns, filled by value(row, column).
+template <class T, class Value>
+py::array_t<T> table_of(std::size_t rows, std::size_t columns, const Value& value) {
+  const std::vector<py::ssize_t> shape =
+      columns == 0 ? std::vector<py::ssize_t>{static_cast<py::ssize_t>(rows)}
+                   : std::vector<py::ssize_t>{static_cast<py::ssize_t>(rows), static_cast<py::ssize_t>(columns)};
+  py::array_t<T> result(shape);
+  T* to = result.mutable_data();
+  for (std::size_t r = 0; r < rows; ++r) {
+    for (std::size_t c = 0; c < std::max<std::size_t>(1, columns); ++c) *to++ = static_cast<T>(value(r, c));
+  }
+  return result;
+}
+
+template <class T, class Items, class Value>
+py::array_t<T> column_of(const Items& items, const Value& value) {
+  return table_of<T>(items.size(), 0, [&](std::size_t r, std::size_t) { return value(items[r]); });
+}
+
+template <class Items, class Value>
+py::array_t<double> vectors_of(const Items& items, const Value& value) {
+  return table_of<double>(items.size(), 3, [&](std::size_t r, std::size_t c) { return value(items[r])[c]; });
+}
+
+py::dict joints_of(const std::vector<JointPoint>& joints) {
+  py::dict d;
+  d["position"] = vectors_of(joints, [](const JointPoint& p) { return p.contact.position; });
+  d["displacement"] = vectors_of(joints, [](const JointPoint& p) { return p.displacement; });
+  d["traction"] = vectors_of(joints, [](const JointPoint& p) { return p.contact.traction; });
+  d["opening"] = column_of<double>(joints, [](const JointPoint& p) { return p.opening; });
+  d["slip"] = column_of<double>(joints, [](const JointPoint& p) { return p.slip; });
+  d["damage_tension"] = column_of<double>(joints, [](const JointPoint& p) { return p.damage_tension; });
+  d["damage_shear"] = column_of<double>(joints, [](const JointPoint& p) { return p.damage_shear; });
+  d["crack"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return static_cast<int>(p.crack); });
+  d["block_a"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.block_a; });
+  d["block_b"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.block_b; });
+  d["joint"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.family; });
+  return d;
+}
+
+Identity identity_of(const std::string& scene_hash) {
+  return {{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
+}
+
+}  // namespace
+
+Session::Session(Scene scene, int threads, bool keep_frames, const std::string& folder)
+    : keep_frames_(keep_frames), folder_(folder) {
+  const py::gil_scoped_release release;
+  simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
+  columns_ = history_columns(simulation_->scene());
+  if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>(*simulation_);
+  if (folder.empty()) return;
+  own_ = std::make_unique<ResultFolder>(folder_);
+  file_.emplace(folder_ / "history.csv", simulation_->scene());
+  if (simulation_->scene().output.frames > 0) series_.emplace(folder_, *surfaces_);
+}
+
+Simulation& Session::use() const {
+  if (stepping_) throw std::runtime_error("the simulation is being stepped by another thread; wait for it");
+  return *simulation_;
+}
+
+bool Session::step(long count, bool stop_at_stage_end) {
+  Simulation& simulation = use();
+  stepping_ = true;
+  struct Done {
+    bool& stepping;
+    ~Done() { stepping = false; }  // with the interpreter's lock, which is taken again before
+  } const done{stepping_};
+  const py::gil_scoped_release release;
+  const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
+  bool more = true;
+  while (more && simulation.step() < end) {
+    more = simulation.run_stage(*this, end - simulation.step());
+    if (stop_at_stage_end && simulation.step() < end) break;
+  }
+  return more;
+}
+
+void Session::on_stage_begin(const Simulation&, int stage) { stage_ = stage; }
+
+void Session::on_promotion(const Simulation& simulation) {
+  if (surfaces_) *surfaces_ = Surfaces(simulation);
+}
+
+void Session::on_row(const HistoryRow& row) {
+  rows_.push_back(row);
+  if (file_) file_->add(row);
+}
+
+void Session::on_pause(const Simulation&, bool) {
+  if (seconds_since(looked_) < kLookPeriod) return;
+  looked_ = std::chrono::steady_clock::now();
+  const py::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+void Session::on_progress(const Progress& progress) {
+  const py::gil_scoped_acquire acquire;
+  if (!progress_.is_none()) progress_(progress.stage, progress.stage_count, progress.settings->name, progress.fraction);
+}
+
+void Session::on_frame(const Simulation& simulation, int, int) {
+  if (series_) series_->add_frame(simulation);
+  if (!keep_frames_) return;
+  Frame& frame = frames_.emplace_back();
+  frame.time = simulation.time();
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const std::vector<Vec3> moved = simulation.block_displacement(b);
+    frame.displacement.insert(frame.displacement.end(), moved.begin(), moved.end());
+  }
+  frame.joints = surfaces_->joint_points(simulation);
+}
+
+py::dict Session::history() const {
+  const std::vector<Stage>& stages = use().scene().stages;
+  py::dict result;
+  for (const HistoryColumn& column : columns_) {
+    const auto stage_of = [&](const HistoryRow& row) -> const Stage& {
+      return stages[static_cast<std::size_t>(row.stage)];
+    };
+    const py::str name(column.name);
+    if (column.kind == HistoryColumn::Kind::text) {
+      py::list texts;
+      for (const HistoryRow& row : rows_) texts.append(stage_of(row).name);
+      result[name] = texts;
+    } else if (column.kind == HistoryColumn::Kind::integer) {
+      result[name] =
+          column_of<std::int64_t>(rows_, [&](const HistoryRow& row) { return column.value(row, stage_of(row)); });
+    } else {
+      result[name] = column_of<double>(rows_, [&](const HistoryRow& row) {
+        const double value = column.value(row, stage_of(row));
+        return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+      });
+    }
+  }
+  return result;
+}
+
+py::dict Session::measure() const {
+  const Simulation& simulation = use();
+  py::dict result;
+  const HistoryRow row = simulation.measure();
+  const Stage& stage = simulation.scene().stages[static_cast<std::size_t>(row.stage)];
+  for (const HistoryColumn& column : columns_) {
+    const py::str name(column.name);
+    if (column.kind == HistoryColumn::Kind::text)
+      result[name] = stage.name;
+    else if (column.kind == HistoryColumn::Kind::integer)
+      result[name] = static_cast<long>(column.value(row, stage));
+    else
+      result[name] = column.value(row, stage);
+  }
+  return result;
+}
+
+std::string Session::finish(const std::string& status, const std::string& message) {
+  const Simulation& simulation = use();
+  RunInfo info;
+  info.status = status;
+  info.message = message;
+  info.quasi_static = check_quasi_static(rows_, simulation.scene());
+  info.crushed_out = find_crushed_out(simulation);
+  info.wall_clock_s = seconds_since(start_);
+  if (file_ && !finished_) {
+    finished_ = true;
+    file_->finish();
+    if (series_ && status != "done") series_->add_frame(simulation);
+    if (series_) series_->finish();
+    write_summary(folder_ / "summary.json", simulation, rows_, info);
+  }
+  return summary_text(simulation, rows_, info);
+}
+
+py::list Session::frames() const {
+  use();
+  py::list result;
+  for (const Frame& frame : frames_) {
+    py::dict d = joints_of(frame.joints);
+    py::dict of_frame;
+    of_frame["time"] = frame.time;
+    of_frame["displacement"] = vectors_of(frame.displacement, [](const Vec3& u) { return u; });
+    of_frame["joints"] = d;
+    result.append(of_frame);
+  }
+  return result;
+}
+
+py::dict Session::mesh() const {
+  const Simulation& simulation = use();
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 4>> zones;
+  std::vector<int> block;  // by gridpoint
+  py::list faces;
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const Simulation::BlockMesh mesh = simulation.block_mesh(b);
+    const int first = static_cast<int>(points.size());
+    points.insert(points.end(), mesh.gridpoint.begin(), mesh.gridpoint.end());
+    block.insert(block.end(), mesh.gridpoint.size(), b);
+    for (std::array<int, 4> zone : mesh.zone) {
+      for (int& corner : zone) corner += first;
+      zones.push_back(zone);
+    }
+    for (std::vector<int> face : mesh.face) {
+      for (int& corner : face) corner += first;
+      faces.append(face);
+    }
+  }
+  py::dict d;
+  d["points"] = vectors_of(points, [](const Vec3& p) { return p; });
+  d["zones"] = table_of<std::int32_t>(zones.size(), 4, [&](std::size_t r, std::size_t c) { return zones[r][c]; });
+  d["block"] = column_of<std::int32_t>(block, [](int b) { return b; });
+  d["faces"] = faces;
+  return d;
+}
+
+std::pair<std::size_t, std::size_t> Session::points_of(int family) const {
+  std::size_t first = 0;
+  for (int f = 0; f < family; ++f) first += simulation_->view(Simulation::PointArray::area, f).rows;
+  return {first, first + simulation_->view(Simulation::PointArray::area, family).rows};
+}
+
+py::dict Session::contacts(int family) const {
+  use();
+  const auto [first, end] = points_of(family);
+  const std::vector<ContactPoint> all = simulation_->contact_points();
+  const std::vector<ContactPoint> points(all.begin() + static_cast<long>(first), all.begin() + static_cast<long>(end));
+  py::dict d;
+  d["position"] = vectors_of(points, [](const ContactPoint& p) { return p.position; });
+  d["normal"] = vectors_of(points, [](const ContactPoint& p) { return p.normal; });
+  d["s"] = vectors_of(points, [](const ContactPoint& p) { return p.s; });
+  d["t"] = vectors_of(points, [](const ContactPoint& p) { return p.t; });
+  d["area"] = column_of<double>(points, [](const ContactPoint& p) { return p.area; });
+  d["jump"] = vectors_of(points, [](const ContactPoint& p) { return p.jump; });
+  d["block_a"] = column_of<std::int32_t>(points, [](const ContactPoint& p) { return p.block_a; });
+  d["block_b"] = column_of<std::int32_t>(points, [](const ContactPoint& p) { return p.block_b; });
+  d["condition"] = py::list();
+  for (const ContactPoint& p : points) d["condition"].cast<py::list>().append(condition_name(p.condition));
+  return d;
+}
+
+std::array<py::array, 3> Session::damage(int family) const {
+  use();
+  const auto [first, end] = points_of(family);
+  const auto all = simulation_->damage();
+  std::array<py::array, 3> result;
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const std::vector<double> part(all[k].begin() + static_cast<long>(first), all[k].begin() + static_cast<long>(end));
+    result[k] = column_of<double>(part, [](double x) { return x; });
+  }
+  return result;
+}
+
+py::array Session::array_of(const Simulation::View& view, bool writeable) const {
+  constexpr auto kSize = static_cast<py::ssize_t>(sizeof(double));
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(view.rows)}, strides{view.row_stride * kSize};
+  if (view.columns > 1)
+    shape.push_back(static_cast<py::ssize_t>(view.columns)), strides.push_back(view.column_stride * kSize);
+  // The base only keeps NumPy from copying: the package lets no such array out of a call (view.py).
+  py::array_t<double> array(shape, strides, view.data, py::capsule(this, [](void*) {}));
+  if (!writeable) array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
+py::array Session::block_array(Simulation::BlockArray what, int block) {
+  const Simulation::View view = use().view(what, block);
+  if (view.data) return array_of(view, what == Simulation::BlockArray::velocity);
+  const std::vector<Vec3> moved = simulation_->block_displacement(block);
+  return vectors_of(moved, [](const Vec3& u) { return u; });
+}
+
+py::array Session::point_array(Simulation::PointArray what, int family) {
+  const Simulation::View view = use().view(what, family);
+  if (!view.data) return py::array_t<double>(0);
+  return array_of(view, false);
+}
+
+py::array Session::state(int family, const std::string& id) { return array_of(use().view_state(family, id), false); }
+
+int Session::block_named(const py::object& block) const {
+  const Simulation& simulation = use();
+  const auto count = static_cast<int>(simulation.block_count());
+  if (py::isinstance<py::str>(block)) {
+    const auto name = block.cast<std::string>();
+    for (int b = 0; b < count; ++b) {
+      const std::string& is = simulation.riding()
+                                  ? simulation.riding()->assembly().blocks[static_cast<std::size_t>(b)].name
+                                  : simulation.assembly().bricks[static_cast<std::size_t>(b)].body;
+      if (is == name) return b;
+    }
+    throw py::key_error(fmt::format("block: nothing is called '{}'; give a number from 0 to {}", name, count - 1));
+  }
+  if (!py::isinstance<py::int_>(block) || py::isinstance<py::bool_>(block))
+    throw py::type_error("block: a number or a name is needed");
+  int overflow = 0;
+  const long index = PyLong_AsLongAndOverflow(block.ptr(), &overflow);
+  if (overflow != 0 || index < 0 || index >= count)
+    throw py::index_error(fmt::format("block: {} is not among the {} blocks, 0 to {}",
+                                      py::str(block).cast<std::string>(), count, count - 1));
+  return static_cast<int>(index);
+}
+
+int Session::family_named(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const ContactFamily& family : use().model().families) {
+    if (family.name == name) return static_cast<int>(names.size());
+    names.push_back(family.name);
+  }
+  throw py::key_error(fmt::format("joint: there is no joint family '{}'; there are {}", name, fmt::join(names, ", ")));
+}
+
+py::bytes Session::save() const {
+  const std::vector<std::uint8_t> bytes = use().save();
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void Session::restore(const py::bytes& bytes) {
+  const std::string_view view = bytes;
+  use().restore({view.begin(), view.end()});
+  // Rows of after are gone; those of before stay.
+  std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
+  if (surfaces_) *surfaces_ = Surfaces(*simulation_);
+}
+
+void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
+  write_checkpoint(path, identity_of(scene_hash), {rows_, {}, use().save()});
+}
+
+void Session::resume(const std::string& path, const std::string& scene_hash) {
+  const Checkpoint checkpoint = read_checkpoint(path, identity_of(scene_hash));
+  use().restore(checkpoint.state);
+  rows_ = checkpoint.rows;
+  if (surfaces_) *surfaces_ = Surfaces(*simulation_);
+}
+
+}  // namespace quoin::python

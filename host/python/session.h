@@ -1,0 +1,94 @@
+// A simulation as Python holds it: stepped without the lock of the interpreter, with what it has reported so far.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/result_folder.h"
+#include "results/history.h"
+#include "results/surface.h"
+#include "results/vtk.h"
+#include "step/simulation.h"
+
+namespace quoin::python {
+
+namespace py = pybind11;
+
+struct Frame {
+  double time = 0.0;               // s
+  std::vector<Vec3> displacement;  // of the gridpoints of all blocks, one block after the other, m
+  std::vector<JointPoint> joints;
+};
+
+// Every method throws quoin::Error, and std::runtime_error while another thread steps the simulation.
+class Session : private Observer {
+ public:
+  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere.
+  Session(Scene scene, int threads, bool keep_frames, const std::string& folder);
+
+  // So many steps, or fewer when the last stage ends or, with stop_at_stage_end, any. True: there are more to come.
+  // KeyboardInterrupt between two steps, which leaves everything as it is then.
+  bool step(long count, bool stop_at_stage_end);
+  // Called with (stage from 0, stages, name, fraction) about four times a second; none: never.
+  void set_progress(py::object progress) { progress_ = std::move(progress); }
+
+  // Columns of the history until now, {name: array}; texts are lists.
+  py::dict history() const;
+  py::dict measure() const;  // a row of it, as it stands
+  // What summary.json of a run says, and the files of the folder when there is one.
+  std::string finish(const std::string& status, const std::string& message);
+  py::list frames() const;
+  py::dict mesh() const;
+  py::dict contacts(int family) const;
+  std::array<py::array, 3> damage(int family) const;
+
+  py::array block_array(Simulation::BlockArray what, int block);
+  py::array point_array(Simulation::PointArray what, int family);
+  py::array state(int family, const std::string& id);
+  void velocities_changed() { use().velocities_changed(); }
+  int block_named(const py::object& block) const;  // a number or a name; IndexError, KeyError
+  int family_named(const std::string& name) const;
+
+  py::bytes save() const;
+  void restore(const py::bytes& bytes);
+  void checkpoint(const std::string& path, const std::string& scene_hash) const;
+  void resume(const std::string& path, const std::string& scene_hash);
+
+  Simulation& use() const;  // for a call that the interpreter's lock covers
+  int stage() const { return stage_; }
+
+ private:
+  void on_stage_begin(const Simulation& simulation, int stage) override;
+  void on_promotion(const Simulation& simulation) override;
+  void on_row(const HistoryRow& row) override;
+  void on_pause(const Simulation& simulation, bool last) override;
+  void on_progress(const Progress& progress) override;
+  void on_frame(const Simulation& simulation, int stage, int frame) override;
+  py::array array_of(const Simulation::View& view, bool writeable) const;
+  std::pair<std::size_t, std::size_t> points_of(int family) const;  // the first, and one past the last
+
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), looked_ = start_;
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<HistoryColumn> columns_;
+  std::vector<HistoryRow> rows_;
+  bool keep_frames_;
+  std::unique_ptr<Surfaces> surfaces_;
+  std::vector<Frame> frames_;
+  std::unique_ptr<ResultFolder> own_;
+  std::filesystem::path folder_;
+  std::optional<History> file_;
+  std::optional<VtkSeries> series_;
+  py::object progress_ = py::none();
+  bool stepping_ = false, finished_ = false;
+  int stage_ = -1;
+};
+
+}  // namespace quoin::python

@@ -1,0 +1,14 @@
+// DIR/report.html: one page that opens from the disk without network and shows a run, or two side by side. The model
+// in three dimensions, coloured, over time; the curve; energies; settings, warnings and the known error.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace quoin {
+
+// folders: of finished runs, one or two; the page goes to the first. Its path. Throws Error(bad_input): a folder
+// without results or frames, or three.js is not on this machine ($QUOIN_THREE_JS, or Debian's libjs-three).
+std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders);
+
+}  // namespace quoin

@@ -1,0 +1,222 @@
+// What a controller outside does between two steps: it reads arrays where they lie, and moves, loads and exchanges.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "step/state.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr const char* kAxis[3] = {"x", "y", "z"};
+
+Error refusal(const char* what, const std::string& body, std::size_t component, const char* reason) {
+  return {Exit::bad_input, fmt::format("{}: the stage {} '{}' along {}; give not a number there, or another stage",
+                                       what, reason, body, kAxis[component])};
+}
+
+// Steered components must be of the kind: prescribed ones take velocities, free ones forces.
+void require_kind(const char* what, const std::string& body, const Vec3& value, bool of_prescribed,
+                  const std::array<bool, 3>& prescribed) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (std::isinf(value[c]))
+      throw Error(Exit::bad_input, fmt::format("{}[{}] is {}: allowed: a finite number, or not a number for what stays",
+                                               what, c, value[c]));
+    if (std::isnan(value[c]) || prescribed[c] == of_prescribed) continue;
+    throw refusal(what, body, c, of_prescribed ? "leaves free" : "holds or moves");
+  }
+}
+
+Error no_such_body(const std::string& body, const std::vector<std::string>& names) {
+  return {Exit::bad_input, fmt::format("body: nothing is called '{}' that can be moved or loaded; there are {}", body,
+                                       names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", ")))};
+}
+
+std::vector<std::string> names_of(const Model& model) {
+  std::vector<std::string> names;
+  for (const Brick& brick : model.assembly.bricks) {
+    if (!brick.body.empty() && std::find(names.begin(), names.end(), brick.body) == names.end())
+      names.push_back(brick.body);
+  }
+  return names;
+}
+
+// Three doubles side by side, as vectors of blocks of any shape have them.
+Simulation::View view_of(Vector* first, std::size_t rows) { return {&first->x, rows, 3, 3, 1}; }
+
+}  // namespace
+
+void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
+  Impl& s = *impl_;
+  if (s.stage < 0) s.begin_stage(0);
+  if (s.riding) return s.steer_drives("velocity", body, velocity, true);
+  const std::vector<int> bodies = s.model.bodies_named(body);
+  if (bodies.empty()) throw no_such_body(body, names_of(s.model));
+  s.steer_bodies("velocity", body, bodies, velocity, true);
+}
+
+void Simulation::set_force(const std::string& body, const Vec3& force) {
+  Impl& s = *impl_;
+  if (s.stage < 0) s.begin_stage(0);
+  if (s.riding) return s.steer_drives("force", body, force, false);
+  const std::vector<int> bodies = s.model.bodies_named(body);
+  if (bodies.empty() && s.model.deformable_blocks_named(body).empty()) throw no_such_body(body, names_of(s.model));
+  s.steer_bodies("force", body, bodies, force, false);
+  for (std::size_t i = 0; i < s.loaded_blocks.size(); ++i) {
+    if (s.model.assembly.bricks[at(s.loaded_blocks[i].block)].body != body) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (!std::isnan(force[c])) s.load_ramps[i].from[c] = s.load_ramps[i].to[c] = s.load_ramps[i].now[c] = force[c];
+    }
+    s.apply_load(i);
+  }
+}
+
+void Simulation::Impl::steer_bodies(const char* what, const std::string& name, const std::vector<int>& bodies,
+                                    const Vec3& value, bool velocities) {
+  for (const int body : bodies) {
+    const auto [place, lane] = body_place[at(body)];
+    std::array<bool, 3> prescribed{};
+    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = body_lanes[at(place)].prescribed[c][lane] != 0.0;
+    require_kind(what, name, value, velocities, prescribed);
+  }
+  for (const int body : bodies) {
+    const auto [place, lane] = body_place[at(body)];
+    BodyLanes& lanes = body_lanes[at(place)];
+    BodyRamp& ramp = ramps[at(body)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (std::isnan(value[c])) continue;
+      if (velocities) {
+        ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
+        ramp.in_cycles[c] = 0.0;
+      } else {
+        ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
+      }
+    }
+  }
+  rest_known = false;
+  find_bodies_at_rest();
+}
+
+void Simulation::Impl::steer_drives(const char* what, const std::string& name, const Vec3& value, bool velocities) {
+  const std::vector<int> steered = blocks_named(name, "body");
+  const auto drive_of = [&](int block) {
+    return std::find_if(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == block; });
+  };
+  for (const int block : steered) {
+    const auto drive = drive_of(block);
+    const bool fixed = drive == drives.end() && riding->assembly().blocks[at(block)].fixed;
+    std::array<bool, 3> prescribed{};
+    for (std::size_t c = 0; c < 3; ++c) prescribed[c] = drive == drives.end() ? fixed : (drive->held >> c & 1) != 0;
+    require_kind(what, name, value, velocities, prescribed);
+  }
+  for (const int block : steered) {
+    auto drive = drive_of(block);
+    if (drive == drives.end()) {
+      Drive added;
+      added.block = block;
+      if (riding->assembly().blocks[at(block)].fixed) added.held = 0x3f;
+      drive = drives.insert(drive, added);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int c = static_cast<int>(k);
+      if (std::isnan(value[k])) continue;
+      if (velocities) {
+        drive->velocity_from[c] = drive->velocity_to[c] = value[k];
+        drive->in_cycles = static_cast<std::uint8_t>(drive->in_cycles & ~(1 << c));
+      } else {
+        drive->force_from[c] = drive->force_to[c] = value[k];
+      }
+    }
+    if (!velocities) riding->apply_force(block, drive->force_to);
+  }
+  controls_settled = false;  // drives reach their blocks with the next step
+}
+
+LawSwap Simulation::swap_law(const std::string& family, const std::string& law) {
+  Impl& s = *impl_;
+  const auto& families = s.model.assembly.families;
+  if (std::none_of(families.begin(), families.end(), [&](const JointFamily& f) { return f.name == family; })) {
+    std::vector<std::string> names;
+    for (const JointFamily& f : families) names.push_back(f.name);
+    throw Error(Exit::bad_input,
+                fmt::format("joint: there is no joint family '{}'; there are {}", family, fmt::join(names, ", ")));
+  }
+  if (s.stage < 0) s.begin_stage(0);
+  s.swap_law(family, law);
+  s.scene.stages[at(s.stage)].law_swaps[family] = law;  // as a checkpoint of from now on finds it
+  return s.swaps.back();
+}
+
+Simulation::View Simulation::view(BlockArray what, int block) {
+  Impl& s = *impl_;
+  if (s.riding) {
+    if (what == BlockArray::displacement) return {};
+    const blocks::ModelBlock& b = s.riding->block(block);
+    if (b.body >= 0) return view_of(&s.riding->body(block).v, 1);
+    return view_of(s.riding->node_velocities().data() + b.first_node, at(b.node_count));
+  }
+  const Model::BlockPlace& place = s.model.place[at(block)];
+  if (place.body >= 0) {
+    const auto [index, lane] = s.body_place[at(place.body)];
+    BodyLanes& lanes = s.body_lanes[at(index)];
+    BodyLanes::Quantity& quantity = what == BlockArray::displacement ? lanes.displacement : lanes.velocity;
+    return {&quantity[0][lane], 1, 3, 1, kLanes};
+  }
+  const BlockGroup& group = s.model.groups[at(place.group)];
+  LaneVector<double>& values = what == BlockArray::displacement ? s.displacement : s.velocity;
+  return {values.data() + at(group.first_line) * kLine + at(place.lane),
+          s.model.templates[at(group.brick_template)].node_mass.size(), 3, kLine, kLanes};
+}
+
+Simulation::View Simulation::view(PointArray what, int family) {
+  Impl& s = *impl_;
+  const auto k = static_cast<std::size_t>(what);
+  if (s.riding) {
+    auto& f = const_cast<blocks::Family&>(s.riding->families()[at(family)]);
+    if (what == PointArray::area) return {f.area.data(), f.size()};
+    if (what != PointArray::position) return {f.traction[k].data(), f.size()};
+    constexpr std::ptrdiff_t stride = sizeof(blocks::Point) / sizeof(double);
+    static_assert(sizeof(blocks::Point) % sizeof(double) == 0);
+    return {f.size() == 0 ? nullptr : &f.point[0].at.x, f.size(), 3, stride, 1};
+  }
+  const ContactFamily& f = s.model.families[at(family)];
+  const std::size_t first = at(f.first_point), count = at(f.point_count);
+  if (what == PointArray::area) return {s.model.area.data() + first, count};
+  if (what == PointArray::position)
+    return {count == 0 ? nullptr : s.model.point_position[first].data(), count, 3, 3, 1};
+  return {s.traction[k].data() + first, count};
+}
+
+Simulation::View Simulation::view_state(int family, const std::string& id) {
+  Impl& s = *impl_;
+  const Law& law = s.model.families[at(family)].material->law();
+  const int k = law.state_index(id);
+  if (k < 0 || (law.law->states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !s.keep_diagnostics)) {
+    std::vector<std::string> ids;
+    for (std::uint64_t i = 0; i < law.law->state_count; ++i) {
+      if (law.law->states[i]->role != QUOIN_ROLE_DIAGNOSTIC || s.keep_diagnostics)
+        ids.push_back(law.law->states[i]->id);
+    }
+    throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
+                                             ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
+  }
+  if (s.riding) {
+    auto& f = const_cast<blocks::Family&>(s.riding->families()[at(family)]);
+    return {f.state[at(k)].data(), f.size()};
+  }
+  const std::size_t count = at(s.model.families[at(family)].point_count);
+  return {s.law_state[at(family)].data() + at(k) * count, count};
+}
+
+void Simulation::velocities_changed() {
+  if (!impl_->riding) impl_->find_bodies_at_rest();
+}
+
+}  // namespace quoin

@@ -1,0 +1,37 @@
+"""Quoin from Python: laws on arrays, scenes, and simulations that are stepped from outside.
+
+    import quoin
+    scene = quoin.Scene.load("host/scenes/solid_wall_030.toml")
+    run = quoin.run(scene)
+    run.history["horizontal_force_N"].max()
+
+host/python/README.md shows all of it. Where Quoin was built without the host, or without pybind11, there are laws alone.
+"""
+from .law import Law, LawInfo, Material, NotReached, Path, Refused, load  # noqa: F401
+
+try:
+    from .errors import BadInput, Error, Gone, LawRefused, NumericalFailure  # noqa: F401
+except ModuleNotFoundError:  # laws alone
+    pass
+else:
+    try:
+        from ._quoin import version as __version__
+    except ModuleNotFoundError as missing:
+        if missing.name != "quoin._quoin":
+            raise
+    else:
+        from ._quoin import add_law_folder
+        from .law import folders
+        for _folder in folders():
+            add_law_folder(_folder)
+        from .run import Frame, Run, run  # noqa: F401
+        from .scene import (Arch, Block, BlockMaterial, DryWall, Joint, JointRule, Scene, Stage, Table,  # noqa: F401
+                            Wall)
+        from .simulation import Simulation  # noqa: F401
+
+
+def __getattr__(name):
+    if name in ("Scene", "Simulation", "run"):
+        raise AttributeError(f"quoin.{name}: this installation has the laws alone; build the host with pybind11-dev and "
+                             "python3-dev installed (cmake says why it left it out)")
+    raise AttributeError(f"module 'quoin' has no attribute {name!r}")

@@ -1,0 +1,33 @@
+"""The example of the README: what a user of NumPy writes first."""
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+from support import SMALL_WALL, SOURCE, Folder
+
+EXAMPLES = os.path.join(SOURCE, "host/python/examples")
+
+
+class Examples(Folder):
+    def test_a_wall_its_curve_another_law_and_a_loop_over_cohesion(self):
+        try:
+            import matplotlib  # noqa: F401
+        except ImportError:
+            self.skipTest("matplotlib is not installed (python3-matplotlib)")
+        script = os.path.join(EXAMPLES, "wall_and_cohesion.py")
+        with open(script, encoding="utf-8") as file:
+            code = [line for line in file if line.strip()]
+        self.assertLessEqual(len(code), 25)
+        done = subprocess.run([sys.executable, script, SMALL_WALL, self.path("curve.png")], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        peaks = [float(p) for p in re.findall(r"peak ([\d.]+) kN", done.stdout)]
+        self.assertEqual(len(peaks), 4)
+        self.assertLess(peaks[0], peaks[2])  # more cohesion, more force
+        self.assertLess(peaks[2], peaks[3])  # and most without a strength
+        self.assertGreater(os.path.getsize(self.path("curve.png")), 5000)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,110 @@
+"""Random calls with random arguments: each returns or raises, none ends the interpreter. usage: fuzz_test.py [CALLS]
+[SEED]; an arithmetic fault of a law, a dead simulation and every wrong type are among what may be raised."""
+import os
+import random
+import sys
+
+import numpy as np
+import quoin
+from support import SMALL_WALL, block_scene
+
+ALLOWED = (TypeError, ValueError, KeyError, IndexError, AttributeError, RuntimeError, OverflowError, quoin.Error,
+           quoin.Refused, ArithmeticError, OSError, BufferError)
+
+
+class Odd:
+    def __index__(self):
+        raise ValueError("odd")
+
+    __float__ = __index__
+
+
+def fuzz(calls, seed):
+    rng = random.Random(seed)
+    values = [None, True, -1, 0, 1, 3, 2**63, -2**70, 1.5, float("nan"), float("inf"), 1e300, "", "mortar", "dry", "cube",
+              "top_beam", "bottom_beam", "a" * 1000, "\0", b"", b"rubbish", [], [1], [1.0, 2.0, 3.0], [None] * 3,
+              [float("nan")] * 3, ["x", "y", "z"], (), {}, {"a": 1}, np.zeros(3), np.zeros((2, 2)), np.zeros(0),
+              np.array([np.nan] * 4), np.zeros(4, dtype=np.float32), np.zeros(8)[::-2], object(), Odd(), len, "elastic",
+              "coulomb_slip", "fracture_energy", "precompression", "shear", np.int64(2), np.float64(0.1), slice(0, 3), ...]
+
+    def value():
+        return rng.choice(values)
+
+    def fresh():
+        kind = rng.randrange(3)
+        if kind == 0:
+            return quoin.Simulation(SMALL_WALL, threads=rng.choice([1, 2]))
+        return quoin.Simulation(block_scene(stage=[quoin.Stage(duration=5.0, gravity=[0, -9.81, 0])]), threads=1)
+
+    law = quoin.Law("fracture_energy", normal_stiffness=1e9, shear_stiffness=1e9, tensile_strength=1e5, cohesion=1e5,
+                    friction_angle=30.0, fracture_energy_tension=10.0, fracture_energy_shear=100.0)
+    sim, views, states = fresh(), [], []
+    names = ["step", "run", "set_velocity", "set_force", "swap_law", "sigma", "tau_s", "tau_t", "area", "position", "state",
+             "displacement", "velocity", "damage", "contacts", "restore", "measure", "mesh", "save"]
+    raised = 0
+    for i in range(calls):
+        choice = rng.random()
+        try:
+            if choice < 0.5:
+                name = rng.choice(names)
+                arguments = [value() for _ in range(rng.choice([0, 1, 1, 1, 2, 2, 3]))]
+                if name in ("step", "run"):  # not for hours
+                    arguments = [a for a in arguments if callable(a) or isinstance(a, (type(None), str, list, np.ndarray))
+                                 and a not in (None, "shear", "precompression")] if name == "run" else \
+                        [rng.choice([1, 2, 7, -1, 0, 1.5, "x", None])]
+                    if not arguments:
+                        arguments = [-1.0]
+                result = getattr(sim, name)(*arguments)
+                if isinstance(result, quoin.simulation.View):
+                    views.append(result)
+                if isinstance(result, bytes):
+                    states.append(result)
+            elif choice < 0.7 and views:
+                view = rng.choice(views)
+                use = rng.randrange(6)
+                if use == 0:
+                    view[value()]
+                elif use == 1:
+                    view[value()] = value()
+                elif use == 2:
+                    view + value()
+                elif use == 3:
+                    np.add(value(), view, out=value())
+                elif use == 4:
+                    repr(view), np.array(view), view.max()
+                else:
+                    getattr(np, rng.choice(["sum", "concatenate", "dot", "reshape", "sort", "linalg"]))(view, value())
+            elif choice < 0.85:
+                arrays = [value() for _ in range(4)]
+                if rng.random() < 0.5:
+                    n = rng.choice([0, 1, 5])
+                    arrays = [np.zeros(n), [np.zeros(n)] * 2, [np.zeros(n) for _ in range(3)], law.initial_state(n)]
+                    arrays[rng.randrange(4)] = value()
+                rng.choice([law.evaluate, law.prepare, law.drive, law.take_over])(*arrays)
+            elif choice < 0.9:
+                quoin.Law(value(), **{rng.choice(["normal_stiffness", "tensile_strength", "rust"]): value()})
+            elif choice < 0.95:
+                scene = block_scene()
+                where = rng.choice([scene, scene.joints, scene.joints.dry, scene.block[0], scene.block, scene.stage[0],
+                                    scene.materials.stone, scene.output])
+                key = value() if rng.random() < 0.2 else rng.choice(["density", "law", "box", "duration", "title", "stage",
+                                                                     "block", "vertices", "faces", "mesh"])
+                where[key] = value()
+                scene.check()
+            elif choice < 0.97 and states:
+                state = bytearray(rng.choice(states))
+                for _ in range(rng.choice([0, 1, 5])):
+                    state[rng.randrange(len(state))] = rng.randrange(256)
+                sim.restore(bytes(state[:rng.choice([len(state), len(state) // 2, 20])]))
+            elif choice < 0.98:
+                sim.close() if rng.random() < 0.5 else None
+                sim, states = fresh(), []
+                views = views[-20:]
+        except ALLOWED:
+            raised += 1
+    print(f"{calls} calls, seed {seed}: {raised} raised")
+    assert raised > 0.2 * calls
+
+
+if __name__ == "__main__":
+    fuzz(int(sys.argv[1]) if len(sys.argv) > 1 else 2000, int(sys.argv[2]) if len(sys.argv) > 2 else 1)

@@ -1,0 +1,148 @@
+"""The page of a run, opened by a browser from the disk. What the page does is asked by a script that is added to a copy."""
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import quoin
+from support import PROGRAM, SCENES, SMALL_WALL, Folder, block_scene
+
+# Moves the slider, chooses every colour, and tells what was drawn: shares of pixels that are not background.
+ASK = """
+<script>
+const faults = [];
+window.addEventListener('error', e => faults.push(e.message));
+window.addEventListener('unhandledrejection', e => faults.push(String(e.reason)));
+for (const kind of ['error', 'warn']) { console[kind] = (...words) => faults.push(words.join(' ')); }
+const pixels = run => {
+  const gl = run.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const all = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, all);
+  let drawn = 0, sum = 0;
+  for (let i = 0; i < all.length; i += 4) {
+    if (all[i] !== 251 || all[i + 1] !== 251 || all[i + 2] !== 250) ++drawn;
+    sum = (sum * 31 + all[i] + 256 * all[i + 1] + 65536 * all[i + 2]) % 4294967291;
+  }
+  return [drawn / (w * h), sum];
+};
+const ask = () => {
+  if (!document.body.dataset.ready) return setTimeout(ask, 50);
+  const told = {ready: document.body.dataset.ready, frames: [], colours: [], faults};
+  if (told.ready === 'yes') {
+    const slider = document.getElementById('time'), colour = document.getElementById('colour');
+    for (let f = 0; f <= Number(slider.max); ++f) {
+      slider.value = f;
+      slider.dispatchEvent(new Event('input'));
+      told.frames.push(quoinRuns.map(r => [r.frame, ...pixels(r), r.curve.dots[0], r.cracked]));
+    }
+    for (const option of colour.options) {
+      colour.value = option.value;
+      colour.dispatchEvent(new Event('input'));
+      told.colours.push([option.value, ...pixels(quoinRuns[0])]);
+    }
+  }
+  const pre = document.createElement('pre');
+  pre.id = 'told';
+  pre.textContent = JSON.stringify(told);
+  document.body.appendChild(pre);
+};
+ask();
+</script>
+"""
+
+
+def told_by(page):
+    """What a browser tells of the page; skips the test where there is none that draws."""
+    import json
+    browser = shutil.which("chromium") or shutil.which("chromium-browser")
+    if not browser:
+        raise unittest.SkipTest("chromium is not installed")
+    with open(page, encoding="utf-8") as file:
+        html = file.read()
+    asked = page.replace(".html", "_asked.html")
+    with open(asked, "w", encoding="utf-8") as file:
+        file.write(html.replace("<body>", "<body>" + ASK, 1))
+    with tempfile.TemporaryDirectory() as profile:
+        done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader",
+                               "--enable-unsafe-swiftshader", "--window-size=1200,900", f"--user-data-dir={profile}",
+                               "--virtual-time-budget=60000", "--dump-dom", "file://" + asked],
+                              capture_output=True, text=True, timeout=280)
+    found = re.search(r'<pre id="told">(.*?)</pre>', done.stdout, re.S)
+    if not found:
+        raise AssertionError(f"the page has told nothing: {done.stdout[-500:]} {done.stderr[-2000:]}")
+    return json.loads(found[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))
+
+
+class Report(Folder):
+    def run_scene(self, name, scene, *options):
+        if isinstance(scene, quoin.Scene):
+            scene.write(self.path(name + ".toml"))
+            scene = self.path(name + ".toml")
+        done = self.command("run", scene, "--out", name, "--set", "output.plots=false", *options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def assert_works(self, told, runs=1, cracks=True):
+        self.assertEqual(told["ready"], "yes", told)
+        self.assertEqual(told["faults"], [])
+        frames = told["frames"]
+        self.assertGreater(len(frames), 2)
+        for r in range(runs):
+            self.assertEqual(frames[0][r][0], 0)
+            for _, drawn, _, _, _ in (f[r] for f in frames):
+                self.assertGreater(drawn, 0.02)  # of the picture: something is there
+            self.assertGreater(len({f[r][2] for f in frames}), 1, "the slider changes the picture")
+            self.assertGreater(len({tuple(f[r][3]) for f in frames}), 1, "the slider moves the dot on the curve")
+            if cracks:
+                self.assertGreater(frames[-1][r][4], 0)
+
+    def test_a_wall_can_be_looked_at(self):
+        self.run_scene("wall", SMALL_WALL, "--report")
+        page = self.path("wall/report.html")
+        with open(page, encoding="utf-8") as file:
+            html = file.read()
+        # Nothing is fetched: the page has no address in what loads.
+        self.assertIsNone(re.search(r"""<(script|link|img)[^>]*(src|href)=""", html.split("<script>")[0]))
+        told = told_by(page)
+        self.assert_works(told)
+        self.assertEqual([c[0] for c in told["colours"]], ["damage", "opening", "slip", "stress", "displacement"])
+        self.assertGreater(len({c[2] for c in told["colours"]}), 3)  # they look different
+
+    def test_two_runs_side_by_side(self):
+        self.run_scene("wall", SMALL_WALL)
+        self.run_scene("brittle", SMALL_WALL, "--law", "coulomb_slip")
+        done = self.command("report", "wall", "brittle")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.strip(), "wall/report.html")
+        self.assert_works(told_by(self.path("wall/report.html")), runs=2)
+
+    def test_blocks_that_fall(self):
+        arch = quoin.Scene.load(SCENES + "/arch.toml")
+        arch.stage[1].collapse.rate = 0.2
+        arch.output.frames = 4
+        self.run_scene("arch", arch)
+        self.assertEqual(self.command("report", "arch").returncode, 0)
+        self.assert_works(told_by(self.path("arch/report.html")))
+
+    def test_what_is_missing_is_told(self):
+        def fails(words, *arguments, **environment):
+            done = subprocess.run([PROGRAM, "report", *arguments], capture_output=True, text=True, cwd=self.folder,
+                                  env={**os.environ, **environment})
+            self.assertEqual(done.returncode, 3, done.stdout)
+            self.assertIn(words, done.stderr)
+        self.run_scene("cubes", block_scene(stage=[quoin.Stage(duration=0.01)]))
+        fails("the run wrote no frames (blocks.pvd is missing)", "cubes")
+        fails("no results here (summary.json is missing)", "nowhere")
+        fails("install it with `apt-get install libjs-three`", "cubes", QUOIN_THREE_JS="/nowhere")
+        self.run_scene("wall", SMALL_WALL)
+        with open(self.path("wall/joints_0001.vtu"), "r+b") as file:
+            file.truncate(4000)
+        fails("joints_0001.vtu: is cut off; run the scene again", "wall")
+
+
+if __name__ == "__main__":
+    if not os.path.exists("/usr/share/javascript/three/three.min.js"):
+        print("skipped: three.js is not installed (libjs-three)")
+        raise SystemExit(77)
+    unittest.main(verbosity=2)

@@ -1,0 +1,263 @@
+"""Simulations that are stepped, read and steered from Python."""
+import gc
+import os
+import signal
+import threading
+import time
+import unittest
+
+import numpy as np
+import quoin
+from support import SMALL_WALL, Folder, assert_same_history, block_scene
+
+
+def slow_scene():
+    """Some seconds of work."""
+    scene = quoin.Scene.load(SMALL_WALL)
+    scene.stage[1].velocity = 1e-4
+    return scene
+
+
+class Views(unittest.TestCase):
+    def test_they_show_the_present(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sigma, u = sim.sigma("mortar"), sim.displacement(0)
+        self.assertEqual(sigma.shape, (sim.area("mortar").size,))
+        self.assertEqual(u.shape[1], 3)
+        self.assertEqual(np.abs(sigma).max(), 0.0)
+        sim.run(until="precompression")
+        # 0.3 MPa on 0.44 x 0.1 m, through two rows of units: every bed joint carries it. 1 %: of the equilibrium.
+        bed = np.abs(np.array(sim.contacts("mortar")["normal"])[:, 1]) > 0.5
+        beds = 3
+        force = np.sum(sigma[bed] * sim.area("mortar")[bed]) / beds
+        self.assertAlmostEqual(force, -0.3e6 * 0.44 * 0.1, delta=0.01 * 0.3e6 * 0.044)
+        self.assertGreater(np.abs(u).max(), 0.0)
+        self.assertEqual((2 * sigma - sigma).max(), np.array(sigma).max())
+
+    def test_nothing_that_they_give_outlives_a_step(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.step(300)
+        part, whole = sim.sigma("mortar")[3:9], np.asarray(sim.sigma("mortar"))
+        kept, kept_whole = part.copy(), whole.copy()
+        sim.step(300)
+        np.testing.assert_array_equal(part, kept)
+        np.testing.assert_array_equal(whole, kept_whole)
+        self.assertFalse(np.array_equal(sim.sigma("mortar"), kept_whole))
+
+    def test_one_whose_simulation_is_gone_raises(self):
+        for end in ("close", "delete"):
+            sim = quoin.Simulation(SMALL_WALL)
+            sim.step(10)
+            views = [sim.sigma("mortar"), sim.tau_s("mortar"), sim.area("mortar"), sim.position("mortar"),
+                     sim.displacement(0), sim.velocity(0), sim.state("mortar", "xi_t")]
+            if end == "close":
+                sim.close()
+            else:
+                del sim
+                gc.collect()
+            for view in views:
+                for use in (lambda v: v[0], lambda v: v + 1, np.sum, len, np.array, lambda v: v.max(), lambda v: v.shape):
+                    with self.assertRaises(quoin.Gone):
+                        use(view)
+                self.assertIn("gone", repr(view))
+            with self.assertRaises(quoin.Gone):
+                views[5][...] = 0.0
+            if end == "close":
+                for call in (sim.step, sim.run, sim.measure, lambda: sim.time, lambda: sim.sigma("mortar"), sim.save):
+                    with self.assertRaises(quoin.Gone):
+                        call()
+
+    def test_states_damage_and_contacts_agree(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.run()
+        contacts = sim.contacts("mortar")
+        self.assertEqual(len(contacts), len(sim.sigma("mortar")))
+        np.testing.assert_array_equal(contacts["area"], sim.area("mortar"))
+        np.testing.assert_array_equal(contacts["position"], sim.position("mortar"))
+        tension, shear, crushing = sim.damage("mortar")
+        self.assertGreater(np.nanmax(tension), 0.0)
+        self.assertTrue(((tension >= 0) & (tension <= 1)).all())
+        with self.assertRaisesRegex(quoin.BadInput, "state: law fracture_energy keeps no state 'rust'"):
+            sim.state("mortar", "rust")
+        with self.assertRaisesRegex(KeyError, "there is no joint family 'glue'; there are mortar"):
+            sim.sigma("glue")
+
+    def test_they_survive_large_motion(self):
+        scene = block_scene(stage=[quoin.Stage(duration=1.0, gravity=[0, -9.81, 0])])
+        sim = quoin.Simulation(scene)
+        velocity, sigma = sim.velocity("cube"), sim.sigma("dry")
+        self.assertEqual(velocity.shape, (1, 3))
+        self.assertEqual(len(sigma), 0)
+        sim.run(until=lambda s: s.time > 0.5 or len(sigma) > 0 and sigma.min() < 0.0, every=5)
+        # It has fallen 1 m, onto contacts that were not there: 2 %, as they give way.
+        self.assertAlmostEqual(sim.time, (2 / 9.81) ** 0.5, delta=0.01)
+        self.assertGreater(len(sigma), 0)
+        self.assertEqual(len(sigma), len(sim.contacts("dry")))
+
+
+class Steering(Folder):
+    def test_a_force_accelerates_as_newton_says(self):
+        sim = quoin.Simulation(block_scene())
+        sim.step()
+        sim.set_force("cube", [100.0, None, -50.0])
+        n, dt = 500, sim.time_step
+        sim.step(n)
+        # Exact in central differences but for rounding: n additions of F dt / m. 1000 kg.
+        np.testing.assert_allclose(sim.velocity("cube")[0], np.array([100.0, 0.0, -50.0]) / 1000 * n * dt, rtol=1e-10)
+        sim.set_force("cube", [0.0, 0.0, 0.0])
+        before = sim.velocity("cube").copy()
+        sim.step(10)
+        np.testing.assert_array_equal(sim.velocity("cube"), before)
+
+    def test_velocities_that_are_written_move_blocks(self):
+        sim = quoin.Simulation(block_scene())
+        sim.step()
+        sim.velocity("cube")[...] = [0.5, 0.0, 0.25]
+        start = sim.time
+        sim.step(100)
+        np.testing.assert_allclose(sim.displacement("cube")[0], np.array([0.5, 0, 0.25]) * (sim.time - start), rtol=1e-9,
+                                   atol=1e-12)
+        with self.assertRaisesRegex(ValueError, "velocity: every value must be finite"):
+            sim.velocity("cube")[0, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "sigma: can be read only"):
+            sim.sigma("dry")[...] = 1.0
+
+    def test_a_velocity_moves_what_the_stage_holds(self):
+        # The base of the blocks is fixed, the beam of the wall is held.
+        sim = quoin.Simulation(block_scene())
+        sim.set_velocity("base", [0.0, 0.0, 0.1])
+        sim.step(100)
+        self.assertAlmostEqual(sim.displacement("base")[0, 2], 0.1 * 100 * sim.time_step, delta=1e-12)
+        wall = quoin.Simulation(SMALL_WALL)
+        wall.run(until="precompression")
+        wall.step()
+        wall.set_velocity("top_beam", [-0.02, None, None])
+        there = wall.measure()["displacement_m"]
+        wall.step(200)
+        # Exact but for rounding, and for the step whose velocity was the stage's.
+        self.assertAlmostEqual(wall.measure()["displacement_m"] - there, -0.02 * 200 * wall.time_step,
+                               delta=0.02 * 2 * wall.time_step)
+
+    def test_what_cannot_be_steered_is_told(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.step()
+        with self.assertRaisesRegex(quoin.BadInput, "force: the stage holds or moves 'bottom_beam' along x"):
+            sim.set_force("bottom_beam", [1.0, None, None])
+        with self.assertRaisesRegex(quoin.BadInput, "velocity: the stage leaves free 'top_beam' along y"):
+            sim.set_velocity("top_beam", [None, 1.0, None])
+        with self.assertRaisesRegex(quoin.BadInput, "body: nothing is called 'roof'.*top_beam"):
+            sim.set_force("roof", [1.0, 0, 0])
+        with self.assertRaisesRegex(ValueError, "velocity: three numbers are needed"):
+            sim.set_velocity("top_beam", [1.0, 2.0])
+        with self.assertRaisesRegex(ValueError, "force: nan is not finite"):
+            sim.set_force("top_beam", [float("nan"), 0, 0])
+
+    def test_a_swapped_law_keeps_the_tractions(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.run(until="precompression")
+        sim.step()
+        before = sim.sigma("mortar").copy()
+        swap = sim.swap_law("mortar", "coulomb_slip")
+        self.assertEqual((swap["from"], swap["to"], swap["points"]), ("fracture_energy", "coulomb_slip", len(before)))
+        np.testing.assert_array_equal(sim.sigma("mortar"), before)
+        sim.step(2)
+        np.testing.assert_allclose(sim.sigma("mortar"), before, rtol=1e-3, atol=300.0)  # two steps of 0.3 MPa at rest
+        state = sim.save()
+        sim.step(100)
+        end = sim.hash
+        sim.restore(state)
+        sim.step(100)
+        self.assertEqual(sim.hash, end)
+        with self.assertRaisesRegex(quoin.LawRefused, "no_such_law"):
+            sim.swap_law("mortar", "no_such_law")
+
+    def test_until(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        self.assertIsNone(sim.stage)
+        self.assertTrue(sim.run(until=1e-4))
+        self.assertAlmostEqual(sim.time, 1e-4, delta=sim.time_step)
+        self.assertTrue(sim.run(until="precompression"))
+        self.assertEqual(sim.stage, "precompression")
+        self.assertEqual(sim.history["stage"][-1], 1)
+        self.assertTrue(sim.run(until=lambda s: s.stage == "shear" and s.measure()["displacement_m"] > 1e-4, every=10))
+        self.assertAlmostEqual(sim.measure()["displacement_m"], 1e-4, delta=0.05 * 11 * sim.time_step)
+        self.assertFalse(sim.run())
+        self.assertFalse(sim.step())
+        reference = quoin.Simulation(SMALL_WALL)
+        reference.run()
+        self.assertEqual(sim.hash, reference.hash)
+        with self.assertRaisesRegex(quoin.BadInput, "until = 'tea'.*precompression, shear"):
+            sim.run(until="tea")
+
+
+class Interruptions(Folder):
+    def test_checkpoints_go_on_with_the_same_bits(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.step(700)
+        state = sim.save()
+        sim.checkpoint(self.path("then.bin"))
+        sim.run()
+        resumed = quoin.Simulation.resume(SMALL_WALL, self.path("then.bin"))
+        self.assertEqual(resumed.steps, 700)
+        resumed.run()
+        self.assertEqual(resumed.hash, sim.hash)
+        assert_same_history(resumed.history, sim.history)
+        sim.restore(state)
+        self.assertEqual(sim.steps, 700)
+        sim.run()
+        assert_same_history(resumed.history, sim.history)
+        other = quoin.Scene.load(SMALL_WALL)
+        other.joints.mortar.cohesion = 0.2e6
+        with self.assertRaisesRegex(quoin.BadInput, "scene"):
+            quoin.Simulation.resume(other, self.path("then.bin"))
+        with self.assertRaisesRegex(quoin.BadInput, "checkpoint"):
+            sim.restore(b"rubbish")
+
+    def test_ctrl_c_stops_cleanly_and_the_run_can_go_on(self):
+        sim = quoin.Simulation(slow_scene())
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        before = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            sim.run()
+        self.assertLess(time.monotonic() - before, 3.0)
+        there = sim.steps
+        self.assertGreater(there, 0)
+        sim.step(100)
+        straight = quoin.Simulation(slow_scene())
+        straight.step(there + 100)
+        self.assertEqual(sim.hash, straight.hash)
+        assert_same_history(sim.history, straight.history)
+
+    def test_an_interrupted_run_keeps_what_it_has(self):
+        threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt) as raised:
+            quoin.run(slow_scene(), out=self.path("out"))
+        run = raised.exception.run
+        self.assertEqual(run.summary["status"], "interrupted")
+        self.assertGreater(len(run.history), 0)
+        self.assertTrue(os.path.exists(self.path("out/history.csv")))
+
+    def test_other_threads_run_meanwhile_but_not_in_the_same_simulation(self):
+        sim, told = quoin.Simulation(slow_scene(), threads=1), []
+        runner = threading.Thread(target=lambda: sim.step(3000))
+        runner.start()
+        while runner.is_alive() and len(told) < 5:  # this loop runs only when the lock is free
+            try:
+                sim.sigma("mortar")
+            except RuntimeError as error:
+                told.append(str(error))
+        runner.join()
+        self.assertIn("being stepped by another thread", told[0])
+        self.assertEqual(sim.steps, 3000)
+
+    def test_a_numerical_failure_is_raised_with_what_was_computed(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.stage[0].max_steps = 100
+        with self.assertRaisesRegex(quoin.NumericalFailure, "'precompression' has not ended after 100 steps") as raised:
+            quoin.run(scene)
+        self.assertEqual(raised.exception.exit_code, 5)
+        self.assertEqual(raised.exception.run.summary["status"], "failed")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
