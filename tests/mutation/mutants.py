@@ -18,6 +18,7 @@ killed by a time-out alone (column "how") on a busy machine may be an innocent o
 Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
 import argparse
+import collections
 import concurrent.futures
 import csv
 import hashlib
@@ -195,8 +196,8 @@ class Test:
         self.runs, self.kills = 0, 0  # with a mutant
 
     def price(self):
-        """Seconds that a kill may cost; one in ten runs of a test that is not known yet."""
-        return self.seconds * (self.runs + 1) / (self.kills + 0.1)
+        """Seconds that a kill costs, as far as known; one run in ten kills."""
+        return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1)
 
     def run(self, timeout, **environment):
         start = time.monotonic()
@@ -312,6 +313,7 @@ def main():
     parser.add_argument("--part", default="", help="of the drawn ones, those in files that this regular expression begins")
     parser.add_argument("--targets", nargs="+", default=[], help="test programs to be built, instead of all")
     parser.add_argument("--longest", type=float, default=300, help="seconds; tests that take longer are left out")
+    parser.add_argument("--learn", type=pathlib.Path, nargs="+", default=[], help="--out of other runs: tests that killed there first")
     parser.add_argument("--budget", type=float, default=3600, help="seconds of tests that a mutant may cost")
     parser.add_argument("--without", default="(?!)", help="tests to be left out, a regular expression")
     parser.add_argument("--again", action="store_true", help="survivors of --out are run once more")
@@ -351,6 +353,13 @@ def main():
     print(f"{len(tests)} tests, {sum(t.seconds for t in tests):.0f} s", flush=True)
     if not tests:
         return 3
+
+    killers = collections.Counter()
+    for learnt in filter(pathlib.Path.exists, [*options.learn, options.out]):
+        with learnt.open() as file:
+            killers.update(r["by"] for r in csv.DictReader(file) if r["by"])
+    for t in tests:
+        t.runs = t.kills = killers[t.name]
 
     def key(m):
         return m.file, str(m.line), m.kind, m.old, m.new, str(m.begin)
