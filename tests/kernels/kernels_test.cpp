@@ -246,6 +246,51 @@ TEST(Batches, OnePointWithoutARequiredColumnIsRefused) {
   }
 }
 
+// plugin_api/include/quoin/law.h: of a migration, energies and the status alone may be null.
+TEST(Migrations, OfOnePointWithoutARequiredColumnAreRefused) {
+  for (const char* id : laws) {
+    const quoin_law& law = load_law(id);
+    if (law.migrate_state == nullptr) continue;
+    const Material material = make_material(law, materials(id)[0]);
+    const double zero = 0.0;
+    double shift = -7.0;
+    std::vector<double> states(law.state_count, -7.0);
+    const auto expect = [&](quoin_status status, const std::string& what,
+                            const std::function<void(quoin_migration&)>& spoil) {
+      const char* const old_id = "of_another_law";
+      const quoin_in old_state{&zero, 1};
+      std::vector<quoin_out> columns;
+      for (double& state : states) columns.push_back({&state, 1});
+      quoin_migration m{};
+      m.struct_size = sizeof m;
+      m.count = 1;
+      m.from_law = "another_law";
+      m.from_schema = m.from_state_count = 1;
+      m.from_state_ids = &old_id;
+      m.from_states = &old_state;
+      m.normal_jump = {&zero, 1};
+      for (quoin_in& column : m.traction) column = {&zero, 1};
+      m.normal_shift = {&shift, 1};
+      m.state_new = columns.data();
+      spoil(m);
+      shift = -7.0;
+      EXPECT_EQ(law.migrate_state(material.handle(), &m, nullptr), status) << id << ", " << what;
+      EXPECT_EQ(shift, status == QUOIN_OK ? 0.0 : -7.0) << id << ", " << what;
+    };
+    expect(QUOIN_OK, "whole", [](quoin_migration&) {});
+    const auto expect_refused = [&](const std::string& what, const std::function<void(quoin_migration&)>& spoil) {
+      expect(QUOIN_ERROR_ARGUMENT, what, spoil);
+    };
+    expect_refused("normal_jump", [](quoin_migration& m) { m.normal_jump.data = nullptr; });
+    expect_refused("normal_shift", [](quoin_migration& m) { m.normal_shift.data = nullptr; });
+    expect_refused("from_states", [](quoin_migration& m) { m.from_states = nullptr; });
+    expect_refused("from_state_ids", [](quoin_migration& m) { m.from_state_ids = nullptr; });
+    for (int k = 0; k < 3; ++k) expect_refused("traction", [k](quoin_migration& m) { m.traction[k].data = nullptr; });
+    if (law.state_count > 0) expect_refused("state_new", [](quoin_migration& m) { m.state_new = nullptr; });
+    expect_refused("struct_size", [](quoin_migration& m) { m.struct_size = sizeof m - 1; });
+  }
+}
+
 // Elastic points, which a whole vector takes by the short path: what is wrong with one of them must be seen there too.
 TEST(Batches, AnOldValueThatIsNotFiniteFailsItsPointAmongElasticOnes) {
   const quoin_law& law = load_law("fracture_energy");

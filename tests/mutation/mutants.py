@@ -9,7 +9,8 @@ One mutant is one changed token: a sign, an operator, a floating constant times 
 Places are drawn evenly from the code (no comments, texts or preprocessor lines), so the same seed gives the same mutants of
 the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks; every
 test of ctest is run once to see that it passes and which mutants it reaches; then each mutant is planted in turn and run
-against the tests that reach it, quickest first, until one fails, crashes or takes five times its time. What cannot be switched
+against the tests that reach it, quickest first and those that have killed before, until one fails, crashes or takes five times
+its time, or --budget is spent (column "how": "budget"). What cannot be switched
 at run time (sizes of types, constants of the compiler) is built alone with --alone, otherwise replaced by the next one, as is
 what does not compile or, alone, compiles to the same bytes.
 Results go to --out row by row; a run that was stopped goes on from there, and --again runs the survivors once more. A mutant
@@ -17,6 +18,7 @@ killed by a time-out alone (column "how") on a busy machine may be an innocent o
 Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
 import argparse
+import collections
 import concurrent.futures
 import csv
 import hashlib
@@ -107,9 +109,11 @@ class Tree:
                 text = (self.root / name).read_bytes()
                 if name.startswith("host/") and name.endswith("CMakeLists.txt"):
                     text = text.replace(b" STATIC", b" SHARED")
+                if name in ("host/CMakeLists.txt", "tests/CMakeLists.txt"):
+                    text = text.replace(b"-O1>", b"-O0>")
                 if name == "host/CMakeLists.txt":
                     options = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'
-                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text.replace(b"-O1>", b"-O0>")
+                    text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text
                 if name == "CMakeLists.txt":
                     for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
                         adds = b"  add_subdirectory(" + part + b")"
@@ -189,6 +193,11 @@ class Test:
         properties = {p["name"]: p["value"] for p in entry.get("properties", [])}
         self.folder = properties.get("WORKING_DIRECTORY")
         self.environment = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []))
+        self.runs, self.kills = 0, 0  # with a mutant
+
+    def price(self):
+        """Seconds that a kill costs, as far as known; one run in ten kills."""
+        return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1)
 
     def run(self, timeout, **environment):
         start = time.monotonic()
@@ -240,15 +249,19 @@ def watch_all(tests, tree, planted, longest, jobs):
     memory.write_text(json.dumps({t.identity: (t.passed, t.seconds, sorted(t.reached)) for t in tests}))
 
 
-def first_failure(tests, jobs, **environment):
-    """(name of a test that does not pass, how it ends), or None. Quickest first, `jobs` at a time."""
+def first_failure(tests, jobs, budget, **environment):
+    """(name of a test that does not pass, how it ends), ("", "budget") when its seconds are spent, or None. `jobs` at a time."""
+    start = time.monotonic()
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        rest, running = iter(tests), {}
+        rest, running = iter(sorted(tests, key=Test.price)), {}
         failed = None
         while True:
             while failed is None and len(running) < jobs:
                 test = next(rest, None)
                 if test is None:
+                    break
+                if time.monotonic() - start > budget:
+                    failed = "", "budget"
                     break
                 running[pool.submit(test.run, 5 * test.seconds + 10, **environment)] = test
             if not running:
@@ -256,18 +269,20 @@ def first_failure(tests, jobs, **environment):
             done, _ = concurrent.futures.wait(running, return_when=concurrent.futures.FIRST_COMPLETED)
             for future in done:
                 test = running.pop(future)
-                if future.result() != "passed" and failed is None:
+                test.runs += 1
+                if future.result() != "passed":
+                    test.kills += 1
                     failed = test.name, future.result()
 
 
-def judge(mutant, tree, tests, jobs, alone):
+def judge(mutant, tree, tests, jobs, budget, alone):
     """(result, name of the test that does not pass, how it ends, number of tests that could)"""
     if mutant.form == "does not compile" or (mutant.form == "alone" and not alone):
         return mutant.form, "", "", 0
     if mutant.form == "schemata":
         mine = [t for t in tests if mutant.number in t.reached]
-        by = first_failure(mine, jobs, QUOIN_MUTANT=str(mutant.number))
-        return "killed" if by else "survived", *(by or ("", "")), len(mine)
+        by = first_failure(mine, jobs, budget, QUOIN_MUTANT=str(mutant.number)) or ("", "")
+        return "killed" if by[0] else "survived", *by, len(mine)
     kept = (tree.folder / mutant.file).read_text()
     before = tree.object_hash()
     text = tree.texts[mutant.file]
@@ -277,8 +292,8 @@ def judge(mutant, tree, tests, jobs, alone):
             return "does not compile", "", "", 0
         if tree.object_hash() == before:
             return "same code", "", "", 0
-        by = first_failure(tests, jobs)
-        return "killed" if by else "survived", *(by or ("", "")), len(tests)
+        by = first_failure(tests, jobs, budget) or ("", "")
+        return "killed" if by[0] else "survived", *by, len(tests)
     finally:
         tree.write(mutant.file, kept)
         tree.build(jobs)
@@ -298,6 +313,8 @@ def main():
     parser.add_argument("--part", default="", help="of the drawn ones, those in files that this regular expression begins")
     parser.add_argument("--targets", nargs="+", default=[], help="test programs to be built, instead of all")
     parser.add_argument("--longest", type=float, default=300, help="seconds; tests that take longer are left out")
+    parser.add_argument("--learn", type=pathlib.Path, nargs="+", default=[], help="--out of other runs: tests that killed there first")
+    parser.add_argument("--budget", type=float, default=3600, help="seconds of tests that a mutant may cost")
     parser.add_argument("--without", default="(?!)", help="tests to be left out, a regular expression")
     parser.add_argument("--again", action="store_true", help="survivors of --out are run once more")
     parser.add_argument("--alone", action="store_true", help="build what cannot be switched at run time, one by one")
@@ -332,10 +349,17 @@ def main():
     for test in tests:
         if not test.passed:
             print(f"fails without a mutant or takes more than {options.longest:g} s, left out: {test.name}", flush=True)
-    tests = sorted((t for t in tests if t.passed), key=lambda t: t.seconds)
+    tests = [t for t in tests if t.passed]
     print(f"{len(tests)} tests, {sum(t.seconds for t in tests):.0f} s", flush=True)
     if not tests:
         return 3
+
+    killers = collections.Counter()
+    for learnt in filter(pathlib.Path.exists, [*options.learn, options.out]):
+        with learnt.open() as file:
+            killers.update(r["by"] for r in csv.DictReader(file) if r["by"])
+    for t in tests:
+        t.runs = t.kills = killers[t.name]
 
     def key(m):
         return m.file, str(m.line), m.kind, m.old, m.new, str(m.begin)
@@ -361,7 +385,7 @@ def main():
                 result = known.get(key(m))
                 if result is None:
                     start = time.monotonic()
-                    result, by, how, reaching = judge(m, tree, tests, options.jobs, options.alone)
+                    result, by, how, reaching = judge(m, tree, tests, options.jobs, options.budget, options.alone)
                     known[key(m)] = result
                     rows.writerow([seed, m.file, m.line, m.begin, m.kind, m.old, m.new, result, by, how,
                                    f"{time.monotonic() - start:.1f}", m.form, reaching])

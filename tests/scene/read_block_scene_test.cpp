@@ -257,6 +257,63 @@ TEST_F(ReadBlockScene, LargeMotionFromTheStartIsNoLattice) {
   EXPECT_EQ(read({"contact.small_displacement=0"}).blocks->contact.small_displacement, 0.0);
 }
 
+// host/scenes/BLOCKS.md, the column of defaults.
+TEST_F(ReadBlockScene, WhatIsLeftOutIsAsThePageSays) {
+  const BlocksSpec blocks = read_scene(write("least.toml", std::string(kScene) + R"(collapse = { displacement = 0.1 }
+[[dry_wall]]
+material = "stone"
+courses = 2
+units_per_course = 3
+unit = [0.4, 0.2, 0.3]
+opening = [{ from = 0.4, to = 0.8, sill = 0.0, head = 0.2 }]
+[[arch]]
+material = "stone"
+radius = 1.0
+thickness = 0.2
+depth = 0.5
+voussoirs = 9
+[[block]]
+material = "stone"
+mesh = "stone.off"
+)"))
+                                .blocks.value();
+  const BlockSpec &box = blocks.blocks.at(0), &mesh = blocks.blocks.at(1);
+  EXPECT_TRUE(box.rigid);
+  EXPECT_FALSE(box.fixed);
+  EXPECT_THAT(box.position, ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_THAT(box.rotation, ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_EQ(mesh.scale, 1.0);
+  const DryWallSpec& wall = blocks.walls.at(0);
+  EXPECT_TRUE(wall.rigid);
+  EXPECT_FALSE(wall.mid_unit_joints);
+  EXPECT_EQ(wall.bond, "running");
+  EXPECT_EQ(wall.first_course, "whole");
+  EXPECT_THAT(wall.origin, ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_EQ(wall.direction, 0.0);
+  EXPECT_THAT(wall.trim_start, ElementsAre(0.0, 0.0));
+  EXPECT_THAT(wall.trim_end, ElementsAre(0.0, 0.0));
+  EXPECT_EQ(wall.openings.at(0).bearing, 0.0);
+  const ArchSpec& arch = blocks.arches.at(0);
+  EXPECT_TRUE(arch.rigid && arch.abutments);
+  EXPECT_THAT(arch.centre, ElementsAre(0.0, 0.0, 0.0));
+  EXPECT_THAT(arch.angles, ElementsAre(0.0, 180.0));
+  EXPECT_EQ(blocks.contact.small_displacement, 0.005);
+  EXPECT_FALSE(blocks.contact.cubic_points);
+  EXPECT_EQ(blocks.default_joint, "dry");
+}
+
+TEST_F(ReadBlockScene, AMeshInMillimetresIsScaled) {
+  const auto scale = [&](const char* value) {
+    return read_scene(write("scale.toml", std::string(kScene) + "[[block]]\nmaterial = \"stone\"\nmesh = " +
+                                              "\"stone.off\"\nscale = " + value + "\n"))
+        .blocks->blocks.at(1)
+        .scale;
+  };
+  EXPECT_EQ(scale("0.001"), 0.001);
+  EXPECT_THAT(refusal([&] { scale("0"); }), HasSubstr("block.2.scale"));
+  EXPECT_THAT(fault("block.1.scale=0.001"), HasSubstr("only with mesh; remove it"));
+}
+
 // The inner radius of an arch is more than nothing.
 TEST_F(ReadBlockScene, ArchesAreThinnerThanTwiceTheirRadius) {
   const auto arch = [&](const char* thickness) {

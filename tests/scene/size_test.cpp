@@ -23,6 +23,7 @@ TEST(Size, OfAWallIsCountedBeforeItIsMade) {
   EXPECT_EQ(larger.blocks, 4 * wall.blocks);
   EXPECT_NEAR(larger.bytes, 4 * wall.bytes, 1e-9 * larger.bytes);
   EXPECT_EQ(size_with("solid_wall_030", {"wall.zones=[8,4,4]"}).zones, 8 * wall.zones);
+  EXPECT_EQ(size_with("solid_wall_030", {"wall.half_thickness=true"}).zones, wall.zones / 2);
   // Beyond any machine, and beyond any integer.
   const SceneSize huge =
       size_with("solid_wall_030", {"wall.courses=10000", "wall.units_per_course=10000", "wall.zones=[64,64,64]"});
@@ -34,6 +35,7 @@ TEST(Size, OfBlocksFollowsTheirEdgesAndPoints) {
   const SceneSize arch = size_with("arch");
   EXPECT_EQ(arch.zones, 0);
   EXPECT_EQ(arch.blocks, 7 + 2) << "voussoirs and abutments";
+  EXPECT_EQ(arch.points, 12 * arch.blocks) << "the corners of one face in each direction";
   const SceneSize dense = size_with("arch", {"contact.point_spacing=0.001"});
   EXPECT_GT(dense.points, 100 * arch.points);
   EXPECT_EQ(dense.blocks, arch.blocks);

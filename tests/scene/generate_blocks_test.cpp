@@ -1,0 +1,121 @@
+// Dry walls of the general path: where their units end, in closed form.
+#include "scene/generate_blocks.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <vector>
+
+#include "scene/read_scene.h"
+
+namespace quoin::blocks {
+namespace {
+
+constexpr double kLength = 0.3, kThickness = 0.2;
+constexpr int kCourses = 7, kUnits = 4;
+
+Assembly wall_with(const std::string& keys) {
+  const auto file = std::filesystem::temp_directory_path() / ("quoin_dry_wall_" + std::to_string(getpid()) + ".toml");
+  std::ofstream(file) << R"([materials.stone]
+density = 2000
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 5e8
+[[dry_wall]]
+material = "stone"
+courses = 7
+units_per_course = 4
+unit = [0.3, 0.1, 0.2]
+)" << keys << "[[stage]]\nduration = 0.1\n";
+  const Scene scene = read_scene(file.string());
+  std::filesystem::remove(file);
+  return assemble(scene);
+}
+
+std::vector<Vector> corners(const Assembly& wall, const Block& block) {
+  std::vector<Vector> result;
+  for (const Vector& p : wall.shapes[size_t(block.shape)].vertices)
+    result.push_back(block.position + geometry::matrix(block.orientation) * p);
+  return result;
+}
+
+// x of the ends of the pieces of one course, in units, from the left.
+std::vector<double> ends(const Assembly& wall, int course) {
+  std::vector<double> result;
+  for (const Block& block : wall.blocks) {
+    if (block.course != course) continue;
+    double left = 1e9, right = -1e9;
+    for (const Vector& p : corners(wall, block)) left = std::min(left, p.x), right = std::max(right, p.x);
+    if (result.empty()) result.push_back(left / kLength);
+    EXPECT_NEAR(left / kLength, result.back(), 1e-12) << "a gap in course " << course;
+    result.push_back(right / kLength);
+  }
+  return result;
+}
+
+// Of a course whose units are moved to the left by a share of a unit.
+std::vector<double> moved_by(double shift) {
+  std::vector<double> result{0.0};
+  for (int i = 1; i <= kUnits; ++i) result.push_back(i - shift);
+  if (shift > 0.0) result.push_back(kUnits);
+  return result;
+}
+
+TEST(DryWall, UnitsOverlapAsTheirBondSays) {
+  const struct {
+    const char* keys;
+    double (*shift)(int course);
+  } bonds[] = {{"", [](int c) { return c % 2 / 2.0; }},
+               {"bond = \"running\"\nfirst_course = \"half\"\n", [](int c) { return (c + 1) % 2 / 2.0; }},
+               {"bond = \"third\"\n", [](int c) { return c % 3 / 3.0; }},
+               {"bond = \"stack\"\n", [](int) { return 0.0; }},
+               {"bond = \"stack\"\nfirst_course = \"half\"\n", [](int) { return 0.5; }}};
+  for (const auto& [keys, shift] : bonds) {
+    const Assembly wall = wall_with(keys);
+    for (int c = 0; c < kCourses; ++c)
+      EXPECT_THAT(ends(wall, c), testing::Pointwise(testing::DoubleNear(1e-12), moved_by(shift(c))))
+          << keys << "course " << c;
+  }
+}
+
+// Units are cut in their own middle, wherever the wall ends; what would be shorter than a tenth of a unit stays whole.
+TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
+  const Assembly wall = wall_with("bond = \"third\"\nmid_unit_joints = true\n");
+  for (int c = 0; c < kCourses; ++c) {
+    const double shift = c % 3 / 3.0;
+    std::vector<double> expected = moved_by(shift);
+    for (int i = 0; i <= kUnits; ++i) {
+      if (const double middle = i + 0.5 - shift; middle > 0.1 && middle < kUnits - 0.1) expected.push_back(middle);
+    }
+    std::sort(expected.begin(), expected.end());
+    EXPECT_THAT(ends(wall, c), testing::Pointwise(testing::DoubleNear(1e-12), expected)) << "course " << c;
+  }
+}
+
+TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
+  const double angle = 30 * std::numbers::pi / 180;
+  const Assembly wall = wall_with("direction = 30\norigin = [1, 2, 3]\n");
+  Vector low{1e9, 1e9, 1e9}, high = -low;  // along the wall, up, through it
+  for (const Block& block : wall.blocks) {
+    for (const Vector& p : corners(wall, block)) {
+      const Vector q = p - Vector{1, 2, 3};
+      const Vector own{q.x * std::cos(angle) + q.z * std::sin(angle), q.y,
+                       q.z * std::cos(angle) - q.x * std::sin(angle)};
+      low = min(low, own), high = max(high, own);
+    }
+  }
+  EXPECT_LT(norm(low), 1e-12);
+  EXPECT_LT(norm(high - Vector{kUnits * kLength, 0.7, kThickness}), 1e-12);
+}
+
+}  // namespace
+}  // namespace quoin::blocks
