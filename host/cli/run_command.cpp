@@ -95,7 +95,7 @@ struct RunOptions {
   std::string resume;  // folder of the run that goes on; empty: a new one
   double checkpoint_every = 60.0;
   int threads = 0;
-  bool report = false;
+  bool report = false, compressed = false;
 };
 
 // Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
@@ -103,11 +103,11 @@ class Recorder : public Observer {
  public:
   // before: what the run that goes on has recorded.
   Recorder(const fs::path& folder, const Scene& scene, Surfaces& surfaces, Identity identity, double checkpoint_every,
-           const Checkpoint& before)
+           const Checkpoint& before, bool compressed)
       : scene_(scene),
         surfaces_(surfaces),
         history_(folder / "history.csv", scene, before.rows),
-        frames_(folder, surfaces, before.frame_times),
+        frames_(folder, surfaces, before.frame_times, compressed),
         checkpoint_(folder / "checkpoint.bin"),
         identity_(std::move(identity)),
         clock_(checkpoint_every) {}
@@ -251,7 +251,8 @@ void run(RunOptions options, int& exit_code) {
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
                 fmt::format("the results with output.frames = {}", output.frames));
-  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before);
+  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before,
+                    options.compressed);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
       "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
@@ -381,6 +382,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
+  command->add_flag("--compressed", options->compressed, "Compress the files for ParaView");
   command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,

@@ -11,15 +11,10 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/number_text.h"
+#include "geometry/compas_file.h"
 
 namespace quoin::geometry {
 namespace {
-
-struct RawShape {
-  std::string name;
-  std::vector<Vector> vertices;
-  std::vector<std::vector<int>> faces;
-};
 
 // A block has few corners; a count beyond this is a slip, or another kind of file.
 constexpr int64_t most_corners = 10'000'000;
@@ -229,8 +224,11 @@ std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
     read = read_obj;
   } else if (ending == ".stl") {
     read = read_stl;
+  } else if (ending == ".json") {
+    read = read_compas;
   } else {
-    throw Error(Exit::bad_input, fmt::format("{}: unknown kind of mesh file; .off, .obj and .stl are read", path));
+    throw Error(Exit::bad_input,
+                fmt::format("{}: unknown kind of mesh file; .off, .obj, .stl and .json (COMPAS) are read", path));
   }
   const std::string bytes = read_input_file(path);
   std::vector<RawShape> raw = read(path, bytes);
@@ -238,7 +236,7 @@ std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
   std::vector<NamedShape> shapes;
   for (RawShape& r : raw) {
     for (Vector& p : r.vertices) p *= scale;
-    shapes.push_back({r.name, from_faces(r.vertices, r.faces, r.name)});
+    shapes.push_back({r.name, from_faces(r.vertices, r.faces, r.name), r.support});
   }
   return shapes;
 }

@@ -11,6 +11,7 @@
 #include "results/crushed_out.h"
 #include "results/quasi_static.h"
 #include "results/summary.h"
+#include "scene/generate_blocks.h"
 #include "step/large_motion.h"
 
 namespace quoin::python {
@@ -308,10 +309,14 @@ int Session::block_named(const py::object& block) const {
   const auto count = static_cast<int>(simulation.block_count());
   if (py::isinstance<py::str>(block)) {
     const auto name = block.cast<std::string>();
+    // On the lattice only what stages move has kept its name.
+    std::optional<blocks::Assembly> as_read;
+    if (!simulation.riding() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
     for (int b = 0; b < count; ++b) {
-      const std::string& is = simulation.riding()
-                                  ? simulation.riding()->assembly().blocks[static_cast<std::size_t>(b)].name
-                                  : simulation.assembly().bricks[static_cast<std::size_t>(b)].body;
+      const auto i = static_cast<std::size_t>(b);
+      const std::string& is = simulation.riding() ? simulation.riding()->assembly().blocks[i].name
+                              : as_read           ? as_read->blocks[i].name
+                                                  : simulation.assembly().bricks[i].body;
       if (is == name) return b;
     }
     throw py::key_error(fmt::format("block: nothing is called '{}'; give a number from 0 to {}", name, count - 1));

@@ -19,6 +19,7 @@ constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrah
 // An unstructured grid, its arrays by section.
 class Grid {
  public:
+  explicit Grid(bool compressed) : arrays_(compressed) {}
   template <typename T>
   void array(const char* section, const std::string& name, const std::vector<T>& values, int components = 1,
              const char* extra = "") {
@@ -40,7 +41,8 @@ void add(std::vector<float>& values, const Vec3& v) {
   for (const double x : v) values.push_back(static_cast<float>(x));
 }
 
-void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const std::filesystem::path& path) {
+void write_blocks(const Simulation& simulation, const Surfaces& surfaces, bool compressed,
+                  const std::filesystem::path& path) {
   std::vector<float> points, displacement, stress;
   std::vector<std::int64_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
@@ -70,7 +72,7 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, const 
     unit.insert(unit.end(), cells, mesh.unit);
     course.insert(course.end(), cells, mesh.course);
   }
-  Grid grid;
+  Grid grid(compressed);
   grid.array("Points", "position", points, 3);
   grid.array("Cells", "connectivity", connectivity);
   grid.array("Cells", "offsets", offsets);
@@ -94,7 +96,8 @@ std::set<std::string> state_ids(const Simulation& simulation) {
   return ids;
 }
 
-void write_joints(const Simulation& simulation, const Surfaces& surfaces, const std::filesystem::path& path) {
+void write_joints(const Simulation& simulation, const Surfaces& surfaces, bool compressed,
+                  const std::filesystem::path& path) {
   const auto joint_points = surfaces.joint_points(simulation);
   std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
   std::vector<std::int32_t> block_a, block_b, family, condition, crack;
@@ -127,7 +130,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     connectivity.push_back(static_cast<std::int64_t>(i));
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
   }
-  Grid grid;
+  Grid grid(compressed);
   grid.array("Points", "position", points, 3);
   grid.array("Cells", "connectivity", connectivity);
   grid.array("Cells", "offsets", offsets);
@@ -187,8 +190,8 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
 
 void VtkSeries::add_frame(const Simulation& simulation) {
   const size_t frame = times_.size();
-  write_blocks(simulation, surfaces_, folder_ / fmt::format("blocks_{:04}.vtu", frame));
-  write_joints(simulation, surfaces_, folder_ / fmt::format("joints_{:04}.vtu", frame));
+  write_blocks(simulation, surfaces_, compressed_, folder_ / fmt::format("blocks_{:04}.vtu", frame));
+  write_joints(simulation, surfaces_, compressed_, folder_ / fmt::format("joints_{:04}.vtu", frame));
   times_.push_back(simulation.time());
 }
 

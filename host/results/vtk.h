@@ -18,8 +18,9 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces);
 class VtkSeries {
  public:
   // before: times of the frames of a run that this one goes on with, s.
-  VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {})
-      : folder_(std::move(folder)), surfaces_(surfaces), times_(std::move(before)) {}
+  VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {},
+            bool compressed = false)
+      : folder_(std::move(folder)), surfaces_(surfaces), times_(std::move(before)), compressed_(compressed) {}
   void add_frame(const Simulation& simulation);
   void finish() const;  // writes the collections
   const std::vector<double>& times() const { return times_; }
@@ -28,6 +29,7 @@ class VtkSeries {
   std::filesystem::path folder_;
   const Surfaces& surfaces_;
   std::vector<double> times_;
+  bool compressed_;
 };
 
 }  // namespace quoin

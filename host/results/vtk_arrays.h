@@ -1,8 +1,10 @@
-// Arrays of VTK's XML files, raw in one appended block.
+// Arrays of VTK's XML files, raw or compressed, in one appended block.
 #pragma once
 
 #include <fmt/format.h>
+#include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -25,6 +27,7 @@ inline std::string xml_text(std::string text) {
 
 class VtkArrays {
  public:
+  explicit VtkArrays(bool compressed = false) : compressed_(compressed) {}  // by zlib, as every reader of VTK reads it
   // The element that names the array; its values go to the appended block. T: float, int32_t, uint8_t or int64_t.
   template <typename T>
   std::string add(const std::string& name, const std::vector<T>& values, int components = 1, const char* extra = "") {
@@ -36,8 +39,12 @@ class VtkArrays {
         "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n", type,
         xml_text(name), components, appended_.size(), extra);
     const std::uint64_t bytes = values.size() * sizeof(T);
-    append(&bytes, sizeof bytes);
-    append(values.data(), bytes);
+    if (compressed_) {
+      append_compressed(reinterpret_cast<const Bytef*>(values.data()), bytes);
+    } else {
+      append(&bytes, sizeof bytes);
+      append(values.data(), bytes);
+    }
     return element;
   }
 
@@ -45,9 +52,9 @@ class VtkArrays {
   void write(const std::filesystem::path& path, const std::string& piece) const {
     write_file(path, fmt::format("<?xml version=\"1.0\"?>\n"
                                  "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                                 "header_type=\"UInt64\">\n<UnstructuredGrid>\n{}</UnstructuredGrid>\n"
+                                 "header_type=\"UInt64\"{}>\n<UnstructuredGrid>\n{}</UnstructuredGrid>\n"
                                  "<AppendedData encoding=\"raw\">\n_",
-                                 piece) +
+                                 compressed_ ? " compressor=\"vtkZLibDataCompressor\"" : "", piece) +
                          appended_ + "\n</AppendedData>\n</VTKFile>\n");
   }
 
@@ -55,6 +62,24 @@ class VtkArrays {
   void append(const void* data, std::size_t bytes) {
     if (bytes > 0) appended_.append(static_cast<const char*>(data), bytes);
   }
+  // Blocks of one size and a rest; before them their number, that size, the rest, and what each is packed to.
+  void append_compressed(const Bytef* data, std::uint64_t bytes) {
+    constexpr std::uint64_t kBlock = 1 << 18;
+    std::vector<std::uint64_t> head{(bytes + kBlock - 1) / kBlock, kBlock, bytes % kBlock};
+    std::string packed;
+    for (std::uint64_t begin = 0; begin < bytes; begin += kBlock) {
+      const std::uint64_t size = std::min(kBlock, bytes - begin);
+      uLongf room = compressBound(size);
+      const std::size_t before = packed.size();
+      packed.resize(before + room);
+      compress2(reinterpret_cast<Bytef*>(packed.data() + before), &room, data + begin, size, Z_BEST_SPEED);
+      packed.resize(before + room);
+      head.push_back(room);
+    }
+    append(head.data(), head.size() * sizeof head[0]);
+    append(packed.data(), packed.size());
+  }
+  bool compressed_;
   std::string appended_;
 };
 

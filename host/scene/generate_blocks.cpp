@@ -34,6 +34,7 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
     } else if (!spec.mesh.empty()) {
       for (NamedShape& s : read_mesh_file(spec.mesh, spec.scale)) {
         b.name = spec.name.empty() ? s.name : spec.name + "/" + s.name;
+        b.fixed = spec.fixed || s.support;
         assembly.add(std::move(s.shape), b);
       }
     } else {

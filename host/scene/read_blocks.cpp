@@ -107,7 +107,7 @@ BlockSpec read_block(Table t, const Scene& scene) {
   b.vertices = read_points(t, "vertices");
   b.faces = read_faces(t, "faces", b.vertices.size());
   shapes += !b.vertices.empty();
-  if (t.text("mesh", b.mesh, "a file .off, .obj or .stl")) ++shapes;
+  if (t.text("mesh", b.mesh, "a file .off, .obj, .stl or .json (COMPAS)")) ++shapes;
   if (t.number("scale", b.scale, above_to(0, kFarthest), "(mesh file's unit in m)") && !t.has("mesh"))
     t.refuse("scale", "only with mesh; remove it");
   if (shapes != 1)

@@ -24,6 +24,8 @@ else:
         from .law import folders
         for _folder in folders():
             add_law_folder(_folder)
+        from . import shapes  # noqa: F401
+        from .meshes import read_blocks  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
         from .scene import (Arch, Block, BlockMaterial, DryWall, Joint, JointRule, Scene, Stage, Table,  # noqa: F401
                             Wall)

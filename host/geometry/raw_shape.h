@@ -1,0 +1,18 @@
+// A block as a file has it, before anything is checked.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "geometry/vector.h"
+
+namespace quoin::geometry {
+
+struct RawShape {
+  std::string name;
+  std::vector<Vector> vertices;
+  std::vector<std::vector<int>> faces;  // counter-clockwise seen from outside
+  bool support = false;
+};
+
+}  // namespace quoin::geometry

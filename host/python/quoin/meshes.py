@@ -1,0 +1,102 @@
+"""Blocks from meshes of other programs, read by meshio: gmsh's .msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
+import os
+
+import numpy as np
+
+from .errors import BadInput
+from .scene import Block
+
+SURFACES = ("triangle", "quad", "polygon")
+
+
+def _components(cells, nodes):
+    """Numbers of cells that hang together by their nodes, by component."""
+    parent = np.arange(nodes)
+
+    def root(n):
+        while parent[n] != n:
+            parent[n] = parent[parent[n]]
+            n = parent[n]
+        return n
+    for cell in cells:
+        first = root(cell[0])
+        for n in cell[1:]:
+            parent[root(n)] = first
+    found = {}
+    for i, cell in enumerate(cells):
+        found.setdefault(root(cell[0]), []).append(i)
+    return list(found.values())
+
+
+def _tags(mesh, index, count):
+    """Of the cells of a section: the volume that gmsh counts them to, or its physical group, or none."""
+    for name in ("gmsh:geometrical", "gmsh:physical"):
+        if name in mesh.cell_data:
+            return np.asarray(mesh.cell_data[name][index])
+    return np.zeros(count, dtype=int)
+
+
+def _groups(mesh, kinds):
+    """(tag, cells) of every body: cells of these kinds, parted by their tags and where they do not hang together."""
+    by_tag = {}
+    for index, section in enumerate(mesh.cells):
+        if section.type in kinds:
+            for tag, cell in zip(_tags(mesh, index, len(section.data)), section.data):
+                by_tag.setdefault(int(tag), []).append([int(n) for n in cell])
+    for tag, cells in sorted(by_tag.items()):
+        for part in _components(cells, len(mesh.points)):
+            yield tag, [cells[i] for i in part]
+
+
+def _upright(zones, points):
+    """The same tetrahedra with positive volumes."""
+    zones = np.array(zones)
+    edges = points[zones[:, 1:]] - points[zones[:, :1]]
+    turned = np.linalg.det(edges) < 0
+    zones[turned, 2], zones[turned, 3] = zones[turned, 3].copy(), zones[turned, 2].copy()
+    return zones.tolist()
+
+
+def _boundary(zones):
+    """Triangles that only one of the tetrahedra has, counter-clockwise seen from outside."""
+    found = {}
+    for a, b, c, d in zones:
+        for face in ((a, c, b), (a, b, d), (b, c, d), (a, d, c)):
+            found.setdefault(tuple(sorted(face)), []).append(list(face))
+    return [faces[0] for faces in found.values() if len(faces) == 1]
+
+
+def read_blocks(path, *, material, scale=1.0, name=None, **keys):
+    """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale: the surfaces of their tetrahedra,
+    or, where the file has none, closed surfaces. Bodies are parted by gmsh's volumes, and where they do not hang together;
+    each must be convex. With rigid=False and zone_edge they are zoned anew: the zones are ours, not the file's."""
+    path = os.fspath(path)
+    try:
+        import meshio
+    except ImportError:
+        raise ImportError("read_blocks: meshio is not installed (python3-meshio)") from None
+    if not os.path.isfile(path):
+        raise BadInput(f"{path}: cannot read it: no such file")
+    try:
+        mesh = meshio.read(path)
+    except (Exception, SystemExit) as fault:  # meshio ends the program where it cannot read
+        raise BadInput(f"{path}: meshio cannot read it: {fault or type(fault).__name__}") from None
+    points = scale * np.asarray(mesh.points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
+        raise BadInput(f"{path}: its points are not finite, or not in three dimensions")
+    name = name or os.path.splitext(os.path.basename(path))[0]
+    bodies, zoned = list(_groups(mesh, ("tetra",))), True
+    if not bodies:
+        bodies, zoned = list(_groups(mesh, SURFACES)), False
+    if not bodies:
+        raise BadInput(f"{path}: has neither tetrahedra nor a surface; it has {', '.join(c.type for c in mesh.cells)}")
+    blocks = []
+    for number, (_, cells) in enumerate(bodies):
+        used = sorted({n for cell in cells for n in cell})
+        local = {n: i for i, n in enumerate(used)}
+        block = Block(name=name if len(bodies) == 1 else f"{name}/{number}", material=material,
+                      vertices=points[used].tolist(), **keys)
+        cells = [[local[n] for n in cell] for cell in cells]
+        block.faces = _boundary(_upright(cells, points[used])) if zoned else cells
+        blocks.append(block)
+    return blocks

@@ -1,0 +1,160 @@
+"""Geometry of other programs: assemblies of COMPAS, meshes of gmsh. The files of COMPAS are written here in the layouts
+that compas_assembly and compas_dem publish, those of gmsh by gmsh itself where it is installed."""
+import json
+import unittest
+
+import numpy as np
+import quoin
+from shapes_test import scene_of
+from support import Folder
+
+
+def mesh_of(x, y, z, **attributes):
+    """A unit cube as COMPAS has a mesh."""
+    corners = [(i & 1, i >> 1 & 1, i >> 2) for i in range(8)]
+    return {"attributes": attributes, "dva": {"x": 0.0, "y": 0.0, "z": 0.0}, "dea": {}, "dfa": {},
+            "vertex": {str(i): {"x": x + a, "y": y + b, "z": z + c} for i, (a, b, c) in enumerate(corners)},
+            "face": {"0": [0, 4, 6, 2], "1": [1, 3, 7, 5], "2": [0, 1, 5, 4], "3": [2, 6, 7, 3], "4": [0, 2, 3, 1],
+                     "5": [4, 5, 7, 6]},
+            "facedata": {}, "edgedata": {}, "max_vertex": 7, "max_face": 5}
+
+
+def compas_1(blocks):
+    """compas_assembly with COMPAS 1: dtype and value; supports are attributes of the nodes of the graph."""
+    nodes = {str(i): {"x": 0, "y": 0, "z": 0, "is_support": support,
+                      "block": {"dtype": "compas_assembly.datastructures/Block", "value": mesh}}
+             for i, (mesh, support) in enumerate(blocks)}
+    edges = {"0": {"1": {"interface": {"dtype": "compas_assembly.datastructures/Interface", "value": {
+        "mesh": {"dtype": "compas.datastructures/Mesh", "value": mesh_of(9, 9, 9)}}}}}}
+    return {"compas": "1.17.5", "dtype": "compas_assembly.datastructures/Assembly", "value": {
+        "attributes": {"name": "Assembly"}, "graph": {"attributes": {"name": "Graph"}, "node": nodes, "edge": edges,
+                                                      "adjacency": {}, "max_node": len(nodes) - 1}}}
+
+
+def compas_2(blocks):
+    """compas_dem with COMPAS 2: dtype and data; a model's elements, placed by transformations, z up."""
+    elements = [{"dtype": "compas_dem.elements/BlockElement", "name": f"stone {i}", "data": {
+        "geometry": {"dtype": "compas.datastructures/Mesh", "data": mesh_of(0, 0, 0)},
+        "transformation": {"dtype": "compas.geometry/Transformation", "data": {
+            "matrix": [[1, 0, 0, at[0]], [0, 1, 0, at[1]], [0, 0, 1, at[2]], [0, 0, 0, 1]]}},
+        "is_support": support}} for i, (at, support) in enumerate(blocks)]
+    return {"dtype": "compas_dem.models/BlockModel", "data": {"tree": {"name": "root"}, "graph": {"node": {}},
+                                                              "elements": elements}, "guid": "x"}
+
+
+class Compas(Folder):
+    def scene(self, data, **keys):
+        with open(self.path("assembly.json"), "w", encoding="utf-8") as file:
+            json.dump(data, file)
+        return scene_of([quoin.Block(name="a", material="stone", mesh=self.path("assembly.json"), **keys)],
+                        gravity=[0, 0, -9.81])
+
+    def assert_stands_on_its_support(self, scene):
+        sim = quoin.Simulation(scene)
+        self.assertEqual(sim.blocks, 2)
+        sim.run()
+        # 1 m3 of 2000 kg/m3 weighs 19620 N on the joint's 1 m2; 1 %: what still swings.
+        self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -19620.0, delta=200.0)
+        self.assertLess(sim.history["largest_displacement_m"].max(), 1e-4)
+
+    def test_an_assembly_of_compas_1_stands(self):
+        self.assert_stands_on_its_support(self.scene(compas_1([(mesh_of(0, 0, 0), True), (mesh_of(0, 0, 1), False)])))
+
+    def test_a_model_of_compas_dem_stands(self):
+        self.assert_stands_on_its_support(self.scene(compas_2([((0, 0, 0), True), ((0, 0, 1), False)])))
+
+    def test_it_is_drawn_and_named(self):
+        scene = self.scene(compas_2([((0, 0, 0), True), ((0, 0, 1), False)]))
+        scene.output.frames = 2
+        scene.stage[0].duration = 0.05
+        scene.write(self.path("scene.toml"))
+        done = self.command("run", "scene.toml", "--out", "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.command("report", "out").returncode, 0)
+        sim = quoin.Simulation(scene)
+        self.assertEqual(sim.velocity("a/stone 1").shape, (1, 3))
+
+    def test_what_is_wrong_is_told_with_its_place(self):
+        broken = mesh_of(0, 0, 1)
+        broken["face"]["3"] = [2, 6, 77, 3]
+        lame = mesh_of(0, 0, 1)
+        del lame["vertex"]["5"]["y"]
+        deep = {}
+        for _ in range(100):
+            deep = {"value": deep}
+        for data, words in ((compas_1([(broken, False)]), "face 3 has a vertex 77 that is not there"),
+                            (compas_1([(lame, False)]), "value.graph.node.0.block.value: vertex 5 has no number y"),
+                            ({"dtype": "nothing"}, "no block in this file"), (deep, "nested too deep")):
+            with self.assertRaisesRegex(quoin.BadInput, words):
+                quoin.Simulation(self.scene(data))
+        with open(self.path("rubbish.json"), "w", encoding="utf-8") as file:
+            file.write('{"dtype": ')
+        scene = self.scene({})
+        scene.block[0].mesh = self.path("rubbish.json")
+        with self.assertRaisesRegex(quoin.BadInput, "rubbish.json: not valid JSON"):
+            quoin.Simulation(scene)
+
+
+class Gmsh(Folder):
+    def setUp(self):
+        super().setUp()
+        try:
+            import meshio  # noqa: F401
+        except ImportError:
+            self.skipTest("meshio is not installed (python3-meshio)")
+
+    def mesh(self, version):
+        """A slab and a cube that stands on it, meshed apart by gmsh."""
+        try:
+            import gmsh
+        except ImportError:
+            self.skipTest("gmsh is not installed (python3-gmsh)")
+        gmsh.initialize()
+        try:
+            gmsh.option.setNumber("General.Terminal", 0)
+            gmsh.option.setNumber("Mesh.MshFileVersion", version)
+            gmsh.model.occ.addBox(-0.5, -0.2, -0.5, 2, 0.2, 2)
+            gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+            gmsh.model.occ.synchronize()
+            gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+            gmsh.model.mesh.generate(3)
+            gmsh.write(self.path("two.msh"))
+        finally:
+            gmsh.finalize()
+        return self.path("two.msh")
+
+    def test_bodies_of_tetrahedra_are_blocks_that_stand(self):
+        for version in (2.2, 4.1):
+            with self.subTest(version):
+                blocks = quoin.read_blocks(self.mesh(version), material="stone")
+                self.assertEqual(len(blocks), 2)
+                blocks[0].fixed = True
+                sim = quoin.Simulation(scene_of(blocks))
+                sim.run()
+                # 1 m3 of 2000 kg/m3 weighs 19620 N; 1 %: what still swings.
+                self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -19620.0, delta=200.0)
+        blocks = quoin.read_blocks(self.mesh(4.1), material="stone", rigid=False, zone_edge=0.5)
+        self.assertGreater(quoin.Simulation(scene_of(blocks)).zones, 10)
+
+    def test_surfaces_are_rigid_blocks(self):
+        with open(self.path("cube.ply"), "w", encoding="utf-8") as file:
+            file.write("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+                       "element face 6\nproperty list uchar int vertex_indices\nend_header\n" +
+                       "".join(f"{i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)) +
+                       "4 0 4 6 2\n4 1 3 7 5\n4 0 1 5 4\n4 2 6 7 3\n4 0 2 3 1\n4 4 5 7 6\n")
+        blocks = quoin.read_blocks(self.path("cube.ply"), material="stone", scale=0.5)
+        self.assertEqual(len(blocks), 1)
+        self.assertEqual(np.max(blocks[0].vertices), 0.5)
+        self.assertEqual(quoin.Simulation(scene_of(blocks)).blocks, 1)
+
+    def test_what_is_no_mesh_is_refused(self):
+        with open(self.path("rubbish.msh"), "w", encoding="utf-8") as file:
+            file.write("$MeshFormat\n9 9 9\n")
+        with self.assertRaisesRegex(quoin.BadInput, "rubbish.msh: meshio cannot read it"):
+            quoin.read_blocks(self.path("rubbish.msh"), material="stone")
+        with self.assertRaisesRegex(quoin.BadInput, "nowhere.msh: cannot read it: no such file"):
+            quoin.read_blocks(self.path("nowhere.msh"), material="stone")
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
