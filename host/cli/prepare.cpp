@@ -71,7 +71,8 @@ void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
-  Scene scene = read_scene(options.scene, options.overrides);
+  Scene scene = options.text ? read_scene_text(*options.text, options.scene, options.overrides)
+                             : read_scene(options.scene, options.overrides);
   refuse_what_does_not_fit(scene, options.force);
   std::string faults;
   const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };

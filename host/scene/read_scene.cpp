@@ -307,9 +307,9 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
   }
 }
 
-toml::table parse(const std::string& path) {
+toml::table parse(const std::string& text, const std::string& path) {
   try {
-    return toml::parse(read_input_file(path), path);
+    return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     throw Error(Exit::bad_input, fmt::format("{}:{}:{}: not valid TOML: {}", path, error.source().begin.line,
                                              error.source().begin.column, error.description()));
@@ -528,9 +528,13 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 }
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
+  return read_scene_text(read_input_file(path), path, overrides);
+}
+
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
-  toml::table root = parse(path);
+  toml::table root = parse(text, path);
   for (const std::string& setting : overrides) apply_override(root, setting, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
@@ -538,6 +542,7 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
 
   Scene scene;
   scene.file = path;
+  scene.text = text;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   const Quality* quality = of_blocks ? nullptr : &quality_named("standard");
@@ -610,6 +615,7 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
   }
   t.finish();
   context.throw_faults();
+  scene.inputs = std::move(context.inputs);
   return scene;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '8'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '9'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -39,6 +39,14 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.row_interval);
   archive.value(s.in_stage);
   archive.value(s.motion_seen);
+  archive.value(s.watch);
+  archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
+    a.array(warning.about);
+    a.array(warning.text);
+    a.value(warning.stage);
+    a.value(warning.step);
+    a.value(warning.time);
+  });
   archive.value(s.force_loss);
   archive.array(s.outcome.force_losses);
   if (!s.riding) return;
