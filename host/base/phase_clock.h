@@ -7,8 +7,8 @@
 
 namespace quoin {
 
-enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, output };
-inline constexpr std::size_t kPhases = 8;
+enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, watch, output };
+inline constexpr std::size_t kPhases = 9;
 
 // Wall-clock time by phase, s.
 struct PhaseTimes {

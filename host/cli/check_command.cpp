@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "cli/prepare.h"
@@ -44,8 +46,9 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
-// What ends each stage, and how many steps that takes where it can be told.
-void print_stages(const Scene& scene, double time_step) {
+// What ends each stage, and how many steps that takes where it can be told. Returns the steps of these stages.
+double print_stages(const Scene& scene, double time_step) {
+  double steps = 0.0;
   fmt::print("stages\n");
   for (const Stage& stage : scene.stages) {
     double seconds = stage.duration.value_or(0.0);
@@ -54,14 +57,48 @@ void print_stages(const Scene& scene, double time_step) {
         const double speed = std::abs(c.velocity[static_cast<size_t>(stage.direction)]);
         if (c.body == stage.monitor && speed > 0) seconds = *stage.displacement / speed + stage.ramp_time / 2;
       }
+      if (stage.whiffletree && stage.whiffletree->velocity != 0.0)
+        seconds = *stage.displacement / std::abs(stage.whiffletree->velocity) + stage.ramp_time / 2;
     }
+    if (stage.collapse)
+      seconds = stage.ramp_time + (stage.collapse->limit - stage.collapse->start) / stage.collapse->rate;
+    steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
   }
+  return steps;
+}
+
+std::string duration_text(double seconds) {
+  if (seconds < 120.0) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 7200.0) return fmt::format("{:.0f} min", seconds / 60.0);
+  return seconds < 172800.0 ? fmt::format("{:.1f} h", seconds / 3600.0) : fmt::format("{:.1f} days", seconds / 86400.0);
+}
+
+// What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where nobody would wait.
+void print_time(Simulation& simulation, double steps, bool force) {
+  constexpr double kLook = 0.1, kLongest = 30.0 * 86400.0;  // s
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point then) { return std::chrono::duration<double>(Clock::now() - then).count(); };
+  simulation.advance(1, false);  // memory is touched for the first time
+  long taken = 0;
+  const auto begin = Clock::now();
+  while (taken == 0 || (since(begin) < kLook && taken < 1000)) simulation.advance(1, false), ++taken;
+  const double per_step = since(begin) / static_cast<double>(taken), all = per_step * steps;
+  const bool settles = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
+                                   [](const Stage& s) { return s.equilibrium_ratio.has_value(); });
+  fmt::print("computing time about {}{} ({:.3g} ms a step, by {} steps with {} threads here)\n", duration_text(all),
+             settles ? ", and what stages take to come to rest" : "", per_step * 1e3, taken, simulation.thread_count());
+  if (force || all <= kLongest) return;
+  throw Error(
+      Exit::bad_input,
+      fmt::format("{}: about {:.3g} steps of {:.3g} ms, {}, and {} are taken for the longest that a run may last; "
+                  "load faster (stage velocity, solver.quality), make the scene smaller, or go on with --force",
+                  simulation.scene().file, steps, per_step * 1e3, duration_text(all), duration_text(kLongest)));
 }
 
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
-  const Simulation simulation(scene);
+  Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
@@ -76,7 +113,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
-  print_stages(scene, step.time_step);
+  print_time(simulation, print_stages(scene, step.time_step), options.force);
 }
 
 void check(const SceneOptions& options) {
@@ -113,7 +150,8 @@ void check(const SceneOptions& options) {
   if (report.added_mass != 0.0)
     fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
                100 * report.added_mass / report.model_mass);
-  print_stages(scene, report.time_step);
+  Simulation simulation(scene, 0);
+  print_time(simulation, print_stages(scene, report.time_step), options.force);
 }
 
 }  // namespace
@@ -126,7 +164,7 @@ void add_check_command(CLI::App& app, int&) {
   command->add_option("--set", options->overrides, "Set a key of the scene; may be repeated")
       ->type_name("dotted.key=value")
       ->allow_extra_args(false);
-  command->add_flag("--force", options->force, "Go on where the model seems too large for this machine");
+  command->add_flag("--force", options->force, "Go on where the model seems too large or too slow for this machine");
   command->footer(
       "Examples:\n"
       "  quoin check host/scenes/solid_wall_030.toml\n"

@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <new>
 
@@ -36,6 +38,22 @@ void fill_closed_descriptors() {
     }
   }
 }
+
+// Where nobody can catch it, as in a destructor, memory that is missing still ends the program with words.
+[[noreturn]] void end_without_handler() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    static const char kWords[] = "quoin: out of memory; make the scene smaller\n";
+    if (write(STDERR_FILENO, kWords, sizeof kWords - 1) < 0) _exit(static_cast<int>(Exit::numerical));
+    _exit(static_cast<int>(Exit::numerical));
+  } catch (...) {  // a law's, perhaps: who looks at SIGABRT names it
+  }
+  std::abort();
+}
+
+// Before objects of static storage are made, which take memory too.
+[[gnu::constructor(101)]] void end_with_words() { std::set_terminate(end_without_handler); }
 
 int run_command(int argc, char** argv) {
   CLI::App app{

@@ -71,7 +71,9 @@ void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
-  return prepare_scene(read_scene(options.scene, options.overrides), options);
+  return prepare_scene(options.text ? read_scene_text(*options.text, options.scene, options.overrides)
+                                    : read_scene(options.scene, options.overrides),
+                       options);
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {

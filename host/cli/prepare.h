@@ -1,6 +1,7 @@
 // What every command that takes a scene does first.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@ namespace quoin {
 
 struct SceneOptions {
   std::string scene;
-  std::string law;  // replaces the law of every joint family; empty: as in the scene
+  std::optional<std::string> text;  // in place of what that file holds now
+  std::string law;                  // replaces the law of every joint family; empty: as in the scene
   std::vector<std::string> overrides;
   bool force = false;  // models that seem too large for the machine, too
 };

@@ -77,8 +77,15 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
 }
 
 std::string phases_text(const PhaseTimes& times, double whole) {
-  const char* const names[kPhases] = {"jumps of contact points", "law",       "contact forces", "internal forces",
-                                      "motion of blocks",        "detection", "measurements",   "output"};
+  const char* const names[kPhases] = {"jumps of contact points",
+                                      "law",
+                                      "contact forces",
+                                      "internal forces",
+                                      "motion of blocks",
+                                      "detection",
+                                      "measurements",
+                                      "watch",
+                                      "output"};
   std::string text = "time:";
   double rest = whole;
   for (std::size_t k = 0; k < kPhases; ++k) {

@@ -11,13 +11,17 @@
 #include <future>
 #include <new>
 #include <optional>
+#include <set>
 #include <thread>
 
+#include "cli/again.h"
 #include "cli/prepare.h"
 #include "cli/progress.h"
 #include "cli/resume.h"
 #include "files/file.h"
 #include "files/result_folder.h"
+#include "law/law_calls.h"
+#include "law/law_process.h"
 #include "results/block_picture.h"
 #include "results/history.h"
 #include "results/plots.h"
@@ -93,9 +97,12 @@ struct RunOptions {
   SceneOptions scene;
   std::string out;
   std::string resume;  // folder of the run that goes on; empty: a new one
+  std::string again;   // folder of the run that is repeated; empty: none
   double checkpoint_every = 60.0;
   int threads = 0;
   bool report = false, compressed = false;
+  bool isolate_law = false;
+  double law_seconds = kLawSeconds;  // for one batch; 0: any time
 };
 
 // Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
@@ -123,10 +130,9 @@ class Recorder : public Observer {
                     swap.family, swap.from, swap.to, swap.points, swap.stored_before, swap.energy_jump,
                     swap.limited ? fmt::format("; {} softened points come in intact", swap.limited) : ""));
   }
-  void on_motion_bound(const std::string& past) override {
-    progress_.message("quoin: warning: " + past +
-                      ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows "
-                      "large motion");
+  void on_warning(const Warning& warning) override {
+    told_.insert(warning.about);
+    progress_.message("quoin: warning: " + warning.text);
   }
   void on_promotion(const Simulation& simulation) override {
     const Promotion& p = *simulation.outcome().promotion;
@@ -177,6 +183,8 @@ class Recorder : public Observer {
     }
   }
 
+  // By this process, or by the one that it goes on from.
+  bool was_told(const Warning& warning) const { return told_.contains(warning.about); }
   History& history() { return history_; }
   VtkSeries& frames() { return frames_; }
   const std::optional<Error>& frames_fault() const { return frames_fault_; }
@@ -192,6 +200,7 @@ class Recorder : public Observer {
   Identity identity_;
   CheckpointClock clock_;
   Response last_;
+  std::set<std::string> told_;
   std::optional<Error> frames_fault_;
 };
 
@@ -218,6 +227,51 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
   return lock;
 }
 
+// From the thread that watches, while another one is inside the law for ever: what was computed is kept, as far as the
+// law is not asked for it.
+[[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds,
+                               const fs::path& folder, const Simulation& simulation, Recorder& recorder, RunInfo info) {
+  info.status = "failed";
+  info.law_answers = false;
+  info.message = fmt::format(
+      "the law '{}' of {} has not returned from a batch within {:g} s: {}; step {}. Tell its author, choose another "
+      "law, "
+      "or give it more time with --law-seconds",
+      material.api().id, material.law().library->path(), seconds, simulation.batch_text(batch), simulation.step());
+  recorder.progress().message("quoin: " + info.message);
+  try {
+    recorder.history().finish();
+    info.wall_clock_s = process_seconds();
+    write_summary(folder / "summary.json", simulation, recorder.history().rows(), info);
+    recorder.progress().message("quoin: what was computed is kept in " + folder.string());
+  } catch (const std::exception& error) {
+    recorder.progress().message(fmt::format("quoin: {}", error.what()));
+  }
+  _exit(static_cast<int>(Exit::numerical));
+}
+
+// Not once their process has ended.
+bool laws_answer(const Simulation& simulation) {
+  const auto& families = simulation.model().families;
+  return std::all_of(families.begin(), families.end(),
+                     [](const ContactFamily& f) { return f.material->fault().empty(); });
+}
+
+// What processes of their own have cost the laws.
+void print_isolation(const Simulation& simulation) {
+  for (const ContactFamily& family : simulation.model().families) {
+    const LawProcess* const process = family.material->process();
+    if (!process) continue;
+    const LawProcessTimes t = process->times();
+    const double way = t.seconds - t.in_law;
+    fmt::print(
+        "law of joint family '{}' in a process of its own: {} batches, {:.2f} s, of which {:.2f} s the law and "
+        "{:.2f} s the way there and back, {:.1f} us a batch\n",
+        family.name, t.batches, t.seconds, t.in_law, way,
+        t.batches > 0 ? 1e6 * way / static_cast<double>(t.batches) : 0.0);
+  }
+}
+
 void run(RunOptions options, int& exit_code) {
   fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
@@ -230,8 +284,23 @@ void run(RunOptions options, int& exit_code) {
       return;
     }
   }
-  Simulation simulation(prepare_scene(options.scene), options.threads);
-  Identity identity = identity_of(simulation, options.scene.overrides, options.scene.law);
+  std::optional<Provenance> there;  // of the run that is repeated
+  if (!options.again.empty()) {
+    there = read_provenance(options.again);
+    options.again = fs::absolute(options.again);
+    folder = fs::absolute(options.out.empty() ? folder_again(options.again) : folder);
+    const bool force = options.scene.force;
+    options.scene = options_of(*there);
+    options.scene.force = force;
+  }
+  Scene scene = prepare_scene(options.scene);
+  const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  if (options.isolate_law) isolate_laws(wanted, options.law_seconds);
+  Simulation simulation(std::move(scene), options.threads);
+  RunInfo info;
+  info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
+  if (there) hold_against(info.provenance, *there);
+  Identity identity = identity_of(simulation, info.provenance);
   Checkpoint before;
   const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
   if (goes_on) {
@@ -260,7 +329,6 @@ void run(RunOptions options, int& exit_code) {
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
       step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
 
-  const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (simulation.thread_count() < wanted)
     recorder.progress().message(fmt::format(
         "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
@@ -273,11 +341,12 @@ void run(RunOptions options, int& exit_code) {
     const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
     recorder.progress().message(at_once ? "large motion from the start" : "general kernels");
   }
-  if (!step.warning().empty()) recorder.progress().message("quoin: warning: " + step.warning());
+  if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
 
-  RunInfo info;
-  info.overrides = options.scene.overrides;
   std::optional<Error> failure;
+  const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
+    end_with_law(material, batch, options.law_seconds, folder, simulation, recorder, info);
+  });
   const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
   try {
     simulation.run(recorder);
@@ -304,33 +373,39 @@ void run(RunOptions options, int& exit_code) {
       if (exit_code == 0) exit_code = static_cast<int>(error.exit_code);
     }
   };
+  info.law_answers = laws_answer(simulation);
   if (failure) exit_code = static_cast<int>(failure->exit_code);
   if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
-    if (failure && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
+    if (failure && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   const auto& rows = recorder.history().rows();
+  info.quasi_static = check_quasi_static(rows, simulation.scene());
+  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
+  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   if (output.plots) {
+    const std::string label = warning_label(info.warnings);
     // Each waits for a gnuplot of its own.
     auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
-      return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law); });
+      return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
     });
     std::string of_cracks, of_mechanism;
-    if (simulation.riding() || simulation.scene().blocks) {
-      of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation); });
-      of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces); });
+    if (!info.law_answers) {
+      of_cracks = "no cracks.png: the law no longer tells the states of contact points";
+    } else if (simulation.riding() || simulation.scene().blocks) {
+      of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
+      of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
     } else {
-      of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law); });
+      of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
     }
     for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
       if (!notice.empty()) recorder.progress().message("quoin: " + notice);
     }
   }
-  info.quasi_static = check_quasi_static(rows, simulation.scene());
-  info.crushed_out = find_crushed_out(simulation);
+  keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
   keep([&] {
@@ -350,13 +425,17 @@ void run(RunOptions options, int& exit_code) {
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
-  for (const std::string& warning : {info.quasi_static.warning(), info.crushed_out.warning()})
-    if (!warning.empty()) recorder.progress().message("quoin: warning: " + warning);
+  print_isolation(simulation);
+  for (const Warning& warning : info.warnings)
+    if (!recorder.was_told(warning)) recorder.on_warning(warning);
   if (failure) {
     recorder.progress().message(failure->exit_code == Exit::interrupted
                                     ? "quoin: interrupted; what was computed is kept in " + folder.string()
                                     : fmt::format("quoin: {}", failure->what()));
   }
+  if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
+      exit_code == 0)
+    exit_code = static_cast<int>(Exit::numerical);
 }
 
 }  // namespace
@@ -384,16 +463,31 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
   command->add_flag("--compressed", options->compressed, "Compress the files for ParaView");
   command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
+  command->add_flag("--isolate-law", options->isolate_law,
+                    "Evaluate each law in a process of its own: its crash costs the law and keeps the results; slower");
+  command
+      ->add_option("--law-seconds", options->law_seconds,
+                   "Seconds that a law has for one batch before the run ends and names it; 0: any time (default: 60)")
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, 1e9));
   command
       ->add_option("--checkpoint-every", options->checkpoint_every,
                    "Seconds between two checkpoints, from which --resume goes on; 0: none (default: 60)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e9));
+  CLI::Option* resume =
+      command
+          ->add_option("--resume", options->resume,
+                       "Go on with the run in this folder, which was stopped or killed, from its last checkpoint")
+          ->type_name("DIR")
+          ->excludes(scene, out, law, set);
   command
-      ->add_option("--resume", options->resume,
-                   "Go on with the run in this folder, which was stopped or killed, from its last checkpoint")
+      ->add_option(
+          "--again", options->again,
+          "Repeat the run in this folder, as its summary.json has it, and say whether the bits agree (results to "
+          "DIR-again)")
       ->type_name("DIR")
-      ->excludes(scene, out, law, set);
+      ->excludes(scene, law, set, resume);
   command->footer(
       "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd and joints.pvd (for ParaView).\n"
       "Examples:\n"
@@ -404,10 +498,12 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "error\n"
       "  quoin run host/scenes/wall_2m_576.toml --out /tmp/long --checkpoint-every 300\n"
       "  quoin run --resume /tmp/long      after a crash, kill or Ctrl-C: the results are those of one run\n"
+      "  quoin run --again /tmp/long       the same run once more: are the bits the same?\n"
       "  quoin run host/scenes/solid_wall_121.toml --set stage.shear.velocity=0.01 --set "
       "joints.mortar.cohesion=0.35e6");
   command->callback([options, scene, &exit_code] {
-    if (options->resume.empty() && scene->count() == 0) throw CLI::RequiredError("SCENE.toml, or --resume DIR,");
+    if (options->resume.empty() && options->again.empty() && scene->count() == 0)
+      throw CLI::RequiredError("SCENE.toml, --resume DIR or --again DIR");
     run(*options, exit_code);
   });
 }

@@ -21,7 +21,10 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "law/elf_file.h"
+#include "law/law_calls.h"
+#include "law/law_process.h"
 #include "law/law_watch.h"
+#include "law/metadata.h"
 
 namespace quoin {
 
@@ -136,67 +139,6 @@ std::string loader_reason(const std::string& path) {
   return reason;
 }
 
-bool reads_like_text(const char* text) { return text != nullptr && *text != '\0'; }
-
-// What is wrong with a law's metadata, as far as the host relies on it; empty: nothing.
-std::string metadata_fault(const quoin_law* law) {
-  if (law == nullptr) return "a null entry in its list of laws";
-  if (law->struct_size < sizeof(quoin_law)) {
-    return fmt::format("a quoin_law of {} bytes, but version {}.0 has {}", law->struct_size, QUOIN_ABI_MAJOR,
-                       sizeof(quoin_law));
-  }
-  if (!reads_like_text(law->id)) return "a law without id";
-  const std::string name = fmt::format("law '{}': ", law->id);
-  if (law->create_material == nullptr || law->destroy_material == nullptr || law->material_number == nullptr ||
-      law->initial_state == nullptr || law->stiffness_bounds == nullptr || law->evaluate == nullptr) {
-    return name + "a required function is null";
-  }
-  if ((law->capabilities & QUOIN_CAN_MIGRATE) != 0 && law->migrate_state == nullptr) {
-    return name + "it says that it can migrate, but migrate_state is null";
-  }
-  const quoin_convention* c = law->convention;
-  if (c == nullptr || c->struct_size < sizeof(quoin_convention)) return name + "no convention";
-  if (c->tension_sign != 1 || c->opening_sign != 1 || c->force_on_a_sign != 1 || c->normal_is_total != 1 ||
-      c->sliding_is_increment != 1 || c->traction_is_stress != 1) {
-    return name + "a sign convention other than version 1's";
-  }
-  std::set<std::string> ids;
-  if (law->property_count > 0 && law->properties == nullptr) return name + "a null list of properties";
-  for (uint64_t i = 0; i < law->property_count; ++i) {
-    const quoin_property_info* p = law->properties[i];
-    if (p == nullptr || p->struct_size < sizeof(quoin_property_info) || !reads_like_text(p->id)) {
-      return fmt::format("{}property {} has no valid metadata", name, i);
-    }
-    if (p->kind < QUOIN_PROPERTY_NUMBER || p->kind > QUOIN_PROPERTY_TABLE) {
-      return fmt::format("{}property '{}' is of the unknown kind {}", name, p->id, p->kind);
-    }
-    if (p->kind == QUOIN_PROPERTY_CHOICE && (p->choice_count == 0 || p->choices == nullptr)) {
-      return fmt::format("{}property '{}' has no choices", name, p->id);
-    }
-    if (!ids.insert(p->id).second) return fmt::format("{}property '{}' twice", name, p->id);
-  }
-  ids.clear();
-  if (law->state_count > 0 && law->states == nullptr) return name + "a null list of states";
-  for (uint64_t i = 0; i < law->state_count; ++i) {
-    const quoin_state_info* s = law->states[i];
-    if (s == nullptr || s->struct_size < sizeof(quoin_state_info) || !reads_like_text(s->id)) {
-      return fmt::format("{}state {} has no valid metadata", name, i);
-    }
-    if (!ids.insert(s->id).second) return fmt::format("{}state '{}' twice", name, s->id);
-    const bool second = i > 0 && law->states[i - 1]->kind == QUOIN_STATE_PAIR_S;
-    if (second != (s->kind == QUOIN_STATE_PAIR_T))
-      return fmt::format("{}state '{}' breaks an (s, t) pair", name, s->id);
-  }
-  if (law->state_count > 0 && law->states[law->state_count - 1]->kind == QUOIN_STATE_PAIR_S) {
-    return name + "an (s, t) pair of states has no t";
-  }
-  if (law->initial_state_count == 0 || law->initial_states == nullptr) return name + "no initial state";
-  for (uint64_t i = 0; i < law->initial_state_count; ++i) {
-    if (!reads_like_text(law->initial_states[i])) return fmt::format("{}initial state {} has no id", name, i);
-  }
-  return {};
-}
-
 }  // namespace
 
 std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path) {
@@ -259,6 +201,7 @@ void LawLibrary::open(const std::string& bytes, const std::string& failed) {
         QUOIN_ABI_MAJOR, QUOIN_ABI_MINOR, words.empty() ? "it gives no reason" : words));
   }
   // Only the first three fields may be read before the version is known.
+  if (!is_readable(library, sizeof(uint64_t))) refuse(failed + "its quoin_library is at no place of the memory");
   constexpr uint64_t kHead = offsetof(quoin_library, abi_minor) + sizeof(uint32_t);
   if (library->struct_size < kHead) {
     refuse(fmt::format("{}its quoin_library has {} bytes: it was not filled in", failed, library->struct_size));
@@ -272,10 +215,8 @@ void LawLibrary::open(const std::string& bytes, const std::string& failed) {
                        QUOIN_ABI_MAJOR, sizeof(quoin_library)));
   }
   if (library->law_count == 0 || library->laws == nullptr) refuse(failed + "the library holds no law");
-  for (uint64_t i = 0; i < library->law_count; ++i) {
-    const std::string fault = metadata_fault(library->laws[i]);
-    if (!fault.empty()) refuse(fmt::format("{}its metadata is faulty: {}; tell its author", failed, fault));
-  }
+  const std::string fault = fault_of_tables(*library);
+  if (!fault.empty()) refuse(fmt::format("{}its metadata is faulty: {}; tell its author", failed, fault));
   library_ = library;
 }
 
@@ -362,6 +303,11 @@ std::vector<const PropertySetting*> in_force(const std::vector<PropertySetting>&
   return used;
 }
 
+struct {
+  int threads = 0;  // 0: laws are evaluated in this process
+  double seconds = 0.0;
+} isolation;
+
 quoin::api::Material make_material(const quoin_law& law, const std::vector<const PropertySetting*>& settings) {
   std::vector<quoin::api::Value> values;
   for (const PropertySetting* setting : settings) values.push_back({setting->id, setting->numbers, setting->text});
@@ -380,7 +326,21 @@ quoin::api::Material make_material(const quoin_law& law, const std::vector<const
 Material::Material(Law law, const std::vector<PropertySetting>& settings)
     : law_(std::move(law)),
       material_(make_material(*law_.law, in_force(settings))),
-      warnings_(with_sources(material_.warnings(), in_force(settings))) {}
+      warnings_(with_sources(material_.warnings(), in_force(settings))) {
+  if (isolation.threads > 0)
+    process_ =
+        std::make_shared<LawProcess>(api(), handle(), law_.library->path(), isolation.threads, isolation.seconds);
+}
+
+quoin_status Material::evaluate(quoin_batch* batch) const {
+  if (process_) return process_->evaluate(batch);
+  const LawCallNote note(this, batch);
+  return api().evaluate(handle(), batch);
+}
+
+std::string Material::fault() const { return process_ ? process_->fault() : ""; }
+
+void isolate_laws(int threads, double seconds) { isolation = {threads, seconds}; }
 
 double Material::number(const std::string& property_id) const {
   double value = 0.0;

@@ -10,6 +10,8 @@
 
 namespace quoin {
 
+class LawProcess;
+
 // A loaded library; unloaded when the last owner lets go. Laws and materials keep their library alive.
 class LawLibrary {
  public:
@@ -56,6 +58,11 @@ class Material {
   const quoin_law& api() const { return *law_.law; }
   const quoin_material* handle() const { return material_.handle(); }
   const std::string& warnings() const { return warnings_; }
+  // As the law's own function, noted so that a call that never returns can be named (law_calls.h), and in a process of
+  // its own where isolate_laws() said so. Thread-safe.
+  quoin_status evaluate(quoin_batch* batch) const;
+  std::string fault() const;  // how the law's process has ended; empty: it lives, or there is none
+  const LawProcess* process() const { return process_.get(); }  // null: none
   double number(const std::string& property_id) const;
   std::vector<double> initial_state(const std::string& id) const;  // throws Error(bad_input): unknown initial state
   const quoin_stiffness_bounds& stiffness_bounds() const { return material_.stiffness(); }
@@ -64,7 +71,12 @@ class Material {
   Law law_;
   quoin::api::Material material_;
   std::string warnings_;
+  std::shared_ptr<LawProcess> process_;
 };
+
+// Materials made from now on are evaluated in processes of their own, by so many threads at once; each batch has so
+// many seconds (0: any time).
+void isolate_laws(int threads, double seconds);
 
 // Texts of a law may be null.
 inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }

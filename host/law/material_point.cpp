@@ -63,7 +63,7 @@ void MaterialPoint::evaluate(double dn, double ds_step, double dt_step, double* 
   }
   if (flags_known_) batch.flags = {&flags_, 1};
   batch.status = {&status_, 1};
-  const quoin_status status = material_->api().evaluate(material_->handle(), &batch);
+  const quoin_status status = material_->evaluate(&batch);
   if (status != QUOIN_OK) {
     throw Error(Exit::numerical, fmt::format("law '{}': evaluate returned status {}", material_->api().id, status));
   }

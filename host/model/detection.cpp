@@ -518,7 +518,7 @@ double World::energy_of_points(const Family& f, const std::vector<Facet>& facets
   Chunk all;
   all.count = count;
   bind(trial, all);
-  trial.material->api().evaluate(trial.material->handle(), &all.batch);
+  trial.material->evaluate(&all.batch);
   double sum = 0.0;
   for (uint32_t i = 0; i < count; ++i) {
     double density = trial.stored[i];

@@ -169,7 +169,8 @@ std::string scene_of(const Scene& scene, const View& view, const std::vector<Dra
 
 }  // namespace
 
-std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation) {
+std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation,
+                           const std::string& label) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("mechanism.png: left out for more than {} blocks; use blocks.pvd", kMostBlocks);
   const std::vector<Drawn> blocks = blocks_of(simulation);
@@ -178,7 +179,7 @@ std::string plot_mechanism(const std::filesystem::path& folder, const Simulation
   double largest = 1e-12;
   for (const Face& face : faces) largest = std::max(largest, face.displacement);
   return draw_picture(folder, "mechanism",
-                      scene_of(simulation.scene(), view, blocks, faces, "", "rgb '#333333' linewidth 1.5") +
+                      scene_of(simulation.scene(), view, blocks, faces, "", "rgb '#333333' linewidth 1.5") + label +
                           fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
                                       "set palette defined (0 '#e9e2d0', 1 '#c0392b')\n"
                                       "plot NaN with lines linecolor palette cb 0\n",
@@ -186,7 +187,7 @@ std::string plot_mechanism(const std::filesystem::path& folder, const Simulation
 }
 
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
-                              const Surfaces& surfaces) {
+                              const Surfaces& surfaces, const std::string& label) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("cracks.png: left out for more than {} blocks; use joints.pvd", kMostBlocks);
   const std::vector<Drawn> blocks = blocks_of(simulation);
@@ -204,7 +205,7 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
     plot += fmt::format(", $crack{} using 1:2 with lines linewidth {} linecolor rgb '{}' title '{}'", int(style.crack),
                         style.width, style.colour, style.label);
   }
-  return draw_picture(folder, "cracks", script + "set key outside below noenhanced\n" + plot + "\n");
+  return draw_picture(folder, "cracks", script + label + "set key outside below noenhanced\n" + plot + "\n");
 }
 
 }  // namespace quoin

@@ -10,9 +10,9 @@
 
 namespace quoin {
 
-// Return a one-line notice when there is no picture, otherwise nothing.
-std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation);
+// Return a one-line notice when there is no picture, otherwise nothing. label: of warnings.h, or nothing.
+std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation, const std::string& label);
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
-                              const Surfaces& surfaces);
+                              const Surfaces& surfaces, const std::string& label);
 
 }  // namespace quoin

@@ -5,16 +5,12 @@
 #include <array>
 #include <cstring>
 #include <limits>
-#include <set>
 
 #include "base/archive.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/sha256.h"
 #include "files/file.h"
-
-#ifndef QUOIN_VERSION
-#define QUOIN_VERSION "unknown"
-#endif
 
 namespace quoin {
 
@@ -32,34 +28,9 @@ struct Head {
 };
 constexpr std::uint32_t kOtherWordOrder = 0x04030201;
 
-// FNV-1a.
-class Hash {
- public:
-  void add(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) value_ = (value_ ^ bytes[i]) * 0x100000001b3u;
-  }
-  void add(const std::string& text) {
-    const std::uint64_t size = text.size();
-    add(&size, sizeof size);
-    add(text.data(), text.size());
-  }
-  std::uint64_t value() const { return value_; }
-  std::string text() const { return fmt::format("{:016x}", value_); }
-
- private:
-  std::uint64_t value_ = 0xcbf29ce484222325u;
-};
-
 // Of any size: a checkpoint is as large as its model.
 std::string read_whole(const std::filesystem::path& path) {
   return read_input_file(path.string(), std::numeric_limits<std::size_t>::max());
-}
-
-std::string hash_of_file(const std::filesystem::path& path) {
-  Hash hash;
-  hash.add(read_whole(path));
-  return hash.text();
 }
 
 // Eight bytes at a time: checkpoints may be large.
@@ -84,15 +55,15 @@ void transfer_identity(Archive& archive, Parts& parts) {
 
 }  // namespace
 
-Identity identity_of(const Simulation& simulation, const std::vector<std::string>& overrides, const std::string& law) {
+Identity identity_of(const Simulation& simulation, const Provenance& provenance) {
   const Scene& scene = simulation.scene();
   Identity identity;
-  identity.parts.push_back({"version of quoin", QUOIN_VERSION});
-  identity.parts.push_back({"build of quoin", hash_of_file("/proc/self/exe")});
-  Hash hash;
-  hash.add(read_whole(scene.file));
-  for (const std::string& text : overrides) hash.add(text);
-  hash.add(law);
+  identity.parts.push_back({"version of quoin", provenance.program});
+  identity.parts.push_back({"build of quoin", provenance.program_sha256});
+  Sha256 hash;
+  hash.add_text(provenance.scene_text);
+  for (const std::string& text : provenance.request.overrides) hash.add_text(text);
+  hash.add_text(provenance.request.law);
   for (const Stage& stage : scene.stages) {
     if (!stage.ground) continue;
     const TimeSeries& series = stage.ground->acceleration;
@@ -102,15 +73,9 @@ Identity identity_of(const Simulation& simulation, const std::vector<std::string
   const long points = simulation.point_count();
   hash.add(&start, sizeof start);
   hash.add(&points, sizeof points);
-  identity.parts.push_back({"scene", hash.text()});
-  std::set<std::string> laws;
-  for (const auto& [name, family] : scene.joints) laws.insert(family.law);
-  for (const Stage& stage : scene.stages) {
-    for (const auto& [family, name] : stage.law_swaps) laws.insert(name);
-  }
-  for (const std::string& name : laws)
-    identity.parts.push_back(
-        {fmt::format("library of the law '{}'", name), hash_of_file(Law::find(name).library->path())});
+  identity.parts.push_back({"scene", hash.end()});
+  for (const HashedFile& law : provenance.laws)
+    identity.parts.push_back({fmt::format("library of the law '{}'", law.name), law.sha256});
   return identity;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "results/provenance.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -20,8 +21,8 @@ struct Identity {
 };
 
 // Of a simulation at its start, before any step: program, scene (its text, what is laid over it, series and blocks that
-// it takes from other files) and every law of every stage. Throws Error(bad_input): a file of these cannot be read.
-Identity identity_of(const Simulation& simulation, const std::vector<std::string>& overrides, const std::string& law);
+// it takes from other files) and every law of every stage.
+Identity identity_of(const Simulation& simulation, const Provenance& provenance);
 
 struct Checkpoint {
   std::vector<HistoryRow> rows;     // of the history until then

@@ -52,7 +52,7 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
 }
 
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
-                       const std::string& law) {
+                       const std::string& law, const std::string& label) {
   make_folder(folder / "plots");
   const double area = bed_area(scene);
   std::string data = "# displacement_mm horizontal_force_kN vertical_stress_MPa\n";
@@ -125,11 +125,11 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
     script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at, force);
     plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
   }
-  return draw_picture(folder, "curve", script + plot + "\n");
+  return draw_picture(folder, "curve", script + label + plot + "\n");
 }
 
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
-                        const std::vector<HistoryRow>& rows, const std::string& law) {
+                        const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label) {
   make_folder(folder / "plots");
   const Scene& scene = simulation.scene();
   const auto& bricks = simulation.assembly().bricks;
@@ -263,7 +263,7 @@ set xrange [{:.6g}:{:.6g}]
 set yrange [{:.6g}:{:.6g}]
 unset border
 unset tics
-set key outside bottom center horizontal maxrows 2 samplen 2.5 spacing 1.4 width 3 reverse Left
+{}set key outside bottom center horizontal maxrows 2 samplen 2.5 spacing 1.4 width 3 reverse Left
 set style fill solid 1.0 noborder
 plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
      "beams.dat" with lines linewidth 1.0 linecolor rgb "#808890" notitle, \
@@ -272,7 +272,7 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
       pixels_x, pixels_y, gnuplot_text(title_of(scene)), 1.0 - 0.27 * above / pixels_y, gnuplot_text(state),
       1.0 - 0.53 * above / pixels_y, factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y, below / pixels_y,
       low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
-      high[1] * 1e3 + margin + sway * 0.3, plot);
+      high[1] * 1e3 + margin + sway * 0.3, label, plot);
   return draw_picture(folder, "cracks", script);
 }
 

@@ -17,10 +17,10 @@ struct Peak {
 };
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
 
-// Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing.
+// Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing. label: of warnings.h, or nothing.
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
-                       const std::string& law);
+                       const std::string& law, const std::string& label);
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
-                        const std::vector<HistoryRow>& rows, const std::string& law);
+                        const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label);
 
 }  // namespace quoin

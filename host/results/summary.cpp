@@ -62,7 +62,7 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
                         : s.damping == DampingKind::local   ? "local"
                         : s.damping == DampingKind::viscous ? "viscous"
                                                             : "block";
-  return {{"set", info.overrides},
+  return {{"set", info.provenance.request.overrides},
           {"time_step_fraction", s.time_step_fraction},
           {"critical_time_step", s.critical_time_step == CriticalTimeStep::nodal ? "nodal" : "assembled"},
           {"mass_scaling", s.mass_scaling},
@@ -129,6 +129,20 @@ Json motion_of(const Simulation& simulation) {
           {"promoted", promoted}};
 }
 
+// What the looks at the rows of the history have seen. The other assumptions stand under motion and quasi_static.
+Json watch_of(const Simulation& simulation) {
+  const Watch& w = simulation.watch();
+  const bool balanced = w.energy_moved > 0.0;
+  return {{"energy_missing_over_moved", balanced ? Json(w.energy_missing / w.energy_moved) : Json(nullptr)},
+          {"energy_missing_allowed", Watch::kAllowedMissing},
+          {"energy_of_all_steps", simulation.scene().output.energy},
+          {"largest_overlap_m", w.overlap},
+          {"overlap_allowed_m", simulation.allowed_overlap()},
+          {"largest_overlap_at_m", w.overlap_at},
+          {"crushed_out", w.crushed_out},
+          {"stiffness_over_bound", w.stiffness_ratio > 0.0 ? Json(w.stiffness_ratio) : Json(nullptr)}};
+}
+
 }  // namespace
 
 std::string law_names(const Assembly& assembly) {
@@ -185,11 +199,11 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["beams"] = beams;
   json["zones"] = simulation.zone_count();
   json["contact_points"] = simulation.point_count();
-  const auto counts = simulation.condition_counts();
   Json& states = json["contact_points_by_state"];
+  const auto counts = info.law_answers ? simulation.condition_counts() : std::array<long, kConditionCount>{};
   for (const Condition c : {Condition::elastic, Condition::softening, Condition::open, Condition::slipping,
                             Condition::crushing, Condition::crushed_out})
-    states[condition_name(c)] = counts[static_cast<size_t>(c)];
+    states[condition_name(c)] = info.law_answers ? Json(counts[static_cast<size_t>(c)]) : Json(nullptr);
   json["overlap_of_crushed_out_m"] = info.crushed_out.overlap;
   json["laws"] = laws_of(simulation);
   const std::string unknown = why_error_unknown(scene, info);
@@ -219,8 +233,18 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
                           {"why_not", text_or_null(check.reason())}};
   json["motion"] = motion_of(simulation);
   if (simulation.riding()) json.update(of_blocks(simulation, rows));
-  json["set"] = info.overrides;
+  json["watch"] = watch_of(simulation);
+  Json warnings = Json::array();
+  for (const Warning& w : info.warnings)
+    warnings.push_back({{"about", w.about},
+                        {"text", w.text},
+                        {"stage", scene.stages.empty() ? "" : scene.stages[static_cast<size_t>(w.stage)].name},
+                        {"step", w.step},
+                        {"time_s", w.time}});
+  json["warnings"] = warnings;
+  json["set"] = info.provenance.request.overrides;
   json["settings"] = settings_of(scene, info);
+  json["provenance"] = to_json(info.provenance);
   return json_text(json);
 }
 

@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "results/crushed_out.h"
+#include "results/provenance.h"
 #include "results/quasi_static.h"
+#include "results/warnings.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -14,10 +16,12 @@ namespace quoin {
 struct RunInfo {
   std::string status = "done";  // done, interrupted, failed
   std::string message;          // of a failure
-  std::vector<std::string> overrides;
-  double wall_clock_s = 0.0;  // process start to end
+  double wall_clock_s = 0.0;    // process start to end
   QuasiStatic quasi_static;
   CrushedOut crushed_out;
+  bool law_answers = true;  // else states of contact points, which laws tell, are left out
+  std::vector<Warning> warnings;
+  Provenance provenance;
 };
 
 // The laws in use: one name, or "mortar: a, unit: b" when families differ.

@@ -204,7 +204,8 @@ TimeSeries read_series(Table& t, const std::string& folder) {
       if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
     }
     try {
-      s = read_series_file(file.starts_with('/') ? file : folder + file);
+      t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
+      s = read_series_file(t.context().inputs.back());
     } catch (const Error& error) {
       t.context().fault(fmt::format("{} = '{}':\n{}", t.where("file"), file, error.what()));
     }
@@ -329,6 +330,7 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
   all("block", [&](Table b) {
     BlockSpec block = read_block(b, scene);
     if (!block.mesh.empty() && !block.mesh.starts_with('/')) block.mesh = folder + block.mesh;
+    if (!block.mesh.empty()) t.context().inputs.push_back(block.mesh);
     spec.blocks.push_back(block);
   });
   all("dry_wall", [&](Table w) { spec.walls.push_back(read_dry_wall(w, scene)); });

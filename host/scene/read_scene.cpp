@@ -307,9 +307,9 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
   }
 }
 
-toml::table parse(const std::string& path) {
+toml::table parse(const std::string& text, const std::string& path) {
   try {
-    return toml::parse(read_input_file(path), path);
+    return toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     throw Error(Exit::bad_input, fmt::format("{}:{}:{}: not valid TOML: {}", path, error.source().begin.line,
                                              error.source().begin.column, error.description()));
@@ -528,7 +528,11 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 }
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
-  return read_scene(parse(path), path, overrides);
+  return read_scene_text(read_input_file(path), path, overrides);
+}
+
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides) {
+  return reader::read_scene(parse(text, path), path, overrides);
 }
 
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
@@ -541,6 +545,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
 
   Scene scene;
   scene.file = path;
+  scene.text = text;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   const Quality* quality = of_blocks ? nullptr : &quality_named("standard");
@@ -613,6 +618,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   }
   t.finish();
   context.throw_faults();
+  scene.inputs = std::move(context.inputs);
   return scene;
 }
 

@@ -13,6 +13,8 @@ namespace quoin {
 // and a plain word otherwise. An element of a list is named by its number from 1, or by its `name`: stage.2.velocity,
 // stage.shear.velocity. Throws Error(bad_input) with every fault of the scene, one a line.
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides = {});
+// The same of a text in place of what the file holds; other files are looked for beside PATH all the same.
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides = {});
 
 // ", did you mean 'courses'?" for the candidate nearest to a misspelt word, or nothing.
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates);

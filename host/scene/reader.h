@@ -82,6 +82,7 @@ class Context {
  public:
   std::string file;
   std::set<std::string> overridden;  // dotted paths given by --set
+  std::vector<std::string> inputs;   // other files that the scene takes in
 
   std::string where(const toml::node* node, const std::string& path) const {
     for (const std::string& set : overridden) {

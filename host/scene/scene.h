@@ -341,8 +341,10 @@ struct OutputSettings {
 
 struct Scene {
   std::string title, file;
-  std::string quality;        // whose settings are the defaults; empty: none
-  bool quality_as_is = true;  // nothing of it was changed: its errors apply
+  std::string text;                 // of the file, as read
+  std::vector<std::string> inputs;  // other files that it takes in: meshes, series
+  std::string quality;              // whose settings are the defaults; empty: none
+  bool quality_as_is = true;        // nothing of it was changed: its errors apply
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;

@@ -39,6 +39,14 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.row_interval);
   archive.value(s.in_stage);
   archive.value(s.motion_seen);
+  archive.value(s.watch);
+  archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
+    a.array(warning.about);
+    a.array(warning.text);
+    a.value(warning.stage);
+    a.value(warning.step);
+    a.value(warning.time);
+  });
   archive.value(s.force_loss);
   archive.array(s.outcome.force_losses);
   if (!s.riding) return;
@@ -168,6 +176,10 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
     partition_work();
   }
   if (reader.left() != 0) throw of_another_model();
+  const bool in_cycles =
+      std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
+      std::any_of(drives.begin(), drives.end(), [](const Drive& drive) { return drive.in_cycles != 0; });
+  if (in_cycles && (stage < 0 || !scene.stages[at(stage)].cycles)) throw of_another_model();
 
   monitor = model.bodies_named(stage >= 0 ? scene.stages[at(stage)].monitor : "");
   bind_whiffletree();

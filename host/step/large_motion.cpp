@@ -71,9 +71,38 @@ void Model::end_step() {
   if (moved_enough()) detect_contacts();
 }
 
+std::optional<WrongAnswer> Model::wrong_law() const {
+  for (size_t k = 0; k < families_.size(); ++k) {
+    const Family& f = families_[k];
+    Answers answers;
+    answers.count = f.size();
+    for (int c = 0; c < 3; ++c) answers.traction[c] = f.traction[c].data();
+    for (const auto& column : f.state) answers.state.push_back(column.empty() ? nullptr : column.data());
+    auto wrong = wrong_answer(f.material->api(), answers);
+    if (!wrong) continue;
+    const Point& p = f.point[wrong->point];
+    wrong->text += fmt::format(": joint family '{}', blocks {} and {}, contact point at {}", assembly_.families[k].name,
+                               label(assembly_, p.a), label(assembly_, p.b), place(place_of(p)));
+    return wrong;
+  }
+  return std::nullopt;
+}
+
+std::string Model::batch_text(const quoin_batch& batch) const {
+  for (const Chunk& chunk : chunks_) {
+    if (&chunk.batch == &batch)
+      return fmt::format("contact points {} to {} of joint family '{}'", chunk.first, chunk.first + chunk.count - 1,
+                         assembly_.families[size_t(chunk.family)].name);
+  }
+  return fmt::format("a batch of {} points", batch.count);
+}
+
 void Model::watch() const {
   for (int i = 0; i < block_count(); ++i) {
     if (std::isfinite(block_sums_[size_t(i)].positions)) continue;
+    if (const auto wrong = wrong_law(); wrong && !wrong->finite)
+      throw Error(Exit::numerical,
+                  fmt::format("step {}, time {:.6g} s: {}; tell its author", step_count_, time_, wrong->text));
     throw Error(Exit::numerical,
                 fmt::format("block {}, {} at the start: its position is no finite number at step {}, time {:.6g} s; "
                             "check the velocities and forces of the stage, or reduce time_step_fraction",
@@ -154,7 +183,7 @@ void Model::contact_law(Family& f, Chunk& chunk) {
       std::copy(f.traction[k].begin() + chunk.first, f.traction[k].begin() + long(end),
                 f.old_traction[k].begin() + chunk.first);
   }
-  chunk.status = f.material->api().evaluate(f.material->handle(), &chunk.batch);
+  chunk.status = f.material->evaluate(&chunk.batch);
   chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
   if (!energy_) return;
   chunk.stored = 0.0;
@@ -168,6 +197,8 @@ void Model::contact_law(Family& f, Chunk& chunk) {
 void Model::report_failure(const Chunk& chunk) const {
   const Family& f = families_[size_t(chunk.family)];
   const std::string law = f.material->api().id, family = assembly_.families[size_t(chunk.family)].name;
+  if (const std::string fault = f.material->fault(); !fault.empty())
+    throw Error(Exit::numerical, fmt::format("step {}, joint family '{}': {}", step_count_, family, fault));
   if (chunk.status != QUOIN_OK) {
     throw Error(Exit::numerical, fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}",
                                              law, family, chunk.status, step_count_));
@@ -176,7 +207,7 @@ void Model::report_failure(const Chunk& chunk) const {
   std::vector<uint32_t> status(chunk.count, QUOIN_POINT_OK);
   quoin_batch batch = chunk.batch;
   batch.status = {status.data(), 1};
-  f.material->api().evaluate(f.material->handle(), &batch);
+  f.material->evaluate(&batch);
   const auto first = std::find(status.begin(), status.end(), uint32_t(QUOIN_POINT_FAILED));
   const size_t i = chunk.first + std::min(size_t(first - status.begin()), size_t(chunk.count - 1));
   const Point& p = f.point[i];

@@ -8,8 +8,11 @@
 //   their own frame (deformable_kernels.h), others zone by zone, total Lagrangian (zone_kernels.h).
 #pragma once
 
+#include <optional>
+
 #include "base/phase_clock.h"
 #include "base/thread_pool.h"
+#include "law/answers.h"
 #include "model/world.h"
 
 namespace quoin {
@@ -30,6 +33,9 @@ class Model : public World {
   // sums are taken in a fixed order: the bits do not depend on the number of threads. Throws Error(numerical): the law
   // failed at a point, or the position of a block is no longer a finite number.
   void step();
+  // What a law has answered last that it must not, where and to whom; nothing: all is well.
+  std::optional<WrongAnswer> wrong_law() const;
+  std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end.

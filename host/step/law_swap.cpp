@@ -33,7 +33,7 @@ std::vector<double> stored_energy(const Material& material, const FamilyColumns&
   batch.state_old = old.data();
   batch.state_new = fresh.data();
   batch.energy_stored = {stored.data(), 1};
-  law.evaluate(material.handle(), &batch);
+  material.evaluate(&batch);
   return stored;
 }
 

@@ -23,17 +23,19 @@ void Simulation::Impl::sum_measurements() {
     external_before += m.external_before;
     external_after += m.external_after;
   }
-  double force_sum = 0.0;
+  double force_sum = 0.0, dissipated = 0.0;
   for (const LawCall& call : calls) {
     force_sum += call.force_sum;
     now.contact_stored += call.stored;
-    for (std::size_t k = 0; k < 4; ++k) energy_dissipated[k] += call.dissipated[k];
+    for (std::size_t k = 0; k < 4; ++k) dissipated += call.dissipated[k], energy_dissipated[k] += call.dissipated[k];
   }
   kinetic = now.kinetic;
   const double mean = model.point_count > 0 ? force_sum / model.point_count : 0.0;
   unbalanced_ratio = unbalanced == 0.0 ? 0.0
                      : mean > 0.0      ? std::sqrt(unbalanced) / mean
                                        : std::numeric_limits<double>::infinity();
+  if (sample_energy)
+    look_at_energies(now, dissipated, external_before - damping_before, external_after - damping_after);
   if (!want_energy) return;
   now.dissipated = energy_dissipated;
   now.damping = energy_damping + damping_before;
@@ -133,6 +135,10 @@ void Simulation::Impl::require_finite(const HistoryRow& row) const {
   };
   for (const auto& [name, value] : values) {
     if (std::isfinite(value)) continue;
+    if (const auto wrong = wrong_law(); wrong && !wrong->finite)
+      throw Error(Exit::numerical,
+                  fmt::format("stage '{}', step {}, time {:.6g} s: {}; tell its author",
+                              scene.stages[static_cast<std::size_t>(row.stage)].name, row.step, row.time, wrong->text));
     throw Error(Exit::numerical,
                 fmt::format("stage '{}', step {}, time {:.6g} s: the {} is {}, no finite number; check the velocities "
                             "and forces of the stage, or reduce solver.time_step_fraction (the time step is {:.4g} s, "

@@ -196,7 +196,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
     batch.state_new = states.data();
     batch.flags = {};
     outputs(batch, at(chunk.first_point));
-    material.api().evaluate(material.handle(), &batch);
+    material.evaluate(&batch);
   }
 }
 

@@ -403,7 +403,7 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointO
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
     outputs(batch, first_of_family);
-    f.material->api().evaluate(f.material->handle(), &batch);
+    f.material->evaluate(&batch);
   }
 }
 

@@ -49,9 +49,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   for (auto& column : traction) column.assign(points, 0.0);
   for (auto& column : force) column.assign(points + kLanes, 0.0);
   flags.assign(points, 0);
-  if (want_energy) {
-    for (auto& column : energy_columns) column.assign(points, 0.0);
-  }
+  for (auto& column : energy_columns) column.assign(want_energy ? points : 0, 0.0);
   ramps.resize(model.bodies.size());
   find_loaded_blocks();
   measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
@@ -136,12 +134,13 @@ void Simulation::Impl::bind_columns() {
     }
     call.batch.state_old = call.state_old.data();
     call.batch.state_new = call.state_new.data();
-    if (want_energy && (law.capabilities & QUOIN_CAN_ENERGY)) {
-      call.batch.energy_stored = {energy_columns[0].data() + chunk.first_point, 1};
-      for (std::size_t k = 0; k < 4; ++k)
-        call.batch.dissipated[k] = {energy_columns[k + 1].data() + chunk.first_point, 1};
-    }
+    if (want_energy && (law.capabilities & QUOIN_CAN_ENERGY)) bind_energies(call, chunk);
   }
+}
+
+void Simulation::Impl::bind_energies(LawCall& call, const ContactChunk& chunk) {
+  call.batch.energy_stored = {energy_columns[0].data() + chunk.first_point, 1};
+  for (std::size_t k = 0; k < 4; ++k) call.batch.dissipated[k] = {energy_columns[k + 1].data() + chunk.first_point, 1};
 }
 
 void Simulation::Impl::partition_work() {

@@ -79,7 +79,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
     const bool due = s.stage_step >= s.next_row, row = stop || due;
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
-    s.step_once(check || row || frame || s.want_energy, frame);
+    s.sample_energy = !s.riding && (s.watch.pending || (due && s.begin_look()));
+    s.step_once(check || row || frame || s.want_energy || s.sample_energy, row || frame);
 
     done = check && s.equilibrium_reached(settings);
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
@@ -93,9 +94,11 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       s.times[Phase::measurement] += seconds_since(before);
       s.require_finite(now);
       tell([&] { observer.on_row(now); });
-      const bool was_past = !s.past_motion_bound().empty();
+      const auto watched = Clock::now();
       s.look_at_motion();
       const std::string past = s.past_motion_bound();
+      const std::vector<Warning> warnings = s.look(past);
+      s.times[Phase::watch] += seconds_since(watched);
       const SolverSettings& solver = s.scene.solver;
       if (!past.empty() && solver.large_motion == LargeMotion::never && solver.motion_bound.stop) {
         throw Error(Exit::numerical,
@@ -106,9 +109,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
         s.promote(past);
         observer.on_promotion(*this);
-      } else if (!past.empty() && !was_past && solver.large_motion != LargeMotion::always) {
-        observer.on_motion_bound(past);
       }
+      for (const Warning& warning : warnings) observer.on_warning(warning);
       while (s.next_row < s.stage_step) s.next_row += s.row_interval;
     }
     if (frame) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
@@ -174,6 +176,9 @@ int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }
 HistoryRow Simulation::measure() const { return impl_->measure(); }
 const MotionSeen& Simulation::motion_seen() const { return impl_->motion_seen; }
+std::string Simulation::batch_text(const quoin_batch& batch) const { return impl_->batch_text(batch); }
+const Watch& Simulation::watch() const { return impl_->watch; }
+double Simulation::allowed_overlap() const { return impl_->allowed_overlap(); }
 std::string Simulation::past_motion_bound() const { return impl_->past_motion_bound(); }
 LaneVector<double>& Simulation::displacement() { return impl_->displacement; }
 LaneVector<double>& Simulation::velocity() { return impl_->velocity; }

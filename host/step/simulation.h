@@ -19,6 +19,7 @@
 #include "scene/assembly.h"
 #include "scene/scene.h"
 #include "step/motion_bound.h"
+#include "step/watch.h"
 
 namespace quoin::blocks {
 class Model;
@@ -93,6 +94,7 @@ struct StopAtForceLoss {
 // What stages found out.
 struct Outcome {
   std::optional<Promotion> promotion;
+  std::vector<Warning> warnings;  // assumptions that were left, each once
   std::vector<StopAtForceLoss> force_losses;
   std::optional<double> collapse_multiplier;
   std::optional<double> base_slip_at_uplift;  // m: of blocks on fixed ones, when a bed joint first opens by 0.1 mm
@@ -115,8 +117,8 @@ struct Observer {
   virtual ~Observer() = default;
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
-  virtual void on_motion_bound(const std::string& /*what is exceeded, where*/) {}  // once, when the run goes on
-  virtual void on_promotion(const Simulation&) {}                                  // Simulation::outcome tells more
+  virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
+  virtual void on_promotion(const Simulation&) {}  // Simulation::outcome tells more
   virtual void on_row(const HistoryRow&) {}
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -200,6 +202,11 @@ class Simulation {
   std::uint64_t hash() const;             // of gridpoints, bodies, tractions and states: equal hashes, equal bits
   HistoryRow measure() const;             // as it stands
   const MotionSeen& motion_seen() const;  // looked at whenever run() writes a row
+  const Watch& watch() const;             // the same
+  double allowed_overlap() const;         // m
+  // Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
+  // 'mortar', from (0.100, 0.000, 0.050) m on".
+  std::string batch_text(const quoin_batch& batch) const;
   std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
 
   // Results by block. Cold.

@@ -44,6 +44,7 @@ void Simulation::Impl::begin_stage(int index) {
   next_frame = 0;
   next_row = 0;
   force_loss = {};
+  watch.pending = false;  // what a stage changes at once is in no balance of steps
   swaps.clear();
   row_interval = chosen_record_interval();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);

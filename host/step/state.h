@@ -11,6 +11,7 @@
 
 #include "base/smooth_step.h"
 #include "base/thread_pool.h"
+#include "law/answers.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
@@ -83,6 +84,8 @@ struct LawCall {
   double force_sum = 0.0;  // of |force|, measured steps
   bool failed = false;
   quoin_status status = QUOIN_OK;
+  double deepest = 0.0;  // smallest opening, m, measured steps
+  int deepest_point = -1;
   double stored = 0.0;                 // J, energy steps
   std::array<double, 4> dissipated{};  // J during the last step, energy steps
 };
@@ -115,6 +118,7 @@ struct Simulation::Impl {
   void apply_load(std::size_t loaded);  // what load_ramps has now, to the block's group
   void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
   [[noreturn]] void report_failed_points();
+  std::string batch_text(const quoin_batch& batch) const;
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
@@ -137,6 +141,18 @@ struct Simulation::Impl {
   void look_at_motion();
   std::string past_motion_bound() const;
   void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
+
+  // --- the watch (watch.cpp) ----------------------------------------------------------------------------------------
+  // Whether the energies of this step, before a row, are to be held against those of the next.
+  bool begin_look() const;
+  void look_at_energies(const Energies& now, double dissipated, double work_before, double work_after);
+  double allowed_overlap() const;
+  void look_at_points();
+  void look_at_stiffness();
+  std::optional<WrongAnswer> wrong_law() const;  // as the laws have answered last
+  // When a row is written, after its step. Returns what is to be told, which outcome has too.
+  std::vector<Warning> look(const std::string& past_motion_bound);
+
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
   // Translation + rotation x arm of a rigid body at a reference position.
@@ -200,8 +216,9 @@ struct Simulation::Impl {
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
-  void bind_step();      // what a step reads, for the model of now
-  void bind_columns();   // pointers of step data and law calls
+  void bind_step();     // what a step reads, for the model of now
+  void bind_columns();  // pointers of step data and law calls
+  void bind_energies(LawCall& call, const ContactChunk& chunk);
   void share_inertia();  // where the blocks of a group are alike
   void partition_work();
   std::vector<std::uint32_t> current_flags() const;
@@ -239,6 +256,7 @@ struct Simulation::Impl {
   long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
   MotionSeen motion_seen;
+  Watch watch;
   ForceLoss force_loss;  // in cycles
 
   // Blocks of any shape in large motion; null: none.
@@ -286,6 +304,7 @@ struct Simulation::Impl {
   bool controls_settled = true;              // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;                    // at_rest of all bodies is up to date
   bool want_energy = false;
+  bool sample_energy = false;  // of this step alone, for the watch
   bool keep_diagnostics = false;
 
   StepData data;

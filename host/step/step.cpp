@@ -12,6 +12,10 @@ namespace quoin {
 // Both phases go over independent pieces, so the bits do not depend on which thread does which.
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   apply_controls();
+  if (sample_energy && energy_columns[0].empty()) {
+    for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
+  }
+  data.energies = want_energy || sample_energy;
   if (riding) riding->begin_step();
   const bool timed = time_every_step || step_count % kTimedSteps == 0;
   const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
@@ -21,8 +25,8 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     clock.start();
     return &clock;
   };
-  const auto watch = [&](bool on) { return on ? Clock::now() : Clock::time_point(); };
-  auto before = watch(timed);
+  const auto now_if = [&](bool on) { return on ? Clock::now() : Clock::time_point(); };
+  auto before = now_if(timed);
 
   auto contacts = [&](int thread, int i) {
     PhaseClock* const clock = clock_of(thread);
@@ -51,10 +55,11 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   if (timed) book_time(seconds_since(before), weight);
   if (riding) end_riding_step();
   if (measure_step) {
-    before = watch(true);
+    before = now_if(true);
     sum_measurements();
     times[Phase::measurement] += seconds_since(before);
   }
+  sample_energy = false;
   if (report) flags_step = step_count;
   ++step_count;
   ++stage_step;
@@ -94,7 +99,9 @@ void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, boo
   batch.slip_increment[1] = {jump.slip_t, 1};
   const std::uint64_t capabilities = family.material->api().capabilities;
   batch.flags = {report && (capabilities & QUOIN_CAN_FLAGS) ? flags.data() + chunk.first_point : nullptr, 1};
-  const quoin_status status = family.material->api().evaluate(family.material->handle(), &batch);
+  const bool energies_too = sample_energy && (capabilities & QUOIN_CAN_ENERGY);
+  if (energies_too) bind_energies(call, chunk);
+  const quoin_status status = family.material->evaluate(&batch);
   if (status != QUOIN_OK || batch.failed_count != 0) {
     call.failed = true;
     call.status = status;
@@ -104,14 +111,20 @@ void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, boo
 
   call.force_sum = call.stored = 0.0;
   call.dissipated = {};
+  call.deepest = 0.0;
   for (int i = chunk.first_point; i < chunk.first_point + chunk.point_count; ++i) {
     const auto p = static_cast<std::size_t>(i);
     call.force_sum += model.area[p] * std::sqrt(traction[0][p] * traction[0][p] + traction[1][p] * traction[1][p] +
                                                 traction[2][p] * traction[2][p]);
+    if (const double opening = jump.normal[i - chunk.first_point]; opening < call.deepest)
+      call.deepest = opening, call.deepest_point = i;
     if (!batch.energy_stored.data) continue;
     call.stored += model.area[p] * energy_columns[0][p];
     for (std::size_t k = 0; k < 4; ++k) call.dissipated[k] += model.area[p] * energy_columns[k + 1][p];
   }
+  if (!energies_too) return;
+  batch.energy_stored = {};
+  for (auto& column : batch.dissipated) column = {};
 }
 
 void Simulation::Impl::report_failed_points() {
@@ -121,6 +134,8 @@ void Simulation::Impl::report_failed_points() {
     const ContactChunk& chunk = model.chunks[c];
     const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
     const std::string law = family.material->api().id;
+    if (const std::string fault = family.material->fault(); !fault.empty())
+      throw Error(Exit::numerical, fmt::format("step {}, {}: {}", step_count, batch_text(call.batch), fault));
     if (call.status != QUOIN_OK) {
       throw Error(Exit::numerical,
                   fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}", law,
@@ -134,7 +149,7 @@ void Simulation::Impl::report_failed_points() {
     call.batch.slip_increment[0] = {jump.slip_s, 1};
     call.batch.slip_increment[1] = {jump.slip_t, 1};
     call.batch.status = {point_status.data(), 1};
-    family.material->api().evaluate(family.material->handle(), &call.batch);
+    family.material->evaluate(&call.batch);
     call.batch.status = {};
     for (std::size_t i = 0; i < static_cast<std::size_t>(chunk.point_count); ++i) {
       if (point_status[i] != QUOIN_POINT_FAILED) continue;
@@ -150,8 +165,23 @@ void Simulation::Impl::report_failed_points() {
                       family.name, joint.block_a, joint.block_b, x[0], x[1], x[2], jump.normal[i], jump.slip_s[i],
                       jump.slip_t[i], traction[0][p], traction[1][p], traction[2][p], scene.solver.time_step_fraction));
     }
+    throw Error(Exit::numerical,
+                fmt::format("law '{}' says at step {} that {} points failed, and names none: {}; tell its author", law,
+                            step_count, call.batch.failed_count, batch_text(call.batch)));
   }
   throw Error(Exit::numerical, fmt::format("a law failed at step {}", step_count));
+}
+
+std::string Simulation::Impl::batch_text(const quoin_batch& batch) const {
+  for (std::size_t c = 0; c < calls.size(); ++c) {
+    if (&calls[c].batch != &batch) continue;
+    const ContactChunk& chunk = model.chunks[c];
+    const Vec3& x = model.point_position[static_cast<std::size_t>(chunk.first_point)];
+    return fmt::format("contact points {} to {} of joint family '{}', from ({:.3f}, {:.3f}, {:.3f}) m on",
+                       chunk.first_point, chunk.first_point + chunk.point_count - 1,
+                       model.families[static_cast<std::size_t>(chunk.family)].name, x[0], x[1], x[2]);
+  }
+  return riding ? riding->batch_text(batch) : fmt::format("a batch of {} points", batch.count);
 }
 
 }  // namespace quoin

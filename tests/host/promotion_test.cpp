@@ -77,7 +77,8 @@ struct Watch : Observer {
   int promotions = 0, warnings = 0;
   std::vector<std::uint8_t> saved;
   void on_row(const HistoryRow& row) override { rows.push_back(row); }
-  void on_motion_bound(const std::string&) override {
+  void on_warning(const Warning& w) override {
+    if (w.about != "small_displacements") return;
     ++warnings;
     if (simulation) before = look(*simulation, {}), gridpoints = motion_of(*simulation);
   }

@@ -1,0 +1,336 @@
+#include "law/law_process.h"
+
+#include <fmt/format.h>
+#include <linux/futex.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <new>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "law/law_watch.h"
+
+namespace quoin {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+constexpr std::size_t kPoints = 1024;  // of a piece of a batch: chunks of the host are smaller
+constexpr long kSpins = 400;           // looks before a process sleeps, where there are processors for both
+
+enum : std::uint32_t { kIdle, kAsked, kAnswered };
+
+// Which optional columns a piece has, in this order.
+constexpr std::size_t kOptional = 1 + QUOIN_DISSIPATED_COUNT + 9 + QUOIN_DAMAGE_COUNT;
+
+// A piece of a batch in shared memory; columns of kPoints doubles follow it.
+struct alignas(64) Lane {
+  std::atomic<std::uint32_t> turn;
+  std::atomic<std::uint32_t> taken;  // by a thread of the host
+  std::uint64_t count;
+  std::uint8_t has_optional[kOptional], has_flags, has_status, has_state[256];
+  quoin_status answer;
+  std::uint64_t clamped, failed;
+  std::uint32_t worst, any_yielding;
+  double in_law;  // s, this piece
+};
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+
+void sleep_on(std::atomic<std::uint32_t>& word, std::uint32_t value, double seconds) {
+  const timespec limit{static_cast<time_t>(seconds), static_cast<long>(1e9 * (seconds - std::floor(seconds)))};
+  syscall(SYS_futex, &word, FUTEX_WAIT, value, &limit, nullptr, 0);
+}
+void wake(std::atomic<std::uint32_t>& word) { syscall(SYS_futex, &word, FUTEX_WAKE, 1, nullptr, nullptr, 0); }
+
+void breathe() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#endif
+}
+
+// Columns of a lane: jump, slip 2, traction 3, flags, status, optional ones, states.
+struct Columns {
+  double* first;
+  double* at(std::size_t k) const { return first + k * kPoints; }
+  double* jump() const { return at(0); }
+  double* slip(std::size_t k) const { return at(1 + k); }
+  double* traction(std::size_t k) const { return at(3 + k); }
+  std::uint32_t* flags() const { return reinterpret_cast<std::uint32_t*>(at(6)); }
+  std::uint32_t* status() const { return reinterpret_cast<std::uint32_t*>(at(7)); }
+  double* optional(std::size_t k) const { return at(8 + k); }
+  double* state(std::size_t k) const { return at(8 + kOptional + k); }
+};
+std::size_t column_count(const quoin_law& law) { return 8 + kOptional + law.state_count; }
+std::size_t lane_bytes(const quoin_law& law) { return sizeof(Lane) + column_count(law) * kPoints * sizeof(double); }
+
+// The optional columns of a batch in the order of Lane::has_optional.
+template <class Batch, class Each>
+void each_optional(Batch& batch, const Each& each) {
+  std::size_t k = 0;
+  each(k++, batch.energy_stored);
+  for (auto& column : batch.dissipated) each(k++, column);
+  for (auto& column : batch.tangent) each(k++, column);
+  const bool knows_damage = batch.struct_size >= offsetof(quoin_batch, damage) + sizeof batch.damage;
+  for (auto& column : batch.damage) {
+    if (knows_damage) each(k, column);
+    ++k;
+  }
+}
+
+template <class From>
+void gather(const From& column, std::size_t first, std::size_t count, double* to) {
+  for (std::size_t i = 0; i < count; ++i) to[i] = column.data[static_cast<std::int64_t>(first + i) * column.stride];
+}
+template <class To, class Value>
+void scatter(const Value* from, std::size_t first, std::size_t count, const To& column) {
+  for (std::size_t i = 0; i < count; ++i) column.data[static_cast<std::int64_t>(first + i) * column.stride] = from[i];
+}
+
+}  // namespace
+
+struct LawProcess::Impl {
+  Impl(const quoin_law& law_in, const quoin_material* material_in, std::string path_in, int threads, double seconds)
+      : law(law_in),
+        material(material_in),
+        path(std::move(path_in)),
+        lanes(threads),
+        limit(seconds),
+        spins(2 * threads <= static_cast<int>(std::thread::hardware_concurrency())) {}
+
+  const quoin_law& law;
+  const quoin_material* material;
+  std::string path;
+  int lanes;
+  double limit;
+  bool spins;  // processes need not sleep: there are processors for all
+  unsigned char* memory = nullptr;
+  std::size_t bytes = 0;
+  pid_t child = -1;
+  mutable std::mutex mutex;  // of what follows
+  std::string fault;
+  LawProcessTimes times;
+  std::atomic<bool> ended{false};
+
+  Lane& lane(int i) const { return *reinterpret_cast<Lane*>(memory + static_cast<std::size_t>(i) * lane_bytes(law)); }
+  Columns columns(Lane& l) const { return {reinterpret_cast<double*>(&l + 1)}; }
+
+  void wait_for(std::atomic<std::uint32_t>& word, std::uint32_t not_this) const {
+    for (long i = 0; spins && i < kSpins; ++i) {
+      if (word.load(std::memory_order_acquire) != not_this) return;
+      breathe();
+    }
+  }
+
+  // ---- In the law's process ----
+  [[noreturn]] void serve() {
+    end_of_watch();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);  // the host's to obey
+    std::vector<std::thread> others;
+    for (int i = 1; i < lanes; ++i) others.emplace_back([this, i] { serve_lane(lane(i)); });
+    serve_lane(lane(0));
+    _exit(0);
+  }
+  void serve_lane(Lane& l) {
+    for (;;) {
+      wait_for(l.turn, kIdle);
+      while (l.turn.load(std::memory_order_acquire) != kAsked) sleep_on(l.turn, l.turn.load(), 1.0);
+      answer(l);
+      l.turn.store(kAnswered, std::memory_order_release);
+      wake(l.turn);
+      for (long i = 0; spins && i < kSpins && l.turn.load(std::memory_order_acquire) == kAnswered; ++i) breathe();
+      while (l.turn.load(std::memory_order_acquire) == kAnswered) sleep_on(l.turn, kAnswered, 1.0);
+    }
+  }
+  void answer(Lane& l) {
+    const Columns c = columns(l);
+    std::vector<quoin_in> old(law.state_count);
+    std::vector<quoin_out> fresh(law.state_count);
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = l.count;
+    batch.normal_jump = {c.jump(), 1};
+    for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {c.slip(k), 1};
+    for (std::size_t k = 0; k < 3; ++k)
+      batch.traction_old[k] = {c.traction(k), 1}, batch.traction_new[k] = {c.traction(k), 1};
+    for (std::size_t k = 0; k < law.state_count; ++k) {
+      double* const column = l.has_state[k] ? c.state(k) : nullptr;
+      old[k] = {column, 1}, fresh[k] = {column, 1};
+    }
+    batch.state_old = old.data(), batch.state_new = fresh.data();
+    each_optional(batch, [&](std::size_t k, quoin_out& column) {
+      if (l.has_optional[k]) column = {c.optional(k), 1};
+    });
+    if (l.has_flags) batch.flags = {c.flags(), 1};
+    if (l.has_status) batch.status = {c.status(), 1};
+    const auto begin = Clock::now();
+    l.answer = law.evaluate(material, &batch);
+    l.in_law = seconds_since(begin);
+    l.clamped = batch.clamped_count, l.failed = batch.failed_count;
+    l.worst = batch.worst_status, l.any_yielding = batch.any_yielding;
+  }
+
+  // ---- In the host ----
+  Lane* take_lane() {
+    for (;;) {
+      for (int i = 0; i < lanes; ++i) {
+        if (lane(i).taken.exchange(1, std::memory_order_acquire) == 0) return &lane(i);
+      }
+      std::this_thread::yield();  // more threads than were announced
+    }
+  }
+
+  // Whether the process still lives; notes how it ended otherwise.
+  bool alive(const Clock::time_point& asked) {
+    const std::lock_guard guard(mutex);
+    if (ended) return false;
+    int status = 0;
+    const pid_t gone = waitpid(child, &status, WNOHANG);
+    if (gone == 0 && (limit <= 0.0 || seconds_since(asked) < limit)) return true;
+    const std::string name = fmt::format("the law of {}, in its own process, ", path);
+    if (gone == 0) {
+      fault = name + fmt::format("did not return from a batch within {:g} s (--law-seconds)", limit);
+    } else if (gone < 0 || WIFEXITED(status)) {
+      fault = name + fmt::format("called exit({})", gone < 0 ? -1 : WEXITSTATUS(status));
+    } else {
+      const int signal = WTERMSIG(status);
+      const char* const words = signal == SIGABRT ? "aborted, or threw what a law must not throw" : "crashed";
+      const char* const abbreviation = sigabbrev_np(signal);
+      fault = name + fmt::format("{} (SIG{})", words, abbreviation ? abbreviation : std::to_string(signal).c_str());
+    }
+    fault += "; tell its author or choose another law";
+    end(gone == 0);
+    return false;
+  }
+  void end(bool reap) {
+    ended = true;
+    if (!reap || child <= 0) return;
+    kill(child, SIGKILL);
+    while (waitpid(child, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+
+  quoin_status ask(Lane& l, const quoin_batch& batch, std::size_t first, std::size_t count) {
+    const Columns c = columns(l);
+    l.count = count;
+    gather(batch.normal_jump, first, count, c.jump());
+    for (std::size_t k = 0; k < 2; ++k) gather(batch.slip_increment[k], first, count, c.slip(k));
+    for (std::size_t k = 0; k < 3; ++k) gather(batch.traction_old[k], first, count, c.traction(k));
+    for (std::size_t k = 0; k < law.state_count; ++k) {
+      l.has_state[k] = batch.state_old[k].data != nullptr;
+      if (l.has_state[k]) gather(batch.state_old[k], first, count, c.state(k));
+    }
+    std::fill_n(l.has_optional, kOptional, std::uint8_t{0});
+    each_optional(batch, [&](std::size_t k, const quoin_out& column) { l.has_optional[k] = column.data != nullptr; });
+    l.has_flags = batch.flags.data != nullptr;
+    l.has_status = batch.status.data != nullptr;
+
+    const auto asked = Clock::now();
+    l.turn.store(kAsked, std::memory_order_release);
+    wake(l.turn);
+    wait_for(l.turn, kAsked);
+    while (l.turn.load(std::memory_order_acquire) != kAnswered) {
+      sleep_on(l.turn, kAsked, 0.05);
+      if (l.turn.load(std::memory_order_acquire) != kAnswered && !alive(asked)) return QUOIN_ERROR_INTERNAL;
+    }
+    const quoin_status status = l.answer;
+    if (status == QUOIN_OK) {
+      for (std::size_t k = 0; k < 3; ++k) scatter(c.traction(k), first, count, batch.traction_new[k]);
+      for (std::size_t k = 0; k < law.state_count; ++k) {
+        if (l.has_state[k] && batch.state_new[k].data) scatter(c.state(k), first, count, batch.state_new[k]);
+      }
+      each_optional(batch, [&](std::size_t k, const quoin_out& column) {
+        if (l.has_optional[k]) scatter(c.optional(k), first, count, column);
+      });
+      if (l.has_flags) scatter(c.flags(), first, count, batch.flags);
+      if (l.has_status) scatter(c.status(), first, count, batch.status);
+    }
+    const std::lock_guard guard(mutex);
+    times.seconds += seconds_since(asked);
+    times.in_law += l.in_law;
+    ++times.batches;
+    return status;
+  }
+};
+
+LawProcess::LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads,
+                       double seconds)
+    : impl_(std::make_unique<Impl>(law, material, std::move(path), std::max(1, threads), seconds)) {
+  Impl& s = *impl_;
+  if (law.state_count > sizeof(Lane::has_state))
+    throw Error(Exit::law_refused, fmt::format("law '{}' has {} states; a process of its own takes {} at most", law.id,
+                                               law.state_count, sizeof(Lane::has_state)));
+  s.bytes = static_cast<std::size_t>(s.lanes) * lane_bytes(law);
+  void* const memory = mmap(nullptr, s.bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  const auto refuse = [&] {
+    throw Error(Exit::numerical, fmt::format("law '{}': no process of its own could be started: {}; run without "
+                                             "--isolate-law",
+                                             law.id, std::error_code(errno, std::generic_category()).message()));
+  };
+  if (memory == MAP_FAILED) refuse();
+  s.memory = static_cast<unsigned char*>(memory);
+  for (int i = 0; i < s.lanes; ++i) new (&s.lane(i)) Lane{};
+  std::fflush(nullptr);  // what is in buffers is written by one of the two
+  s.child = fork();
+  if (s.child == 0) s.serve();
+  if (s.child < 0) {
+    const int fault = errno;
+    munmap(memory, s.bytes);
+    errno = fault;
+    refuse();
+  }
+}
+
+LawProcess::~LawProcess() {
+  if (!impl_->ended) impl_->end(true);
+  munmap(impl_->memory, impl_->bytes);
+}
+
+quoin_status LawProcess::evaluate(quoin_batch* batch) {
+  Impl& s = *impl_;
+  if (s.ended) return QUOIN_ERROR_INTERNAL;
+  batch->clamped_count = batch->failed_count = 0;
+  batch->worst_status = batch->any_yielding = 0;
+  Lane* const lane = s.take_lane();
+  quoin_status status = QUOIN_OK;
+  for (std::size_t first = 0; first < batch->count && status == QUOIN_OK; first += kPoints) {
+    status = s.ask(*lane, *batch, first, std::min<std::size_t>(kPoints, batch->count - first));
+    batch->clamped_count += lane->clamped, batch->failed_count += lane->failed;
+    batch->worst_status = std::max(batch->worst_status, lane->worst);
+    batch->any_yielding |= lane->any_yielding;
+  }
+  lane->taken.store(0, std::memory_order_release);
+  return status;
+}
+
+std::string LawProcess::fault() const {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->fault;
+}
+
+LawProcessTimes LawProcess::times() const {
+  const std::lock_guard guard(impl_->mutex);
+  return impl_->times;
+}
+
+}  // namespace quoin

@@ -1,0 +1,36 @@
+// A material that is evaluated in a process of its own, through shared memory: its law's crash ends that process.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "quoin.hpp"
+
+namespace quoin {
+
+// What that costs: the whole time of calls, and what of it the law had.
+struct LawProcessTimes {
+  long batches = 0;
+  double seconds = 0.0, in_law = 0.0;
+};
+
+class LawProcess {
+ public:
+  // threads: so many may ask at once. seconds: for one batch, then the process is ended (0: any time). Throws
+  // Error(numerical) when the system starts no process.
+  LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads, double seconds);
+  ~LawProcess();
+  LawProcess(const LawProcess&) = delete;
+  LawProcess& operator=(const LawProcess&) = delete;
+
+  // As the law's own function; QUOIN_ERROR_INTERNAL once the process has ended, and fault() says how.
+  quoin_status evaluate(quoin_batch* batch);
+  std::string fault() const;  // empty: the law is well
+  LawProcessTimes times() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace quoin

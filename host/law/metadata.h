@@ -1,0 +1,18 @@
+// The tables that a law library describes itself with, looked at before anything else of the host reads them.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "quoin.hpp"
+
+namespace quoin {
+
+// Whether so many bytes are there, without a crash when they are not. Where the system does not tell: true.
+bool is_readable(const void* address, std::size_t bytes);
+
+// What is wrong with the tables, as far as the host relies on them, whatever they hold; empty: nothing. The head of
+// the library (size and version) has been looked at.
+std::string fault_of_tables(const quoin_library& library);
+
+}  // namespace quoin

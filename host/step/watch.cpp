@@ -1,0 +1,192 @@
+// Looks at what a run assumes, and what it says when the run is past that.
+#include "step/watch.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "step/large_motion.h"
+#include "step/state.h"
+
+namespace quoin {
+
+bool Simulation::Impl::begin_look() const {
+  if (riding || want_energy || watch.pending || step_count < watch.next_energies) return false;
+  return std::all_of(model.families.begin(), model.families.end(), [](const ContactFamily& family) {
+    return (family.material->api().capabilities & QUOIN_CAN_ENERGY) != 0;
+  });
+}
+
+// The balance of a step: what it stores more, less what came in, is nothing. Steps that were looked at stand for all.
+void Simulation::Impl::look_at_energies(const Energies& now, double dissipated, double work_before, double work_after) {
+  const double kinds[3] = {now.kinetic, now.strain, now.contact_stored};
+  const double stored = now.kinetic + now.strain + now.contact_stored;
+  if (watch.pending) {
+    const double work = watch.work_after + work_before;
+    double moved = std::abs(work) + std::abs(dissipated);
+    for (std::size_t k = 0; k < 3; ++k) moved += std::abs(kinds[k] - watch.kinds[k]);
+    watch.energy_missing += stored - watch.stored + dissipated - work;
+    watch.energy_moved += 0.5 * moved;  // each is counted where it comes from and where it goes
+    watch.pending = false;
+    return;
+  }
+  std::copy_n(kinds, 3, watch.kinds);
+  watch.stored = stored, watch.work_after = work_after;
+  watch.pending = true;
+  watch.next_energies = step_count + Watch::kEnergySteps;
+}
+
+double Simulation::Impl::allowed_overlap() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Brick& brick : model.assembly.bricks) {
+    if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
+  }
+  for (int i = 0; riding && i < riding->block_count(); ++i) least = std::min(least, riding->block(i).least_extent);
+  return Watch::kAllowedOverlap * least;
+}
+
+void Simulation::Impl::look_at_points() {
+  const auto see = [&](double opening, const auto& place) {
+    if (!(-opening > watch.overlap)) return;
+    watch.overlap = -opening;
+    watch.overlap_at = place();
+  };
+  long crushed_out = 0;
+  if (riding) {
+    for (const blocks::Family& f : riding->families()) {
+      for (std::size_t i = 0; i < f.size(); ++i)
+        see(f.normal_jump[i], [&] { return geometry::array(riding->place_of(f.point[i])); });
+    }
+  } else {
+    for (const LawCall& call : calls)
+      see(call.deepest, [&] { return model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
+    for (const std::uint32_t f : flags) crushed_out += condition_of(f) == Condition::crushed_out;
+  }
+  watch.crushed_out = std::max(watch.crushed_out, crushed_out);
+}
+
+// The time step follows from upper bounds that the laws state of themselves.
+void Simulation::Impl::look_at_stiffness() {
+  std::vector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
+  ask_at_rest(QUOIN_CAN_TANGENT, [&](quoin_batch& batch, std::size_t first) {
+    batch.tangent[0] = {normal.data() + first, 1};
+    batch.tangent[4] = {shear[0].data() + first, 1};
+    batch.tangent[8] = {shear[1].data() + first, 1};
+  });
+  std::size_t point = 0;
+  const auto hold = [&](const Material& material, std::size_t count) {
+    const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
+    const auto ratio = [&](double stiffness, double bound) {
+      if (bound > 0.0) watch.stiffness_ratio = std::max(watch.stiffness_ratio, stiffness / bound);
+    };
+    for (const std::size_t end = point + count; point < end; ++point) {
+      ratio(normal[point], bounds.normal);
+      for (const auto& column : shear) ratio(column[point], bounds.shear);
+    }
+  };
+  if (riding) {
+    for (const blocks::Family& f : riding->families()) hold(*f.material, f.size());
+    const std::vector<std::uint32_t> all_flags = current_flags();
+    const auto crushed_out = std::count_if(all_flags.begin(), all_flags.end(),
+                                           [](std::uint32_t f) { return condition_of(f) == Condition::crushed_out; });
+    watch.crushed_out = std::max(watch.crushed_out, static_cast<long>(crushed_out));
+  } else {
+    for (const ContactFamily& family : model.families)
+      hold(*family.material, static_cast<std::size_t>(family.point_count));
+  }
+}
+
+std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
+  if (riding) return riding->wrong_law();
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    const auto first = static_cast<std::size_t>(family.first_point), n = static_cast<std::size_t>(family.point_count);
+    Answers answers;
+    answers.count = n;
+    for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = traction[k].data() + first;
+    const quoin_law& law = family.material->api();
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      const bool kept = keep_diagnostics || law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC;
+      answers.state.push_back(kept ? law_state[f].data() + k * n : nullptr);
+    }
+    auto wrong = wrong_answer(law, answers);
+    if (!wrong) continue;
+    const std::size_t p = first + wrong->point;
+    const Vec3& x = model.point_position[p];
+    wrong->text += fmt::format(": joint {} (family '{}'), contact point at ({:.4f}, {:.4f}, {:.4f}) m",
+                               model.point_joint[p], family.name, x[0], x[1], x[2]);
+    return wrong;
+  }
+  return std::nullopt;
+}
+
+std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound) {
+  look_at_points();
+  std::optional<WrongAnswer> wrong;
+  if (step_count >= watch.next_stiffness) {
+    watch.next_stiffness = step_count + Watch::kStiffnessSteps;
+    look_at_stiffness();
+    wrong = wrong_law();
+  }
+  if (want_energy && energies) {
+    const Energies& e = *energies;
+    double moved = e.kinetic + e.strain + e.contact_stored + std::abs(e.damping);
+    for (const double d : e.dissipated) moved += d;
+    watch.energy_missing = e.balance_error();
+    watch.energy_moved = std::max({watch.energy_moved, moved, std::abs(e.external)});
+  }
+
+  std::vector<Warning> fresh;
+  const auto warn = [&](bool has_left, const char* about, const auto& words) {
+    const auto told = [&](const Warning& w) { return w.about == about; };
+    if (!has_left || std::any_of(outcome.warnings.begin(), outcome.warnings.end(), told)) return;
+    fresh.push_back({about, words(), stage, step_count, now()});
+    outcome.warnings.push_back(fresh.back());
+  };
+  warn(!past_motion_bound.empty() && scene.solver.large_motion == LargeMotion::never, "small_displacements", [&] {
+    return past_motion_bound +
+           ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows large "
+           "motion";
+  });
+  warn(watch.overlap > allowed_overlap(), "interpenetration", [&] {
+    const Vec3& x = watch.overlap_at;
+    return fmt::format(
+        "blocks overlap by {:.3g} mm at ({:.3f}, {:.3f}, {:.3f}) m, more than {:g} of the least extent of a block: "
+        "what "
+        "they are there is no longer described; make the joints stiffer or stronger (normal_stiffness, "
+        "compressive_strength, compressive_strength_residual), or read the results only until here",
+        watch.overlap * 1e3, x[0], x[1], x[2], Watch::kAllowedOverlap);
+  });
+  warn(watch.crushed_out > 0, "crushed_out", [&] {
+    return fmt::format(
+        "the first contact points ({}) are crushed out: they carry no more than the residual compressive strength, and "
+        "blocks sink into each other there; where that matters, as in a collapse, give the joints a "
+        "compressive_strength_residual > 0",
+        watch.crushed_out);
+  });
+  // The balance swings about 0 while little has moved yet.
+  const bool known = want_energy ? step_count >= Watch::kEnergySteps : step_count >= 10 * Watch::kEnergySteps;
+  warn(known && !(std::abs(watch.energy_missing) <= Watch::kAllowedMissing * watch.energy_moved), "energy_balance",
+       [&] {
+         return fmt::format(
+             "energies do not balance: {:+.3g} J of {:.3g} J that were moved{} have no source, {:.1f} %, allowed {:g} "
+             "%; "
+             "reduce solver.time_step_fraction, and see whether the law keeps the contract (quoin-check-law)",
+             watch.energy_missing, watch.energy_moved, want_energy ? "" : " in the steps looked at",
+             100 * watch.energy_missing / watch.energy_moved, 100 * Watch::kAllowedMissing);
+       });
+  warn(watch.stiffness_ratio > Watch::kAllowedStiffness, "time_step", [&] {
+    return fmt::format(
+        "a law is {:.3g} times as stiff as the bounds that it states, from which the time step follows ({:g} of "
+        "2/omega_max): set solver.time_step_fraction to {:.3g} at most, and tell the law's author",
+        watch.stiffness_ratio, data.time_step / time_step.critical.value,
+        data.time_step / time_step.critical.value / std::sqrt(watch.stiffness_ratio));
+  });
+  warn(wrong.has_value(), "law_states",
+       [&] { return wrong->text + "; what follows is not to be relied on: tell its author, and see quoin-check-law"; });
+  return fresh;
+}
+
+}  // namespace quoin

@@ -1,0 +1,43 @@
+// Whether a run still is what it assumes to be, looked at when a row of the history is written.
+#pragma once
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+// An assumption that a run has left, told once.
+struct Warning {
+  std::string about;  // as in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
+                      // time_step, law_states
+  std::string text;   // what, where, how much, what is allowed, what to do
+  int stage = 0;
+  long step = 0;
+  double time = 0.0;  // s
+};
+
+// What the looks have seen so far.
+struct Watch {
+  static constexpr double kAllowedOverlap = 0.05;          // of the least extent of a block
+  static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
+  static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
+  static constexpr long kEnergySteps = 200;      // between two looks at the energies of a step and the next, at least
+  static constexpr long kStiffnessSteps = 2000;  // between two looks at tangents and bounds of states, at least
+
+  double overlap = 0.0;  // largest closure of a contact point, elastic and crushed, m
+  Vec3 overlap_at{};     // reference position, m
+  long crushed_out = 0;  // contact points, the most
+
+  // With output.energy the balance of the whole run, else of the steps looked at.
+  double energy_missing = 0.0;   // what the balance of energies lacks, J
+  double energy_moved = 0.0;     // what went from one kind to another, J; 0: not looked at
+  double stiffness_ratio = 0.0;  // largest tangent over the law's bound, that the time step was chosen with; 0: unknown
+
+  long next_energies = 0, next_stiffness = 0;  // steps
+  bool pending = false;                        // the first of two steps has been looked at
+  double stored = 0.0, work_after = 0.0;  // then: kinetic, strain, joints; external less damping of its second half
+  double kinds[3] = {0.0, 0.0, 0.0};      // kinetic, strain, joints
+};
+
+}  // namespace quoin

@@ -1,0 +1,168 @@
+// Runs that are repeated from their summaries, and what a run says when it leaves its assumptions.
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class Again : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    scene_ = (folder_ / "wall.toml").string();
+    fs::copy_file(small_, scene_);
+  }
+  int run(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"run", scene_, "--out", out(), "--threads", "2", "--set", "output.plots=false", "--set",
+                               "stage.2.displacement=5e-5"});
+    return quoin(more);
+  }
+  int again(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"run", "--again", out()});
+    return quoin(more);
+  }
+  nlohmann::json provenance() const { return summary()["provenance"]; }
+  std::string scene_;
+};
+
+TEST_F(Again, SummariesSayWhatARunWasMadeFrom) {
+  ASSERT_EQ(run({"--law", "coulomb_slip"}), 0) << error_;
+  const nlohmann::json p = provenance();
+  EXPECT_EQ(p["scene"]["text"], read_all(scene_));
+  EXPECT_EQ(p["law"], "coulomb_slip");
+  EXPECT_EQ(p["set"], nlohmann::json({"output.plots=false", "stage.2.displacement=5e-5"}));
+  EXPECT_EQ(p["instruction_set"], summary()["instruction_set"]);
+  EXPECT_TRUE(p["seed"].is_null()) << "nothing is left to chance";
+  for (const char* key : {"processor", "system"}) EXPECT_FALSE(p["machine"][key].get<std::string>().empty());
+  // Hashes are those of sha256sum.
+  const std::string library = p["laws"][0]["library"], list = (folder_ / "sums").string();
+  std::ofstream(list) << p["laws"][0]["sha256"].get<std::string>() << "  " << library << "\n"
+                      << p["program"]["sha256"].get<std::string>() << "  " << QUOIN_PROGRAM << "\n"
+                      << p["scene"]["sha256"].get<std::string>() << "  " << scene_ << "\n"
+                      << p["results"]["history_sha256"].get<std::string>() << "  " << out() << "/history.csv\n";
+  EXPECT_EQ(finish(start({"/usr/bin/sha256sum", "--check", "--strict", list})), 0) << out_;
+}
+
+// Whatever has become of the scene: it is in the summary.
+TEST_F(Again, RepeatedRunsHaveTheSameBits) {
+  ASSERT_EQ(run(), 0) << error_;
+  fs::remove(scene_);
+  ASSERT_EQ(again(), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("the bits agree with " + out()),
+                          HasSubstr(provenance()["results"]["state"].get<std::string>())));
+  EXPECT_EQ(read_all(out() + "-again/history.csv"), read_all(out() + "/history.csv"));
+  EXPECT_EQ(again({"--threads", "1", "--out", (folder_ / "third").string()}), 0) << error_;
+  EXPECT_TRUE(fs::exists(folder_ / "third" / "history.csv"));
+}
+
+TEST_F(Again, OtherBitsAreToldWithTheReason) {
+  const std::string law = (folder_ / "my_law.so").string();
+  fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "elastic.so", law);
+  ASSERT_EQ(run({"--law", law}), 0) << error_;
+  std::ofstream(law, std::ios::app) << "rebuilt";
+  ASSERT_EQ(again(), 0) << "the same code: " << error_;
+  EXPECT_THAT(error_, HasSubstr("not as then: law " + law));
+  fs::copy_file(fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "coulomb_slip.so", law,
+                fs::copy_options::overwrite_existing);
+  // The other law has other properties to ask for: refused, or another curve.
+  const int code = again();
+  EXPECT_TRUE(code == 4 || code == 5) << code << error_;
+  if (code == 5) {
+    EXPECT_THAT(out_, AllOf(HasSubstr("the bits differ from " + out()), HasSubstr("first at row"),
+                            HasSubstr("Not as then: law " + law)));
+  }
+}
+
+TEST_F(Again, WhatCannotBeRepeatedIsRefused) {
+  EXPECT_EQ(again(), 3);
+  EXPECT_THAT(error_, HasSubstr("summary.json"));
+  ASSERT_EQ(run(), 0) << error_;
+  nlohmann::json json = summary();
+  const auto expect_refused = [&](const std::string& reason) {
+    std::ofstream(out() + "/summary.json") << json.dump();
+    EXPECT_EQ(again(), 3);
+    EXPECT_THAT(error_, HasSubstr(reason));
+  };
+  json["provenance"]["scene"]["text"] = "title = 'another'";
+  expect_refused("the text of the scene is not what was read then");
+  json["provenance"].erase("scene");
+  expect_refused("is not whole");
+  json.erase("provenance");
+  expect_refused("does not say what the run was made from");
+  json = {{"status", "interrupted"}, {"provenance", {}}};
+  expect_refused("--resume");
+  EXPECT_EQ(quoin({"run", scene_, "--again", out()}), 2);
+}
+
+// Decimal commas, no home, no locale that exists.
+TEST_F(Again, SurroundingsChangeNothing) {
+  ASSERT_EQ(run(), 0) << error_;
+  const std::string history = read_all(out() + "/history.csv");
+  for (const char* locale : {"de_DE.UTF-8", "nowhere"}) {
+    EXPECT_EQ(quoin({"run", "--again", out()},
+                    [locale] {
+                      for (const char* name : {"LC_ALL", "LC_NUMERIC", "LANG"}) setenv(name, locale, 1);
+                      unsetenv("HOME");
+                    }),
+              0)
+        << error_;
+    EXPECT_EQ(read_all(out() + "-again/history.csv"), history);
+  }
+}
+
+// A folder that is removed under a run costs the results and nothing else.
+TEST_F(Again, FoldersThatVanishAreTold) {
+  const pid_t child = start({QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--checkpoint-every",
+                             "0.01", "--set", "output.plots=false", "--set", "stage.2.displacement=2e-3"},
+                            -1, [] { alarm(300); });
+  while (!fs::exists(out() + "/checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+  std::error_code ignored;
+  while (fs::exists(out())) fs::remove_all(out(), ignored);  // it may be writing there
+  const int code = finish(child);
+  EXPECT_EQ(code, 3) << error_;
+  EXPECT_THAT(error_, AllOf(HasSubstr(out()), HasSubstr("cannot be written")));
+}
+
+class Watched : public Again {};
+
+// A pressure p on joints of stiffness k closes them by p / k: 6 mm, of blocks 62.5 mm high, of which 5 % are allowed.
+TEST_F(Watched, BlocksThatOverlapAreTold) {
+  ASSERT_EQ(run({"--law", "elastic", "--set", "joints.mortar.normal_stiffness=5e7", "--set",
+                 "joints.mortar.shear_stiffness=2e7"}),
+            0)
+      << error_;
+  const std::string told = "warning: blocks overlap by ";
+  EXPECT_THAT(error_, HasSubstr(told));
+  EXPECT_EQ(error_.find(told, error_.find(told) + 1), std::string::npos) << "once";
+  EXPECT_EQ(summary()["warnings"][0]["about"], "interpenetration");
+  const double overlap = summary()["watch"]["largest_overlap_m"];
+  EXPECT_GE(overlap, 0.3e6 / 5e7);
+  EXPECT_LE(overlap, 2.0 * 0.3e6 / 5e7) << "twice that is what a load that comes at once swings to";
+  EXPECT_NEAR(summary()["watch"]["overlap_allowed_m"].get<double>(), 0.05 * 0.0625, 1e-12);
+}
+
+TEST_F(Watched, GoodRunsAreQuiet) {
+  ASSERT_EQ(run({"--set", "stage.2.displacement=5e-4"}), 0) << error_;
+  const nlohmann::json all = summary(), watch = all["watch"];
+  EXPECT_LT(std::abs(watch["energy_missing_over_moved"].get<double>()), 0.05);
+  EXPECT_LE(watch["stiffness_over_bound"].get<double>(), 1.0 + 1e-9);
+  for (const auto& warning : all["warnings"]) EXPECT_EQ(warning["about"], "quasi_static") << warning;
+}
+
+TEST_F(Watched, PicturesSayWhatTheRunHasLeft) {
+  ASSERT_EQ(quoin({"run", scene_, "--out", out(), "--threads", "1", "--set", "stage.2.displacement=1e-5", "--law",
+                   "elastic", "--set", "joints.mortar.normal_stiffness=5e7", "--set",
+                   "joints.mortar.shear_stiffness=2e7", "--set", "output.frames=0"}),
+            0)
+      << error_;
+  for (const char* picture : {"curve", "cracks"})
+    EXPECT_THAT(read_all(out() + "/plots/" + picture + ".gp"),
+                HasSubstr("Warnings, see summary.json: interpenetration"));
+}
+
+}  // namespace
