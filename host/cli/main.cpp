@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "cli/check_command.h"
+#include "cli/ensemble_command.h"
 #include "cli/fit_command.h"
 #include "cli/models_command.h"
 #include "cli/path_command.h"
@@ -45,7 +46,8 @@ int run_command(int argc, char** argv) {
       "  quoin models fracture_energy                       properties and states of a law\n"
       "  quoin path tests/law/paths/couplet.toml            one contact point along a path, beside its closed form\n"
       "  quoin fit --help                                   properties of a joint from measured curves\n"
-      "  quoin reproduce --list                             the studies of the paper"};
+      "  quoin reproduce --list                             the studies of the paper\n"
+      "  quoin ensemble host/studies/solid_wall_030.toml    many walls with scattered joints"};
   app.name("quoin");
   app.footer(
       "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
@@ -61,6 +63,8 @@ int run_command(int argc, char** argv) {
   quoin::add_path_command(app, exit_code);
   quoin::add_fit_command(app, exit_code);
   quoin::add_reproduce_command(app, exit_code);
+  quoin::add_ensemble_command(app, exit_code);
+  quoin::add_sensitivity_command(app, exit_code);
 
   try {
     app.parse(argc, argv);

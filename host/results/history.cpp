@@ -4,26 +4,10 @@
 
 #include <cmath>
 
+#include "files/csv_text.h"
 #include "files/file.h"
 
 namespace quoin {
-
-namespace {
-
-// Between quotes in CSV, on one line.
-std::string csv_text(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result + "\"";
-}
-
-// Nothing where there is nothing to say: an unbalanced force over contact forces of 0.
-std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
-
-}  // namespace
 
 Response response(const HistoryRow& row, const Stage& stage) {
   // A stage monitored along y still has a horizontal response: the one along the wall.
