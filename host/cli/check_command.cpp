@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 
 #include "cli/prepare.h"
 #include "files/memory.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -97,12 +99,39 @@ void print_time(Simulation& simulation, double steps, bool force) {
                   simulation.scene().file, steps, per_step * 1e3, duration_text(all), duration_text(kLongest)));
 }
 
+// What of a family scatters, and what the sample has drawn.
+void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>& columns) {
+  const RandomSample& random = family.random;
+  if (!family.scatters() && family.missing_mortar == 0.0) return;
+  fmt::print("  joints.{:<10} {}\n", family.name,
+             random.sample == 0 ? std::string("sample 0: everything at its mean")
+                                : fmt::format("sample {} of seed {}", random.sample, random.seed));
+  for (const PropertySetting& p : family.properties) {
+    if (!p.scatter) continue;
+    fmt::print("    {:<26} {}\n", p.id, text_of(*p.scatter));
+    for (const PropertyColumn& c : columns) {
+      if (c.id != p.id || c.values.empty()) continue;
+      const auto [low, high] = std::minmax_element(c.values.begin(), c.values.end());
+      const double mean = std::accumulate(c.values.begin(), c.values.end(), 0.0) / static_cast<double>(c.values.size());
+      fmt::print("    {:<26} drawn for {} contact points: {:.4g} to {:.4g}, mean {:.4g}\n", "", c.values.size(), *low,
+                 *high, mean);
+    }
+  }
+  for (const PropertyCorrelation& c : family.correlation)
+    fmt::print("    {} and {} correlated by {:g}\n", c.first, c.second, c.value);
+  if (family.missing_mortar > 0.0)
+    fmt::print("    {:.1f} % of the joints without mortar, at random\n", 100 * family.missing_mortar);
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
+  const auto& assembly = simulation.riding()->assembly();
+  for (std::size_t f = 0; f < assembly.families.size(); ++f)
+    print_scatter(assembly.families[f], simulation.riding()->families()[f].columns);
   print_memory(size_of(scene));
   const auto& made = simulation.riding()->assembly().blocks;
   const int alike = simulation.riding()->alike_count();
@@ -137,7 +166,9 @@ void check(const SceneOptions& options) {
                family.material->api().id, law_text(family.material->api().version), family.point_count,
                family.normal_stiffness, family.shear_stiffness);
     if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
+    print_scatter(model.assembly.families[static_cast<std::size_t>(&family - model.families.data())], family.columns);
   }
+  if (!model.assembly.apart.empty()) fmt::print("  {} joints without mortar\n", model.assembly.apart.size());
   print_memory(scene_size);
   print_motion(model);
   fmt::print("time step\n");

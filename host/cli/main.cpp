@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "cli/check_command.h"
+#include "cli/ensemble_command.h"
 #include "cli/fit_command.h"
 #include "cli/models_command.h"
 #include "cli/path_command.h"
@@ -65,7 +66,8 @@ int run_command(int argc, char** argv) {
       "  quoin path tests/law/paths/couplet.toml            one contact point along a path, beside its closed form\n"
       "  quoin fit --help                                   properties of a joint from measured curves\n"
       "  quoin reproduce --list                             the studies of the paper\n"
-      "  quoin report out/solid_wall_030                    a page of a run, for a browser"};
+      "  quoin report out/solid_wall_030                    a page of a run, for a browser\n"
+      "  quoin ensemble host/studies/solid_wall_030.toml    many walls with scattered joints"};
   app.name("quoin");
   app.footer(
       "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
@@ -82,6 +84,8 @@ int run_command(int argc, char** argv) {
   quoin::add_fit_command(app, exit_code);
   quoin::add_reproduce_command(app, exit_code);
   quoin::add_report_command(app);
+  quoin::add_ensemble_command(app, exit_code);
+  quoin::add_sensitivity_command(app, exit_code);
 
   try {
     app.parse(argc, argv);

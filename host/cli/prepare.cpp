@@ -26,6 +26,9 @@ void replace_law(JointFamily& family, const std::string& name, const Law& law) {
     left_out.push_back(p.id);
     return true;
   });
+  std::erase_if(family.correlation, [&](const PropertyCorrelation& c) {
+    return !find_property(*law.law, c.first) || !find_property(*law.law, c.second);
+  });
   if (!left_out.empty())
     notice(fmt::format("quoin: joints.{}: law {} has no {}: left out", family.name, law.law->id,
                        fmt::join(left_out, ", ")));
@@ -36,6 +39,35 @@ void replace_law(JointFamily& family, const std::string& name, const Law& law) {
                        family.initial_state, *states));
     family.initial_state = *states;
   }
+}
+
+bool is_along_x(const Scene& scene) {
+  if (scene.building) return false;
+  return !scene.blocks || std::all_of(scene.blocks->walls.begin(), scene.blocks->walls.end(),
+                                      [](const DryWallSpec& w) { return w.direction == 0.0; });
+}
+
+// What scatters is given point by point, which the law must take.
+std::string fault_of_scatter(const Scene& scene, const JointFamily& family, const Law& law) {
+  for (const PropertySetting& p : family.properties) {
+    if (!p.scatter) continue;
+    const quoin_property_info* info = find_property(*law.law, p.id);
+    if (info && !(info->flags & QUOIN_PROPERTY_PER_POINT))
+      return fmt::format("{}: a distribution, but law {} does not take this property point by point; give one value",
+                         p.source.text, law.law->id);
+    if (p.scatter->correlation_length > 0.0 && !is_along_x(scene))
+      return fmt::format(
+          "{}.correlation_length = {:g}: only of walls along x, where a course is one line; allowed here: 0",
+          p.source.text, p.scatter->correlation_length);
+  }
+  for (const Stage& stage : scene.stages) {
+    if (family.scatters() && stage.law_swaps.contains(family.name))
+      return fmt::format(
+          "{}: stage '{}' replaces the law of joints.{}, whose properties scatter: a law takes over states "
+          "for one set of properties only; remove the distributions or the change of laws",
+          stage.source.text, stage.name, family.name);
+  }
+  return "";
 }
 
 std::string value_text(const PropertySetting& p) {
@@ -92,7 +124,8 @@ Scene prepare_scene(Scene scene, const SceneOptions& options) {
                       family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
                       fmt::join(states, ", ")));
     std::vector<std::string> keys = ids;
-    keys.insert(keys.end(), {"law", "initial_state"});
+    keys.insert(keys.end(), {"law", "initial_state", "missing_mortar", "correlation"});
+    if (const std::string fault = fault_of_scatter(scene, family, law); !fault.empty()) add(fault);
     for (const PropertySetting& p : family.properties) {
       if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
       add(fmt::format("{} = {}: unknown key{}; law {} has: {}", p.source.text, value_text(p), did_you_mean(p.id, keys),

@@ -320,6 +320,7 @@ void World::take_points(Family& f, Family& into) {
   f = {};
   f.material = into.material, f.initial = into.initial, f.dry = into.dry, f.kn = into.kn, f.ks = into.ks;
   f.state.resize(into.state.size());
+  f.columns = into.columns;
 }
 
 void World::keep_points(const Before& before, const Finding& finding, const Contact& c) {
@@ -331,6 +332,7 @@ void World::keep_points(const Before& before, const Finding& finding, const Cont
   copy(old.point, f.point);
   for (int k = 0; k < 2; ++k) copy(old.slid[k], f.slid[k]);
   for (size_t s = 0; s < f.state.size(); ++s) copy(old.state[s], f.state[s]);
+  for (size_t k = 0; k < f.columns.size(); ++k) copy(old.columns[k].values, f.columns[k].values);
   for (int k = 0; k < 3; ++k) copy(old.traction[k], f.traction[k]);
   copy(old.normal_jump, f.normal_jump);
   copy(old.old_jump, f.old_jump);
@@ -401,6 +403,7 @@ Vector World::in_space(const Point& p, const Vector& v) const {
 
 void World::inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const {
   for (size_t s = 0; s < f.state.size(); ++s) f.state[s][to] = old.state[s][from];
+  for (size_t k = 0; k < f.columns.size(); ++k) f.columns[k].values[to] = old.columns[k].values[from];
   f.normal_jump[to] = old.normal_jump[from];
   if (!old.stored.empty()) f.stored[to] = old.stored[from];
   const Point& q = old.point[from];
@@ -431,6 +434,7 @@ void World::resize(Family& f, size_t n) const {
   for (auto& c : f.slip) c.assign(n, 0.0);
   for (auto& c : f.traction) c.assign(n, 0.0);
   for (auto& c : f.state) c.assign(n, 0.0);
+  for (PropertyColumn& c : f.columns) c.values.assign(n, c.usual);
   // Of no use without stiffness damping, and then gone: a stage may have switched it off.
   const size_t viscous = viscous_contacts() ? n : 0;
   for (auto& c : f.old_traction) c.assign(viscous, 0.0);
@@ -506,6 +510,7 @@ double World::energy_of_points(const Family& f, const std::vector<Facet>& facets
   };
   trial.point = part(f.point);
   for (const auto& column : f.state) trial.state.push_back(part(column));
+  for (const PropertyColumn& c : f.columns) trial.columns.push_back({c.id, c.usual, c.most, part(c.values)});
   for (int k = 0; k < 3; ++k) trial.traction[k] = part(f.traction[k]);
   for (auto* column : {&trial.normal_jump, &trial.slip[0], &trial.slip[1], &trial.stored}) column->resize(count);
   for (auto& column : trial.dissipated) column.resize(count);

@@ -669,6 +669,25 @@ class ModelBuilder {
   std::vector<std::array<int, 6>> next_slot_;  // by body and face
 };
 
+// Properties that scatter, now that it is known where the points are.
+void draw_columns(Model& m) {
+  std::vector<PlacedBlock> blocks;
+  for (const Brick& brick : m.assembly.bricks) blocks.push_back({brick.unit, brick.course});
+  for (std::size_t f = 0; f < m.families.size(); ++f) {
+    const JointFamily& description = m.assembly.families[f];
+    ContactFamily& family = m.families[f];
+    if (!description.scatters()) continue;
+    std::vector<PlacedPoint> points;
+    for (int i = family.first_point; i < family.first_point + family.point_count; ++i) {
+      const Joint& joint = m.assembly.joints[at(m.point_joint[at(i)])];
+      points.push_back({m.point_position[at(i)], m.area[at(i)], joint.block_a, joint.block_b});
+    }
+    family.columns = draw_properties(description, *family.material, points, blocks);
+    const quoin_stiffness_bounds bounds = stiffness_bounds_of(description, *family.material, family.columns);
+    family.normal_stiffness = bounds.normal, family.shear_stiffness = bounds.shear;
+  }
+}
+
 }  // namespace
 
 std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& assembly) {
@@ -686,6 +705,7 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
                 fmt::format("{} joint families, but {} materials", assembly.families.size(), materials.size()));
   }
   ModelBuilder(*this).build(materials);
+  draw_columns(*this);
 }
 
 std::vector<int> Model::bodies_named(const std::string& name) const {

@@ -11,6 +11,7 @@
 #include "law/law_library.h"
 #include "model/brick_template.h"
 #include "model/lanes.h"
+#include "model/property_columns.h"
 #include "scene/assembly.h"
 
 namespace quoin {
@@ -83,6 +84,7 @@ struct ContactFamily {
   std::shared_ptr<const Material> material;
   std::int32_t first_point = 0, point_count = 0;
   double normal_stiffness = 0.0, shear_stiffness = 0.0;  // upper bounds, Pa/m
+  std::vector<PropertyColumn> columns{};                 // of what scatters, by point of the family
 };
 
 // A run of contact points with one law and one frame, small enough for the first-level cache. `axis` is the normal;

@@ -60,6 +60,7 @@ void World::take_over(const std::vector<PointHistory>& histories) {
         turn(history->traction[1], history->traction[2], f.traction[1][i], f.traction[2][i]);
         turn(history->slip[0], history->slip[1], slip[0], slip[1]);
         for (size_t k = 0; k < f.state.size(); ++k) f.state[k][i] = history->state[k];
+        for (size_t k = 0; k < f.columns.size(); ++k) f.columns[k].values[i] = history->properties[k];
         for (size_t k = 0; k + 1 < f.state.size(); ++k) {
           if (f.material->api().states[k]->kind != QUOIN_STATE_PAIR_S) continue;
           turn(history->state[k], history->state[k + 1], f.state[k][i], f.state[k + 1][i]);

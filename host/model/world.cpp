@@ -248,6 +248,7 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
   joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
   small_ = c.small_displacement > 0;
   detect_contacts(true);
+  draw_columns();
   set_damping(solver);
 }
 
@@ -312,6 +313,21 @@ void World::find_alike() {
   }
 }
 
+void World::draw_columns() {
+  std::vector<PlacedBlock> placed;
+  for (const Block& b : assembly_.blocks) placed.push_back({b.unit, b.course});
+  for (size_t k = 0; k < families_.size(); ++k) {
+    const JointFamily& description = assembly_.families[k];
+    Family& f = families_[k];
+    if (!description.scatters()) continue;
+    std::vector<PlacedPoint> points;
+    for (const Point& p : f.point) points.push_back({array(p.at), p.area, p.a, p.b});
+    f.columns = draw_properties(description, *f.material, points, placed);
+    const quoin_stiffness_bounds bounds = stiffness_bounds_of(description, *f.material, f.columns);
+    f.kn = bounds.normal, f.ks = bounds.shear;
+  }
+}
+
 void World::put_in_lanes(const ModelBlock& b) {
   constexpr int kWide = ZoneLanes::kCount;
   for (int z = 0; z < b.zone_count; z += kWide) {
@@ -351,7 +367,8 @@ void World::pose(int block, Vector& x, Matrix& r) const {
 void World::adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state) {
   f.initial = material->initial_state(initial_state);
   f.dry = knows_initial_state(material->api(), "dry") ? material->initial_state("dry") : f.initial;
-  const quoin_stiffness_bounds bounds = material->stiffness_bounds();
+  const size_t index = size_t(&f - families_.data());
+  const quoin_stiffness_bounds bounds = stiffness_bounds_of(assembly_.families[index], *material, f.columns);
   f.kn = bounds.normal, f.ks = bounds.shear;
   f.state.resize(material->api().state_count);
   f.material = std::move(material);

@@ -20,6 +20,7 @@
 #include "model/alike_blocks.h"
 #include "model/block_inertia.h"
 #include "model/lanes.h"
+#include "model/property_columns.h"
 #include "scene/blocks.h"
 
 namespace quoin::blocks {
@@ -97,6 +98,7 @@ struct Family {
   std::vector<double> slid[2];  // position along s, t in a's frame at the last step, m
   std::vector<double> normal_jump, slip[2], traction[3];
   std::vector<std::vector<double>> state;
+  std::vector<PropertyColumn> columns;  // of what scatters
   std::vector<double> old_traction[3];  // when stiffness damping or contact inspection needs it
   std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   std::vector<double> old_jump;
@@ -141,6 +143,7 @@ struct Chunk {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
+  std::vector<quoin_property_column> properties;  // that scatter
   std::vector<RigidPair> pairs;    // of its points between rigid blocks
   std::vector<FacetLanes> facets;  // between gridpoints
   std::vector<uint32_t> others;    // with one deformable side
@@ -195,6 +198,7 @@ struct PointHistory {
   std::array<double, 2> slip{};      // along s and t, that its law has not seen yet, m
   std::array<double, 3> traction{};  // Pa
   std::vector<double> state;
+  std::vector<double> properties{};  // that scatter, in the order of the family's columns
 };
 
 // Two blocks close to each other.
@@ -401,6 +405,7 @@ class World {
  protected:
   bool moved_enough();
   void detect_contacts(bool everything = false);
+  void draw_columns();  // of properties that scatter, for the points of the start
   // after contacts or columns have changed
   void divide_work();
   void bind_columns();
@@ -412,7 +417,7 @@ class World {
   void divide_sides();
   static void pack(Family& f);
   void bind(Family& f, Chunk& chunk) const;
-  static void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
+  void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
   // Rigid motion is told from the rest: inertia is scaled apart, or damping is by block.
   bool splits_motion() const {
     return solver_.damping == DampingKind::block || solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0;

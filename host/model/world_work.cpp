@@ -235,6 +235,8 @@ void World::bind(Family& f, Chunk& chunk) const {
     chunk.state_new.push_back({column.data() + chunk.first, 1});
   }
   batch.state_old = chunk.state_old.data(), batch.state_new = chunk.state_new.data();
+  chunk.properties = batch_columns(f.columns, *f.material, chunk.first);
+  batch.property_column_count = chunk.properties.size(), batch.property_columns = chunk.properties.data();
   if (!energy_ || f.stored.empty() || !(f.material->api().capabilities & QUOIN_CAN_ENERGY)) return;
   batch.energy_stored = {f.stored.data() + chunk.first, 1};
   for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) batch.dissipated[k] = {f.dissipated[k].data() + chunk.first, 1};

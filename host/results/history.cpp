@@ -4,21 +4,12 @@
 
 #include <cmath>
 
+#include "files/csv_text.h"
 #include "files/file.h"
 
 namespace quoin {
 
 namespace {
-
-// Between quotes in CSV, on one line.
-std::string csv_text(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"') result += '"';
-    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-  }
-  return result + "\"";
-}
 
 using Value = double(const HistoryRow&, const Stage&);
 constexpr auto kNumber = HistoryColumn::Kind::number;

@@ -37,11 +37,14 @@ struct Joint {
   int family;  // index into Assembly::families
 };
 
+inline constexpr int kNoFamily = -1;  // of blocks without contact: they pass through each other
+
 struct Assembly {
   std::vector<BlockMaterial> materials;
   std::vector<JointFamily> families;
   std::vector<Brick> bricks;
   std::vector<Joint> joints;
+  std::vector<std::array<int, 2>> apart{};  // neighbours that touch and have no joint, as their mortar is missing
   double symmetry_factor = 1.0;    // 2 when only half of the thickness is modelled: forces are multiplied by it
   bool symmetry_plane_z0 = false;  // u_z = 0 for gridpoints at z = 0
 };

@@ -11,6 +11,7 @@ FamilyOfBricks::FamilyOfBricks(const quoin::Assembly& bricks) {
     if (!bed && joint.face_a / 2 == 1) bed = &joint;
   }
   if (bed) others_ = bed->family;
+  for (const auto& [a, b] : bricks.apart) joined_[std::minmax(a, b)] = kNoFamily;
 }
 
 int FamilyOfBricks::operator()(int brick_a, int brick_b) const {

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "base/error.h"
+#include "scene/masonry_place.h"
 #include "scene/openings.h"
 
 namespace quoin {
@@ -61,6 +63,20 @@ class WallGrid {
   int columns_;
   std::vector<int> unit_, block_;
 };
+
+// Joints that have no mortar in the sample of the scene.
+void leave_mortar_out(Assembly* assembly) {
+  const auto placed = [&](int block) {
+    const Brick& brick = assembly->bricks[static_cast<std::size_t>(block)];
+    return PlacedBlock{brick.unit, brick.course};
+  };
+  std::erase_if(assembly->joints, [&](const Joint& j) {
+    const JointFamily& family = assembly->families[static_cast<std::size_t>(j.family)];
+    const bool lacks = lacks_mortar(family, j.block_a, placed(j.block_a), j.block_b, placed(j.block_b));
+    if (lacks) assembly->apart.push_back({j.block_a, j.block_b});
+    return lacks;
+  });
+}
 
 }  // namespace
 
@@ -153,9 +169,12 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
 }
 
 Assembly assemble(const Scene& scene) {
-  if (scene.building) return generate_building(*scene.building, scene.materials, scene.joints);
-  if (!scene.wall) throw Error(Exit::bad_input, scene.file + ": the scene has no [wall]: nothing to build");
-  return generate_wall(*scene.wall, scene.materials, scene.joints);
+  if (!scene.building && !scene.wall)
+    throw Error(Exit::bad_input, scene.file + ": the scene has no [wall]: nothing to build");
+  Assembly assembly = scene.building ? generate_building(*scene.building, scene.materials, scene.joints)
+                                     : generate_wall(*scene.wall, scene.materials, scene.joints);
+  leave_mortar_out(&assembly);
+  return assembly;
 }
 
 }  // namespace quoin

@@ -9,6 +9,7 @@
 #include "geometry/mesh_file.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
+#include "scene/masonry_place.h"
 #include "scene/read_scene.h"
 #include "scene/to_bricks.h"
 
@@ -196,7 +197,7 @@ void add_bricks_of(const Scene& scene, const quoin::Assembly& bricks, Assembly* 
 // The family of two blocks that meet: by the wall's joints inside the wall, otherwise by the first rule that fits.
 std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembly& assembly,
                                                const quoin::Assembly* bricks) {
-  std::map<std::string, int> family{{"none", -1}};
+  std::map<std::string, int> family{{"none", kNoFamily}};
   for (int next = 0; const auto& [name, f] : scene.joints) family[name] = next++;
   struct Rule {
     JointRule rule;
@@ -207,6 +208,12 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
   std::vector<std::string> names;
   std::vector<int> units;
   for (const Block& b : assembly.blocks) names.push_back(b.name), units.push_back(b.unit);
+  const auto with_mortar = [families = assembly.families, units](int of, const Meeting& m) {
+    const auto placed = [&](int block) { return PlacedBlock{units[size_t(block)], -1}; };
+    const bool lacks =
+        of >= 0 && lacks_mortar(families[size_t(of)], m.block_a, placed(m.block_a), m.block_b, placed(m.block_b));
+    return lacks ? kNoFamily : of;
+  };
   std::optional<FamilyOfBricks> of_bricks;
   if (bricks) of_bricks.emplace(*bricks);
   return [=, brick_count = bricks ? int(bricks->bricks.size()) : 0,
@@ -219,9 +226,10 @@ std::function<int(const Meeting&)> families_of(const Scene& scene, const Assembl
       if ((r.rule.normal == "vertical" && !vertical) || (r.rule.normal == "horizontal" && vertical)) continue;
       if (r.rule.inside_units && !inside) continue;
       const auto& [p, q] = r.rule.between;
-      if ((a.starts_with(p) && b.starts_with(q)) || (a.starts_with(q) && b.starts_with(p))) return r.family;
+      if ((a.starts_with(p) && b.starts_with(q)) || (a.starts_with(q) && b.starts_with(p)))
+        return with_mortar(r.family, m);
     }
-    return fallback;
+    return with_mortar(fallback, m);
   };
 }
 

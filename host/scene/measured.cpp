@@ -130,6 +130,10 @@ std::string outside_measured(const Scene& scene) {
   if (scene.blocks) return "blocks of any shape, measured on walls";
   if (scene.building) return "building, measured on walls";
   if (!scene.quality_as_is) return fmt::format("settings of quality {} changed", scene.quality);
+  for (const auto& [name, family] : scene.joints) {
+    if (family.scatters() || family.missing_mortar > 0.0)
+      return fmt::format("joints.{}, which scatter: measured with joints alike", name);
+  }
   const std::string text = outside_wall(scene);
   return text.empty() ? outside_stages(scene) : text;
 }

@@ -17,6 +17,7 @@
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 #include "scene/read_opening.h"
+#include "scene/read_scatter.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -163,7 +164,7 @@ BlockMaterial read_material(const std::string& name, Table t, bool rigid) {
   return m;
 }
 
-// Everything but the host's own two keys is a property of the law, which alone can judge it.
+// Everything but the host's own keys is a property of the law, which alone can judge it.
 JointFamily read_joint(const std::string& name, Table t) {
   JointFamily family;
   family.name = name;
@@ -171,13 +172,14 @@ JointFamily read_joint(const std::string& name, Table t) {
   t.text("law", family.law, "the name of a law (see `quoin models`) or the path of a library", true);
   t.text("initial_state", family.initial_state, "an initial state of the law, as bonded or dry");
   family.initial_state_source = {t.has("initial_state") ? t.where("initial_state") : t.where() + ".initial_state"};
+  t.number("missing_mortar", family.missing_mortar, between(0, 1), "(share of the joints)");
   for (auto&& [key, node] : t.toml()) {
     PropertySetting p;
     p.id = std::string(key.str());
-    if (p.id == "law" || p.id == "initial_state") continue;
+    if (p.id == "law" || p.id == "initial_state" || p.id == "missing_mortar" || p.id == "correlation") continue;
     t.accept(p.id);
     p.source = {t.where(p.id)};
-    const char* allowed = "a number (not nan), a list of numbers, or a word";
+    const char* allowed = "a number (not nan), a list of numbers, a word, or a distribution";
     const toml::node& given = node;  // a lambda captures no structured binding
     // What is allowed is for the law to say; not a number is allowed nowhere.
     const auto add = [&](const toml::node& number) {
@@ -193,6 +195,9 @@ JointFamily read_joint(const std::string& name, Table t) {
       add(node);
     } else if (const auto word = node.template value<std::string>()) {
       p.text = *word;
+    } else if (const toml::table* table = node.as_table()) {
+      p.scatter = read_scatter(Table(t.context(), *table, t.path(p.id)));
+      if (p.scatter->distribution.fault().empty()) p.numbers = {random::Sampler(p.scatter->distribution).mean()};
     } else if (const toml::array* list = node.as_array()) {
       for (const toml::node& element : *list) {
         // Pairs may be written flat, [0, 1, 1, 0], or nested, [[0, 1], [1, 0]].
@@ -210,6 +215,7 @@ JointFamily read_joint(const std::string& name, Table t) {
     }
     family.properties.push_back(std::move(p));
   }
+  read_correlation(t, family);
   t.finish();
   return family;
 }
@@ -588,6 +594,9 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   each("materials", true,
        [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m, rigid); });
   each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
+  if (const auto* table = t.table("random", "a table [random]"))
+    scene.random = read_random({context, *table, "random"});
+  for (auto& [name, family] : scene.joints) family.random = scene.random;
   if (const auto* table = t.table("building", "a table [building]"))
     scene.building = read_building({context, *table, "building"}, scene);
   if (scene.building) scene.quality_as_is = false;  // its errors were measured on walls

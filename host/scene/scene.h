@@ -2,7 +2,9 @@
 // generators turn its walls and blocks into an Assembly (assembly.h), the model module turns that into hot data.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "base/time_series.h"
+#include "random/distribution.h"
 #include "scene/cyclic_motion.h"
 
 namespace quoin {
@@ -21,11 +24,36 @@ struct Source {
   std::string text;
 };
 
+// What of a family has one value: a contact point; a joint between two units; a unit, with the joints below and beside
+// it; a course of units; the wall.
+enum class ScatterLevel { point, joint, unit, course, wall };
+
+// A property that scatters from place to place.
+struct Scatter {
+  random::Distribution distribution;
+  ScatterLevel level = ScatterLevel::joint;
+  double correlation_length = 0.0;  // m along the wall, between places of one course; 0: independent
+  bool of_joint_mean = false;       // of points: the distribution is that of their mean over a joint
+};
+
 struct PropertySetting {
   std::string id;
-  std::vector<double> numbers;  // one for numbers, pairs for tables, empty for choices
+  std::vector<double> numbers;  // one for numbers (the mean of what scatters), pairs for tables, empty for choices
   std::string text;             // choices
   Source source;
+  std::optional<Scatter> scatter{};
+};
+
+// Of two properties of a family that scatter, in the normal variables behind them.
+struct PropertyCorrelation {
+  std::string first, second;
+  double value = 0.0;
+};
+
+// Which of the walls that a scene describes.
+struct RandomSample {
+  std::uint64_t seed = 1;
+  std::uint64_t sample = 1;  // 0: the mean of everything
 };
 
 // A joint family: all contact points that share one law and one set of properties.
@@ -35,6 +63,13 @@ struct JointFamily {
   std::string initial_state = "bonded";
   std::vector<PropertySetting> properties;
   Source source, initial_state_source;
+
+  std::vector<PropertyCorrelation> correlation{};
+  double missing_mortar = 0.0;  // share of joints that are left out, at random
+  RandomSample random{};
+  bool scatters() const {
+    return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.scatter.has_value(); });
+  }
 };
 
 struct BlockMaterial {
@@ -348,6 +383,7 @@ struct Scene {
   SolverSettings solver;
   std::map<std::string, BlockMaterial> materials;
   std::map<std::string, JointFamily> joints;
+  RandomSample random{};
   std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;

@@ -39,6 +39,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
     for (auto& column : f.slip) archive.array(column);
     for (auto& column : f.traction) archive.array(column);
     archive.list(f.state, [](auto& a, auto& column) { a.array(column); });
+    for (auto& column : f.columns) archive.array(column.values);
     for (auto& column : f.old_traction) archive.array(column);
     archive.array(f.old_jump);
     archive.array(f.stored);
@@ -121,6 +122,7 @@ void Model::restore(ArchiveReader& reader) {
     for (const auto& column : f.slip) fits = fits && column.size() == n;
     for (const auto& column : f.traction) fits = fits && column.size() == n;
     for (const auto& column : f.state) fits = fits && column.size() == n;
+    for (const auto& column : f.columns) fits = fits && column.values.size() == n;
     for (const auto& column : f.old_traction) fits = fits && (column.size() == n || !viscous_contacts());
     fits = fits && (f.old_jump.size() == n || !viscous_contacts()) && (f.stored.size() == n || !energy_);
     for (const auto& column : f.dissipated) fits = fits && (column.size() == n || !energy_);

@@ -118,6 +118,7 @@ void Simulation::Impl::promote(const std::string& why) {
       if (k < 0 || k >= family.point_count) continue;
       for (std::size_t s = 0; s < family.material->api().state_count; ++s)
         h.state.push_back(law_state[f][s * at(family.point_count) + at(k)]);
+      for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }
   std::vector<Field> fields(bricks.bricks.size());

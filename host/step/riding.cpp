@@ -402,6 +402,8 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointO
       batch.traction_new[k] = {unused.data() + k * n, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
+    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, 0);
+    batch.property_column_count = properties.size(), batch.property_columns = properties.data();
     outputs(batch, first_of_family);
     f.material->evaluate(&batch);
   }

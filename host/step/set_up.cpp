@@ -134,6 +134,10 @@ void Simulation::Impl::bind_columns() {
     }
     call.batch.state_old = call.state_old.data();
     call.batch.state_new = call.state_new.data();
+    call.properties = batch_columns(family.columns, *family.material,
+                                    static_cast<std::size_t>(chunk.first_point - family.first_point));
+    call.batch.property_column_count = call.properties.size();
+    call.batch.property_columns = call.properties.data();
     if (want_energy && (law.capabilities & QUOIN_CAN_ENERGY)) bind_energies(call, chunk);
   }
 }

@@ -81,7 +81,8 @@ struct LawCall {
   quoin_batch batch{};
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
-  double force_sum = 0.0;  // of |force|, measured steps
+  std::vector<quoin_property_column> properties;  // that scatter
+  double force_sum = 0.0;                         // of |force|, measured steps
   bool failed = false;
   quoin_status status = QUOIN_OK;
   double deepest = 0.0;  // smallest opening, m, measured steps

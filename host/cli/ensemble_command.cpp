@@ -1,0 +1,219 @@
+#include "cli/ensemble_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include "base/error.h"
+#include "cli/prepare.h"
+#include "ensemble/page.h"
+#include "ensemble/pool.h"
+#include "ensemble/sensitivity.h"
+#include "ensemble/slurm.h"
+#include "files/notice.h"
+#include "law/law_library.h"
+
+namespace quoin {
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace ensemble;
+
+struct EnsembleOptions {
+  std::string study, out;
+  std::uint64_t samples = 0;  // 0: those of the study
+  int jobs = 0, tasks = 32;
+  bool slurm = false, detach = false, gather = false, worker = false, no_pictures = false;
+  std::vector<std::string> overrides;
+};
+
+Scene scene_of(const Study& study, std::uint64_t sample) {
+  SceneOptions options;
+  options.scene = study.scene;
+  options.overrides = study.overrides_of(sample);
+  return prepare_scene(options);
+}
+
+// Reads the scene as it is with everything at its mean, which finds what no sample could be computed with.
+std::vector<std::string> laws_of(const Study& study) {
+  const Scene scene = scene_of(study, 0);
+  std::set<std::string> paths;
+  for (const auto& [name, family] : scene.joints) paths.insert(Law::find(family.law).library->path());
+  return {paths.begin(), paths.end()};
+}
+
+void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t samples) {
+  fmt::print("{} of {} samples finished, {} of them failed", gathered.finished, samples, gathered.failed);
+  if (std::isfinite(gathered.peak))
+    fmt::print("; peak {:.2f} kN on average, scatter {:.2f} kN; with everything at its mean {:.2f} kN",
+               gathered.peak / 1e3, gathered.scatter / 1e3, gathered.of_means / 1e3);
+  fmt::print("; results in {}\n", (folder.path() / "index.html").string());
+}
+
+// Waits for the tasks of a job; Ctrl-C leaves them alone.
+void wait_for(const std::string& job, const StudyFolder& folder, std::uint64_t samples) {
+  std::uint64_t told = 0;
+  for (int quiet = 0; quiet < 2;) {
+    std::uint64_t done = 0;
+    for (std::uint64_t i = 0; i <= samples; ++i) done += is_finished(folder.sample(i)) ? 1 : 0;
+    if (done > samples) return;
+    if (done >= told + std::max<std::uint64_t>(1, samples / 10))
+      notice(fmt::format("{}/{} samples", told = done, samples + 1));
+    quiet = is_queued(job) ? 0 : quiet + 1;
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+}
+
+void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder, std::uint64_t samples) {
+  std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
+                                 "ensemble",
+                                 fs::absolute(options.study).string(),
+                                 "--out",
+                                 fs::absolute(folder.path()).string(),
+                                 "--samples",
+                                 std::to_string(samples),
+                                 "--jobs",
+                                 "1",
+                                 "--worker"};
+  for (const std::string& o : options.overrides) words.insert(words.end(), {"--set", o});
+  const int tasks = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.tasks), samples + 1));
+  const std::string job = submit(folder.path(), words, tasks);
+  notice(fmt::format(
+      "job {} of Slurm: {} workers; results, also before the end: quoin ensemble {} --out {} --samples {} --gather",
+      job, tasks, options.study, folder.path().string(), samples));
+  if (!options.detach) wait_for(job, folder, samples);
+}
+
+void compute_here(const EnsembleOptions& options, const StudyFolder& folder, const Study& study) {
+  PoolSettings settings;
+  settings.samples = study.samples;
+  settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  settings.wait_for_others = !options.worker;
+  compute_samples(
+      folder, settings,
+      [&](std::uint64_t sample, const fs::path& place) {
+        run_sample(
+            study, sample, [&] { return scene_of(study, sample); }, place);
+      },
+      [&](std::uint64_t sample, const fs::path& place, const std::string& reason) {
+        write_failed(study, sample, place, reason);
+      });
+}
+
+void run_ensemble(const EnsembleOptions& options) {
+  Study study = read_study(options.study);
+  study.overrides.insert(study.overrides.end(), options.overrides.begin(), options.overrides.end());
+  if (options.samples > 0) study.samples = options.samples;
+  const std::uint64_t samples = study.samples;
+  const fs::path out = options.out.empty() ? fs::path("out") / fs::path(options.study).stem() : fs::path(options.out);
+  const StudyFolder folder(out, study, laws_of(study));
+  if (options.slurm) {
+    compute_by_slurm(options, folder, samples);
+    if (options.detach) return;
+  } else if (!options.gather) {
+    compute_here(options, folder, study);
+    if (options.worker) return;
+  }
+  const Gathered gathered = gather(folder, study, samples, !options.no_pictures);
+  report(gathered, folder, samples);
+  if (gathered.finished < samples && !options.gather)
+    throw Error(Exit::numerical,
+                fmt::format("{} samples are missing, as their workers have ended: {}/slurm-*.log may say why; "
+                            "the same command computes them",
+                            samples - gathered.finished, folder.path().string()));
+}
+
+void run_sensitivity(const EnsembleOptions& options) {
+  Study study = read_study(options.study);
+  study.overrides.insert(study.overrides.end(), options.overrides.begin(), options.overrides.end());
+  study.one_at_a_time = true;
+  study.samples = 2 * study.inputs().size();
+  if (study.samples == 0)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));
+  const fs::path out = options.out.empty()
+                           ? fs::path("out") / (fs::path(options.study).stem().string() + "_sensitivity")
+                           : fs::path(options.out);
+  const StudyFolder folder(out, study, laws_of(study));
+  compute_here(options, folder, study);
+  fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
+  fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
+}
+
+}  // namespace
+
+void add_sensitivity_command(CLI::App& app, int&) {
+  CLI::App* command =
+      app.add_subcommand("sensitivity", "Which property matters: every input of a study tried by itself");
+  auto options = std::make_shared<EnsembleOptions>();
+  command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
+      ->required()
+      ->type_name("STUDY.toml");
+  command
+      ->add_option("--out", options->out, "Folder for runs and results (default: out/<name of the study>_sensitivity)")
+      ->type_name("DIR");
+  command->add_option("--jobs", options->jobs, "Runs side by side, one thread each (default: one a core)")
+      ->type_name("J")
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--no-pictures", options->no_pictures, "Results without pictures");
+  command->add_option("--set", options->overrides, "Set a key of the scene in all runs; may be repeated")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  command->footer(
+      "Each input at its 16 % and 84 % quantile, the others at their means; two runs an input and one of the means.\n"
+      "Example:\n"
+      "  quoin sensitivity host/studies/solid_wall_030.toml --out out/which");
+  command->callback([options] { run_sensitivity(*options); });
+}
+
+void add_ensemble_command(CLI::App& app, int&) {
+  CLI::App* command = app.add_subcommand("ensemble", "Many walls with scattered properties: a distribution of results");
+  auto options = std::make_shared<EnsembleOptions>();
+  command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
+      ->required()
+      ->type_name("STUDY.toml");
+  command->add_option("--out", options->out, "Folder for samples and results (default: out/<name of the study>)")
+      ->type_name("DIR");
+  command->add_option("--samples", options->samples, "Number of samples, in place of the study's")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000));
+  CLI::Option* jobs =
+      command->add_option("--jobs", options->jobs, "Samples side by side, one thread each (default: one a core)")
+          ->type_name("J")
+          ->check(CLI::Range(1, 4096));
+  CLI::Option* slurm =
+      command->add_flag("--slurm", options->slurm, "Compute by a job array of Slurm, and wait for it")->excludes(jobs);
+  command->add_option("--tasks", options->tasks, "Tasks of the array (default: 32)")
+      ->type_name("K")
+      ->check(CLI::Range(1, 100000))
+      ->needs(slurm);
+  command->add_flag("--detach", options->detach, "Do not wait for the job array")->needs(slurm);
+  CLI::Option* gather =
+      command->add_flag("--gather", options->gather, "Compute nothing; results of what is finished")->excludes(slurm);
+  command
+      ->add_flag("--worker", options->worker,
+                 "Compute what no other process has claimed, and leave the results to others")
+      ->excludes(slurm, gather);
+  command->add_flag("--no-pictures", options->no_pictures, "Results without pictures");
+  command->add_option("--set", options->overrides, "Set a key of the scene in all samples; may be repeated")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  command->footer(
+      "Any number of these commands may work on one DIR at once, also on several machines. Finished samples are never\n"
+      "computed again: after Ctrl-C or a crash the same command goes on.\n"
+      "Examples:\n"
+      "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter\n"
+      "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --samples 1000     goes on from there\n"
+      "  quoin ensemble host/studies/solid_wall_030.toml --out /shared/scatter --slurm --tasks 64\n"
+      "  parallel -N0 quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --jobs 1 --worker ::: 1 2 3 4");
+  command->callback([options] { run_ensemble(*options); });
+}
+
+}  // namespace quoin

@@ -1,0 +1,468 @@
+#include "ensemble/page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "ensemble/statistics.h"
+#include "files/file.h"
+#include "files/gnuplot.h"
+#include "files/markup.h"
+#include "files/notice.h"
+#include "random/distribution.h"
+#include "results/json_file.h"
+#include "scene/scatter_text.h"
+
+namespace quoin::ensemble {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr int kGrid = 200;  // places of the bands along the displacement
+constexpr std::array kBands{0.05, 0.16, 0.5, 0.84, 0.95};
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+Json pair(const Interval& i) { return Json::array({number(i.low), number(i.high)}); }
+
+using Numbered = std::vector<std::pair<std::uint64_t, Sample>>;
+
+struct Results {
+  Numbered samples;
+  std::optional<Sample> of_means;
+  std::vector<std::string> inputs;
+  std::map<std::string, std::vector<double>> column;  // inputs and outputs of the samples that did not fail
+  std::vector<Curve> curves;
+  Curve curve_of_means;
+};
+
+double value_of(const Values& values, const std::string& name) {
+  for (const auto& [known, value] : values) {
+    if (known == name) return value;
+  }
+  return kNone;
+}
+
+// Of the last stage: displacement as far as it has come, and the force there.
+Curve read_curve(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::vector<std::array<double, 3>> rows;  // stage, displacement, force
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    const std::size_t first = line.find(','), quoted = line.find("\",", first + 2);  // the name of the stage
+    if (quoted == std::string::npos) continue;
+    double of_step, time, displacement, vertical, force;
+    if (std::sscanf(line.c_str() + quoted + 2, "%lf,%lf,%lf,%lf,%lf", &of_step, &time, &displacement, &vertical,
+                    &force) == 5)
+      rows.push_back({std::atof(line.c_str()), displacement, force});
+  }
+  Curve curve;
+  for (const auto& [stage, displacement, force] : rows) {
+    const double u = std::abs(displacement);
+    if (stage != rows.back()[0] || (!curve.displacement.empty() && u <= curve.displacement.back())) continue;
+    curve.displacement.push_back(u), curve.force.push_back(force);
+  }
+  return curve;
+}
+
+Results read_results(const StudyFolder& folder, std::uint64_t samples) {
+  Results r;
+  if (is_finished(folder.sample(0))) {
+    r.of_means = read_sample(folder.sample(0));
+    r.curve_of_means = read_curve(folder.sample(0) / "history.csv");
+  }
+  for (std::uint64_t i = 1; i <= samples; ++i) {
+    if (is_finished(folder.sample(i))) r.samples.emplace_back(i, read_sample(folder.sample(i)));
+  }
+  const Values* inputs = nullptr;
+  for (const auto& [i, sample] : r.samples) {
+    if (!inputs || sample.inputs.size() > inputs->size()) inputs = &sample.inputs;
+  }
+  for (std::size_t k = 0; inputs && k < inputs->size(); ++k) r.inputs.push_back((*inputs)[k].first);
+  for (const auto& [i, sample] : r.samples) {
+    if (sample.status != "done") continue;
+    for (const std::string& name : r.inputs) r.column[name].push_back(value_of(sample.inputs, name));
+    for (const std::string& name : output_names()) r.column[name].push_back(value_of(sample.outputs, name));
+    r.curves.push_back(read_curve(folder.sample(i) / "history.csv"));
+  }
+  return r;
+}
+
+bool is_known(const std::vector<double>& values) {
+  return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+// ---- summary.json ---------------------------------------------------------------------------------------------------
+
+Json output_json(const Results& r, const std::string& name) {
+  const std::vector<double>& values = r.column.at(name);
+  const Moments m = moments_of(values);
+  Json json{{"count", m.count},
+            {"mean", number(m.mean)},
+            {"mean_95", pair(m.of_mean)},
+            {"scatter", number(m.scatter)},
+            {"scatter_95", pair(m.of_scatter)}};
+  for (const double p : kBands) {
+    json["quantiles"][fmt::format("{}", p)] = {{"value", number(quantile_of(values, p))},
+                                               {"interval_95", pair(quantile_interval(values, p))}};
+  }
+  json["of_means"] = r.of_means ? number(value_of(r.of_means->outputs, name)) : Json(nullptr);
+  // How the estimate settles as samples are added.
+  for (std::size_t n = 5; n <= values.size(); n = n < values.size() ? std::min(values.size(), n * 2) : n + 1) {
+    const Moments then = moments_of({values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n)});
+    json["convergence"].push_back({{"samples", n}, {"mean", number(then.mean)}, {"mean_95", pair(then.of_mean)}});
+  }
+  return json;
+}
+
+struct Influence {
+  std::string input, output;
+  Dependence dependence;
+};
+std::vector<Influence> influences_of(const Results& r) {
+  std::vector<Influence> result;
+  for (const char* output : {"peak_force_N", "displacement_at_peak_m", "work_J", "collapse_multiplier"}) {
+    for (const std::string& input : r.inputs) {
+      if (!r.column.contains(output)) continue;
+      if (const auto d = dependence_of(r.column.at(input), r.column.at(output))) result.push_back({input, output, *d});
+    }
+  }
+  return result;
+}
+
+struct Bands {
+  std::vector<double> displacement, mean, of_means;
+  std::array<std::vector<double>, kBands.size()> quantile;
+};
+Bands bands_of(const Results& r) {
+  double end = HUGE_VAL;
+  for (const Curve& c : r.curves) end = std::min(end, c.displacement.empty() ? 0.0 : c.displacement.back());
+  Bands b;
+  if (r.curves.empty() || end == 0.0) return b;
+  for (int k = 0; k <= kGrid; ++k) {
+    const double u = end * k / kGrid;
+    std::vector<double> forces;
+    for (const Curve& c : r.curves) forces.push_back(force_at(c, u));
+    b.displacement.push_back(u);
+    b.mean.push_back(moments_of(forces).mean);
+    for (std::size_t q = 0; q < kBands.size(); ++q) b.quantile[q].push_back(quantile_of(forces, kBands[q]));
+    b.of_means.push_back(force_at(r.curve_of_means, u));
+  }
+  return b;
+}
+
+// ---- Pictures -------------------------------------------------------------------------------------------------------
+
+std::string head(const std::string& title, const std::string& x, const std::string& y) {
+  return fmt::format(
+      "set terminal pngcairo size 1500,950 font \"Sans,19\" linewidth 1.5\nset title {} noenhanced font \"Sans,23\"\n"
+      "set xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 linecolor rgb \"#404040\"\nset tics nomirror\n"
+      "set grid xtics ytics linecolor rgb \"#d0d0d0\" linewidth 0.8\n"
+      "set key below maxcols 3 font \"Sans,16\" spacing 1.25 noenhanced reverse Left\nset style fill transparent solid "
+      "0.3 noborder\n",
+      gnuplot_text(title), gnuplot_text(x), gnuplot_text(y));
+}
+
+class Pictures {
+ public:
+  Pictures(const fs::path& folder, const std::string& title) : folder_(folder), title_(title) {}
+  void draw(const std::string& name, const std::string& data, const std::string& x, const std::string& y,
+            const std::string& script, const std::string& caption) {
+    write_file(folder_ / "plots" / (name + ".dat"), data);
+    const std::string fault = draw_picture(folder_, name, head(title_, x, y) + script);
+    if (!fault.empty()) return notice("quoin: " + fault);
+    figures_ += fmt::format("<figure><img src=\"{}.png\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n", name,
+                            escaped(caption), escaped(caption));
+  }
+  const std::string& figures() const { return figures_; }
+
+ private:
+  fs::path folder_;
+  std::string title_, figures_;
+};
+
+void draw_bands(const Bands& b, Pictures& pictures) {
+  if (b.displacement.empty()) return;
+  std::string data;
+  for (std::size_t k = 0; k < b.displacement.size(); ++k) {
+    data += fmt::format("{:.8g} {:.8g} {:.8g}", b.displacement[k] * 1e3, b.mean[k] / 1e3, b.of_means[k] / 1e3);
+    for (const auto& q : b.quantile) data += fmt::format(" {:.8g}", q[k] / 1e3);
+    data += '\n';
+  }
+  pictures.draw(
+      "bands", data, "displacement, mm", "horizontal force, kN",
+      "plot 'bands.dat' using 1:4:8 with filledcurves linecolor rgb '#56b4e9' title '5 to 95 %', "
+      "'' using 1:5:7 with filledcurves linecolor rgb '#0072b2' title '16 to 84 %', "
+      "'' using 1:6 with lines linewidth 1.5 dashtype 2 linecolor rgb '#0072b2' title 'median', "
+      "'' using 1:2 with lines linewidth 2.6 linecolor rgb '#0072b2' title 'mean', "
+      "'' using 1:3 with lines linewidth 2.6 linecolor rgb '#d55e00' title 'everything at its mean'\n",
+      "Quantiles of the force at each displacement, its mean, and the curve of a wall whose properties are all "
+      "at their means.");
+}
+
+void draw_convergence(const std::vector<double>& peaks, Pictures& pictures) {
+  std::string data;
+  for (std::size_t n = 3; n <= peaks.size(); ++n) {
+    const Moments m = moments_of({peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(n)});
+    data += fmt::format("{} {:.8g} {:.8g} {:.8g}\n", n, m.mean / 1e3, m.of_mean.low / 1e3, m.of_mean.high / 1e3);
+  }
+  if (data.empty()) return;
+  pictures.draw("convergence", data, "samples", "mean peak, kN",
+                "plot 'convergence.dat' using 1:3:4 with filledcurves linecolor rgb '#56b4e9' title '95 % interval', "
+                "'' using 1:2 with "
+                "lines linewidth 2.6 linecolor rgb '#0072b2' title 'mean of the first samples'\n",
+                "The mean of the peaks and its 95 % interval as samples are added.");
+}
+
+void draw_fragility(const std::vector<std::pair<std::string, std::vector<double>>>& limits, const std::string& x,
+                    Pictures& pictures) {
+  std::string data, plot;
+  int block = 0;
+  constexpr std::array<const char*, 4> colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7"};
+  for (const auto& [name, values] : limits) {
+    const Fragility f = fragility_of(values);
+    if (f.fit == "none") continue;
+    std::vector<double> reached;
+    for (const double v : values) {
+      if (std::isfinite(v)) reached.push_back(v);
+    }
+    std::sort(reached.begin(), reached.end());
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      data += fmt::format("{:.8g} {:.8g} {:.8g}\n", reached[i],
+                          (static_cast<double>(i) + 0.5) / static_cast<double>(values.size()),
+                          random::normal_probability(std::log(reached[i] / f.median) / f.spread));
+    data += "\n\n";
+    const char* colour = colours[static_cast<std::size_t>(block) % colours.size()];
+    plot += fmt::format(
+        "{}'fragility.dat' index {} using 1:2 with points pointtype 7 linecolor rgb '{}' title {}, '' index {} using "
+        "1:3 with lines linewidth 2.4 linecolor rgb '{}' title {}",
+        plot.empty() ? "plot " : ", ", block, colour, gnuplot_text(name), block, colour,
+        gnuplot_text(fmt::format("median {:.4g}, spread {:.3g}", f.median, f.spread)));
+    ++block;
+  }
+  if (plot.empty()) return;
+  pictures.draw("fragility", data, x, "probability of reaching it", "set yrange [0:1]\n" + plot + "\n",
+                "Probability of having reached a limit: samples, and a lognormal distribution.");
+}
+
+void draw_influences(const std::vector<Influence>& influences, Pictures& pictures) {
+  std::string data;
+  int count = 0;
+  for (const Influence& i : influences) {
+    if (i.output != "peak_force_N") continue;
+    data += fmt::format("{} {:.6g} {:.6g} \"{}\"\n", count++, i.dependence.spearman, i.dependence.correlation_ratio,
+                        i.input);
+  }
+  if (count == 0) return;
+  pictures.draw(
+      "influence", data, "", "",
+      fmt::format("set yrange [{}:-1]\nset xrange [-1:1]\nset lmargin 52\nset noytics\nset xlabel 'of the peak force'\n"
+                  "set boxwidth 0.35\nplot 'influence.dat' using 2:1:(0):2:($1-0.2):($1):ytic(4) with boxxyerror "
+                  "linecolor rgb '#0072b2' title 'rank correlation', '' using 3:1:(0):3:($1):($1+0.2) with boxxyerror "
+                  "linecolor rgb '#d55e00' title 'share of variance (correlation ratio)'\n",
+                  count),
+      "How the peak follows each input.");
+}
+
+struct CrackMap {
+  std::vector<OpenedJoint> joints;
+  std::vector<double> probability;
+};
+CrackMap cracks_of(const StudyFolder& folder, const Results& r, double opening) {
+  std::map<std::pair<int, int>, std::pair<OpenedJoint, double>> joints;
+  double count = 0.0;
+  for (const auto& [number, sample] : r.samples) {
+    if (sample.status != "done") continue;
+    ++count;
+    for (const OpenedJoint& j : read_joints(folder.sample(number))) {
+      auto& entry = joints.try_emplace({j.block_a, j.block_b}, j, 0.0).first->second;
+      entry.second += j.opening >= opening ? 1.0 : 0.0;
+    }
+  }
+  CrackMap map;
+  for (const auto& [key, entry] : joints) {
+    map.joints.push_back(entry.first);
+    map.probability.push_back(entry.second / count);
+  }
+  return map;
+}
+
+void draw_cracks(const CrackMap& map, double opening, Pictures& pictures) {
+  std::string data;
+  for (std::size_t k = 0; k < map.joints.size(); ++k) {
+    const OpenedJoint& j = map.joints[k];
+    data += fmt::format("{:.8g} {:.8g} {:.4g}\n{:.8g} {:.8g} {:.4g}\n\n", j.x0, j.y0, map.probability[k], j.x1, j.y1,
+                        map.probability[k]);
+  }
+  if (data.empty()) return;
+  pictures.draw("crack_probability", data, "x, m", "y, m",
+                "set size ratio -1\nset nokey\nset cbrange [0:1]\nset cblabel 'probability'\nset palette defined (0 "
+                "'#e8e8e8', 0.3 "
+                "'#56b4e9', 0.6 '#e69f00', 1 '#b3321e')\nplot 'crack_probability.dat' using 1:2:3 with lines linewidth "
+                "5 palette\n",
+                fmt::format("Probability that a joint is open by {:g} mm or more at the end.", opening * 1e3));
+}
+
+// ---- The page -------------------------------------------------------------------------------------------------------
+
+std::string table_of(const Results& r) {
+  std::string rows;
+  for (const std::string& name : output_names()) {
+    const std::vector<double>& values = r.column.at(name);
+    if (!is_known(values) || name == "large_motion") continue;
+    const Moments m = moments_of(values);
+    rows += fmt::format(
+        "<tr><td>{}</td><td>{:.5g}</td><td>{:.5g} to "
+        "{:.5g}</td><td>{:.4g}</td><td>{:.5g}</td><td>{:.5g}</td><td>{:.5g}</td>"
+        "<td>{:.5g}</td></tr>\n",
+        name, m.mean, m.of_mean.low, m.of_mean.high, m.scatter, quantile_of(values, 0.05), quantile_of(values, 0.5),
+        quantile_of(values, 0.95), r.of_means ? value_of(r.of_means->outputs, name) : kNone);
+  }
+  return "<table><tr><th></th><th>mean</th><th>95 % of the mean</th><th>scatter</th><th>5 %</th><th>median</th><th>95 "
+         "%</th>"
+         "<th>everything at its mean</th></tr>\n" +
+         rows + "</table>\n";
+}
+
+void write_page(const fs::path& folder, const Study& study, const Results& r, std::uint64_t samples,
+                const std::string& figures) {
+  std::uint64_t failed = 0;
+  std::string failures;
+  for (const auto& [number, sample] : r.samples) {
+    if (sample.status == "done") continue;
+    if (++failed <= 20) failures += fmt::format("<li>{}: {}</li>\n", number, escaped(sample.reason));
+  }
+  std::string set;
+  for (const std::string& o : study.overrides) set += "<li><code>" + escaped(o) + "</code></li>\n";
+  for (const StudyQuantity& q : study.quantities)
+    set += fmt::format("<li><code>{}</code>: {}</li>\n", escaped(q.key), escaped(text_of(q.distribution)));
+  const std::string title = study.title.empty() ? study.scene : study.title;
+  write_file(folder / "index.html",
+             fmt::format(R"(<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{0}</title>
+<style>
+body {{ font: 16px/1.5 "Helvetica Neue", Arial, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }}
+figure {{ margin: 1.2rem 0; }} figure img {{ max-width: 100%; border: 1px solid #ddd; }} figcaption {{ color: #555; }}
+table {{ border-collapse: collapse; }} th, td {{ border-bottom: 1px solid #ddd; padding: .25rem .7rem .25rem 0; text-align: left; }}
+</style>
+</head>
+<body>
+<h1>{0}</h1>
+<p>{1} of {2} samples finished, {3} of them failed. Numbers: <a href="samples.csv">samples.csv</a>,
+<a href="summary.json">summary.json</a>, <a href="curve_bands.csv">curve_bands.csv</a>,
+<a href="crack_probability.csv">crack_probability.csv</a>.</p>
+<h2>Scatter</h2>
+<ul>
+{4}</ul>
+<h2>Results</h2>
+{5}{6}{7}</body>
+</html>
+)",
+                         escaped(title), r.samples.size(), samples, failed, set, table_of(r), figures,
+                         failures.empty() ? "" : "<h2>Samples that failed</h2>\n<ul>\n" + failures + "</ul>\n"));
+}
+
+}  // namespace
+
+Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t samples, bool pictures) {
+  const std::unique_ptr<Claim> alone = Claim::wait_for(folder.gathering());
+  const Results r = read_results(folder, samples);
+  write_file(folder.path() / "samples.csv", table_text(r.samples));
+  Gathered gathered;
+  gathered.finished = r.samples.size();
+  for (const auto& [number, sample] : r.samples) gathered.failed += sample.status == "done" ? 0 : 1;
+  gathered.of_means = r.of_means ? value_of(r.of_means->outputs, "peak_force_N") : kNone;
+
+  Json json{{"study", study.title},
+            {"scene", fs::path(study.scene).filename().string()},
+            {"seed", study.seed},
+            {"method", study.method == random::Method::monte_carlo       ? "monte_carlo"
+                       : study.method == random::Method::latin_hypercube ? "latin_hypercube"
+                                                                         : "sobol"},
+            {"samples", samples},
+            {"finished", gathered.finished},
+            {"failed", gathered.failed}};
+  if (r.curves.empty()) {
+    gathered.peak = gathered.scatter = kNone;
+    write_json(folder.path() / "summary.json", json);
+    return gathered;
+  }
+  const std::vector<double>& peaks = r.column.at("peak_force_N");
+  const Moments of_peaks = moments_of(peaks);
+  gathered.peak = of_peaks.mean, gathered.scatter = of_peaks.scatter;
+  for (const std::string& name : output_names()) {
+    if (is_known(r.column.at(name))) json["outputs"][name] = output_json(r, name);
+  }
+  const std::vector<Influence> influences = influences_of(r);
+  for (const Influence& i : influences)
+    json["sensitivity"].push_back({{"input", i.input},
+                                   {"output", i.output},
+                                   {"correlation", number(i.dependence.pearson)},
+                                   {"rank_correlation", number(i.dependence.spearman)},
+                                   {"correlation_ratio", number(i.dependence.correlation_ratio)}});
+  std::vector<std::pair<std::string, std::vector<double>>> limits;
+  for (const LimitState& asked : study.limits) {
+    if (!r.column.contains(asked.output)) {
+      notice(fmt::format("quoin: {}: fragility of '{}': samples.csv has no such column", study.file, asked.output));
+      continue;
+    }
+    const Fragility f = fragility_of(r.column.at(asked.output));
+    json["fragility"].push_back({{"name", asked.name},
+                                 {"output", asked.output},
+                                 {"samples", f.samples},
+                                 {"reached", f.reached},
+                                 {"median", number(f.median)},
+                                 {"median_95", pair(f.of_median)},
+                                 {"spread", number(f.spread)},
+                                 {"fit", f.fit}});
+    limits.emplace_back(asked.name, r.column.at(asked.output));
+  }
+  const Bands bands = bands_of(r);
+  std::string band_text = "displacement_m,mean_N,of_means_N,q05_N,q16_N,q50_N,q84_N,q95_N\n";
+  for (std::size_t k = 0; k < bands.displacement.size(); ++k) {
+    band_text += fmt::format("{},{},{}", bands.displacement[k], bands.mean[k],
+                             std::isfinite(bands.of_means[k]) ? fmt::format("{}", bands.of_means[k]) : "");
+    for (const auto& q : bands.quantile) band_text += fmt::format(",{}", q[k]);
+    band_text += '\n';
+  }
+  write_file(folder.path() / "curve_bands.csv", band_text);
+  const CrackMap cracks = cracks_of(folder, r, study.crack_opening);
+  std::string crack_text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,probability\n";
+  for (std::size_t k = 0; k < cracks.joints.size(); ++k) {
+    const OpenedJoint& j = cracks.joints[k];
+    crack_text +=
+        fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, cracks.probability[k]);
+  }
+  write_file(folder.path() / "crack_probability.csv", crack_text);
+  write_json(folder.path() / "summary.json", json);
+  std::string figures;
+  if (pictures) {
+    make_folder(folder.path() / "plots");
+    Pictures drawn(folder.path(), study.title);
+    draw_bands(bands, drawn);
+    draw_convergence(peaks, drawn);
+    draw_fragility(limits, limits.empty() ? "" : study.limits[0].output, drawn);
+    draw_influences(influences, drawn);
+    draw_cracks(cracks, study.crack_opening, drawn);
+    figures = drawn.figures();
+  }
+  write_page(folder.path(), study, r, samples, figures);
+  return gathered;
+}
+
+}  // namespace quoin::ensemble

@@ -1,0 +1,268 @@
+#include "ensemble/pool.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <fstream>
+#include <map>
+#include <vector>
+
+#include "base/error.h"
+#include "files/file.h"
+#include "files/notice.h"
+
+namespace quoin::ensemble {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kClaimedByOthers = 120;  // what a process that found its sample taken says
+constexpr int kKilledTooOften = 3;     // times, after which a sample counts as failed
+constexpr long kPoll = 50;             // ms between two looks at what others compute
+
+std::atomic<bool> stop_asked{false};
+extern "C" void stop_the_pool(int) { stop_asked = true; }
+
+// While samples are under way: signals are noted.
+class StopHandler {
+ public:
+  StopHandler() {
+    struct sigaction action {};
+    action.sa_handler = stop_the_pool;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &action, &before_[i]);
+  }
+  ~StopHandler() { restore(); }
+  StopHandler(const StopHandler&) = delete;
+  StopHandler& operator=(const StopHandler&) = delete;
+  void restore() const {
+    for (std::size_t i = 0; i < kSignals.size(); ++i) sigaction(kSignals[i], &before_[i], nullptr);
+  }
+
+ private:
+  static constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, 3> before_{};
+};
+
+std::string last_line(const fs::path& file) {
+  std::ifstream stream(file);
+  std::string line, last;
+  while (std::getline(stream, line)) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+bool is_crash(int signal) {
+  for (const int of_crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS}) {
+    if (signal == of_crash) return true;
+  }
+  return false;
+}
+
+std::string duration_text(double seconds) {
+  const long s = std::lround(seconds);
+  if (s < 120) return fmt::format("{} s", s);
+  return s < 7200 ? fmt::format("{} min", (s + 30) / 60) : fmt::format("{:.1f} h", static_cast<double>(s) / 3600);
+}
+
+class Pool {
+ public:
+  Pool(const StudyFolder& folder, const PoolSettings& settings,
+       const std::function<void(std::uint64_t, const fs::path&)>& compute,
+       const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail)
+      : folder_(folder), settings_(settings), compute_(compute), fail_(fail), parent_(getpid()) {}
+
+  void run() {
+    for (std::uint64_t i = 0; i <= settings_.samples; ++i) {
+      if (!is_finished(folder_.sample(i))) left_.push_back(i);
+    }
+    total_ = settings_.samples + 1;
+    done_before_ = total_ - left_.size();
+    if (!left_.empty())
+      notice(fmt::format("{} samples and one of the means, {} of these done before; {} side by side", settings_.samples,
+                         done_before_, settings_.jobs));
+    while (true) {
+      start_some();
+      if (running_.empty() && (left_.empty() || stop_asked || !settings_.wait_for_others)) break;
+      wait_for_one();
+    }
+    if (!fault_.empty()) throw Error(Exit::bad_input, fault_);
+    if (stop_asked)
+      throw Error(Exit::interrupted, "interrupted; finished samples are kept, the same command computes the others");
+  }
+
+ private:
+  void start_some() {
+    const auto now = Clock::now();
+    for (std::size_t tries = left_.size(); tries > 0 && !stop_asked && fault_.empty(); --tries) {
+      if (running_.size() >= static_cast<std::size_t>(settings_.jobs)) return;
+      const std::uint64_t sample = left_.front();
+      if (const auto held = held_until_.find(sample); held != held_until_.end() && now < held->second) {
+        std::rotate(left_.begin(), left_.begin() + 1, left_.end());
+        continue;
+      }
+      left_.erase(left_.begin());
+      if (is_finished(folder_.sample(sample))) continue;  // by another process
+      const pid_t child = start(sample);
+      if (child < 0) {
+        left_.insert(left_.begin(), sample);
+        if (running_.empty()) throw Error(Exit::numerical, "no process can be started; close other programs");
+        return;
+      }
+      running_[child] = sample;
+    }
+  }
+
+  pid_t start(std::uint64_t sample) {
+    std::fflush(nullptr);
+    const pid_t child = fork();
+    if (child != 0) return child;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent_) _exit(127);  // died before
+    handler_.restore();
+    const std::unique_ptr<Claim> claim = [&]() -> std::unique_ptr<Claim> {
+      try {
+        return Claim::take(folder_.claim(sample));
+      } catch (const Error& error) {
+        notice(fmt::format("quoin: {}", error.what()));
+        _exit(static_cast<int>(Exit::bad_input));
+      }
+    }();
+    const fs::path place = folder_.sample(sample);
+    if (!claim || is_finished(place)) _exit(kClaimedByOthers);
+    claim->sign();
+    int code = 0;
+    try {
+      make_folder(place);
+      // What the sample says is in its folder; and so is what a law said before it crashed.
+      const int log = open((place / "log.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+      if (log >= 0) dup2(log, STDOUT_FILENO), dup2(log, STDERR_FILENO);
+      compute_(sample, place);
+    } catch (const Error& error) {
+      notice(fmt::format("quoin: {}", error.what()));
+      code = static_cast<int>(error.exit_code);
+    }
+    std::fflush(nullptr);
+    _exit(code);
+  }
+
+  void wait_for_one() {
+    int status = 0;
+    const pid_t child = waitpid(-1, &status, WNOHANG);
+    if (child <= 0) {
+      if (stop_asked && !told_) {
+        for (const auto& [process, sample] : running_) kill(process, SIGKILL);
+        told_ = true;
+      }
+      // Signals end the nap.
+      const timespec nap{0, kPoll * 1000000 / (running_.empty() ? 1 : 10)};
+      nanosleep(&nap, nullptr);
+      return;
+    }
+    const auto found = running_.find(child);
+    if (found == running_.end()) return;
+    const std::uint64_t sample = found->second;
+    running_.erase(found);
+    if (stop_asked) return;
+    if (is_finished(folder_.sample(sample))) {
+      ++computed_;
+      tell();
+      return;
+    }
+    judge(sample, status);
+  }
+
+  // A sample that is not finished, and the process that should have.
+  void judge(std::uint64_t sample, int status) {
+    const fs::path place = folder_.sample(sample);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == kClaimedByOthers) {
+      left_.push_back(sample);
+      held_until_[sample] = Clock::now() + std::chrono::milliseconds(kPoll);
+      if (!settings_.wait_for_others) std::erase(left_, sample);
+      return;
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == static_cast<int>(Exit::bad_input)) {
+      fault_ = fmt::format("sample {} could not be computed: {}", sample, last_line(place / "log.txt"));
+      return;
+    }
+    const bool killed = WIFSIGNALED(status) && !is_crash(WTERMSIG(status));
+    if (killed && ++killed_[sample] < kKilledTooOften) {
+      notice(fmt::format("sample {} was killed (signal {}); once more", sample, WTERMSIG(status)));
+      left_.push_back(sample);
+      return;
+    }
+    const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
+    if (!claim || is_finished(place)) return;
+    std::string reason = last_line(place / "log.txt");
+    if (reason.empty() || killed)
+      reason = WIFSIGNALED(status)
+                   ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
+                   : fmt::format("its process ended with code {}", WEXITSTATUS(status));
+    fail_(sample, place, reason);
+    ++computed_;
+    tell();
+  }
+
+  // A line now and then: on a terminal it is drawn anew.
+  void tell() {
+    const auto now = Clock::now();
+    std::uint64_t done = 0;
+    for (std::uint64_t i = 0; i < total_; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;
+    const bool last = done == total_;
+    const double apart = terminal_ ? 0.5 : 10.0;
+    if (!last && now < told_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(apart)))
+      return;
+    told_at_ = now;
+    const double spent = std::chrono::duration<double>(now - start_).count();
+    const double each = spent / static_cast<double>(std::max<std::uint64_t>(1, done - std::min(done, done_before_)));
+    const std::string text =
+        fmt::format("{}/{} samples, {}{}", done, total_, duration_text(spent),
+                    last ? "" : ", about " + duration_text(each * static_cast<double>(total_ - done)) + " left");
+    if (!terminal_) return notice(text);
+    std::fprintf(stderr, "\r%-60s%s", text.c_str(), last ? "\n" : "");
+    std::fflush(stderr);
+  }
+
+  const StudyFolder& folder_;
+  const PoolSettings& settings_;
+  const std::function<void(std::uint64_t, const fs::path&)>& compute_;
+  const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail_;
+  const pid_t parent_;
+  const StopHandler handler_;
+  std::vector<std::uint64_t> left_;
+  std::map<std::uint64_t, Clock::time_point> held_until_;  // by other processes, as far as known
+  std::map<std::uint64_t, int> killed_;
+  std::map<pid_t, std::uint64_t> running_;
+  std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;
+  std::string fault_;
+  bool told_ = false;
+  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  const Clock::time_point start_ = Clock::now();
+  Clock::time_point told_at_ = start_;
+};
+
+}  // namespace
+
+void compute_samples(const StudyFolder& folder, const PoolSettings& settings,
+                     const std::function<void(std::uint64_t, const fs::path&)>& compute,
+                     const std::function<void(std::uint64_t, const fs::path&, const std::string&)>& fail) {
+  stop_asked = false;
+  Pool(folder, settings, compute, fail).run();
+}
+
+}  // namespace quoin::ensemble

@@ -1,0 +1,256 @@
+#include "ensemble/run_sample.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <optional>
+
+#include "base/error.h"
+#include "base/input_file.h"
+#include "files/result_folder.h"
+#include "results/history.h"
+#include "results/json_file.h"
+#include "results/plots.h"
+#include "results/summary.h"
+#include "step/large_motion.h"
+#include "step/simulation.h"
+
+namespace quoin::ensemble {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLoss = 0.8;  // of the peak
+
+Json json_of(const Values& values) {
+  Json json = Json::object();
+  for (const auto& [name, value] : values) json[name] = std::isfinite(value) ? Json(value) : Json(nullptr);
+  return json;
+}
+Values values_of(const Json& json) {
+  Values values;
+  for (const auto& [name, value] : json.items())
+    values.emplace_back(name, value.is_number() ? value.get<double>() : kNone);
+  return values;
+}
+
+void write_sample(const fs::path& folder, const Sample& sample) {
+  write_json(folder / "sample.json", {{"status", sample.status},
+                                      {"reason", sample.reason},
+                                      {"inputs", json_of(sample.inputs)},
+                                      {"outputs", json_of(sample.outputs)}});
+}
+
+// Values of the study's quantities; what is drawn for joints comes after them.
+Values inputs_of(const Study& study, std::uint64_t number) {
+  Values inputs;
+  const std::vector<double> drawn = study.values(number);
+  const std::vector<StudyQuantity> known = study.inputs();
+  for (std::size_t i = 0; i < drawn.size(); ++i) inputs.emplace_back(known[i].name, drawn[i]);
+  return inputs;
+}
+
+class Recorder : public Observer {
+ public:
+  Recorder(const fs::path& folder, const Scene& scene) : history_(folder / "history.csv", scene) {}
+  void on_row(const HistoryRow& row) override { history_.add(row); }
+  History& history() { return history_; }
+
+ private:
+  History history_;
+};
+
+// Mean by area and least value of what was drawn.
+void add_drawn(const Simulation& simulation, Values& inputs) {
+  const auto add = [&](const std::string& family, const PropertyColumn& column, const auto& area_of) {
+    double sum = 0.0, area = 0.0, least = HUGE_VAL;
+    for (std::size_t i = 0; i < column.values.size(); ++i) {
+      sum += area_of(i) * column.values[i], area += area_of(i);
+      least = std::min(least, column.values[i]);
+    }
+    inputs.emplace_back(fmt::format("joints.{}.{}_mean", family, column.id), sum / area);
+    inputs.emplace_back(fmt::format("joints.{}.{}_least", family, column.id), least);
+  };
+  const auto& names = simulation.assembly().families;
+  if (const blocks::Model* riding = simulation.riding()) {
+    for (std::size_t f = 0; f < riding->families().size(); ++f) {
+      const blocks::Family& family = riding->families()[f];
+      for (const PropertyColumn& c : family.columns)
+        add(names[f].name, c, [&](std::size_t i) { return family.point[i].area; });
+    }
+    return;
+  }
+  const Model& model = simulation.model();
+  for (const ContactFamily& family : model.families) {
+    for (const PropertyColumn& c : family.columns)
+      add(family.name, c, [&](std::size_t i) { return model.area[static_cast<std::size_t>(family.first_point) + i]; });
+  }
+}
+
+// Of the last stage: the one that drives.
+Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
+  const Scene& scene = simulation.scene();
+  const Peak peak = find_peak(rows, scene);
+  const int last = static_cast<int>(scene.stages.size()) - 1;
+  const Stage& driven = scene.stages[static_cast<std::size_t>(last)];
+  double work = 0.0, lost = kNone, final_force = kNone;
+  const HistoryRow* before = nullptr;
+  for (const HistoryRow& row : rows) {
+    if (row.stage != last) continue;
+    const Response now = response(row, driven);
+    final_force = now.horizontal_force;
+    if (before) {
+      const Response then = response(*before, driven);
+      work += 0.5 * (now.horizontal_force + then.horizontal_force) * (now.displacement - then.displacement);
+    }
+    before = &row;
+    const bool after_peak = peak.row >= 0 && &row - rows.data() > peak.row;
+    if (after_peak && std::isnan(lost) && std::abs(now.horizontal_force) <= kLoss * peak.force)
+      lost = std::abs(now.displacement);
+  }
+  const double height = scene.wall ? scene.wall->courses * scene.wall->unit[1] : kNone;
+  const auto multiplier = simulation.outcome().collapse_multiplier;
+  const std::vector<double> values{peak.row < 0 ? kNone : peak.force,
+                                   peak.row < 0 ? kNone : peak.displacement,
+                                   peak.row < 0 ? kNone : peak.displacement / height,
+                                   peak.row < 0 ? kNone : peak.vertical_force,
+                                   lost,
+                                   work,
+                                   final_force,
+                                   multiplier ? *multiplier : kNone,
+                                   simulation.outcome().promotion ? 1.0 : 0.0};
+  Values outputs;
+  const std::vector<std::string> names = output_names();
+  for (std::size_t i = 0; i < names.size(); ++i) outputs.emplace_back(names[i], values[i]);
+  return outputs;
+}
+
+// The widest opening of every joint, with its ends in the plane of the wall.
+void write_joints(const Simulation& simulation, const fs::path& file) {
+  std::map<std::pair<int, int>, OpenedJoint> joints;
+  for (const ContactPoint& p : simulation.contact_points()) {
+    const auto key = std::minmax(p.block_a, p.block_b);
+    const double x = p.position[0], y = p.position[1];
+    auto [found, is_new] = joints.try_emplace(key, OpenedJoint{key.first, key.second, x, y, x, y, 0.0});
+    OpenedJoint& j = found->second;
+    j.x0 = std::min(j.x0, x), j.y0 = std::min(j.y0, y), j.x1 = std::max(j.x1, x), j.y1 = std::max(j.y1, y);
+    j.opening = std::max(j.opening, p.jump[0]);
+  }
+  std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,opening_m\n";
+  for (const auto& [key, j] : joints)
+    text += fmt::format("{},{},{},{},{},{},{}\n", j.block_a, j.block_b, j.x0, j.y0, j.x1, j.y1, j.opening);
+  write_file(file, text);
+}
+
+// Messages name the scene by its path, which differs from machine to machine.
+std::string without_path(std::string reason, const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  for (std::size_t at = reason.find(path); !path.empty() && at != std::string::npos; at = reason.find(path, at + 1))
+    reason.replace(at, path.size(), name);
+  return reason;
+}
+
+}  // namespace
+
+std::vector<std::string> output_names() {
+  return {"peak_force_N",
+          "displacement_at_peak_m",
+          "drift_at_peak",
+          "vertical_force_at_peak_N",
+          "displacement_at_20_percent_loss_m",
+          "work_J",
+          "last_force_N",
+          "collapse_multiplier",
+          "large_motion"};
+}
+
+void run_sample(const Study& study, std::uint64_t number, const std::function<Scene()>& make_scene,
+                const fs::path& folder) {
+  const ResultFolder own(folder);
+  Sample sample{"done", "", inputs_of(study, number), {}};
+  const auto fail = [&](const std::string& why) {
+    sample.status = "failed";
+    sample.reason = without_path(why, study.scene);
+  };
+  // A disk that is full is no property of the sample: what cannot be written is thrown.
+  const auto attempt = [&](const auto& what) {
+    try {
+      what();
+    } catch (const Error& error) {
+      if (error.exit_code != Exit::numerical && error.exit_code != Exit::law_refused) throw;
+      fail(error.what());
+    } catch (const std::bad_alloc&) {
+      fail("out of memory");
+    } catch (const std::exception& error) {
+      if (dynamic_cast<const Error*>(&error)) throw;
+      fail(fmt::format("internal error: {}", error.what()));
+    }
+  };
+  std::optional<Simulation> simulation;
+  attempt([&] {
+    try {
+      simulation.emplace(make_scene(), 1);
+    } catch (const Error& error) {  // of the scene as drawn
+      fail(error.what());
+    }
+  });
+  if (simulation) {
+    add_drawn(*simulation, sample.inputs);
+    Recorder recorder(folder, simulation->scene());
+    attempt([&] { simulation->run(recorder); });
+    recorder.history().finish();
+    const auto& rows = recorder.history().rows();
+    RunInfo info;
+    info.overrides = study.overrides_of(number);
+    info.status = sample.status, info.message = sample.reason;
+    info.quasi_static = check_quasi_static(rows, simulation->scene());
+    info.crushed_out = find_crushed_out(*simulation);
+    write_summary(folder / "summary.json", *simulation, rows, info);
+    write_joints(*simulation, folder / "cracks.csv");
+    sample.outputs = outputs_of(*simulation, rows);
+  }
+  write_sample(folder, sample);
+}
+
+void write_failed(const Study& study, std::uint64_t number, const fs::path& folder, const std::string& reason) {
+  write_sample(folder, {"failed", without_path(reason, study.scene), inputs_of(study, number), {}});
+}
+
+bool is_finished(const fs::path& folder) {
+  std::error_code unknown;
+  return fs::exists(folder / "sample.json", unknown);
+}
+
+Sample read_sample(const fs::path& folder) {
+  const std::string path = (folder / "sample.json").string();
+  const Json json = Json::parse(read_input_file(path), nullptr, false);
+  if (!json.is_object() || !json.contains("status") || !json.contains("inputs") || !json.contains("outputs"))
+    throw Error(Exit::bad_input, path + ": is no sample of a study; remove it, and the sample is computed anew");
+  return {json["status"].get<std::string>(), json.value("reason", ""), values_of(json["inputs"]),
+          values_of(json["outputs"])};
+}
+
+std::vector<OpenedJoint> read_joints(const fs::path& folder) {
+  std::ifstream stream(folder / "cracks.csv");
+  std::string line;
+  std::vector<OpenedJoint> joints;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    OpenedJoint j{};
+    if (std::sscanf(line.c_str(), "%d,%d,%lf,%lf,%lf,%lf,%lf", &j.block_a, &j.block_b, &j.x0, &j.y0, &j.x1, &j.y1,
+                    &j.opening) == 7)
+      joints.push_back(j);
+  }
+  return joints;
+}
+
+}  // namespace quoin::ensemble

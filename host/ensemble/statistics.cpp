@@ -1,0 +1,167 @@
+#include "ensemble/statistics.h"
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "random/distribution.h"
+
+namespace quoin::ensemble {
+
+namespace bm = boost::math;
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kTail = 0.025;  // on either side of an interval
+
+std::vector<double> finite(const std::vector<double>& values) {
+  std::vector<double> result;
+  for (const double v : values) {
+    if (std::isfinite(v)) result.push_back(v);
+  }
+  return result;
+}
+
+// From 0; ties share the mean of their ranks.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+  std::vector<double> rank(values.size());
+  for (std::size_t first = 0; first < order.size();) {
+    std::size_t end = first;
+    while (end < order.size() && values[order[end]] == values[order[first]]) ++end;
+    for (std::size_t k = first; k < end; ++k) rank[order[k]] = 0.5 * static_cast<double>(first + end - 1);
+    first = end;
+  }
+  return rank;
+}
+
+double correlation(const std::vector<double>& x, const std::vector<double>& y) {
+  const Moments mx = moments_of(x), my = moments_of(y);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += (x[i] - mx.mean) * (y[i] - my.mean);
+  return sum / (static_cast<double>(x.size() - 1) * mx.scatter * my.scatter);
+}
+
+double correlation_ratio(const std::vector<double>& x, const std::vector<double>& y) {
+  const std::size_t n = x.size();
+  const std::size_t strata = std::min<std::size_t>(20, static_cast<std::size_t>(std::sqrt(static_cast<double>(n) / 2)));
+  if (strata < 2) return kNone;
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return x[i] < x[j]; });
+  const double mean = std::accumulate(y.begin(), y.end(), 0.0) / static_cast<double>(n);
+  double between = 0.0, total = 0.0;
+  for (std::size_t s = 0; s < strata; ++s) {
+    const std::size_t first = s * n / strata, end = (s + 1) * n / strata;
+    double sum = 0.0;
+    for (std::size_t k = first; k < end; ++k) sum += y[order[k]] - mean;
+    between += sum * sum / static_cast<double>(end - first);
+  }
+  for (const double v : y) total += (v - mean) * (v - mean);
+  const double rest = (1.0 - between / total) * static_cast<double>(n - 1) / static_cast<double>(n - strata);
+  return std::max(0.0, 1.0 - rest);
+}
+
+}  // namespace
+
+Moments moments_of(const std::vector<double>& values) {
+  const std::vector<double> v = finite(values);
+  Moments m;
+  m.count = v.size();
+  const auto n = static_cast<double>(v.size());
+  if (v.empty()) return {0, kNone, kNone, {kNone, kNone}, {kNone, kNone}};
+  for (const double x : v) m.mean += x / n;
+  if (v.size() < 2) return {1, m.mean, kNone, {kNone, kNone}, {kNone, kNone}};
+  double squares = 0.0;
+  for (const double x : v) squares += (x - m.mean) * (x - m.mean);
+  m.scatter = std::sqrt(squares / (n - 1));
+  const double half = bm::quantile(bm::complement(bm::students_t(n - 1), kTail)) * m.scatter / std::sqrt(n);
+  m.of_mean = {m.mean - half, m.mean + half};
+  const bm::chi_squared chi(n - 1);
+  m.of_scatter = {std::sqrt(squares / bm::quantile(bm::complement(chi, kTail))),
+                  std::sqrt(squares / bm::quantile(chi, kTail))};
+  return m;
+}
+
+double quantile_of(std::vector<double> values, double probability) {
+  std::vector<double> v = finite(values);
+  if (v.empty()) return kNone;
+  std::sort(v.begin(), v.end());
+  const double place =
+      std::clamp(probability * static_cast<double>(v.size()) - 0.5, 0.0, static_cast<double>(v.size() - 1));
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, v.size() - 1);
+  return v[below] + (place - static_cast<double>(below)) * (v[above] - v[below]);
+}
+
+// The number of samples below the quantile is binomial.
+Interval quantile_interval(std::vector<double> values, double probability) {
+  std::vector<double> v = finite(values);
+  if (v.empty()) return {kNone, kNone};
+  std::sort(v.begin(), v.end());
+  const bm::binomial count(static_cast<double>(v.size()), probability);
+  const double low = std::floor(bm::quantile(count, kTail)),
+               high = std::ceil(bm::quantile(bm::complement(count, kTail)));
+  // Fewer samples than it takes: no bound on that side.
+  return {low >= 1 ? v[static_cast<std::size_t>(low) - 1] : kNone,
+          high < static_cast<double>(v.size()) ? v[static_cast<std::size_t>(high)] : kNone};
+}
+
+std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output) {
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    if (std::isfinite(input[i]) && std::isfinite(output[i])) x.push_back(input[i]), y.push_back(output[i]);
+  }
+  if (x.size() < 5) return {};
+  const auto is_constant = [](const std::vector<double>& v) {
+    return std::all_of(v.begin(), v.end(), [&](double value) { return value == v[0]; });
+  };
+  if (is_constant(x) || is_constant(y)) return {};
+  return Dependence{correlation(x, y), correlation(ranks(x), ranks(y)), correlation_ratio(x, y)};
+}
+
+Fragility fragility_of(const std::vector<double>& values) {
+  std::vector<double> logs;
+  for (const double v : values) {
+    if (std::isfinite(v) && v > 0.0) logs.push_back(std::log(v));
+  }
+  Fragility f{values.size(), logs.size(), kNone, kNone, {kNone, kNone}, "none"};
+  if (logs.size() < 3) return f;
+  if (logs.size() == values.size()) {
+    const Moments m = moments_of(logs);
+    f.median = std::exp(m.mean), f.spread = m.scatter;
+    f.of_median = {std::exp(m.of_mean.low), std::exp(m.of_mean.high)};
+    f.fit = "moments";
+    return f;
+  }
+  // The others come later: a straight line through the logarithms over the normal quantiles of their ranks.
+  std::sort(logs.begin(), logs.end());
+  double sz = 0.0, sx = 0.0, szz = 0.0, szx = 0.0;
+  const auto n = static_cast<double>(logs.size());
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const double z = random::normal_quantile((static_cast<double>(i) + 0.5) / static_cast<double>(values.size()));
+    sz += z, sx += logs[i], szz += z * z, szx += z * logs[i];
+  }
+  f.spread = (szx - sz * sx / n) / (szz - sz * sz / n);
+  f.median = std::exp((sx - f.spread * sz) / n);
+  f.fit = "order statistics";
+  return f;
+}
+
+double force_at(const Curve& curve, double displacement) {
+  const auto after = std::lower_bound(curve.displacement.begin(), curve.displacement.end(), displacement);
+  if (after == curve.displacement.end()) return kNone;
+  const auto i = static_cast<std::size_t>(after - curve.displacement.begin());
+  if (i == 0) return curve.force[0];
+  const double a = curve.displacement[i - 1], b = curve.displacement[i];
+  return curve.force[i - 1] + (displacement - a) / (b - a) * (curve.force[i] - curve.force[i - 1]);
+}
+
+}  // namespace quoin::ensemble

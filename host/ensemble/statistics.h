@@ -1,0 +1,52 @@
+// What samples add up to. Values that are not a number count as not reached.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace quoin::ensemble {
+
+struct Interval {
+  double low, high;
+};
+
+// Of independent samples. Intervals hold with 95 %: of the mean by Student's t, of the scatter by chi squared (for a
+// normal distribution), of quantiles by order statistics.
+struct Moments {
+  std::size_t count = 0;
+  double mean = 0.0, scatter = 0.0;
+  Interval of_mean{}, of_scatter{};
+};
+Moments moments_of(const std::vector<double>& values);  // finite ones; at least 2, else intervals are not a number
+
+// By linear interpolation between order statistics (Hazen).
+double quantile_of(std::vector<double> values, double probability);
+Interval quantile_interval(std::vector<double> values, double probability);
+
+// How an output follows an input.
+struct Dependence {
+  double pearson, spearman;  // of the values, of their ranks
+  // Share of the variance of the output that the input explains by itself: its first-order index of Sobol where inputs
+  // are independent. By strata of equal count, with the bias of their number taken out.
+  double correlation_ratio;
+};
+std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output);
+
+// P(reached at x) = Phi(ln(x/median)/spread).
+struct Fragility {
+  std::size_t samples = 0, reached = 0;
+  double median = 0.0, spread = 0.0;
+  Interval of_median{};  // 95 %; not a number where some have not reached it
+  std::string fit;       // moments; order statistics, where some have not reached it; none
+};
+Fragility fragility_of(const std::vector<double>& values);
+
+// A curve as force over a common displacement.
+struct Curve {
+  std::vector<double> displacement, force;  // m, growing; N
+};
+// Force where the displacement is first reached; not a number beyond the end.
+double force_at(const Curve& curve, double displacement);
+
+}  // namespace quoin::ensemble

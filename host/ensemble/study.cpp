@@ -1,0 +1,174 @@
+#include "ensemble/study.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include "random/correlation.h"
+#include "scene/read_scatter.h"
+
+namespace quoin::ensemble {
+
+using namespace reader;
+
+namespace {
+
+// A node as one value of TOML.
+std::string value_text(const toml::node& node) {
+  toml::table holder;
+  node.visit([&](const auto& n) {
+    holder.insert("value", n);
+    if constexpr (toml::is_table<decltype(n)>) holder.get_as<toml::table>("value")->is_inline(true);
+  });
+  std::ostringstream out;
+  out << toml::toml_formatter(holder, toml::format_flags::none);
+  const std::string text = out.str();
+  return text.substr(text.find('=') + 1);
+}
+
+// Every leaf of the tables below [set] as one --set.
+void add_overrides(Context& context, const toml::table& table, const std::string& path, Study& study) {
+  for (auto&& [key, node] : table) {
+    const std::string name = path.empty() ? std::string(key.str()) : path + "." + std::string(key.str());
+    const toml::table* below = node.as_table();
+    if (below && !below->contains("distribution"))
+      add_overrides(context, *below, name, study);
+    else
+      study.overrides.push_back(name + "=" + value_text(node));
+    if (!below || !below->contains("distribution")) continue;
+    const Scatter scatter = read_scatter(Table(context, *below, "set." + name));
+    study.scattered.push_back({name, name, scatter.distribution});
+  }
+}
+
+void read_quantities(Table& t, Study& study) {
+  int index = 0;
+  for (const toml::table* table : t.tables("quantity", "tables [[quantity]]")) {
+    Table q(t.context(), *table, fmt::format("quantity.{}", ++index));
+    StudyQuantity quantity;
+    q.text("key", quantity.key, "a key of the scene, as \"materials.brick.young_modulus\"", true);
+    quantity.name = quantity.key;
+    q.text("name", quantity.name, "text, for columns");
+    quantity.distribution = read_distribution(q);
+    q.finish();
+    study.quantities.push_back(quantity);
+  }
+}
+
+void read_quantity_correlation(Table& t, Study& study) {
+  const std::string allowed = "a list as [[\"E\", \"pressure\", 0.5]], of names of quantities";
+  const std::size_t n = study.quantities.size();
+  std::vector<double> matrix(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] = 1.0;
+  const auto index_of = [&](const std::optional<std::string>& name) {
+    std::size_t i = 0;
+    while (i < n && study.quantities[i].name != name) ++i;
+    return i;
+  };
+  if (const toml::node* node = t.find("correlation", allowed, false)) {
+    const toml::array* list = node->as_array();
+    if (!list) return t.wrong_type("correlation", *node, allowed);
+    for (const toml::node& element : *list) {
+      const toml::array* entry = element.as_array();
+      if (!entry || entry->size() != 3) return t.wrong_type("correlation", *node, allowed);
+      const std::size_t i = index_of(entry->get(0)->value<std::string>()),
+                        j = index_of(entry->get(1)->value<std::string>());
+      const std::optional<double> value = number_of(*entry->get(2));
+      if (i >= n || j >= n || i == j || !value || !(std::abs(*value) < 1.0))
+        return t.refuse("correlation", allowed + ", and a number between -1 and 1 without these");
+      matrix[i * n + j] = matrix[j * n + i] = *value;
+    }
+  }
+  study.mix = random::mix_of(matrix, n);
+  if (n > 0 && study.mix.empty())
+    t.refuse("correlation", "correlations that can be together: those given are not positive definite");
+}
+
+}  // namespace
+
+Study read_study(const std::string& file) {
+  Context context;
+  context.file = file;
+  const toml::table root = parse(file);
+  Study study;
+  study.file = file;
+  Table t(context, root, "");
+  t.text("title", study.title, "text");
+  if (t.text("scene", study.scene, "the path of a scene, from the folder of this file", true))
+    study.scene = (std::filesystem::path(file).parent_path() / study.scene).lexically_normal().string();
+  t.integer("samples", study.samples, 1, 1000000);
+  t.integer("seed", study.seed, 0, 1L << 53);
+  std::string method = "monte_carlo";
+  t.choice("method", method, {"monte_carlo", "latin_hypercube", "sobol"});
+  if (method == "latin_hypercube") study.method = random::Method::latin_hypercube;
+  if (method == "sobol") study.method = random::Method::sobol;
+  t.number("crack_opening", study.crack_opening, kPositive, "m");
+  if (const toml::table* set = t.table("set", "a table [set] of keys of the scene"))
+    add_overrides(context, *set, "", study);
+  read_quantities(t, study);
+  read_quantity_correlation(t, study);
+  if (study.method != random::Method::monte_carlo && study.quantities.empty())
+    t.refuse("method", "\"monte_carlo\" where there is no [[quantity]]: fields of joints are drawn independently");
+  if (study.method == random::Method::sobol && study.quantities.size() > random::kMostSobolDimensions)
+    t.refuse("method", fmt::format("\"sobol\" with at most {} quantities", random::kMostSobolDimensions));
+  int index = 0;
+  for (const toml::table* table : t.tables("fragility", "tables [[fragility]]")) {
+    Table f(context, *table, fmt::format("fragility.{}", ++index));
+    LimitState limit;
+    f.text("output", limit.output, "a column of samples.csv", true);
+    limit.name = limit.output;
+    f.text("name", limit.name, "text");
+    f.finish();
+    study.limits.push_back(limit);
+  }
+  if (study.limits.empty())
+    study.limits = {{"peak", "displacement_at_peak_m"},
+                    {"a loss of 20 % of the peak", "displacement_at_20_percent_loss_m"}};
+  t.finish();
+  context.throw_faults();
+  return study;
+}
+
+std::vector<StudyQuantity> Study::inputs() const {
+  std::vector<StudyQuantity> all = quantities;
+  if (one_at_a_time) all.insert(all.end(), scattered.begin(), scattered.end());
+  return all;
+}
+
+std::vector<double> Study::values(std::uint64_t sample) const {
+  const std::vector<StudyQuantity> all = inputs();
+  const std::size_t n = all.size();
+  std::vector<double> z(n, 0.0), values;
+  const random::Design design{method, seed, samples, n};
+  for (std::size_t i = 0; i < n && sample > 0 && !one_at_a_time; ++i) {
+    const double fresh = random::normal_quantile(design.at(sample, i));
+    for (std::size_t k = i; k < n; ++k) z[k] += mix[k * n + i] * fresh;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const random::Sampler sampler(all[i].distribution);
+    const bool tried = one_at_a_time && sample > 0 && (sample - 1) / 2 == i;
+    if (tried)
+      values.push_back(sampler.at_normal(sample % 2 == 1 ? -1.0 : 1.0));
+    else
+      values.push_back(sample > 0 && !one_at_a_time ? sampler.at_normal(z[i]) : sampler.mean());
+  }
+  return values;
+}
+
+std::vector<std::string> Study::overrides_of(std::uint64_t sample) const {
+  std::vector<std::string> all = overrides;
+  all.push_back(fmt::format("random.seed={}", seed));
+  all.push_back(fmt::format("random.sample={}", one_at_a_time ? 0 : sample));
+  const std::vector<StudyQuantity> of = inputs();
+  const std::vector<double> drawn = values(sample);
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    // A property that scatters stays a distribution, without scatter: what is said of it beside still holds.
+    const bool scatters = i >= quantities.size();
+    const std::string value = fmt::format("{:.17g}", drawn[i]);
+    all.push_back(of[i].key + "=" + (scatters ? "{distribution=\"normal\",sd=0,mean=" + value + "}" : value));
+  }
+  return all;
+}
+
+}  // namespace quoin::ensemble

@@ -1,0 +1,49 @@
+// A study: a scene, what of it scatters, and how many walls to draw. README.md lists the keys of its file.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "random/design.h"
+#include "random/distribution.h"
+
+namespace quoin::ensemble {
+
+// One number of a sample: any key of the scene.
+struct StudyQuantity {
+  std::string name, key;  // "E", "materials.brick.young_modulus"
+  random::Distribution distribution;
+};
+
+// Whose probability of having been reached is asked for.
+struct LimitState {
+  std::string name, output;  // output: a column of samples.csv
+};
+
+struct Study {
+  std::string file, title, scene;  // scene: path
+  std::uint64_t samples = 100, seed = 1;
+  random::Method method = random::Method::monte_carlo;
+  std::vector<std::string> overrides;  // of the scene, as --set
+  std::vector<StudyQuantity> quantities;
+  std::vector<StudyQuantity> scattered;  // properties of joints that scatter, among the overrides
+  // Not drawn but tried one by one: sample 2 k + 1 and 2 k + 2 have the k-th of quantities and scattered properties at
+  // its 16 % and 84 % quantile, and the rest at its mean.
+  bool one_at_a_time = false;
+  std::vector<double> mix;  // of the quantities' normal variables: random::mix_of, row by row
+  std::vector<LimitState> limits;
+  double crack_opening = 1e-4;  // m: a joint that is open so far is a crack
+
+  // What inputs() has in a sample from 1 on; in sample 0 their means.
+  std::vector<double> values(std::uint64_t sample) const;
+  // Quantities; one at a time scattered properties too.
+  std::vector<StudyQuantity> inputs() const;
+  // What is laid over the scene in that sample.
+  std::vector<std::string> overrides_of(std::uint64_t sample) const;
+};
+
+// Throws Error(bad_input) with every fault of the file.
+Study read_study(const std::string& file);
+
+}  // namespace quoin::ensemble

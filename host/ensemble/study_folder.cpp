@@ -1,0 +1,151 @@
+#include "ensemble/study_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "base/error.h"
+#include "base/input_file.h"
+#include "files/csv_text.h"
+#include "files/file.h"
+#include "random/counter.h"
+
+#ifndef QUOIN_VERSION
+#define QUOIN_VERSION "unknown"
+#endif
+
+namespace quoin::ensemble {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string message(int code) { return std::error_code(code, std::generic_category()).message(); }
+
+std::string hash_of_file(const std::string& path) {
+  return fmt::format("{:016x}", random::name_of(read_input_file(path, std::size_t{1} << 40)));
+}
+
+Json identity_of(const Study& study, const std::vector<std::string>& laws) {
+  Json json;
+  json["version of quoin"] = QUOIN_VERSION;
+  json["build of quoin"] = hash_of_file("/proc/self/exe");
+  json["text of the study"] = hash_of_file(study.file);
+  json["text of the scene"] = hash_of_file(study.scene);
+  json["seed"] = study.seed;
+  json["keys set"] = study.overrides;
+  json["one at a time"] = study.one_at_a_time;
+  // Places of a Latin hypercube depend on how many there are.
+  if (study.method == random::Method::latin_hypercube) json["samples"] = study.samples;
+  for (const std::string& law : laws) json["law " + fs::path(law).stem().string()] = hash_of_file(law);
+  return json;
+}
+
+int open_claim(const fs::path& file) {
+  const int opened = open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
+  if (opened < 0)
+    throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; choose another folder with --out",
+                                             file.string(), message(errno)));
+  return opened;
+}
+
+[[noreturn]] void refuse_lock(const fs::path& file, int opened) {
+  const int fault = errno;
+  close(opened);
+  throw Error(Exit::bad_input,
+              fmt::format("{}: cannot be locked ({}), and without locks two processes might compute one sample; choose "
+                          "a folder on a file system that knows flock",
+                          file.string(), message(fault)));
+}
+
+}  // namespace
+
+std::unique_ptr<Claim> Claim::take(const fs::path& file) {
+  const int opened = open_claim(file);
+  if (flock(opened, LOCK_EX | LOCK_NB) == 0) return std::unique_ptr<Claim>(new Claim(opened));
+  if (errno != EWOULDBLOCK) refuse_lock(file, opened);
+  close(opened);
+  return nullptr;
+}
+
+std::unique_ptr<Claim> Claim::wait_for(const fs::path& file) {
+  const int opened = open_claim(file);
+  while (flock(opened, LOCK_EX) != 0) {
+    if (errno != EINTR) refuse_lock(file, opened);
+  }
+  return std::unique_ptr<Claim>(new Claim(opened));
+}
+
+Claim::~Claim() { close(file_); }
+
+void Claim::sign() const {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  const std::string line = fmt::format("process {} on {}\n", getpid(), host.data());
+  if (lseek(file_, 0, SEEK_END) < 0 || write(file_, line.data(), line.size()) < 0) return;
+}
+
+StudyFolder::StudyFolder(fs::path path, const Study& study, const std::vector<std::string>& laws)
+    : path_(std::move(path)) {
+  make_folder(path_ / "samples");
+  make_folder(path_ / "claims");
+  const fs::path file = path_ / "study.json";
+  const Json own = identity_of(study, laws);
+  // Whoever comes first: the others wait, and find a whole file.
+  const std::unique_ptr<Claim> entering = Claim::wait_for(path_ / "claims" / "study");
+  std::error_code unknown;
+  if (!fs::exists(file, unknown)) {
+    write_file(file, own.dump(2) + "\n");
+    return;
+  }
+  const Json there = Json::parse(read_input_file(file.string()), nullptr, false);
+  if (there == own) return;
+  std::string differs;
+  for (const auto& [what, value] : own.items()) {
+    if (!there.is_object() || !there.contains(what) || there[what] != value)
+      differs += (differs.empty() ? "" : ", ") + what;
+  }
+  throw Error(Exit::bad_input,
+              fmt::format("{}: has the samples of another study (different: {}); choose another folder with --out, or "
+                          "remove this one",
+                          path_.string(), differs.empty() ? "laws" : differs));
+}
+
+fs::path StudyFolder::sample(std::uint64_t number) const { return path_ / "samples" / fmt::format("{:06}", number); }
+fs::path StudyFolder::claim(std::uint64_t number) const { return path_ / "claims" / fmt::format("{:06}", number); }
+
+std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples) {
+  // A sample that failed early has none of what is drawn for joints: the columns are those of one that has most.
+  const Values* inputs = nullptr;
+  for (const auto& [number, sample] : samples) {
+    if (!inputs || sample.inputs.size() > inputs->size()) inputs = &sample.inputs;
+  }
+  const std::vector<std::string> outputs = output_names();
+  std::string text = "sample,status,reason";
+  for (std::size_t i = 0; inputs && i < inputs->size(); ++i) text += "," + csv_text((*inputs)[i].first);
+  for (const std::string& name : outputs) text += "," + name;
+  text += '\n';
+  const auto add = [&](const Values& values, const std::string& name) {
+    for (const auto& [known, value] : values) {
+      if (known == name) return "," + csv_number(value);
+    }
+    return std::string(",");
+  };
+  for (const auto& [number, sample] : samples) {
+    text += fmt::format("{},{},{}", number, sample.status, sample.reason.empty() ? "" : csv_text(sample.reason));
+    for (std::size_t i = 0; i < inputs->size(); ++i) text += add(sample.inputs, (*inputs)[i].first);
+    for (const std::string& name : outputs) text += add(sample.outputs, name);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace quoin::ensemble

@@ -1,0 +1,24 @@
+// Cells of CSV.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+namespace quoin {
+
+// Between quotes, on one line.
+inline std::string csv_text(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"') result += '"';
+    result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return result + "\"";
+}
+
+// The shortest decimals that read back to the same double; nothing where there is nothing to say.
+inline std::string csv_number(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+}  // namespace quoin

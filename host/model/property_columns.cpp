@@ -1,0 +1,297 @@
+#include "model/property_columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <numeric>
+#include <tuple>
+
+#include "base/error.h"
+#include "law/property_text.h"
+#include "random/correlation.h"
+#include "random/counter.h"
+
+namespace quoin {
+
+namespace {
+
+using random::Quantity;
+
+// The same for places that are the same to rounding: cells of 10 um, whose borders lie where no gridpoint does.
+std::uint64_t place_key(const Vec3& x) {
+  std::array<std::int64_t, 3> cell{};
+  for (std::size_t k = 0; k < 3; ++k) cell[k] = std::llround(x[k] / 1e-5 + 0.3183);
+  return random::name_of({reinterpret_cast<const char*>(cell.data()), sizeof cell});
+}
+
+// A place with a value of its own.
+struct Element {
+  std::uint64_t key;
+  long row;  // elements of one row follow each other along the wall
+  double x;  // m along the wall
+};
+
+// What the points of a family have in common at a level.
+struct Elements {
+  std::vector<Element> element;
+  std::vector<std::size_t> of_point;
+};
+
+class Places {
+ public:
+  Places(std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks) : points_(points), blocks_(blocks) {}
+
+  std::uint64_t joint(const PlacedPoint& p) const {
+    return joint_key(unit_key(p.block_a, at(p.block_a)), unit_key(p.block_b, at(p.block_b)));
+  }
+
+  Elements at_level(ScatterLevel level) const {
+    Elements elements;
+    std::map<std::uint64_t, std::size_t> known;
+    std::vector<double> weight;
+    for (const PlacedPoint& p : points_) {
+      const auto [found, is_new] = known.try_emplace(key(p, level), elements.element.size());
+      if (is_new) elements.element.push_back({found->first, row(p, level), 0.0}), weight.push_back(0.0);
+      elements.of_point.push_back(found->second);
+      elements.element[found->second].x += p.area * p.position[0];
+      weight[found->second] += p.area;
+    }
+    for (std::size_t e = 0; e < weight.size(); ++e) elements.element[e].x /= weight[e];
+    return elements;
+  }
+
+ private:
+  const PlacedBlock& at(int block) const { return blocks_[static_cast<std::size_t>(block)]; }
+  // The block of the point that was laid with it: of masonry, and the later one.
+  int laid(const PlacedPoint& p) const {
+    const int later = std::max(p.block_a, p.block_b), earlier = std::min(p.block_a, p.block_b);
+    return at(later).unit < 0 && at(earlier).unit >= 0 ? earlier : later;
+  }
+  std::uint64_t key(const PlacedPoint& p, ScatterLevel level) const {
+    const int block = laid(p);
+    switch (level) {
+      case ScatterLevel::point:
+        return place_key(p.position);
+      case ScatterLevel::joint:
+        return joint(p);
+      case ScatterLevel::unit:
+        return unit_key(block, at(block));
+      case ScatterLevel::course:
+        return static_cast<std::uint64_t>(at(block).course + 1);
+      case ScatterLevel::wall:
+        break;
+    }
+    return 0;
+  }
+  // Joints below a course, in it and above it (to what is no masonry) are rows of their own.
+  long row(const PlacedPoint& p, ScatterLevel level) const {
+    const int block = laid(p), other = block == p.block_a ? p.block_b : p.block_a;
+    long which = 0;
+    if (level != ScatterLevel::unit && at(other).course == at(block).course) which = 1;
+    if (level != ScatterLevel::unit && at(other).course < 0 && other > block && at(block).course > 0) which = 2;
+    return 3L * at(block).course + which;
+  }
+
+  std::span<const PlacedPoint> points_;
+  std::span<const PlacedBlock> blocks_;
+};
+
+// Standard normal variables of the elements, correlated along rows: chains from one element to the next.
+std::vector<double> normal_field(const std::vector<Element>& elements, double length,
+                                 const std::vector<double>& fresh) {
+  std::vector<double> z = fresh;
+  if (length == 0.0) return z;
+  std::vector<std::size_t> order(elements.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    const Element &a = elements[i], &b = elements[j];
+    return std::tie(a.row, a.x, a.key) < std::tie(b.row, b.x, b.key);
+  });
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    const Element &last = elements[order[k - 1]], &now = elements[order[k]];
+    if (last.row != now.row) continue;
+    const random::Follow f = random::follow(now.x - last.x, length);
+    z[order[k]] = f.share * z[order[k - 1]] + f.fresh * fresh[order[k]];
+  }
+  return z;
+}
+
+// By point: the sampler of its joint, so that the mean over the joint has the distribution given.
+std::vector<double> values_by_joint(const Scatter& scatter, const Places& places, std::span<const PlacedPoint> points,
+                                    const std::vector<double>& z) {
+  std::map<std::uint64_t, std::vector<std::size_t>> joints;
+  for (std::size_t i = 0; i < points.size(); ++i) joints[places.joint(points[i])].push_back(i);
+  std::map<std::vector<long>, random::Sampler> alike;  // by the pattern of places and weights: joints repeat
+  std::vector<double> values(points.size());
+  for (const auto& [key, members] : joints) {
+    std::vector<double> x, weight;
+    double area = 0.0;
+    for (const std::size_t i : members) area += points[i].area;
+    std::vector<long> pattern;
+    for (const std::size_t i : members) {
+      x.push_back(points[i].position[0] - points[members[0]].position[0]);
+      weight.push_back(points[i].area / area);
+      pattern.push_back(std::lround(x.back() * 1e7)), pattern.push_back(std::lround(weight.back() * 1e9));
+    }
+    auto sampler = alike.find(pattern);
+    if (sampler == alike.end())
+      sampler =
+          alike
+              .emplace(pattern,
+                       random::Sampler(random::of_points(scatter.distribution, scatter.correlation_length, x, weight)))
+              .first;
+    for (const std::size_t i : members) values[i] = sampler->second.at_normal(z[i]);
+  }
+  return values;
+}
+
+std::string where(const JointFamily& family) {
+  return fmt::format("{}, sample {} of seed {}", family.source.text, family.random.sample, family.random.seed);
+}
+std::string place_text(const PlacedPoint& p) {
+  return fmt::format("({:.4f}, {:.4f}, {:.4f}) m", p.position[0], p.position[1], p.position[2]);
+}
+
+void refuse_outside(const JointFamily& family, const quoin_property_info& info, const std::vector<double>& values,
+                    std::span<const PlacedPoint> points) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double v = values[i];
+    const bool low = (info.flags & QUOIN_PROPERTY_LOWER_OPEN) ? v > info.lower : v >= info.lower;
+    const bool high = (info.flags & QUOIN_PROPERTY_UPPER_OPEN) ? v < info.upper : v <= info.upper;
+    if (low && high) continue;
+    throw Error(Exit::bad_input,
+                fmt::format("{}: {} = {:g} {} was drawn at {}; allowed: {:g} to {:g}; truncate the distribution with "
+                            "lower and upper, or take one that has no such values, as lognormal",
+                            where(family), info.id, v, info.unit, place_text(points[i]), info.lower, info.upper));
+  }
+}
+
+// Some values are refused together: a step that moves nothing tells.
+void refuse_together(const JointFamily& family, const Material& material, std::span<const PlacedPoint> points,
+                     const std::vector<PropertyColumn>& columns) {
+  const std::size_t n = points.size();
+  const quoin_law& law = material.api();
+  const std::vector<double> initial = material.initial_state(family.initial_state), zero(n, 0.0);
+  std::vector<double> traction(3 * n), state(law.state_count * n);
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::size_t k = 0; k < law.state_count; ++k) {
+    old.push_back({&initial[k], 0});
+    fresh.push_back({state.data() + k * n, 1});
+  }
+  std::vector<std::uint32_t> status(n);
+  const std::vector<quoin_property_column> given = batch_columns(columns, material, 0);
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = n;
+  batch.normal_jump = {zero.data(), 1};
+  for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {zero.data(), 1};
+    batch.traction_new[k] = {traction.data() + k * n, 1};
+  }
+  batch.state_old = old.data(), batch.state_new = fresh.data();
+  batch.property_column_count = given.size(), batch.property_columns = given.data();
+  batch.status = {status.data(), 1};
+  const quoin_status answer = law.evaluate(material.handle(), &batch);
+  if (answer == QUOIN_OK && batch.failed_count == 0) return;
+  if (answer != QUOIN_OK)
+    throw Error(Exit::law_refused, fmt::format("{}: law {} refuses properties point by point with status {}",
+                                               where(family), law.id, answer));
+  const auto failed =
+      static_cast<std::size_t>(std::find(status.begin(), status.end(), QUOIN_POINT_FAILED) - status.begin());
+  std::string drawn;
+  for (const PropertyColumn& c : columns)
+    drawn += fmt::format("{}{} = {:g}", drawn.empty() ? "" : ", ", c.id, c.values[std::min(failed, n - 1)]);
+  throw Error(
+      Exit::bad_input,
+      fmt::format("{}: law {} refuses the properties drawn for {} of {} contact points, as at {}: {}; let "
+                  "strengths and fracture energies go together (correlation), or truncate their distributions",
+                  where(family), law.id, batch.failed_count, n, place_text(points[std::min(failed, n - 1)]), drawn));
+}
+
+}  // namespace
+
+std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
+                                            std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks) {
+  std::vector<const PropertySetting*> scattered;
+  for (const PropertySetting& p : family.properties) {
+    if (p.scatter) scattered.push_back(&p);
+  }
+  if (scattered.empty() || points.empty() || family.random.sample == 0) return {};
+
+  const std::size_t n = scattered.size();
+  std::vector<double> correlations(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) correlations[i * n + i] = 1.0;
+  const auto index_of = [&](const std::string& id) {
+    return static_cast<std::size_t>(
+        std::find_if(scattered.begin(), scattered.end(), [&](const auto* p) { return p->id == id; }) -
+        scattered.begin());
+  };
+  for (const PropertyCorrelation& c : family.correlation) {
+    const std::size_t i = index_of(c.first), j = index_of(c.second);
+    correlations[i * n + j] = correlations[j * n + i] = c.value;
+  }
+  const std::vector<double> mix = random::mix_of(correlations, n);
+
+  const Places places(points, blocks);
+  std::vector<PropertyColumn> columns;
+  for (std::size_t i = 0; i < n; ++i) {
+    const PropertySetting& setting = *scattered[i];
+    const Scatter& scatter = *setting.scatter;
+    const Elements elements = places.at_level(scatter.level);
+    std::vector<double> fresh(elements.element.size(), 0.0);
+    for (std::size_t j = 0; j <= i; ++j) {
+      if (mix[i * n + j] == 0.0) continue;
+      const Quantity quantity{family.random.seed, family.random.sample,
+                              random::name_of("joints." + family.name + "." + scattered[j]->id)};
+      for (std::size_t e = 0; e < fresh.size(); ++e)
+        fresh[e] += mix[i * n + j] * random::normal(quantity, elements.element[e].key);
+    }
+    const std::vector<double> of_element = normal_field(elements.element, scatter.correlation_length, fresh);
+    std::vector<double> values(points.size());
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = of_element[elements.of_point[k]];
+    if (scatter.of_joint_mean) {
+      values = values_by_joint(scatter, places, points, values);
+    } else {
+      const random::Sampler sampler(scatter.distribution);
+      for (double& v : values) v = sampler.at_normal(v);
+    }
+    const quoin_property_info* info = find_property(material.api(), setting.id);
+    refuse_outside(family, *info, values, points);
+    const double most = *std::max_element(values.begin(), values.end());
+    columns.push_back({info->id, material.number(setting.id), most, std::move(values)});
+  }
+  refuse_together(family, material, points, columns);
+  return columns;
+}
+
+std::vector<quoin_property_column> batch_columns(const std::vector<PropertyColumn>& columns, const Material& material,
+                                                 std::size_t first) {
+  std::vector<quoin_property_column> result;
+  for (const PropertyColumn& c : columns) {
+    const quoin_property_info* info = find_property(material.api(), c.id);
+    if (info && (info->flags & QUOIN_PROPERTY_PER_POINT)) result.push_back({info->id, {c.values.data() + first, 1}});
+  }
+  return result;
+}
+
+quoin_stiffness_bounds stiffness_bounds_of(const JointFamily& family, const Material& material,
+                                           const std::vector<PropertyColumn>& columns) {
+  std::vector<PropertySetting> stiffest = family.properties;
+  bool scatters = false;
+  for (const PropertyColumn& c : columns) {
+    const quoin_property_info* info = find_property(material.api(), c.id);
+    if (!info || std::strcmp(info->unit, "Pa/m") != 0) continue;
+    scatters = true;
+    for (PropertySetting& p : stiffest) {
+      if (p.id == c.id) p.numbers = {std::max(c.usual, c.most)};
+    }
+  }
+  return scatters ? Material(material.law(), stiffest).stiffness_bounds() : material.stiffness_bounds();
+}
+
+}  // namespace quoin

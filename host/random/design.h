@@ -1,0 +1,25 @@
+// Designs of samples: where in the unit cube the samples of a study lie.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace quoin::random {
+
+// monte_carlo: independent. latin_hypercube: of N samples one in each N-th of every quantity. sobol: the sequence of
+// Sobol (directions of Joe and Kuo), moved by a random vector (modulo 1) so that its mean has no bias.
+enum class Method { monte_carlo, latin_hypercube, sobol };
+
+struct Design {
+  Method method = Method::monte_carlo;
+  std::uint64_t seed = 1;
+  std::uint64_t samples = 0;  // N, of latin_hypercube, 1e6 at most
+  std::uint64_t dimensions = 0;
+
+  // In (0, 1): of sample 1, 2, ... and dimension 0, 1, ... The same in any order.
+  double at(std::uint64_t sample, std::uint64_t dimension) const;
+};
+
+inline constexpr std::uint64_t kMostSobolDimensions = 1000;
+
+}  // namespace quoin::random

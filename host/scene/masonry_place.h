@@ -1,0 +1,22 @@
+// Names of places in masonry, for random numbers that belong to them.
+#pragma once
+
+#include <cstdint>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+struct PlacedBlock {
+  int unit, course;  // of masonry; -1: none
+};
+
+// Of a block: its unit, or a number of its own where it is none of masonry.
+std::uint64_t unit_key(int block, const PlacedBlock& placed);
+// Of the joint between two units.
+std::uint64_t joint_key(std::uint64_t unit_a, std::uint64_t unit_b);
+
+// Whether the joint of a family between two blocks is one that has no mortar in the family's sample.
+bool lacks_mortar(const JointFamily& family, int block_a, const PlacedBlock& a, int block_b, const PlacedBlock& b);
+
+}  // namespace quoin

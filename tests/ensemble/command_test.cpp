@@ -1,0 +1,181 @@
+// `quoin ensemble` as a process: many of them on one folder, and some of them killed.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <chrono>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::stringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class Ensemble : public Cli {
+ protected:
+  std::vector<std::string> words(const std::string& out, std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {QUOIN_PROGRAM, "ensemble", study_, "--out", (folder_ / out).string(), "--no-pictures"});
+    return more;
+  }
+  int ensemble(const std::string& out, const std::vector<std::string>& more = {}) {
+    return finish(start(words(out, more)));
+  }
+  std::string table(const std::string& out) const { return read_all(folder_ / out / "samples.csv"); }
+  int finished(const std::string& out) const {
+    int count = 0;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder_ / out / "samples", none))
+      count += fs::exists(entry.path() / "sample.json") ? 1 : 0;
+    return count;
+  }
+  void wait_until_finished(const std::string& out, int samples) const {
+    for (int i = 0; i < 3000 && finished(out) < samples; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  // Processes whose command line names the folder.
+  std::vector<pid_t> processes(const std::string& out) const {
+    std::vector<pid_t> found;
+    for (const auto& entry : fs::directory_iterator("/proc")) {
+      const std::string name = entry.path().filename().string();
+      if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+      if (read_all(entry.path() / "cmdline").find((folder_ / out).string()) != std::string::npos)
+        found.push_back(std::stoi(name));
+    }
+    return found;
+  }
+  const std::string study_ = QUOIN_ENSEMBLE_TESTS "/small_study.toml";
+};
+
+TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
+  ASSERT_EQ(ensemble("a", {"--jobs", "2"}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
+  const auto lines = lines_of(table("a"));
+  ASSERT_EQ(lines.size(), 7u);
+  EXPECT_THAT(lines[0],
+              testing::StartsWith("sample,status,reason,\"pressure\",\"joints.mortar.tensile_strength_mean\""));
+  EXPECT_THAT(lines[0], HasSubstr(",peak_force_N,displacement_at_peak_m,"));
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    EXPECT_THAT(lines[i], testing::StartsWith(fmt::format("{},done,,", i)));
+  const auto summary = nlohmann::json::parse(read_all(folder_ / "a" / "summary.json"));
+  EXPECT_EQ(summary["finished"], 6);
+  const auto& peak = summary["outputs"]["peak_force_N"];
+  EXPECT_LT(peak["mean_95"][0], peak["mean"]);
+  EXPECT_GT(peak["of_means"], 0.0);
+  EXPECT_THAT(read_all(folder_ / "a" / "index.html"), HasSubstr("small wall with scattered joints"));
+  // The same command again computes nothing, and more samples go on from there: the first rows stay.
+  const std::string first = table("a");
+  ASSERT_EQ(ensemble("a"), 0);
+  EXPECT_EQ(table("a"), first);
+  ASSERT_EQ(ensemble("a", {"--samples", "8"}), 0) << error_;
+  EXPECT_THAT(table("a"), testing::StartsWith(first));
+  EXPECT_EQ(lines_of(table("a")).size(), 9u);
+  // Samples are runs that stand for themselves: `quoin run` gives the same.
+  const auto run = nlohmann::json::parse(read_all(folder_ / "a" / "samples" / "000002" / "summary.json"));
+  std::vector<std::string> again{QUOIN_PROGRAM,       "run", small_, "--out", out(), "--threads", "1", "--set",
+                                 "output.plots=false"};
+  for (const auto& o : run["set"]) again.insert(again.end(), {"--set", o.get<std::string>()});
+  ASSERT_EQ(finish(start(again)), 0) << error_;
+  EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
+}
+
+TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {
+  // A pressure that may pull: refused by the reader of the scene.
+  std::ofstream(folder_ / "study.toml")
+      << "scene = \"" << small_ << "\"\nsamples = 8\n"
+      << "[set.stage.shear]\nvelocity = 0.2\ndisplacement = 0.0001\n"
+      << "[[quantity]]\nkey = \"stage.precompression.pressure\"\ndistribution = \"normal\"\nmean = 0.1e6\nsd = 0.2e6\n";
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                          (folder_ / "f").string(), "--no-pictures"})),
+            0)
+      << error_;
+  const auto lines = lines_of(table("f"));
+  ASSERT_EQ(lines.size(), 9u);
+  int failed = 0;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (lines[i].find(",failed,") == std::string::npos) continue;
+    ++failed;
+    EXPECT_THAT(lines[i], HasSubstr("pressure"));
+    EXPECT_THAT(lines[i], testing::Not(HasSubstr(QUOIN_CLI_TESTS)));  // no path of this machine
+  }
+  EXPECT_GT(failed, 0);
+  EXPECT_LT(failed, 8);
+  EXPECT_THAT(out_, HasSubstr(fmt::format("{} of them failed", failed)));
+}
+
+// Two machines' worth of processes, started at once.
+TEST_F(Ensemble, ThirtyTwoProcessesShareAFolder) {
+  ASSERT_EQ(ensemble("alone", {"--samples", "40", "--jobs", "2"}), 0) << error_;
+  std::vector<pid_t> children;
+  for (int i = 0; i < 32; ++i) children.push_back(start(words("shared", {"--samples", "40", "--jobs", "1"})));
+  for (const pid_t child : children) EXPECT_EQ(finish(child), 0);
+  EXPECT_EQ(table("shared"), table("alone"));
+  // Whoever computes a sample writes his name into its claim: once.
+  for (int i = 0; i <= 40; ++i) {
+    const std::string claim = read_all(folder_ / "shared" / "claims" / fmt::format("{:06}", i));
+    EXPECT_EQ(lines_of(claim).size(), 1u) << i << ": " << claim;
+  }
+}
+
+TEST_F(Ensemble, DiesAsAWholeAndGoesOnToTheSameTable) {
+  ASSERT_EQ(ensemble("whole", {"--samples", "30", "--jobs", "2"}), 0) << error_;
+  const pid_t driver = start(words("killed", {"--samples", "30", "--jobs", "2"}));
+  wait_until_finished("killed", 5);
+  kill(driver, SIGKILL);
+  EXPECT_EQ(finish(driver), 128 + SIGKILL);
+  for (int i = 0; i < 200 && !processes("killed").empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(processes("killed").empty());  // its workers have died with it
+  const int kept = finished("killed");
+  EXPECT_GE(kept, 5);
+  EXPECT_LT(kept, 31);
+
+  // Then one worker; the driver sees to its sample.
+  const pid_t second = start(words("killed", {"--samples", "30", "--jobs", "1"}));
+  bool killed = false;
+  for (int i = 0; i < 1000 && !killed; ++i) {
+    for (const pid_t process : processes("killed"))
+      killed = killed || (process != second && kill(process, SIGKILL) == 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_TRUE(killed);
+  EXPECT_EQ(finish(second), 0) << error_;
+  EXPECT_EQ(table("killed"), table("whole"));
+}
+
+TEST_F(Ensemble, CtrlCKeepsWhatIsFinished) {
+  const pid_t driver = start(words("a", {"--samples", "200", "--jobs", "2"}));
+  wait_until_finished("a", 3);
+  kill(driver, SIGINT);
+  EXPECT_EQ(finish(driver), 130);
+  EXPECT_THAT(error_, HasSubstr("samples"));
+  EXPECT_EQ(ensemble("a", {"--samples", "200", "--gather"}), 0) << error_;
+  EXPECT_GE(lines_of(table("a")).size(), 3u);
+}
+
+TEST_F(Ensemble, RefusesTheFolderOfAnotherStudy) {
+  ASSERT_EQ(ensemble("a", {"--samples", "1"}), 0) << error_;
+  EXPECT_EQ(ensemble("a", {"--samples", "1", "--set", "output.energy=true"}), 3);
+  EXPECT_THAT(error_, HasSubstr("keys set"));
+  EXPECT_THAT(error_, HasSubstr("--out"));
+}
+
+TEST_F(Ensemble, NamesTheFaultsOfAStudy) {
+  std::ofstream(folder_ / "study.toml")
+      << "scene = \"none.toml\"\nsample = 3\nmethod = \"sobol\"\n[[quantity]]\nkey = \"a\"\n";
+  EXPECT_EQ(
+      finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out", (folder_ / "a").string()})),
+      3);
+  EXPECT_THAT(error_, HasSubstr("study.toml:2: sample = 3: unknown key, did you mean 'samples'?"));
+  EXPECT_THAT(error_, HasSubstr("quantity.1.distribution: missing"));
+}
+
+}  // namespace
