@@ -210,7 +210,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     recorder.history().finish();
     const auto& rows = recorder.history().rows();
     RunInfo info;
-    info.overrides = study.overrides_of(number);
+    info.provenance.request.overrides = study.overrides_of(number);
     info.status = sample.status, info.message = sample.reason;
     info.quasi_static = check_quasi_static(rows, simulation->scene());
     info.crushed_out = find_crushed_out(*simulation);

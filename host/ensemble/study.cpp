@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "base/input_file.h"
 #include "random/correlation.h"
 #include "scene/read_scatter.h"
 
@@ -90,7 +91,7 @@ void read_quantity_correlation(Table& t, Study& study) {
 Study read_study(const std::string& file) {
   Context context;
   context.file = file;
-  const toml::table root = parse(file);
+  const toml::table root = parse(read_input_file(file), file);
   Study study;
   study.file = file;
   Table t(context, root, "");

@@ -144,9 +144,9 @@ struct Chunk {
   std::vector<quoin_in> state_old;
   std::vector<quoin_out> state_new;
   std::vector<quoin_property_column> properties;  // that scatter
-  std::vector<RigidPair> pairs;    // of its points between rigid blocks
-  std::vector<FacetLanes> facets;  // between gridpoints
-  std::vector<uint32_t> others;    // with one deformable side
+  std::vector<RigidPair> pairs;                   // of its points between rigid blocks
+  std::vector<FacetLanes> facets;                 // between gridpoints
+  std::vector<uint32_t> others;                   // with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
   bool failed = false;

@@ -538,12 +538,16 @@ Scene read_scene(const std::string& path, const std::vector<std::string>& overri
 }
 
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<std::string>& overrides) {
-  return reader::read_scene(parse(text, path), path, overrides);
+  Scene scene = reader::read_scene(parse(text, path), path, overrides);
+  scene.text = text;
+  return scene;
 }
 
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
+  std::ostringstream written;
+  written << root;
   for (const std::string& setting : overrides) apply_override(root, setting, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
@@ -551,7 +555,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
 
   Scene scene;
   scene.file = path;
-  scene.text = text;
+  scene.text = written.str();
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   const Quality* quality = of_blocks ? nullptr : &quality_named("standard");

@@ -300,8 +300,8 @@ void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 
-// Throws Error(bad_input): the file cannot be read or is not TOML.
-toml::table parse(const std::string& path);
+// path: what messages call the text. Throws Error(bad_input): it is not TOML.
+toml::table parse(const std::string& text, const std::string& path);
 // The scene that these tables are. path: what messages call them, and from whose folder the files that they name count.
 Scene read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides = {});
 // Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
