@@ -19,7 +19,7 @@ def arch(thickness):
                                    friction_angle=45.0)
     scene.arch.append(quoin.Arch(name="arch", material="stone", radius=RADIUS, thickness=thickness * RADIUS, depth=0.2,
                                  voussoirs=voussoirs))
-    scene.stage.append(quoin.Stage(name="weight", gravity=[0.0, -9.81, 0.0], ramp_time=0.05, duration=3.0))
+    scene.stage.append(quoin.Stage(name="weight", gravity=[0.0, -9.81, 0.0], ramp_time=0.05, duration=2.0))
     scene.output = dict(frames=0, record_interval=0.01)
     return scene
 
