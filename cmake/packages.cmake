@@ -4,7 +4,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME quoin)
 set(CPACK_PACKAGE_CONTACT "the authors of Quoin <quoin@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_SET_DESTDIR ON)  # so that what asks for the prefix while it is installed is told /usr
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program dev python)
