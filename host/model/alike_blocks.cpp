@@ -7,7 +7,7 @@ using namespace geometry;
 AlikeBlocks make_alike_blocks(std::span<const Vector> node, std::span<const double> mass,
                               std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
   AlikeBlocks alike;
-  alike.stiffness = assemble(zones, static_cast<int>(node.size()), lambda, shear_modulus);
+  alike.stiffness = assemble_stiffness(zones, static_cast<int>(node.size()), lambda, shear_modulus);
   Vector centre;
   double sum = 0.0;
   for (std::size_t i = 0; i < node.size(); ++i) centre += mass[i] * node[i], sum += mass[i];

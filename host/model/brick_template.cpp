@@ -95,7 +95,7 @@ BrickTemplate make_brick_template(const Brick& source, const BlockMaterial& mate
   const double e = material.young_modulus, nu = material.poisson_ratio;
   brick.lambda = e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
   brick.shear_modulus = e / (2.0 * (1.0 + nu));
-  brick.stiffness = assemble(brick.zone, brick.node_count, brick.lambda, brick.shear_modulus);
+  brick.stiffness = assemble_stiffness(brick.zone, brick.node_count, brick.lambda, brick.shear_modulus);
   return brick;
 }
 

@@ -38,7 +38,7 @@ std::vector<std::map<int, NodeBlock>> blocks_of(std::span<const Zone> zones, int
 
 }  // namespace
 
-Stiffness assemble(std::span<const Zone> zones, int node_count, double lambda, double shear_modulus) {
+Stiffness assemble_stiffness(std::span<const Zone> zones, int node_count, double lambda, double shear_modulus) {
   const auto rows = blocks_of(zones, node_count, lambda, shear_modulus);
   Stiffness stiffness;
   double largest = 0.0;

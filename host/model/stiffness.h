@@ -31,6 +31,6 @@ struct Stiffness {
 };
 
 // lambda, shear_modulus: Lame constants, Pa.
-Stiffness assemble(std::span<const Zone> zones, int node_count, double lambda, double shear_modulus);
+Stiffness assemble_stiffness(std::span<const Zone> zones, int node_count, double lambda, double shear_modulus);
 
 }  // namespace quoin

@@ -3,11 +3,11 @@
 set(folder "${QUOIN_PYTHON_DIR}")
 if(NOT folder)
   find_program(python_in_path NAMES python3 python)
-  foreach(python IN ITEMS "${CMAKE_INSTALL_PREFIX}/bin/python3" "${python_in_path}" /usr/bin/python3)
-    if(NOT EXISTS "${python}")
+  foreach(interpreter IN ITEMS "${CMAKE_INSTALL_PREFIX}/bin/python3" "${python_in_path}" /usr/bin/python3)
+    if(NOT EXISTS "${interpreter}")
       continue()
     endif()
-    execute_process(COMMAND "${python}" "${CMAKE_CURRENT_LIST_DIR}/find_site.py" "${CMAKE_INSTALL_PREFIX}"
+    execute_process(COMMAND "${interpreter}" "${CMAKE_CURRENT_LIST_DIR}/find_site.py" "${CMAKE_INSTALL_PREFIX}"
                     OUTPUT_VARIABLE answer OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE not_searched)
     if(not_searched EQUAL 0)
       set(folder "${answer}")

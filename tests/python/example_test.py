@@ -28,6 +28,16 @@ class Examples(Folder):
         self.assertLess(peaks[2], peaks[3])  # and most without a strength
         self.assertGreater(os.path.getsize(self.path("curve.png")), 5000)
 
+    def test_an_arch_is_bisected_to_its_thinnest(self):
+        script = os.path.join(EXAMPLES, "thinnest_arch.py")
+        done = subprocess.run([sys.executable, script, "14", "2"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        ratio = float(re.search(r"stands from ([\d.]+) of its radius", done.stdout)[1])
+        # Limit analysis: 0.1075 for many voussoirs, less for few, whose hinges find no joint where they would be; 0.0094: the
+        # last interval of the bisection.
+        self.assertLess(ratio, 0.1075 + 0.0094)
+        self.assertGreater(ratio, 0.09)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

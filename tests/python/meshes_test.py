@@ -1,12 +1,13 @@
 """Geometry of other programs: assemblies of COMPAS, meshes of gmsh. The files of COMPAS are written here in the layouts
 that compas_assembly and compas_dem publish, those of gmsh by gmsh itself where it is installed."""
 import json
+import os
 import unittest
 
 import numpy as np
 import quoin
 from shapes_test import scene_of
-from support import Folder
+from support import SMALL_WALL, Folder
 
 
 def mesh_of(x, y, z, **attributes):
@@ -154,6 +155,41 @@ class Gmsh(Folder):
             quoin.read_blocks(self.path("rubbish.msh"), material="stone")
         with self.assertRaisesRegex(quoin.BadInput, "nowhere.msh: cannot read it: no such file"):
             quoin.read_blocks(self.path("nowhere.msh"), material="stone")
+
+
+class Compressed(Folder):
+    def test_compressed_results_say_the_same(self):
+        try:
+            from vtkmodules.util.numpy_support import vtk_to_numpy
+            from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+        except ImportError:
+            self.skipTest("VTK is not installed (python3-vtk9)")
+
+        def read(path):
+            reader = vtkXMLUnstructuredGridReader()
+            reader.SetFileName(path)
+            reader.Update()
+            self.assertEqual(reader.GetErrorCode(), 0)
+            grid = reader.GetOutput()
+            arrays = {d.GetArrayName(i): vtk_to_numpy(d.GetArray(i)) for d in (grid.GetPointData(), grid.GetCellData())
+                      for i in range(d.GetNumberOfArrays())}
+            return {**arrays, "points": vtk_to_numpy(grid.GetPoints().GetData())}
+        for name, options in (("raw", []), ("packed", ["--compressed"])):
+            done = self.command("run", SMALL_WALL, "--out", name, "--set", "output.plots=false", *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        for file in ("blocks_0003.vtu", "joints_0003.vtu"):
+            raw, packed = (read(self.path(f"{name}/{file}")) for name in ("raw", "packed"))
+            self.assertEqual(raw.keys(), packed.keys())
+            self.assertGreater(len(raw), 4)
+            for key in raw:
+                np.testing.assert_array_equal(raw[key], packed[key])
+            self.assertLess(os.path.getsize(self.path("packed/" + file)), 0.7 * os.path.getsize(self.path("raw/" + file)))
+        pages = []
+        for name in ("raw", "packed"):
+            self.assertEqual(self.command("report", name).returncode, 0)
+            with open(self.path(name + "/report.html"), encoding="utf-8") as file:
+                pages.append(file.read().split('class="data">')[1].split("<")[0])
+        self.assertEqual(*pages)
 
 
 if __name__ == "__main__":

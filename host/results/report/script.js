@@ -237,6 +237,7 @@ class Run {
 }
 
 async function open() {
+  if (location.hash === '#picture') document.body.className = 'picture';  // the model alone, in the whole window
   const heads = [...document.querySelectorAll('script.head')], data = [...document.querySelectorAll('script.data')];
   const runs = [];
   for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent)));

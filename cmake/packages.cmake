@@ -1,0 +1,25 @@
+# Debian packages, by `cpack` in the build folder: the program with its laws, what laws and hosts are built with, Python.
+# Each folder says which of the three its files belong to (CMAKE_INSTALL_DEFAULT_COMPONENT_NAME).
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME quoin)
+set(CPACK_PACKAGE_CONTACT "the authors of Quoin <quoin@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_INSTALL_PREFIX /usr)
+set(CPACK_SET_DESTDIR ON)  # so that what asks for the prefix while it is installed is told /usr
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL program dev python)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME quoin)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "gnuplot-nox, libjs-three")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME quoin-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "quoin")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-quoin)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, quoin (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-tqdm, python3-meshio, python3-matplotlib")
+# What is there is packed; nothing is built for it.
+set(CPACK_CMAKE_GENERATOR Ninja)
+include(CPack)
