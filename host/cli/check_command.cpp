@@ -72,7 +72,7 @@ double print_stages(const Scene& scene, double time_step) {
 }
 
 std::string duration_text(double seconds) {
-  if (seconds < 120.0) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 120.0) return fmt::format("{:.{}f} s", seconds, seconds < 1.0 ? 2 : seconds < 10.0 ? 1 : 0);
   if (seconds < 7200.0) return fmt::format("{:.0f} min", seconds / 60.0);
   return seconds < 172800.0 ? fmt::format("{:.1f} h", seconds / 3600.0) : fmt::format("{:.1f} days", seconds / 86400.0);
 }
@@ -188,7 +188,8 @@ void check(const SceneOptions& options) {
 }  // namespace
 
 void add_check_command(CLI::App& app, int&) {
-  CLI::App* command = app.add_subcommand("check", "Validate a scene; print sizes and time steps without running");
+  CLI::App* command = app.add_subcommand(
+      "check", "Validate a scene; print sizes, time steps, memory and computing time without running");
   auto options = std::make_shared<SceneOptions>();
   command->add_option("scene", options->scene, "Scene file")->required()->type_name("SCENE.toml");
   command->add_option("--law", options->law, "Law for all joints in place of the scene's")->type_name("NAME_OR_PATH");

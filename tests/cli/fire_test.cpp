@@ -434,6 +434,18 @@ duration = 1
   EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("1e+20 Pa/m at most")));
 }
 
+// What would take longer than anybody waits is told with numbers; short runs are told how long they take.
+TEST_F(Fire, TimeIsToldBeforeTheWork) {
+  EXPECT_EQ(quoin_in_time({"check", small_}), 0) << error_;
+  EXPECT_THAT(out_, ContainsRegex("computing time about [0-9.]+ s, .* steps with [0-9]+ threads here"));
+  const std::vector<std::string> slow{"check", small_, "--set", "stage.shear.velocity=1e-12"};
+  EXPECT_EQ(quoin_in_time(slow), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("steps of"), HasSubstr("30.0 days"), HasSubstr("--force")));
+  std::vector<std::string> forced = slow;
+  forced.emplace_back("--force");
+  EXPECT_EQ(quoin_in_time(forced), 0) << error_;
+}
+
 TEST_F(Fire, FormulasHaveAnEnd) {
   const auto with_formula = [&](const std::string& formula) {
     const std::string file = write("path.toml",
