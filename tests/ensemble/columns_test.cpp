@@ -12,7 +12,6 @@
 
 #include "base/error.h"
 #include "model/motion.h"
-#include "results/plots.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"

@@ -65,9 +65,9 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_THAT(lines[0], HasSubstr(",peak_force_N,displacement_at_peak_m,"));
   for (std::size_t i = 1; i < lines.size(); ++i)
     EXPECT_THAT(lines[i], testing::StartsWith(fmt::format("{},done,,", i)));
-  const auto study = nlohmann::json::parse(read_all(folder_ / "a" / "summary.json"));
-  EXPECT_EQ(study["finished"], 6);
-  const auto& peak = study["outputs"]["peak_force_N"];
+  const auto results = nlohmann::json::parse(read_all(folder_ / "a" / "summary.json"));
+  EXPECT_EQ(results["finished"], 6);
+  const auto& peak = results["outputs"]["peak_force_N"];
   EXPECT_LT(peak["mean_95"][0], peak["mean"]);
   EXPECT_GT(peak["of_means"], 0.0);
   EXPECT_THAT(read_all(folder_ / "a" / "index.html"), HasSubstr("small wall with scattered joints"));
