@@ -8,28 +8,24 @@
 #include <time.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "quoin/quoin.h"
 #include "tests/kernels/plugin.h"
+#include "tests/mixed_paths.h"
 #include "tests/mortar.h"
 
 namespace {
 
 using namespace quoin::test::mortar;
 using Law = quoin::api::Material;
-constexpr std::size_t kPoints = 256;
+using quoin::test::mixed::Jump, quoin::test::mixed::kPoints;
 constexpr int kChecks = 64;  // along every path, where errors are taken
 
-struct Jump {
-  double n, s, t;
-};
 struct Answer {
   double sigma, tau_s, tau_t, dissipated;
 };
@@ -102,36 +98,8 @@ struct Drive {
   }
 };
 
-// Six numbers of its own for every point, in [0, 1).
-const std::array<double, 6>& numbers(std::size_t point) {
-  static const std::vector<std::array<double, 6>> all = [] {
-    std::mt19937_64 random(20261121);
-    std::uniform_real_distribution<double> unit(0.0, 1.0);
-    std::vector<std::array<double, 6>> drawn(kPoints);
-    for (auto& of_point : drawn) std::generate(of_point.begin(), of_point.end(), [&] { return unit(random); });
-    return drawn;
-  }();
-  return all[point];
-}
-
-// A different path for every point: pressure, then opening to a third of the ultimate 150 um and back, growing from
-// cycle to cycle, with sliding to and fro in both directions, to half of the ultimate 830 um.
-Jump mixed(std::size_t point, double x) {
-  const auto& r = numbers(point);
-  const double turn = 2.0 * std::numbers::pi * x;
-  const double opening = (1e-5 + 4e-5 * r[1]) * x * (1.0 - std::cos((2.0 + 2.0 * r[2]) * turn));
-  const double sliding = 4e-4 * r[3] * x;
-  return {-1.5e-5 * r[0] * std::min(1.0, 20.0 * x) + opening, sliding * std::sin((2.0 + 3.0 * r[4]) * turn),
-          0.5 * sliding * std::sin((1.0 + 3.0 * r[5]) * turn)};
-}
-// The same, and between the openings pressed together to beyond the peak at 90 um.
-Jump crushing(std::size_t point, double x) {
-  const auto& r = numbers(point);
-  const double turn = 2.0 * std::numbers::pi * x;
-  Jump d = mixed(point, x);
-  d.n -= (5e-5 + 2e-4 * r[4]) * x * (1.0 + std::cos((2.0 + 2.0 * r[2]) * turn));
-  return d;
-}
+Jump mixed(std::size_t point, double x) { return quoin::test::mixed::path(point, x); }
+Jump crushing(std::size_t point, double x) { return quoin::test::mixed::crushing_path(point, x); }
 
 // The monotonic paths, ten per cent beyond the end of softening in the last point, and their answers.
 double reach(std::size_t point) { return 1.1 * static_cast<double>(point + 1) / kPoints; }

@@ -158,6 +158,15 @@ Reach reach_of(const Joint& j) {
   return r;
 }
 
+cyclic_rates::Parameters rates_of(const Joint& j) {
+  cyclic_rates::Parameters p{j.kn, j.ks, j.ft,   j.c0, j.cr, j.mu0(), j.mur(), j.tan_psi(), j.fc, j.fcr,  j.G1,
+                             j.G2, j.Gc, j.beta, j.sd, j.pd, j.fy,    j.wp,    j.chi,       j.Cs, j.table};
+  if (j.sd < 0) p.sd = j.su();
+  if (j.fy < 0) p.fy = j.fc;
+  if (j.shape == Shape::linear) p.softening = {{0, 1}, {1, 0}};
+  return p;
+}
+
 Surfaces beyond_surfaces(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
   const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
   const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q);

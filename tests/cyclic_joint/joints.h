@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "page_update.h"
+#include "rates.h"
 #include "tests/kernels/plugin.h"
 
 namespace quoin::cyclic {
@@ -31,6 +32,7 @@ Joint random_joint(Random& random, double margin, double spread = 1.0);
 bool admissible(const Joint& joint);
 
 quoin::test::Values values_of(const Joint& joint);
+cyclic_rates::Parameters rates_of(const Joint& joint);
 std::string text_of(const Joint& joint);
 
 // Lengths that a random step should reach: opening, closing, slip.

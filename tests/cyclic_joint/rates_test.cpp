@@ -37,15 +37,6 @@ Path mixed_path(const Joint& joint, Random& random) {
   return path;
 }
 
-quoin::cyclic_rates::Parameters rates_of(const Joint& j) {
-  quoin::cyclic_rates::Parameters p{j.kn, j.ks, j.ft,   j.c0, j.cr, j.mu0(), j.mur(), j.tan_psi(), j.fc, j.fcr,  j.G1,
-                                    j.G2, j.Gc, j.beta, j.sd, j.pd, j.fy,    j.wp,    j.chi,       j.Cs, j.table};
-  if (j.sd < 0) p.sd = j.su();
-  if (j.fy < 0) p.fy = j.fc;
-  if (j.shape == Shape::linear) p.softening = {{0, 1}, {1, 0}};
-  return p;
-}
-
 // The largest differences at the corners, over the joint's scales.
 struct Gap {
   double traction = 0.0, state = 0.0, energy = 0.0;
