@@ -244,6 +244,9 @@ async function open() {
   const slider = byId('time'), most = Math.max(...runs.map(r => r.frames)) - 1;
   slider.max = most; slider.value = most;
   byId('magnification').value = Math.min(...runs.map(r => r.natural));
+  // Where most joints are dry from the start, damage says nothing.
+  const dry = run => run.array('damage0').reduce((sum, d) => sum + d, 0) > 0.3 * 255 * run.vertices;
+  if (runs.some(dry)) byId('colour').value = 'displacement';
   const show = () => {
     for (const run of runs) {
       const frame = most > 0 ? Math.round(slider.value / most * (run.frames - 1)) : 0;
