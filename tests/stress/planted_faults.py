@@ -77,7 +77,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("shim")
     parser.add_argument("--share", type=float, default=1.0, help="of all faults (default: all)")
-    parser.add_argument("--only", choices=[*CALLS, "signal"])
+    parser.add_argument("--only", nargs="+", choices=[*CALLS, "signal"], default=[*CALLS, "signal"])
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     chance = random.Random(options.seed)
@@ -97,7 +97,7 @@ def main():
         for call in ("write", "rename", "fsync"):
             planted += [("signal", i, f"{name} at {call}", (call, how)) for i in range(1, number[call] + 1)
                         for name, how in SIGNALS.items()]
-        planted = [p for p in planted if options.only in (None, p[0])]
+        planted = [p for p in planted if p[0] in options.only]
         by_kind = collections.defaultdict(list)
         for p in planted:
             by_kind[p[0]].append(p)
