@@ -20,11 +20,14 @@ namespace {
 
 using random::Quantity;
 
-// The same for places that are the same to rounding: cells of 10 um, whose borders lie where no gridpoint does.
-std::uint64_t place_key(const Vec3& x) {
-  std::array<std::int64_t, 3> cell{};
-  for (std::size_t k = 0; k < 3; ++k) cell[k] = std::llround(x[k] / 1e-5 + 0.3183);
-  return random::name_of({reinterpret_cast<const char*>(cell.data()), sizeof cell});
+// The same number for places that are the same to rounding: cells of 10 um, whose borders lie where no gridpoint does.
+std::int64_t cell_of(double x) { return std::llround(x / 1e-5 + 0.3183); }
+
+// Of a contact point: two joints that meet have their own points at one place.
+std::uint64_t point_key(const Vec3& x, std::uint64_t joint) {
+  const std::array<std::int64_t, 4> parts{cell_of(x[0]), cell_of(x[1]), cell_of(x[2]),
+                                          static_cast<std::int64_t>(joint)};
+  return random::name_of({reinterpret_cast<const char*>(parts.data()), sizeof parts});
 }
 
 // A place with a value of its own.
@@ -59,7 +62,9 @@ class Places {
       elements.element[found->second].x += p.area * p.position[0];
       weight[found->second] += p.area;
     }
-    for (std::size_t e = 0; e < weight.size(); ++e) elements.element[e].x /= weight[e];
+    // In whole cells, so that what stands at one place does so whatever the rounding.
+    for (std::size_t e = 0; e < weight.size(); ++e)
+      elements.element[e].x = 1e-5 * static_cast<double>(cell_of(elements.element[e].x / weight[e]));
     return elements;
   }
 
@@ -74,7 +79,7 @@ class Places {
     const int block = laid(p);
     switch (level) {
       case ScatterLevel::point:
-        return place_key(p.position);
+        return point_key(p.position, joint(p));
       case ScatterLevel::joint:
         return joint(p);
       case ScatterLevel::unit:

@@ -281,7 +281,7 @@ TEST(Columns, SayWhatIsWrong) {
   EXPECT_THAT(fault_of({tensile + "{distribution=\"normal\",mean=1e5,cov=3}"}),
               testing::AllOf(HasSubstr("sample 1 of seed 1"), HasSubstr("was drawn at ("), HasSubstr("truncate")));
   // Strong and brittle: refused together.
-  EXPECT_THAT(fault_of({tensile + "{distribution=\"uniform\",lower=1e5,upper=4e6}"}), HasSubstr("go together"));
+  EXPECT_THAT(fault_of({tensile + "{distribution=\"uniform\",lower=1e4,upper=2.9e6}"}), HasSubstr("go together"));
   EXPECT_THAT(
       fault_of(kScattered + Settings{"joints.mortar.correlation=[[\"tensile_strength\",\"friction_angle\",0.5]]"}),
       HasSubstr("friction_angle has one value"));

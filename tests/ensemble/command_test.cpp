@@ -60,8 +60,7 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
   const auto lines = lines_of(table("a"));
   ASSERT_EQ(lines.size(), 7u);
-  EXPECT_THAT(lines[0],
-              testing::StartsWith("sample,status,reason,\"pressure\",\"joints.mortar.tensile_strength_mean\""));
+  EXPECT_THAT(lines[0], testing::StartsWith("sample,status,reason,\"pressure\",\"joints.mortar.cohesion_mean\""));
   EXPECT_THAT(lines[0], HasSubstr(",peak_force_N,displacement_at_peak_m,"));
   for (std::size_t i = 1; i < lines.size(); ++i)
     EXPECT_THAT(lines[i], testing::StartsWith(fmt::format("{},done,,", i)));
