@@ -50,7 +50,9 @@ PYBIND11_MODULE(_quoin, m) {
   m.def("add_law_folder", &quoin::add_law_folder);
   m.def("law_path", [](const std::string& name) { return quoin::LawLibrary::load(name)->path(); });
   m.def("installed_laws", &quoin::installed_laws);
-  m.def("parse", [](const std::string& path) { return quoin::python::document_of(quoin::reader::parse(quoin::read_input_file(path), path)); });
+  m.def("parse", [](const std::string& path) {
+    return quoin::python::document_of(quoin::reader::parse(quoin::read_input_file(path), path));
+  });
   m.def("text", [](const py::dict& document) { return quoin::python::text_of(quoin::python::table_of(document)); });
   m.def("check", [](const py::object& document, const std::string& path) { scene_of(document, path); });
 
