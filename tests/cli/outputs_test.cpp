@@ -569,6 +569,7 @@ TEST_F(Outputs, CellsOfAFrameFillTheWall) {
                                              {file, "types", 1},
                                              {file, "connectivity", 1},
                                              {file, "position", 3},
+                                             {file, "displacement_m", 3},
                                              {file, "stress_Pa", 6},
                                              {joints_file, "area_m2", 1},
                                              {joints_file, "normal", 3},

@@ -100,6 +100,23 @@ TEST(Step, EnergyBalanceClosesWithDamping) {
   }
 }
 
+// Inertia that is raised for the step differs from gridpoint to gridpoint and from block to block; each moves by its
+// own.
+TEST(Step, EnergyBalanceClosesWithInertiaRaisedForTheStep) {
+  Scene scene = bare_scene(0.5);
+  scene.output.energy = true;
+  const Assembly assembly = brick_grid({3, 2, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1});
+  scene.solver.selective_time_step = 1.2 * Simulation(scene, assembly, 1).time_step_report().time_step;
+  Simulation simulation(scene, assembly, 1);
+  ASSERT_GT(simulation.time_step_report().added_mass, 0.0);
+  random_velocities(&simulation, 3);
+  simulation.advance(1);
+  const double start = simulation.measure().energies->balance_error();
+  simulation.advance(1000);
+  EXPECT_GT(start, 0.0);
+  EXPECT_NEAR(simulation.measure().energies->balance_error(), start, 1e-9 * start);
+}
+
 // Mass-proportional damping alone: a rigid motion dies out like (1 - alpha dt)^n.
 TEST(Step, ViscousDampingSlowsAFreeBlock) {
   Scene scene = bare_scene(0.6, DampingKind::viscous);

@@ -16,6 +16,13 @@ std::vector<int> ends_of(int threads, int pieces) {
   return end;
 }
 
+TEST(ThreadPool, SharesAreOfEqualWeight) {
+  EXPECT_EQ(shares({1, 1, 1, 1, 1, 1}, 3), (std::vector<int>{2, 4, 6}));
+  EXPECT_EQ(shares({3, 1, 1, 1}, 2), (std::vector<int>{1, 4}));
+  EXPECT_EQ(shares({1, 1, 1, 3, 3, 3}, 4), (std::vector<int>{3, 4, 5, 6}));
+  EXPECT_EQ(shares({}, 2), (std::vector<int>{0, 0}));
+}
+
 TEST(ThreadPool, EveryPieceOnceInCallsOfAnyLength) {
   for (const int threads : {1, 2, 3, 8}) {  // more than the machine has, too: threads come late
     ThreadPool pool(threads);

@@ -184,7 +184,7 @@ class Tree:
         listed = subprocess.run(["ctest", "--preset", "release", "--show-only=json-v1"], cwd=self.folder, check=True,
                                 capture_output=True, text=True).stdout
         found = [Test(t) for t in json.loads(listed)["tests"] if "command" in t and not LEFT_OUT.search(t["name"])]
-        return [t for t in found if not any("NOT_BUILT" in part for part in t.command)]
+        return [t for t in found if not t.disabled and not any("NOT_BUILT" in part for part in t.command)]
 
 
 class Test:
@@ -192,6 +192,7 @@ class Test:
         self.name, self.command = entry["name"], entry["command"]
         properties = {p["name"]: p["value"] for p in entry.get("properties", [])}
         self.folder = properties.get("WORKING_DIRECTORY")
+        self.disabled = properties.get("DISABLED", False)
         self.environment = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []))
         self.runs, self.kills = 0, 0  # with a mutant
 

@@ -262,6 +262,8 @@ TEST(GenerateWall, PatternsOfFacingBlocksConform) {
 TEST(GenerateBuilding, TransverseWallsAreTheSameBricksTurned) {
   const Scene scene = read_scene(QUOIN_SCENES "/pavia_window.toml");
   const BuildingSpec& spec = *scene.building;
+  EXPECT_EQ(spec.walls[0].axis, 0);
+  EXPECT_EQ(spec.walls[1].axis, 2);
   const Assembly a = assemble(scene);
   int along_x = 0, along_z = 0;
   for (const Brick& b : a.bricks) {
