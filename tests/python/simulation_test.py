@@ -14,7 +14,7 @@ from support import SMALL_WALL, Folder, assert_same_history, block_scene
 def slow_scene():
     """Some seconds of work."""
     scene = quoin.Scene.load(SMALL_WALL)
-    scene.stage[1].velocity = 1e-4
+    scene.stage[1].velocity = 1e-5
     return scene
 
 
@@ -215,11 +215,11 @@ class Interruptions(Folder):
 
     def test_ctrl_c_stops_cleanly_and_the_run_can_go_on(self):
         sim = quoin.Simulation(slow_scene())
-        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
         before = time.monotonic()
         with self.assertRaises(KeyboardInterrupt):
             sim.run()
-        self.assertLess(time.monotonic() - before, 3.0)
+        self.assertLess(time.monotonic() - before, 30.0)  # and not when the run is over
         there = sim.steps
         self.assertGreater(there, 0)
         sim.step(100)

@@ -1,5 +1,5 @@
 """Scenes: loaded from TOML files, built in code, written. Objects with the names of the TOML keys and nothing else:
-what the keys are, mean and allow is in host/scenes/README.md and BLOCKS.md, and the reader of files judges these too."""
+what the keys are, mean and allow is in host/scenes/README.md and host/scenes/BLOCKS.md, and the reader of files judges these too."""
 import copy
 import os
 
