@@ -18,6 +18,7 @@
 #include "results/json_file.h"
 #include "results/plots.h"
 #include "results/summary.h"
+#include "results/warnings.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -214,6 +215,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     info.status = sample.status, info.message = sample.reason;
     info.quasi_static = check_quasi_static(rows, simulation->scene());
     info.crushed_out = find_crushed_out(*simulation);
+    info.warnings = warnings_of(*simulation, info.quasi_static, info.crushed_out);
     write_summary(folder / "summary.json", *simulation, rows, info);
     write_joints(*simulation, folder / "cracks.csv");
     sample.outputs = outputs_of(*simulation, rows);

@@ -11,6 +11,7 @@
 #include "results/crushed_out.h"
 #include "results/quasi_static.h"
 #include "results/summary.h"
+#include "results/warnings.h"
 #include "scene/generate_blocks.h"
 #include "step/large_motion.h"
 
@@ -188,6 +189,7 @@ std::string Session::finish(const std::string& status, const std::string& messag
   info.message = message;
   info.quasi_static = check_quasi_static(rows_, simulation.scene());
   info.crushed_out = find_crushed_out(simulation);
+  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.wall_clock_s = seconds_since(start_);
   if (file_ && !finished_) {
     finished_ = true;
