@@ -47,8 +47,9 @@ class Ensemble : public Cli {
     for (const auto& entry : fs::directory_iterator("/proc")) {
       const std::string name = entry.path().filename().string();
       if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-      if (read_all(entry.path() / "cmdline").find((folder_ / out).string()) != std::string::npos)
-        found.push_back(std::stoi(name));
+      std::ostringstream words;  // of a process that may end while it is read: then nothing
+      words << std::ifstream(entry.path() / "cmdline").rdbuf();
+      if (words.str().find((folder_ / out).string()) != std::string::npos) found.push_back(std::stoi(name));
     }
     return found;
   }
