@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +20,7 @@ namespace check {
 namespace {
 
 constexpr int kDetailsPerClause = 3;
+constexpr std::size_t kLongestId = 64;     // bytes, of a clause
 constexpr unsigned kSectionSeconds = 300;  // a section that takes longer hangs
 
 std::string formatted(const char* format, va_list arguments) {
@@ -109,17 +111,20 @@ const char* clause_text(const std::string& id) {
 void Report::section(const std::string& name, const std::function<void(Report&)>& run) {
   int ends[2];
   std::FILE* output = std::tmpfile();
-  if (pipe(ends) != 0 || output == nullptr) {
+  void* shared = mmap(nullptr, kLongestId, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (pipe(ends) != 0 || output == nullptr || shared == MAP_FAILED) {
     notes_.push_back(name + ": cannot start a child process");
     outcomes_["C1.6"].failures++;
     return;
   }
+  current_ = std::strcpy(static_cast<char*>(shared), "C1.6");
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child == 0) {
     close(ends[0]);
     pipe_ = ends[1];
     outcomes_.clear();
+    outcome_ = &outcomes_[current_];
     dup2(fileno(output), STDOUT_FILENO);
     dup2(fileno(output), STDERR_FILENO);
     alarm(kSectionSeconds);
@@ -138,7 +143,6 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
     _exit(status);
   }
   close(ends[1]);
-  current_.clear();
   std::string line;
   bool finished = false;
   char bytes[4096];
@@ -148,7 +152,7 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
         line += bytes[i];
         continue;
       }
-      finished = finished || line == "E";
+      finished = finished || line[0] == 'E';
       receive(line);
       line.clear();
     }
@@ -168,28 +172,27 @@ void Report::section(const std::string& name, const std::function<void(Report&)>
   }
   if (!finished) {
     // Said where it happened; that the process ended at all breaks C1.6 only if it was not the section's own clause.
-    Outcome& outcome = outcomes_[current_.empty() ? "C1.6" : current_];
+    Outcome& outcome = outcomes_[current_];
     outcome.failures++;
     const std::string how = WIFSIGNALED(status) ? std::string("killed by signal ") + strsignal(WTERMSIG(status))
                                                 : "the process was ended from inside";
     outcome.details.push_back(name + ": " + how);
   }
+  munmap(shared, kLongestId);
 }
 
+// One line: kind, clause, a space, text.
 void Report::send(char kind, const std::string& text) {
-  const std::string line = kind + text + "\n";
+  const std::string line = kind + std::string(current_) + " " + text + "\n";
   if (write(pipe_, line.data(), line.size()) < 0) _exit(3);
 }
 
 void Report::receive(const std::string& line) {
-  if (line.empty()) return;
-  const std::string text = line.substr(1);
-  Outcome& outcome = outcomes_[current_.empty() ? "C1.6" : current_];
+  const std::size_t space = line.find(' ');
+  if (space == std::string::npos) return;
+  const std::string text = line.substr(space + 1);
+  Outcome& outcome = outcomes_[line.substr(1, space - 1)];
   switch (line[0]) {
-    case 'C':
-      current_ = text;
-      outcomes_[current_];
-      break;
     case '+':
       outcome.expectations += std::atoi(text.c_str());
       break;
@@ -209,19 +212,20 @@ void Report::receive(const std::string& line) {
 }
 
 void Report::clause(const char* id) {
-  current_ = id;
-  send('C', id);
+  if (std::strcmp(current_, id) == 0) return;
+  std::strncpy(current_, id, kLongestId - 1);
+  const auto [entry, first_time] = outcomes_.try_emplace(id);
+  outcome_ = &entry->second;
+  if (first_time) send('+', "0");
 }
 
 bool Report::expect(bool holds, const char* format, ...) {
-  int& failures = sent_failures_[current_];
   if (holds) {
-    int& count = outcomes_[current_].expectations;
-    ++count;
+    const int count = ++outcome_->expectations;
     if ((count & (count - 1)) == 0) send('+', std::to_string(count - count / 2));  // sent at powers of two
     return true;
   }
-  if (++failures <= kDetailsPerClause) {
+  if (++outcome_->failures <= kDetailsPerClause) {
     va_list arguments;
     va_start(arguments, format);
     send('F', formatted(format, arguments));

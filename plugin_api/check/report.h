@@ -44,8 +44,8 @@ class Report {
   void receive(const std::string& line);
 
   int pipe_ = -1;
-  std::string current_;
-  std::map<std::string, int> sent_failures_;
+  char* current_ = nullptr;  // id of the clause, in memory that the child process shares: the last one, however it ends
+  Outcome* outcome_ = nullptr;  // of the current clause, in the child
   std::map<std::string, Outcome> outcomes_;
   std::vector<std::string> notes_;
 };

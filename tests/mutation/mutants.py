@@ -10,11 +10,11 @@ Places are drawn evenly from the code (no comments, texts or preprocessor lines)
 the same tree. All are built at once in a copy of the tree (schemata.py), without adapters and benchmarks; every
 test of ctest is run once to see that it passes and which mutants it reaches; then each mutant is planted in turn and run
 against the tests that reach it, quickest first and those that have killed before, until one fails, crashes or takes five times
-its time, or --budget is spent (column "how": "budget"). What cannot be switched
+its time on the processor, or --budget is spent (column "how": "budget"). What cannot be switched
 at run time (sizes of types, constants of the compiler) is built alone with --alone, otherwise replaced by the next one, as is
 what does not compile or, alone, compiles to the same bytes.
 Results go to --out row by row; a run that was stopped goes on from there, and --again runs the survivors once more. A mutant
-killed by a time-out alone (column "how") on a busy machine may be an innocent one: --again looks at those again as well.
+killed by a time-out alone (column "how") is looked at once more with --again: what waits for others may be an innocent one.
 Exit code 0: at least --goal killed, 1: fewer, 2: wrong use, 3: the unchanged tree does not build or pass.
 """
 import argparse
@@ -23,14 +23,17 @@ import concurrent.futures
 import csv
 import hashlib
 import json
+import math
 import os
 import pathlib
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 from schemata import CAPACITY, HEADER, Mutant, blame, code_only, matching, with_schemata
@@ -200,24 +203,29 @@ class Test:
         """Seconds that a kill costs, as far as known; one run in ten kills."""
         return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1)
 
-    def run(self, timeout, **environment):
-        start = time.monotonic()
+    def run(self, allowed, **environment):
+        """allowed: seconds on the processor, for each process, so that a busy machine kills no mutant; on the clock eight times
+        those, for what waits for ever."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(allowed), math.ceil(allowed)))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         process = subprocess.Popen(self.command, cwd=self.folder, env={**os.environ, **self.environment, **environment},
                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-                                   start_new_session=True)
+                                   start_new_session=True, preexec_fn=limit)
+        waiting = threading.Timer(8 * allowed, lambda: os.killpg(process.pid, signal.SIGKILL))
+        waiting.start()
+        _, status, used = os.wait4(process.pid, 0)
+        timed_out = not waiting.is_alive() or used.ru_utime + used.ru_stime >= 0.99 * allowed
+        waiting.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
         try:
-            code = process.wait(timeout)
-            outcome = "passed" if code == 0 else "failed" if code > 0 else "crashed"
-        except subprocess.TimeoutExpired:
-            outcome = "timed out"
-        finally:
-            try:
-                os.killpg(process.pid, signal.SIGKILL)  # what the test has started ends with it
-            except ProcessLookupError:
-                pass
-            process.wait()
-        self.took = time.monotonic() - start
-        return outcome
+            os.killpg(process.pid, signal.SIGKILL)  # what the test has started ends with it
+        except ProcessLookupError:
+            pass
+        self.took = used.ru_utime + used.ru_stime
+        if process.returncode == 0:
+            return "passed"
+        return "timed out" if timed_out else "failed" if process.returncode > 0 else "crashed"
 
     def watch(self, folder, longest, kept):
         """Runs without a mutant; keeps the time it takes and the mutants it reaches. kept: what the same test found before."""
