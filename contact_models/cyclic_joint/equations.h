@@ -143,6 +143,10 @@ struct Result {
   M opens, slips, reseats, crushes, gives_way;
 };
 
+struct Traction {
+  V sigma, tau_s, tau_t;
+};
+
 // Yield only beyond this many roundings of the largest stress that entered the comparison.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
@@ -243,10 +247,6 @@ struct Equations {
   }
 
   // ---- Nothing yields: the short path -------------------------------------------------------------------------------
-
-  struct Traction {
-    V sigma, tau_s, tau_t;
-  };
 
   static HWY_INLINE M untouched(const State& s) { return hn::Or(hn::Or(s.q, s.l), s.v_m) == zero(); }  // bit by bit
 

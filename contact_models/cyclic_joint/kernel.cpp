@@ -3,6 +3,7 @@
 
 #include <new>
 #include <type_traits>
+#include <utility>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cyclic_joint/kernel.cpp"
@@ -226,9 +227,17 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   }
 }
 
+// Of c what an elastic step reads, column by column: a loop over vectors then need not keep c in memory.
+template <std::size_t... k>
+HWY_INLINE Columns inputs_of(const Columns& c, std::index_sequence<k...>) {
+  Columns inputs;
+  ((inputs.in[k] = c.in[k]), ...);
+  return inputs;
+}
+
+// Joints with residual opening, crushing or uplift. Out of line: most vectors have none.
 template <class Access, class Law>
-HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::size_t i,
-                                      typename Law::Traction& traction) {
+HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::size_t i, Traction& traction) {
   const At<Access> at{c, i};
   return law.template elastic<Access::kOnePoint, false>(at.increment(), at.state(), traction);
 }
@@ -236,11 +245,13 @@ HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::siz
 template <class Access, class Law>
 HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
-  typename Law::Traction traction;
+  Traction traction;
   const State state = at.untouched_state();
   if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) {
-    typename Law::Traction touched;
-    if (all(law.untouched(state)) || !elastic_and_touched<Access>(law, c, i, touched)) return false;
+    if (all(law.untouched(state))) return false;
+    Traction touched;
+    const Columns inputs = inputs_of(c, std::make_index_sequence<kStateOld + kSlip>());
+    if (!elastic_and_touched<Access>(law, inputs, i, touched)) return false;
     traction = touched;
   }
   if (!c.in_place) at.keep_history();

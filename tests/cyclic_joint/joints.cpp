@@ -169,7 +169,8 @@ cyclic_rates::Parameters rates_of(const Joint& j) {
 
 Surfaces beyond_surfaces(const Joint& j, const History& s, double sigma, double tau, double d_n, double trial) {
   const Real v = uplift(s), h = d_n + s.w - v - s.q, B = j.bond(s.l) * j.f(s.xi), f = j.f(s.xi);
-  const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q);
+  // With the seat: one rounding of g moves the uplift by tan(psi0) times as much.
+  const Real reach = j.kn * (std::abs(d_n) + s.w + v + s.q + j.tan_psi() * std::hypot(s.g[0], s.g[1]));
   const double scale = static_cast<double>(std::max({j.ft, j.c0, reach, static_cast<Real>(trial)}));
   if (std::abs(h) < 1e-15L * reach / j.kn) return {0.0, scale};
   const double p = std::max(0.0, -sigma);

@@ -45,7 +45,7 @@ LITERAL = r'R"(?P<raw>\w*)\((?:.|\n)*?\)(?P=raw)"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-
 OPENS, CLOSES = dict(zip(")]}", "([{")), dict(zip("([{", ")]}"))
 STOP_LEFT = re.compile(r"(?:[;,{}]|[^:]:| \? | (?:[-+*/|&^]|<<|>>)?=\s|\b(?:return|else|throw|do|case)\s)\Z")
 STOP_RIGHT = re.compile(r"[;,)\]}]| \? |(?<!:):(?!:)")
-SIZE_LEFT = re.compile(r"\b(?!return|else|throw|case)\w+[>*&]? \w+\[\Z")
+SIZE_LEFT = re.compile(r"\b(?!return|else|throw|case)\w+[>*&]? \w+(?:\[\w+\])*(?:, \w+(?:\[\w+\])*)*\[\Z")
 CONTROL = re.compile(r"\b(?:if|for|while|switch|constexpr)\s*\Z")
 
 
@@ -118,7 +118,7 @@ class Mutant:
         self.lines = range(text.count("\n", 0, self.lo) + 1, text.count("\n", 0, self.hi) + 2)
         if re.search(r'^\s*#|\bR"', text[self.lo:self.hi], flags=re.M):
             self.form = "alone"
-        if SIZE_LEFT.search(code, max(0, self.begin - 60), self.begin) and code[self.end] == "]":
+        if SIZE_LEFT.search(code, max(0, self.begin - 120), self.begin) and code[self.end] == "]":
             self.form = "alone"  # the size of an array, of which messages tell where it is used
         if self.kind == "branch" and re.search(r"\w[*&]* \w+ = |;", code[self.lo:self.hi]):
             self.form = "does not compile"
