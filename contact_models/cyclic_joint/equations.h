@@ -114,6 +114,21 @@ struct Lanes {
   }
 };
 
+// Of these, what the short path reads of joints without residual opening, crushing and uplift.
+struct ShortLanes {
+  V kn, ks, c_drop, mu_drop, mur, Cs, u0, yield, yield_squared;
+  explicit HWY_INLINE ShortLanes(const Lanes& p)
+      : kn(p.kn),
+        ks(p.ks),
+        c_drop(p.c_drop),
+        mu_drop(p.mu_drop),
+        mur(p.mur),
+        Cs(p.Cs),
+        u0(p.u0),
+        yield(p.yield),
+        yield_squared(p.yield_squared) {}
+};
+
 // ---- State ----------------------------------------------------------------------------------------------------------
 
 struct State {
@@ -150,9 +165,9 @@ struct Traction {
 // Yield only beyond this many roundings of the largest stress that entered the comparison.
 inline constexpr double kYieldTolerance = 8.0 * 2.220446049250313e-16;
 
-template <class Softening>
+template <class Softening, class Numbers = const Lanes&>
 struct Equations {
-  const Lanes& p;
+  const Numbers p;
   const Softening f;
 
   // ---- Crushing: strength F(l), compliance C(l), bond b(l) ----------------------------------------------------------
@@ -282,7 +297,11 @@ struct Equations {
     const V F_squared = kUntouched ? p.yield_squared : c.F * c.F;
     const M within_cap = hn::MulAdd(sigma, sigma, p.Cs * trial_squared) < F_squared;
     M elastic = hn::And(hn::And(held, full_stiffness), within_cap);
-    elastic = hn::And(elastic, kUntouched ? untouched(old) : hn::Or(old.q == zero(), zero() - sigma < p.ft));
+    if constexpr (kUntouched) {
+      elastic = hn::And(elastic, untouched(old));
+    } else {
+      elastic = hn::And(elastic, hn::Or(old.q == zero(), zero() - sigma < p.ft));
+    }
     if (!all(elastic)) return false;
     traction = {sigma, trial_s, trial_t};
     return true;

@@ -218,21 +218,18 @@ HWY_NOINLINE void step_other(const Law& law, const Columns& c, std::size_t i, st
   step_any<false, false, Access>(law, c, i, count, summary);
 }
 
-template <bool kFull, bool kColumns, class Access, class Law>
-HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
-  if constexpr (kFull) {
-    step_any<kFull, kColumns, Access>(law, c, i, count, summary);
-  } else if (!step_plain<Access>(law, c, i, count, summary)) {
-    step_other<Access>(law, c, i, count, summary);
-  }
-}
-
 // Of c what an elastic step reads, column by column: a loop over vectors then need not keep c in memory.
 template <std::size_t... k>
 HWY_INLINE Columns inputs_of(const Columns& c, std::index_sequence<k...>) {
   Columns inputs;
   ((inputs.in[k] = c.in[k]), ...);
   return inputs;
+}
+
+template <class Access>
+HWY_INLINE void put_elastic(const At<Access>& at, const Traction& traction) {
+  if (!at.c.in_place) at.keep_history();
+  at.put_traction(traction.sigma, traction.tau_s, traction.tau_t);
 }
 
 // Joints with residual opening, crushing or uplift. Out of line: most vectors have none.
@@ -242,21 +239,50 @@ HWY_NOINLINE bool elastic_and_touched(const Law& law, const Columns& c, std::siz
   return law.template elastic<Access::kOnePoint, false>(at.increment(), at.state(), traction);
 }
 
-template <class Access, class Law>
-HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
+template <class Softening>
+struct ShortPath {
+  Equations<Softening, ShortLanes> untouched;
+  const Equations<Softening>& any;
+};
+template <class Softening>
+HWY_INLINE ShortPath<Softening> short_path(const Equations<Softening>& law) {
+  return {{ShortLanes(law.p), law.f}, law};
+}
+
+template <class Access, class Softening>
+HWY_INLINE bool step_elastic(const ShortPath<Softening>& law, const Columns& c, std::size_t i) {
   const At<Access> at{c, i};
   Traction traction;
   const State state = at.untouched_state();
-  if (!law.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) {
-    if (all(law.untouched(state))) return false;
+  if (!law.untouched.template elastic<Access::kOnePoint, true>(at.increment(), state, traction)) {
+    if (Access::kOnePoint || all(law.untouched.untouched(state))) return false;
     Traction touched;
     const Columns inputs = inputs_of(c, std::make_index_sequence<kStateOld + kSlip>());
-    if (!elastic_and_touched<Access>(law, inputs, i, touched)) return false;
+    if (!elastic_and_touched<Access>(law.any, inputs, i, touched)) return false;
     traction = touched;
   }
-  if (!c.in_place) at.keep_history();
-  at.put_traction(traction.sigma, traction.tau_s, traction.tau_t);
+  put_elastic(at, traction);
   return true;
+}
+
+// A call of one point asks here, and not on its short path, whether it is touched and elastic.
+template <class Access, class Law>
+HWY_NOINLINE bool step_touched(const Law& law, const Columns& c, std::size_t i) {
+  const At<Access> at{c, i};
+  Traction traction;
+  if (all(law.untouched(at.untouched_state())) || !elastic_and_touched<Access>(law, c, i, traction)) return false;
+  put_elastic(at, traction);
+  return true;
+}
+
+template <bool kFull, bool kColumns, class Access, class Law>
+HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
+  if constexpr (kFull) {
+    step_any<kFull, kColumns, Access>(law, c, i, count, summary);
+  } else {
+    if (Access::kOnePoint && step_touched<Access>(law, c, i)) return;
+    if (!step_plain<Access>(law, c, i, count, summary)) step_other<Access>(law, c, i, count, summary);
+  }
 }
 
 template <class Softening, bool kFull, bool kColumns>

@@ -2,6 +2,8 @@
 //   template <class Access> bool step_elastic(const Law&, const Columns&, std::size_t i);
 //     the points from i on, when nothing moves them but elastically and nothing else is asked of: false, and nothing
 //     written, when there is one for which this is not sure
+//   auto short_path(const Law&);
+//     what step_elastic is given for a Law in a loop: the law, or the few of its numbers that it reads
 //   template <bool kFull, bool kColumns, class Access>
 //   void step_vector(const Law&, const Columns&, std::size_t i, std::size_t count, Summary&);
 //     the points from i on that fill a vector, through the whole step; count: of all points, the last vector may not be
@@ -34,14 +36,15 @@ inline constexpr std::size_t kLoopTile = 256;
 // Tractions and states only.
 template <class Law>
 HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
-  // A copy, so that the short path keeps it in registers: what is stored might change c.
+  // Copies, so that the short path keeps them in registers: what is stored might change c and the law.
   const Columns own = c;
+  const auto& quick = short_path(law);
   std::size_t rest[kLoopTile];
   for (std::size_t i = 0; i < count;) {
     const std::size_t end = std::min(count, i + kLoopTile);
     std::size_t n = 0;
     for (; i < end; i += hn::Lanes(D())) {
-      if (!step_elastic<Vectors>(law, own, i)) rest[n++] = i;
+      if (!step_elastic<Vectors>(quick, own, i)) rest[n++] = i;
     }
     if (n > 0) step_vectors<false, false>(law, c, rest, n, count, summary);
   }
@@ -60,7 +63,7 @@ HWY_INLINE void run_full(const Law& law, const Columns& c, std::size_t count, Su
 // A call of one point: the same vectors with this point in every lane, and so the same bits.
 template <class Law>
 HWY_INLINE void run_one(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
-  if (!step_elastic<OnePoint>(law, c, 0)) step_vector<false, false, OnePoint>(law, c, 0, count, summary);
+  if (!step_elastic<OnePoint>(short_path(law), c, 0)) step_vector<false, false, OnePoint>(law, c, 0, count, summary);
 }
 
 }  // namespace quoin::shim::HWY_NAMESPACE
