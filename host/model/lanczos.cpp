@@ -23,14 +23,12 @@ class RitzValue {
     const bool exhausted = b <= 1e-14 * std::abs(a) || diagonal_.size() >= dimension_;
     const bool last = exhausted || steps == settings_.max_steps;
     if (!last && steps % settings_.check_interval != 0) return false;
-    solver_.computeFromTridiagonal(diagonal(), beside(), Eigen::EigenvaluesOnly);
     const double before = value_;
-    value_ = solver_.eigenvalues()[steps - 1];
+    value_ = solved(Eigen::EigenvaluesOnly).eigenvalues()[steps - 1];
     return last || (steps > settings_.first_check && value_ - before < settings_.settled * value_);
   }
   Eigen::VectorXd vector() {
-    solver_.computeFromTridiagonal(diagonal(), beside());  // costs far more than the values
-    return solver_.eigenvectors().col(steps() - 1);
+    return solved(Eigen::ComputeEigenvectors).eigenvectors().col(steps() - 1);  // costs far more than the values
   }
   int steps() const { return static_cast<int>(diagonal_.size()); }
   double value() const { return value_; }
@@ -39,13 +37,19 @@ class RitzValue {
   double diagonal(int step) const { return diagonal_[static_cast<std::size_t>(step)]; }
 
  private:
+  using Solver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
+  // A new solver each time: one that grows frees its memory first, and once more where there is none to be had.
+  Solver solved(int what) const {
+    Solver solver;
+    solver.computeFromTridiagonal(diagonal(), beside(), what);
+    return solver;
+  }
   Eigen::VectorXd diagonal() const { return Eigen::Map<const Eigen::VectorXd>(diagonal_.data(), steps()); }
   Eigen::VectorXd beside() const { return Eigen::Map<const Eigen::VectorXd>(beside_.data(), steps() - 1); }
 
   const LanczosSettings& settings_;
   std::size_t dimension_;
   std::vector<double> diagonal_, beside_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver_;
   double value_ = 0.0;
 };
 
