@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <mutex>
 
 #include "base/error.h"
@@ -92,6 +93,11 @@ extern "C" void on_crash(int signal) {
                      : signal == SIGILL ? "crashed (SIGILL)"
                                         : "aborted, or threw what a law must not throw";
   blame_law(name);
+  // In a function of the C++ library that may throw nothing, as those that walk through folders: memory was missing.
+  if (signal == SIGABRT && std::uncaught_exceptions() > 0) {
+    say({"quoin: out of memory; make the scene smaller\n"});
+    _exit(static_cast<int>(Exit::numerical));
+  }
   std::signal(signal, SIG_DFL);  // our own fault: as if nobody had looked
   raise(signal);
 }
