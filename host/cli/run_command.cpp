@@ -506,6 +506,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
 void run_on_ranks(const RunOptions& options, int& exit_code) {
   const std::unique_ptr<Ranks> ranks = join_ranks();
   if (!ranks) return run(options, nullptr, exit_code);
+  notices_wanted = ranks->rank() == 0;
   if (options.isolate_law)
     throw Error(Exit::usage,
                 "--isolate-law: not with several ranks, which would each start processes that MPI does not know; run "
@@ -515,7 +516,6 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
     notice(fmt::format("quoin: rank {}: {}", ranks->rank(), text));
     ranks->abort(static_cast<int>(code));
   };
-  notices_wanted = ranks->rank() == 0;
   try {
     if (ranks->rank() == 0)
       run(options, ranks.get(), exit_code);
