@@ -218,6 +218,7 @@ struct Simulation::Impl {
   std::optional<Assembly> left;  // by a promotion
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
+  long points_between(const std::vector<int>& rank_of_item) const;
   RankShare share_of_this_rank() const;  // once all has been gathered: others may have had other shares
   void bind_halo();                      // what neighbours ask for in every step, and all ranks of what stages watch
   void gather(Part part);                // afterwards all ranks have it as one process alone has it
