@@ -20,6 +20,10 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // What a side of a contact point costs, evaluation and fetching, in the units of what blocks cost (partition_work).
 constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 
+// Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
+constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
+                            {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
+
 template <class T>
 void visit_value(T& value, const VisitMemory& visit) {
   visit(&value, sizeof value);
@@ -80,18 +84,19 @@ std::vector<int> Simulation::Impl::bodies_of_item(int item) const {
   return {group.body.begin(), group.body.begin() + group.body_count};
 }
 
-// Sides of contact points whose item is not on the rank of the side before, in the same chunk.
+// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
 long Simulation::Impl::points_between(const std::vector<int>& rank_of_item) const {
-  long between = 0;
+  long again = 0;
+  std::vector<int> evaluate;
   for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
-    int before = -1;
+    evaluate.clear();
     each_side(c, [&](int item, std::int64_t) {
       const int rank = rank_of_item[at(item)];
-      between += before >= 0 && rank != before;
-      before = rank;
+      if (std::find(evaluate.begin(), evaluate.end(), rank) == evaluate.end()) evaluate.push_back(rank);
     });
+    again += static_cast<long>(evaluate.size() - 1) * static_cast<long>(chunk_cost[at(c)]);
   }
-  return between;
+  return again;
 }
 
 RankShare Simulation::Impl::share_of_this_rank() const {
@@ -101,8 +106,9 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   for (int c = 0; c < chunks; ++c) {
     each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
   }
-  // The blocks of an item on the lattice lie in eight places of the assembly: whichever stands better for them all,
-  // their mean or the first, leaves fewer contact points on borders.
+  // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
+  // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
+  // as if one side were shorter. What leaves the fewest points on borders is taken, by all ranks alike.
   std::vector<Vec3> mean, first;
   for (int i = 0; i < items; ++i) {
     mean.emplace_back();
@@ -114,9 +120,20 @@ RankShare Simulation::Impl::share_of_this_rank() const {
     }
   }
   RankShare of_rank;
-  of_rank.rank_of_item = bisect(mean, cost, ranks->count());
-  std::vector<int> by_first = bisect(first, cost, ranks->count());
-  if (points_between(by_first) < points_between(of_rank.rank_of_item)) of_rank.rank_of_item = std::move(by_first);
+  long fewest = -1;
+  for (const std::vector<Vec3>* candidate : {&mean, &first}) {
+    for (const Vec3& scale : kScales) {
+      std::vector<Vec3> place = *candidate;
+      for (Vec3& p : place) {
+        for (std::size_t c = 0; c < 3; ++c) p[c] *= scale[c];
+      }
+      std::vector<int> ranks_so = bisect(place, cost, ranks->count());
+      const long points = points_between(ranks_so);
+      if (fewest >= 0 && points >= fewest) continue;
+      fewest = points;
+      of_rank.rank_of_item = std::move(ranks_so);
+    }
+  }
   of_rank.rank_of_chunk.assign(at(chunks), -1);
   for (int c = 0; c < chunks; ++c) {
     bool own = false;
