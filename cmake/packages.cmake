@@ -1,5 +1,5 @@
 # Debian packages, by `cpack` in the build folder: the program with its laws, what laws and hosts are built with, Python.
-# Each folder says which of the three its files belong to (CMAKE_INSTALL_DEFAULT_COMPONENT_NAME).
+# Each folder says which of the packages its files belong to (CMAKE_INSTALL_DEFAULT_COMPONENT_NAME).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME quoin)
 set(CPACK_PACKAGE_CONTACT "the authors of Quoin <quoin@localhost>")
@@ -20,6 +20,11 @@ set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "quoin")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-quoin)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, quoin (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-tqdm, python3-meshio, python3-matplotlib")
+if(TARGET quoin_mpi)  # apart, so that who runs on one machine needs no MPI
+  list(APPEND CPACK_COMPONENTS_ALL mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME quoin-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "quoin (= ${PROJECT_VERSION}), openmpi-bin")
+endif()
 # What is there is packed; nothing is built for it.
 set(CPACK_CMAKE_GENERATOR Ninja)
 include(CPack)

@@ -7,8 +7,8 @@
 
 namespace quoin {
 
-enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, watch, output };
-inline constexpr std::size_t kPhases = 9;
+enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, watch, output, ranks };
+inline constexpr std::size_t kPhases = 10;
 
 // Wall-clock time by phase, s.
 struct PhaseTimes {

@@ -75,7 +75,7 @@ std::string value_text(const PropertySetting& p) {
 }
 
 // Before anything of that size is made.
-void refuse_what_does_not_fit(const Scene& scene, bool force) {
+void refuse_what_does_not_fit(const Scene& scene, bool force, int processes) {
   constexpr double kMost = 2e9, kLarge = 1e8;  // what can be numbered; B from which on a user waits for the first word
   const SceneSize size = size_of(scene);
   const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
@@ -83,7 +83,10 @@ void refuse_what_does_not_fit(const Scene& scene, bool force) {
   if (std::max(size.zones, size.points) > kMost)
     throw Error(Exit::bad_input,
                 fmt::format("{}: of each, {:g} at most can be numbered; make the scene smaller", words, kMost));
-  if (!force) require_memory(size.bytes, words, "make the scene smaller, or try all the same with --force");
+  if (!force)
+    require_memory(processes * size.bytes,
+                   processes > 1 ? fmt::format("{}, on each of {} ranks here", words, processes) : words,
+                   "make the scene smaller, or try all the same with --force");
   if (size.bytes > kLarge)
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
 }
@@ -109,7 +112,7 @@ Scene prepare_scene(const SceneOptions& options) {
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
-  refuse_what_does_not_fit(scene, options.force);
+  refuse_what_does_not_fit(scene, options.force, options.processes_here);
   std::string faults;
   const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   for (auto& [name, family] : scene.joints) {

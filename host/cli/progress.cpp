@@ -85,7 +85,8 @@ std::string phases_text(const PhaseTimes& times, double whole) {
                                       "detection",
                                       "measurements",
                                       "watch",
-                                      "output"};
+                                      "output",
+                                      "other ranks"};
   std::string text = "time:";
   double rest = whole;
   for (std::size_t k = 0; k < kPhases; ++k) {
@@ -94,6 +95,28 @@ std::string phases_text(const PhaseTimes& times, double whole) {
     if (share >= 0.5) text += fmt::format(" {} {:.0f} %,", names[k], share);
   }
   return text + fmt::format(" set-up and the rest {:.0f} %", std::max(0.0, 100.0 * rest / whole));
+}
+
+std::string ranks_text(const std::vector<RankTraffic>& ranks) {
+  RankTraffic most, sum;
+  for (const RankTraffic& r : ranks) {
+    most.halo_bytes = std::max(most.halo_bytes, r.halo_bytes);
+    most.halo_messages = std::max(most.halo_messages, r.halo_messages);
+    most.blocks = std::max(most.blocks, r.blocks);
+    sum.waiting_seconds += r.waiting_seconds, sum.gathering_seconds += r.gathering_seconds;
+    sum.step_seconds += r.step_seconds;
+    sum.blocks += r.blocks;
+    sum.points += r.points, sum.shared_points += r.shared_points;
+  }
+  const RankTraffic& first = ranks.front();
+  const double steps = std::max(1.0, first.steps), count = static_cast<double>(ranks.size());
+  return fmt::format(
+      "ranks: {}; at most {:.2f} kB in {:.3g} messages a rank and step; waiting {:.1f} %, gathering {:.1f} % ({:.0f} "
+      "times {:.3g} MB); at most {:.3g} times the mean of blocks, {:.0f} % of contact points on borders",
+      ranks.size(), most.halo_bytes / steps / 1e3, most.halo_messages / steps,
+      100.0 * sum.waiting_seconds / sum.step_seconds, 100.0 * sum.gathering_seconds / sum.step_seconds, first.gathers,
+      first.gathers > 0.0 ? first.gathered_bytes / first.gathers / 1e6 : 0.0, count * most.blocks / sum.blocks,
+      100.0 * sum.shared_points / sum.points);
 }
 
 }  // namespace quoin

@@ -26,4 +26,7 @@ class ProgressLine {
 // are left out.
 std::string phases_text(const PhaseTimes& times, double whole);
 
+// "ranks: 2; a rank and step 13.2 kB in 1 message; waiting 4.1 %, ...": what running on several processes has cost.
+std::string ranks_text(const std::vector<RankTraffic>& ranks);
+
 }  // namespace quoin

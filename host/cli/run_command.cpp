@@ -19,9 +19,11 @@
 #include "cli/progress.h"
 #include "cli/resume.h"
 #include "files/file.h"
+#include "files/notice.h"
 #include "files/result_folder.h"
 #include "law/law_calls.h"
 #include "law/law_process.h"
+#include "ranks/join.h"
 #include "results/block_picture.h"
 #include "results/history.h"
 #include "results/plots.h"
@@ -93,6 +95,8 @@ double process_seconds() {
   return before + std::chrono::duration<double>(std::chrono::steady_clock::now() - at_main).count();
 }
 
+constexpr double kTogether = 5.0;  // s, within which ranks that fail together have all failed
+
 struct RunOptions {
   SceneOptions scene;
   std::string out;
@@ -147,8 +151,8 @@ class Recorder : public Observer {
     history_.add(row);
     last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);
   }
-  void on_pause(const Simulation& simulation, bool last) override {
-    if (!clock_.due() && !(last && clock_.on())) return;
+  bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }
+  void on_pause(const Simulation& simulation, bool) override {
     try {
       write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), simulation.save()});
     } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
@@ -272,7 +276,57 @@ void print_isolation(const Simulation& simulation) {
   }
 }
 
-void run(RunOptions options, int& exit_code) {
+int threads_of(const RunOptions& options, const Ranks* ranks) {
+  const int here = static_cast<int>(std::thread::hardware_concurrency());
+  if (options.threads > 0) return options.threads;
+  return std::max(1, ranks ? here / ranks->count_on_this_machine() : here);
+}
+
+// The checkpoint that rank 0 goes on from, at all others; empty: none.
+void share_state(Ranks& ranks, std::vector<std::uint8_t>& state) {
+  std::uint64_t size = state.size();
+  ranks.share(std::as_writable_bytes(std::span(&size, 1)));
+  state.resize(size);
+  ranks.share(std::as_writable_bytes(std::span(state)));
+}
+
+// All that the ranks beside rank 0 do: it alone speaks and writes.
+struct Follower : Observer {
+  bool wants_pause(bool) override { return false; }
+};
+
+void follow(RunOptions options, Ranks& ranks, int& exit_code) {
+  if (!options.resume.empty()) {
+    if (is_done(options.resume)) return;
+    options.scene = read_run_record(options.resume);
+  }
+  if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
+  options.scene.processes_here = ranks.count_on_this_machine();
+  Simulation simulation(prepare_scene(options.scene), threads_of(options, &ranks));
+  simulation.use(&ranks);
+  std::vector<std::uint8_t> state;
+  share_state(ranks, state);
+  if (!state.empty()) simulation.restore(state);
+  const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: the law '{}' has not returned from a batch within {:g} s: {}", ranks.rank(),
+                       material.api().id, options.law_seconds, simulation.batch_text(batch)));
+    _exit(static_cast<int>(Exit::numerical));
+  });
+  const StopOnSignal guard(simulation);
+  Follower follower;
+  try {
+    simulation.run(follower);
+  } catch (const Error& error) {
+    exit_code = static_cast<int>(error.exit_code);
+    if (simulation.ranks_together()) return;
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: {}", ranks.rank(), error.what()));
+    ranks.abort(exit_code);
+  }
+}
+
+void run(RunOptions options, Ranks* ranks, int& exit_code) {
   fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
   std::shared_ptr<FolderLock> lock;
@@ -293,10 +347,12 @@ void run(RunOptions options, int& exit_code) {
     options.scene = options_of(*there);
     options.scene.force = force;
   }
+  if (ranks) options.scene.processes_here = ranks->count_on_this_machine();
   Scene scene = prepare_scene(options.scene);
-  const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws(wanted, options.law_seconds);
-  Simulation simulation(std::move(scene), options.threads);
+  Simulation simulation(std::move(scene), wanted);
+  if (ranks) simulation.use(ranks);
   RunInfo info;
   info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
   if (there) hold_against(info.provenance, *there);
@@ -306,8 +362,9 @@ void run(RunOptions options, int& exit_code) {
   if (goes_on) {
     before = read_checkpoint(folder / "checkpoint.bin", identity);
     simulation.restore(before.state);
-    before.state = {};
   }
+  if (ranks) share_state(*ranks, before.state);
+  before.state = {};
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
   const ResultFolder own(folder, lock, [&](const std::string& name) {
     return lock != nullptr && is_kept(name, before.frame_times.size());
@@ -324,10 +381,11 @@ void run(RunOptions options, int& exit_code) {
                     options.compressed);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
-      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {} "
+      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {}{} "
       "threads, {}",
       options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
-      step.time_step, step.time_step / step.critical.value, simulation.thread_count(), simulation.instruction_set()));
+      step.time_step, step.time_step / step.critical.value, ranks ? fmt::format("{} ranks of ", ranks->count()) : "",
+      simulation.thread_count(), simulation.instruction_set()));
 
   if (simulation.thread_count() < wanted)
     recorder.progress().message(fmt::format(
@@ -425,6 +483,7 @@ void run(RunOptions options, int& exit_code) {
   fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
+  if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
   print_isolation(simulation);
   for (const Warning& warning : info.warnings)
     if (!recorder.was_told(warning)) recorder.on_warning(warning);
@@ -436,6 +495,41 @@ void run(RunOptions options, int& exit_code) {
   if (there && info.status != "interrupted" && !say_whether_same(info.provenance, folder, *there, options.again) &&
       exit_code == 0)
     exit_code = static_cast<int>(Exit::numerical);
+  if (failure && !simulation.ranks_together()) {
+    std::fflush(stdout);
+    ranks->abort(exit_code);
+  }
+}
+
+// Where mpirun has started several of us: rank 0 runs as one process does, the others help. What stops one rank ends
+// all: those that fail together are spoken for by rank 0, and one that fails alone says so.
+void run_on_ranks(const RunOptions& options, int& exit_code) {
+  const std::unique_ptr<Ranks> ranks = join_ranks();
+  if (!ranks) return run(options, nullptr, exit_code);
+  notices_wanted = ranks->rank() == 0;
+  if (options.isolate_law)
+    throw Error(Exit::usage,
+                "--isolate-law: not with several ranks, which would each start processes that MPI does not know; run "
+                "the law on one rank first");
+  const auto end_alone = [&](Exit code, const std::string& text) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: {}", ranks->rank(), text));
+    ranks->abort(static_cast<int>(code));
+  };
+  try {
+    if (ranks->rank() == 0)
+      run(options, ranks.get(), exit_code);
+    else
+      follow(options, *ranks, exit_code);
+  } catch (const Error& error) {
+    exit_code = static_cast<int>(error.exit_code);
+    notice(fmt::format("quoin: {}", error.what()));  // of rank 0
+    if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
+  } catch (const std::bad_alloc&) {
+    end_alone(Exit::numerical, "out of memory; fewer ranks on each machine, or a smaller scene");
+  } catch (const std::exception& error) {
+    end_alone(Exit::numerical, fmt::format("internal error: {}; please report it with the scene", error.what()));
+  }
 }
 
 }  // namespace
@@ -504,7 +598,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->callback([options, scene, &exit_code] {
     if (options->resume.empty() && options->again.empty() && scene->count() == 0)
       throw CLI::RequiredError("SCENE.toml, --resume DIR or --again DIR");
-    run(*options, exit_code);
+    run_on_ranks(*options, exit_code);
   });
 }
 

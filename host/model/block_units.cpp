@@ -114,6 +114,7 @@ void World::part_units() {
     if (energy_) later_.detection += together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
   }
   if (!parted) return;
+  fetch_();
   take_back_facets();
   divide_work();
   if (solver_.unit_inertia != 1.0) find_time_step();

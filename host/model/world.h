@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -341,6 +342,9 @@ class World {
   long divisions() const { return divisions_; }  // how often the work has been divided anew
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
   bool looks_at_motion() const { return step_count_ + 1 >= next_check_; }
+  // Called before contacts are detected or blocks go with others: where other processes have advanced some of them, what
+  // they know is to be fetched.
+  void before_dividing(std::function<void()> fetch) { fetch_ = std::move(fetch); }
   int unit_count() const { return unit_count_; }  // units in two halves that hold together
   long narrow_calls() const { return narrow_calls_; }
 
@@ -350,6 +354,7 @@ class World {
   int alike_count() const;  // blocks whose inner forces come from a stiffness that they share
   int piece_count() const { return int(pieces_.size()); }
   double piece_work(int piece) const;
+  std::span<const int32_t> blocks_of_piece(int piece) const { return blocks_of(pieces_[size_t(piece)]); }
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
@@ -520,6 +525,7 @@ class World {
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;
   long divisions_ = 0;  // how often the work has been divided anew
+  std::function<void()> fetch_ = [] {};
 
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;

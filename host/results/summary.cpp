@@ -143,6 +143,27 @@ Json watch_of(const Simulation& simulation) {
           {"stiffness_over_bound", w.stiffness_ratio > 0.0 ? Json(w.stiffness_ratio) : Json(nullptr)}};
 }
 
+Json ranks_of(const std::vector<RankTraffic>& ranks) {
+  Json each = Json::array();
+  for (const RankTraffic& r : ranks) {
+    const double steps = std::max(1.0, r.steps);
+    each.push_back({{"blocks", r.blocks},
+                    {"contact_points", r.points},
+                    {"contact_points_on_borders", r.shared_points},
+                    {"bytes_a_step", r.halo_bytes / steps},
+                    {"messages_a_step", r.halo_messages / steps},
+                    {"waiting_s", r.waiting_seconds},
+                    {"gathering_s", r.gathering_seconds},
+                    {"stepping_s", r.step_seconds}});
+  }
+  const RankTraffic& first = ranks.front();
+  return {{"count", ranks.size()},
+          {"steps", first.steps},
+          {"gathers", first.gathers},
+          {"gathered_bytes", first.gathered_bytes},
+          {"by_rank", each}};
+}
+
 }  // namespace
 
 std::string law_names(const Assembly& assembly) {
@@ -192,6 +213,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["added_mass_kg"] = step.added_mass;
   json["wall_clock_s"] = info.wall_clock_s;
   json["threads"] = simulation.thread_count();
+  if (!simulation.rank_traffic().empty()) json["ranks"] = ranks_of(simulation.rank_traffic());
   json["instruction_set"] = simulation.instruction_set();
   const auto& bricks = simulation.assembly().bricks;
   const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });

@@ -190,6 +190,7 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
   energies.reset();
   swaps.clear();
   bind_columns();
+  if (ranks) partition_work();
 }
 
 }  // namespace quoin

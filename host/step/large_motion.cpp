@@ -68,7 +68,9 @@ void Model::end_step() {
   watch();
   leave_alike();
   part_units();
-  if (moved_enough()) detect_contacts();
+  if (!moved_enough()) return;
+  fetch_();
+  detect_contacts();
 }
 
 std::optional<WrongAnswer> Model::wrong_law() const {
@@ -525,13 +527,16 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   }
 }
 
+bool Model::has_deformed_too_much(int i) const {
+  return !(block_sums_[size_t(i)].deformation <= kLargestDeformation * blocks_[size_t(i)].least_extent);
+}
+
 void Model::leave_alike() {
   bool some = false;
   for (const Piece& piece : pieces_) {
     if (piece.alike < 0) continue;
     for (const int32_t i : blocks_of(piece)) {
-      const bool fits = block_sums_[size_t(i)].deformation <= kLargestDeformation * blocks_[size_t(i)].least_extent;
-      if (!fits) by_zone_[size_t(i)] = 1, some = true;
+      if (has_deformed_too_much(i)) by_zone_[size_t(i)] = 1, some = true;
     }
   }
   if (!some) return;

@@ -14,6 +14,7 @@
 #include "base/thread_pool.h"
 #include "law/answers.h"
 #include "model/world.h"
+#include "step/rank_share.h"
 
 namespace quoin {
 struct ArchiveWriter;
@@ -55,7 +56,18 @@ class Model : public World {
   void save(ArchiveWriter& writer);
   void restore(ArchiveReader& reader);
 
+  // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
+  // Whether something of theirs concerns all: a law that has failed, a block that is nowhere or has deformed too much.
+  bool in_trouble(std::span<const int> chunks, std::span<const int> pieces) const;
+  void each_memory_of_piece(Part part, int piece, const VisitMemory& visit);
+  void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
+  // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
+  void each_side(int chunk, const std::function<void(int block, std::int64_t key)>& visit) const;
+  void numbers_of(std::int64_t key, std::vector<double*>& numbers);  // that say where it is
+  void motion_of(int block, std::vector<double*>& numbers);          // place and velocity of a whole block
+
  private:
+  bool has_deformed_too_much(int block) const;
   // phases of the step: contacts chunk by chunk, then blocks piece by piece
   void apply_ground_motion();
   void contact_kinematics(Family& f, Chunk& chunk);

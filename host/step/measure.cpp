@@ -112,8 +112,10 @@ WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
 
 void Simulation::Impl::look_at_motion() {
   if (riding) return look_at_riding_motion();
-  whole_motions.resize(model.assembly.bricks.size());
-  for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
+  if (gathered) {  // else each rank has given those of its own blocks
+    whole_motions.resize(model.assembly.bricks.size());
+    for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
+  }
   joint_sliding.look(whole_motions, &motion_seen);
 }
 
@@ -168,6 +170,10 @@ Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*tran
 }
 
 Vec3 Simulation::Impl::joint_force(int body) const {
+  return gathered ? sum_joint_force(body) : body_force[static_cast<std::size_t>(body)];
+}
+
+Vec3 Simulation::Impl::sum_joint_force(int body) const {
   const RigidBody& b = model.bodies[static_cast<std::size_t>(body)];
   Vec3 sum{};
   for (std::size_t i = 0; i < b.point.size(); ++i) {

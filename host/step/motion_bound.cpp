@@ -10,12 +10,6 @@ namespace {
 
 constexpr std::size_t kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
 
-Vec3 centre_of(const Brick& brick) {
-  Vec3 centre;
-  for (std::size_t c = 0; c < 3; ++c) centre[c] = brick.origin[c] + 0.5 * brick.size[c];
-  return centre;
-}
-
 Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {
   Vec3 u = m.translation;
   for (std::size_t c = 0; c < 3; ++c)
@@ -34,6 +28,12 @@ std::string describe(const Assembly& assembly, int block) {
 }
 
 }  // namespace
+
+Vec3 centre_of(const Brick& brick) {
+  Vec3 centre;
+  for (std::size_t c = 0; c < 3; ++c) centre[c] = brick.origin[c] + 0.5 * brick.size[c];
+  return centre;
+}
 
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
   WholeMotion m;

@@ -17,6 +17,8 @@ struct MotionSeen {
   int slid_joint = -1;
 };
 
+Vec3 centre_of(const Brick& brick);  // m
+
 // Small motion of a block as a whole, about its centre.
 struct WholeMotion {
   Vec3 translation{}, rotation{};  // m, rad

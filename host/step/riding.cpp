@@ -24,6 +24,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                                     std::vector<std::shared_ptr<const Material>> materials) {
   riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials));
   riding->track_energy(want_energy);
+  riding->before_dividing([this] { gather(Part::all); });
   riding_start.clear(), on_base.clear();
   for (int i = 0; i < riding->block_count(); ++i) riding_start.push_back(riding->position(i));
   const auto& blocks = riding->assembly().blocks;
@@ -233,6 +234,7 @@ void Simulation::Impl::pull_block(int block, double pull) {
 bool Simulation::Impl::collapse_ended() {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   if (!settings.collapse) return false;
+  gather(Part::row);
   watch_uplift();
   if (largest_displacement() > settings.collapse->displacement) {
     outcome.collapse_multiplier = multiplier;
@@ -318,7 +320,7 @@ double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
   const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
   for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
-    look(norm(geometry::vector(whole_motion_of(i).translation)));
+    look(norm(geometry::vector((gathered ? whole_motion_of(i) : whole_motions[i]).translation)));
   for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
     look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));

@@ -148,30 +148,44 @@ void Simulation::Impl::bind_energies(LawCall& call, const ContactChunk& chunk) {
 }
 
 void Simulation::Impl::partition_work() {
-  std::vector<double> weight;
-  for (const ContactChunk& chunk : model.chunks) weight.push_back(chunk.point_count);
-  for (int c = 0; riding && c < riding->chunk_count(); ++c) weight.push_back(riding->chunk_work(c));
-  chunk_end = shares(weight, pool.thread_count());
+  chunk_cost.clear(), item_cost.clear(), unit_of_group.clear();
+  for (const ContactChunk& chunk : model.chunks) chunk_cost.push_back(chunk.point_count);
+  for (int c = 0; riding && c < riding->chunk_count(); ++c) chunk_cost.push_back(riding->chunk_work(c));
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
-  weight.clear();
   std::size_t largest = 0;
   for (const UnitGroup& unit : model.unit_groups) {
-    weight.push_back(0.0);
+    item_cost.push_back(0.0);
     for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      unit_of_group.push_back(static_cast<int>(item_cost.size()) - 1);
       const BlockGroup& group = model.groups[static_cast<std::size_t>(g)];
       const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-      weight.back() += static_cast<double>(shape.stiffness.coefficient.size());
+      item_cost.back() += static_cast<double>(shape.stiffness.coefficient.size());
       largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
     }
   }
   for (const BodyGroup& group : model.body_groups)
-    weight.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
+    item_cost.push_back(kBodySlot * (model.body_slots[static_cast<std::size_t>(group.slots)].slot_count() + 8.0));
   for (const int b : model.lone_bodies)
-    weight.push_back(kBodyPoint * (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
-  for (int p = 0; riding && p < riding->piece_count(); ++p) weight.push_back(riding->piece_work(p));
-  item_end = shares(weight, pool.thread_count());
+    item_cost.push_back(kBodyPoint *
+                        (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
+  for (int p = 0; riding && p < riding->piece_count(); ++p) item_cost.push_back(riding->piece_work(p));
+  item_of_riding_block.assign(riding ? static_cast<std::size_t>(riding->block_count()) : 0, -1);
+  for (int p = 0; riding && p < riding->piece_count(); ++p) {
+    for (const std::int32_t block : riding->blocks_of_piece(p))
+      item_of_riding_block[static_cast<std::size_t>(block)] = p;
+  }
+  share = share_of_this_rank();
+  bind_halo();
+  const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
+    std::vector<double> weight;
+    for (const int i : pieces) weight.push_back(cost[static_cast<std::size_t>(i)]);
+    return shares(weight, pool.thread_count());
+  };
+  chunk_end = ends(share.chunks, chunk_cost);
+  border_end = ends(std::span(share.items).first(share.border_items), item_cost);
+  item_end = ends(std::span(share.items).subspan(share.border_items), item_cost);
   data.scratch_doubles = kScratchColumns * largest;
   for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {
     scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);

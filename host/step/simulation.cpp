@@ -15,6 +15,7 @@ namespace {
 constexpr long kCollapseInterval = 10;    // steps between two looks at how far blocks have moved
 constexpr long kPauseInterval = 16;       // steps between two moments at which a checkpoint may be taken
 constexpr double kProgressPeriod = 0.25;  // s
+constexpr double kTogether = 5.0;         // s, within which ranks that fail together have all failed
 
 }  // namespace
 
@@ -50,8 +51,17 @@ void Simulation::advance(long steps, bool measure_last) {
 }
 
 void Simulation::run(Observer& observer) {
-  while (run_stage(observer)) {
+  impl_->run_start = Clock::now();
+  try {
+    while (run_stage(observer)) {
+    }
+  } catch (const Error&) {
+    // What all ranks have found is told with all that they know.
+    if (impl_->ranks) impl_->together = impl_->ranks->all_here(kTogether);
+    if (impl_->together) impl_->gather(Part::all), impl_->collect_traffic();
+    throw;
   }
+  impl_->collect_traffic();
 }
 
 bool Simulation::run_stage(Observer& observer, long most_steps) {
@@ -60,6 +70,11 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const auto before = Clock::now();
     what();
     s.times[Phase::output] += seconds_since(before);
+  };
+  const auto pause = [&](bool last) {
+    if (!s.any_rank(observer.wants_pause(last))) return;
+    s.gather(Part::all);
+    tell([&] { observer.on_pause(*this, last); });
   };
   const int stage_count = static_cast<int>(s.scene.stages.size());
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
@@ -75,7 +90,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
 
   for (bool done = false; !done; --most_steps) {
     if (most_steps <= 0) return true;
-    const bool stop = stop_requested();
+    s.stop_wanted = stop_requested();
+    const bool stop = s.ranks ? s.stop_agreed : s.stop_wanted;
     const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
     const bool due = s.stage_step >= s.next_row, row = stop || due;
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
@@ -87,8 +103,9 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
     if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
     // Before a row that only the stop asks for: who goes on from here has a history without it.
-    if (stop && !due && !done && !frame) tell([&] { observer.on_pause(*this, true); });
+    if (stop && !due && !done && !frame) pause(true);
     if (row || done) {
+      s.gather(Part::row);
       const auto before = Clock::now();
       const HistoryRow now = s.measure();
       s.times[Phase::measurement] += seconds_since(before);
@@ -107,13 +124,14 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
                                 s.stage_step, settings.name, past));
       }
       if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
+        s.gather(Part::all);
         s.promote(past);
         observer.on_promotion(*this);
       }
       for (const Warning& warning : warnings) observer.on_warning(warning);
       while (s.next_row < s.stage_step) s.next_row += s.row_interval;
     }
-    if (frame) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+    if (frame) s.gather(Part::all), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
     if (stop)
       throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
     if (!done && s.stage_step >= settings.max_steps) {
@@ -124,7 +142,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       }
       throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
     }
-    if (!done && s.stage_step % kPauseInterval == 0) tell([&] { observer.on_pause(*this, false); });
+    if (!done && s.stage_step % kPauseInterval == 0) pause(false);
     if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
       const double seconds = seconds_since(last_progress);
       Progress progress;
@@ -149,6 +167,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       fraction_then = by_length;
     }
   }
+  s.gather(Part::all);
   // Frames that the end overtook: the last one shows the end.
   if (frames > 0 && s.next_frame <= frames) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
   s.in_stage = false;

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/phase_clock.h"
+#include "base/ranks.h"
 #include "model/model.h"
 #include "model/time_step.h"
 #include "scene/assembly.h"
@@ -112,6 +113,17 @@ struct LawSwap {
   double energy_jump;    // stored after less before, J
 };
 
+// What one of several processes has sent and waited for, in the steps of a run.
+struct RankTraffic {
+  double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
+  double halo_bytes = 0.0, halo_messages = 0.0;
+  double waiting_seconds = 0.0;                // for the halo of others, and to agree
+  double gathers = 0.0, gathered_bytes = 0.0;  // of all ranks to all: rows, detection, checkpoints
+  double gathering_seconds = 0.0;
+  double blocks = 0.0;                       // that it advances
+  double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
+};
+
 // What wants to know. All calls come from the thread that runs the simulation, between steps.
 struct Observer {
   virtual ~Observer() = default;
@@ -120,6 +132,8 @@ struct Observer {
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
   virtual void on_promotion(const Simulation&) {}  // Simulation::outcome tells more
   virtual void on_row(const HistoryRow&) {}
+  // Whether on_pause will take the state: with ranks that of all of them is gathered first.
+  virtual bool wants_pause(bool /*last*/) { return true; }
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
@@ -255,6 +269,14 @@ class Simulation {
   View view_state(int family, const std::string& id);  // Error(bad_input): the law has no such state
   // To be called after velocities were written through a view.
   void velocities_changed();
+
+  // One of several processes that advance this model together, each made from the same scene: before the first step,
+  // and before restore(). The bits are those of one process. run() then calls observers of all ranks at the same steps,
+  // with the whole state at hand; what results are read from is whole on every rank after run() too. Only run() may be
+  // used to step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation.
+  void use(Ranks* ranks);
+  const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
+  bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
 
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.

@@ -21,6 +21,7 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
+  gather(Part::all);
   if (riding)
     begin_riding_stage(settings, index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr);
   else
@@ -48,6 +49,7 @@ void Simulation::Impl::begin_stage(int index) {
   swaps.clear();
   row_interval = chosen_record_interval();
   for (const auto& [family, law] : settings.law_swaps) swap_law(family, law);
+  if (ranks) partition_work();  // others are watched now
 }
 
 void Simulation::Impl::choose_damping() {
@@ -60,6 +62,7 @@ void Simulation::Impl::choose_damping() {
 bool Simulation::Impl::force_lost() {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   if (!settings.cycles || !settings.cycles->stop_at_force_loss || stage_step % kCheckInterval != 0) return false;
+  gather(Part::row);
   const int half_cycle = cycles->half_cycle(stage_time());
   if (!force_loss.see(measure().resistance, half_cycle, cycles->target(half_cycle),
                       *settings.cycles->stop_at_force_loss))

@@ -15,6 +15,7 @@
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
+#include "step/rank_share.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -87,6 +88,7 @@ struct LawCall {
   quoin_status status = QUOIN_OK;
   double deepest = 0.0;  // smallest opening, m, measured steps
   int deepest_point = -1;
+  long crushed_out = 0;                // contact points, steps that report flags
   double stored = 0.0;                 // J, energy steps
   std::array<double, 4> dissipated{};  // J during the last step, energy steps
 };
@@ -156,6 +158,7 @@ struct Simulation::Impl {
 
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
+  Vec3 sum_joint_force(int body) const;
   // Translation + rotation x arm of a rigid body at a reference position.
   Vec3 of_body_at(int body, BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation,
                   const Vec3& position) const;
@@ -213,6 +216,29 @@ struct Simulation::Impl {
   void leave_lattice();  // for large motion, at rest
   void return_to_lattice();
   std::optional<Assembly> left;  // by a promotion
+
+  // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
+  long points_between(const std::vector<int>& rank_of_item) const;
+  RankShare share_of_this_rank() const;  // once all has been gathered: others may have had other shares
+  void bind_halo();                      // what neighbours ask for in every step, and all ranks of what stages watch
+  void gather(Part part);                // afterwards all ranks have it as one process alone has it
+  void each_memory(Part part, int rank, const VisitMemory& visit);  // that this rank has to give
+  void each_memory_of_item(Part part, int item, const VisitMemory& visit);
+  void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
+  void prepare_row();  // what a row has of the blocks of this rank
+  // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
+  bool agree(bool trouble);
+  void send_motion();
+  void hear_of_motion(bool measure_step);  // after the blocks have moved
+  bool any_rank(bool here);                // wants it
+  void collect_traffic();
+  // Sides of contact points: visit(item, key); numbers_of says where the motion that a key stands for lies.
+  void each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const;
+  void numbers_of(std::int64_t key, std::vector<double*>& numbers);
+  // Motion that every rank follows step by step: monitor, floors. visit(item, its numbers).
+  void each_watched(const std::function<void(int, const std::vector<double*>&)>& visit);
+  int item_of_block(int block) const;  // on the lattice
+  std::vector<int> blocks_of_item(int item) const, bodies_of_item(int item) const;
 
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
@@ -309,10 +335,24 @@ struct Simulation::Impl {
   bool keep_diagnostics = false;
 
   StepData data;
-  std::vector<int> chunk_end, item_end;     // per thread; items: unit groups, body groups, lone bodies
-  std::vector<LaneVector<double>> scratch;  // per thread
+  RankShare share;  // items: unit groups, body groups, lone bodies; or pieces of blocks of any shape
+  std::vector<int> chunk_end, border_end, item_end;  // per thread, into those lists
+  std::vector<double> item_cost, chunk_cost;         // of all; of an item without its contact points
+  std::vector<LaneVector<double>> scratch;           // per thread
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::atomic<bool> law_failed{false};
+
+  Ranks* ranks = nullptr;                 // null: one process alone
+  Halo halo;                              // of this rank
+  std::vector<int> unit_of_group;         // by block group: its item
+  std::vector<int> item_of_riding_block;  // with ranks
+  Clock::time_point run_start = Clock::now();
+  std::vector<Vec3> body_force;                   // of joints, by body, of the last row, N; with ranks
+  bool gathered = true;                           // all of it, since the last step
+  bool stop_wanted = false, stop_agreed = false;  // here; by any rank
+  RankTraffic traffic;                            // of this rank
+  std::vector<RankTraffic> traffic_of_all;
+  bool together = true;  // all ranks end alike
 
   bool time_every_step = false;
   PhaseTimes times;

@@ -16,6 +16,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
   }
   data.energies = want_energy || sample_energy;
+  gathered = ranks == nullptr;
   if (riding) riding->begin_step();
   const bool timed = time_every_step || step_count % kTimedSteps == 0;
   const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
@@ -28,7 +29,8 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   const auto now_if = [&](bool on) { return on ? Clock::now() : Clock::time_point(); };
   auto before = now_if(timed);
 
-  auto contacts = [&](int thread, int i) {
+  auto contacts = [&](int thread, int k) {
+    const int i = share.chunks[static_cast<std::size_t>(k)];
     PhaseClock* const clock = clock_of(thread);
     if (riding) return riding->advance_contacts(i, clock);
     ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
@@ -41,18 +43,26 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     lap(clock, Phase::contact_forces);
   };
   pool.for_each(chunk_end, contacts);
-  if (law_failed.load(std::memory_order_relaxed)) report_failed_points();
+  const bool failed = law_failed.load(std::memory_order_relaxed);
+  if (ranks && !riding ? agree(failed) : failed) report_failed_points();
   if (timed) book_time(seconds_since(before), weight), before = Clock::now();
 
-  auto blocks_and_bodies = [&](int thread, int i) {
+  auto advance = [&](int thread, int i) {
     PhaseClock* const clock = clock_of(thread);
     if (riding) return riding->advance_piece(i, clock);
     double* const memory = scratch[static_cast<std::size_t>(thread)].data();
     advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
     lap(clock, Phase::motion);
   };
-  pool.for_each(item_end, blocks_and_bodies);
+  auto on_border = [&](int thread, int k) { advance(thread, share.items[static_cast<std::size_t>(k)]); };
+  auto inner = [&](int thread, int k) {
+    advance(thread, share.items[share.border_items + static_cast<std::size_t>(k)]);
+  };
+  if (share.border_items > 0) pool.for_each(border_end, on_border);
+  if (ranks) send_motion();
+  pool.for_each(item_end, inner);
   if (timed) book_time(seconds_since(before), weight);
+  if (ranks) hear_of_motion(measure_step);
   if (riding) end_riding_step();
   if (measure_step) {
     before = now_if(true);
@@ -109,6 +119,9 @@ void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, boo
   }
   if (!measure_step) return;
 
+  call.crushed_out = 0;
+  for (int i = chunk.first_point; report && i < chunk.first_point + chunk.point_count; ++i)
+    call.crushed_out += condition_of(flags[static_cast<std::size_t>(i)]) == Condition::crushed_out;
   call.force_sum = call.stored = 0.0;
   call.dissipated = {};
   call.deepest = 0.0;

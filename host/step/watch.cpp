@@ -60,9 +60,10 @@ void Simulation::Impl::look_at_points() {
         see(f.normal_jump[i], [&] { return geometry::array(riding->place_of(f.point[i])); });
     }
   } else {
-    for (const LawCall& call : calls)
+    for (const LawCall& call : calls) {
       see(call.deepest, [&] { return model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
-    for (const std::uint32_t f : flags) crushed_out += condition_of(f) == Condition::crushed_out;
+      crushed_out += call.crushed_out;
+    }
   }
   watch.crushed_out = std::max(watch.crushed_out, crushed_out);
 }
@@ -126,6 +127,7 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   look_at_points();
   std::optional<WrongAnswer> wrong;
   if (step_count >= watch.next_stiffness) {
+    gather(Part::all);
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     look_at_stiffness();
     wrong = wrong_law();

@@ -1,0 +1,109 @@
+// Blocks of any shape that several processes advance: what one of them has to tell the others.
+#include <cmath>
+
+#include "step/large_motion.h"
+
+namespace quoin::blocks {
+
+namespace {
+
+template <class Column>
+void part_of(Column& column, const Chunk& chunk, const VisitMemory& visit) {
+  if (!column.empty()) visit(column.data() + chunk.first, chunk.count * sizeof column[0]);
+}
+
+}  // namespace
+
+bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces) const {
+  for (const int c : chunks) {
+    if (chunks_[size_t(c)].failed) return true;
+  }
+  for (const int p : pieces) {
+    const Piece& piece = pieces_[size_t(p)];
+    for (const int32_t b : blocks_of(piece)) {
+      if (!std::isfinite(block_sums_[size_t(b)].positions)) return true;
+      if (piece.alike >= 0 && has_deformed_too_much(b)) return true;
+    }
+  }
+  return false;
+}
+
+void Model::each_memory_of_piece(Part part, int piece, const VisitMemory& visit) {
+  for (const int32_t i : blocks_of(pieces_[size_t(piece)])) {
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (part != Part::motion) {
+      visit(&block_sums_[size_t(i)], sizeof(BlockSums));
+      visit(&block_contact_force_[size_t(i)], sizeof(Vector));
+    }
+    if (part == Part::sums) continue;
+    if (b.body >= 0) {
+      visit(&bodies_[size_t(b.body)], sizeof(Body));
+    } else {
+      visit(&node_x_[size_t(b.first_node)], size_t(b.node_count) * sizeof(Vector));
+      visit(&node_v_[size_t(b.first_node)], size_t(b.node_count) * sizeof(Vector));
+    }
+  }
+}
+
+void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit) {
+  if (part == Part::motion) return;
+  Chunk& chunk = chunks_[size_t(index)];
+  Family& f = families_[size_t(chunk.family)];
+  visit(&chunk.stored, sizeof chunk.stored);
+  visit(chunk.dissipated, sizeof chunk.dissipated);
+  visit(&chunk.damping, sizeof chunk.damping);
+  if (part == Part::sums) return;
+  part_of(f.normal_jump, chunk, visit);
+  for (auto& column : f.traction) part_of(column, chunk, visit);
+  for (auto& column : f.viscous) part_of(column, chunk, visit);
+  if (part == Part::row) return;
+  for (auto& column : f.slid) part_of(column, chunk, visit);
+  for (auto& column : f.slip) part_of(column, chunk, visit);
+  for (auto& column : f.state) part_of(column, chunk, visit);
+  for (auto& column : f.old_traction) part_of(column, chunk, visit);
+  part_of(f.old_jump, chunk, visit);
+  part_of(f.stored, chunk, visit);
+  for (auto& column : f.dissipated) part_of(column, chunk, visit);
+  visit(chunk.facets.data(), chunk.facets.size() * sizeof(FacetLanes));
+  for (const uint32_t i : chunk.others) {
+    visit(&f.point[i], sizeof(Point));
+    if (f.point[i].facet_a >= 0) visit(&facets_[size_t(f.point[i].facet_a)], sizeof(Facet));
+  }
+  visit(&chunk.status, sizeof chunk.status);
+  visit(&chunk.failed, sizeof chunk.failed);
+  visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
+}
+
+// Keys: bodies, then gridpoints.
+void Model::each_side(int index, const std::function<void(int, std::int64_t)>& visit) const {
+  const Chunk& chunk = chunks_[size_t(index)];
+  const Family& f = families_[size_t(chunk.family)];
+  const auto side = [&](int block, int32_t facet) {
+    if (facet < 0) return visit(block, blocks_[size_t(block)].body);
+    for (const int32_t node : facets_[size_t(facet)].node) visit(block, std::int64_t(bodies_.size()) + node);
+  };
+  for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i)
+    side(f.point[i].a, f.point[i].facet_a), side(f.point[i].b, f.point[i].facet_b);
+}
+
+void Model::numbers_of(std::int64_t key, std::vector<double*>& numbers) {
+  const auto add = [&](double* first, int count) {
+    for (int k = 0; k < count; ++k) numbers.push_back(first + k);
+  };
+  if (size_t(key) >= bodies_.size()) return add(&node_x_[size_t(key) - bodies_.size()].x, 3);
+  Body& body = bodies_[size_t(key)];
+  add(&body.x.x, 3);
+  for (Vector& row : body.r.row) add(&row.x, 3);
+  for (Vector& row : body.transposed_r.row) add(&row.x, 3);
+}
+
+void Model::motion_of(int block, std::vector<double*>& numbers) {
+  const ModelBlock& b = blocks_[size_t(block)];
+  const auto add = [&](Vector& v) {
+    for (int k = 0; k < 3; ++k) numbers.push_back(&v.x + k);
+  };
+  if (b.body >= 0) add(bodies_[size_t(b.body)].x), add(bodies_[size_t(b.body)].v);
+  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) add(node_x_[size_t(i)]), add(node_v_[size_t(i)]);
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,69 @@
+// What one of several processes does of a step (base/ranks.h): whole items and whole chunks, as one process alone has
+// them, so that every sum keeps its order and every number its bits.
+//
+// A rank advances its own items and evaluates all chunks of contact points that touch one of them: those on a border
+// are evaluated on both sides, from the same numbers, so that no forces travel.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/ranks.h"
+#include "scene/assembly.h"
+
+namespace quoin {
+
+// What is asked for of all blocks and contact points, whoever advances them.
+enum class Part {
+  sums,    // what a measured step adds up
+  motion,  // of blocks in large motion, alone: what detection looks at
+  row,     // sums and motion; of contact points what a row of the history takes
+  all      // everything that changes in steps and that later ones, or results, read
+};
+// A memory of it: first byte, bytes.
+using VisitMemory = std::function<void(void*, std::size_t)>;
+
+struct RankShare {
+  std::vector<int> chunks;       // of this rank, in order
+  std::vector<int> items;        // of this rank: first those that others wait for, in order, then the rest, in order
+  std::size_t border_items = 0;  // how many of them others wait for
+
+  // Whose values count.
+  std::vector<int> rank_of_item, rank_of_chunk;
+  bool owns_item(int item, int rank) const { return rank_of_item[static_cast<std::size_t>(item)] == rank; }
+  bool owns_chunk(int chunk, int rank) const { return rank_of_chunk[static_cast<std::size_t>(chunk)] == rank; }
+};
+
+// All of it, for one process.
+RankShare whole_share(int chunks, int items);
+
+// Recursive coordinate bisection: along the longest side of the box around the places, into parts of equal cost.
+// Returns the rank of each. place: m; cost: any unit, > 0. Ties go by index, so that every rank finds the same.
+std::vector<int> bisect(const std::vector<Vec3>& place, const std::vector<double>& cost, int ranks);
+
+// The motion that goes from one rank to another after every step: where its numbers lie, in the same order on both
+// sides.
+struct Border {
+  int rank;
+  std::vector<double*> send, receive;
+  std::vector<double> outgoing, incoming;
+};
+
+// One message each way with every rank that shares a border.
+class Halo {
+ public:
+  void clear() { borders_.clear(); }
+  void add(Border border);
+  void send(Ranks& ranks);                               // and makes ready to receive; returns at once
+  void receive(Ranks& ranks);                            // waits
+  std::size_t messages() const { return send_.size(); }  // that this rank sends
+  std::size_t bytes() const;                             // in them
+
+ private:
+  std::vector<Border> borders_;
+  std::vector<Ranks::Parcel> send_, receive_;
+};
+
+}  // namespace quoin

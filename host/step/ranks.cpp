@@ -1,0 +1,436 @@
+// One model on several processes: who does what, what they tell each other in a step, and what is gathered when
+// somebody asks for all of it.
+#include "base/ranks.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// What a side of a contact point costs, evaluation and fetching, in the units of what blocks cost (partition_work).
+constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
+
+// Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
+constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
+                            {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
+
+template <class T>
+void visit_value(T& value, const VisitMemory& visit) {
+  visit(&value, sizeof value);
+}
+
+}  // namespace
+
+void Simulation::use(Ranks* ranks) {
+  Impl& s = *impl_;
+  double here[] = {static_cast<double>(block_count()), static_cast<double>(point_count()), s.data.time_step, 0, 0, 0};
+  for (std::size_t i = 0; i < 3; ++i) here[3 + i] = -here[i];
+  ranks->largest(here);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (here[i] != -here[3 + i])
+      throw Error(Exit::bad_input,
+                  "the ranks have different models: the same program, scene and laws must be found by all of them");
+  }
+  s.ranks = ranks;
+  s.partition_work();
+}
+
+bool Simulation::ranks_together() const { return impl_->together; }
+const std::vector<RankTraffic>& Simulation::rank_traffic() const { return impl_->traffic_of_all; }
+
+// ---- Who does what -------------------------------------------------------------------------------------------------
+
+int Simulation::Impl::item_of_block(int block) const {
+  const Model::BlockPlace& where = model.place[at(block)];
+  if (where.body < 0) return unit_of_group[at(where.group)];
+  return static_cast<int>(model.unit_groups.size()) + body_place[at(where.body)].first;
+}
+
+std::vector<int> Simulation::Impl::blocks_of_item(int item) const {
+  std::vector<int> blocks;
+  if (riding) {
+    const auto of_piece = riding->blocks_of_piece(item);
+    return {of_piece.begin(), of_piece.end()};
+  }
+  auto i = at(item);
+  if (i < model.unit_groups.size()) {
+    const UnitGroup& unit = model.unit_groups[i];
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = model.groups[at(g)];
+      blocks.insert(blocks.end(), group.block.begin(), group.block.begin() + group.block_count);
+    }
+    return blocks;
+  }
+  for (const int body : bodies_of_item(item)) blocks.push_back(model.bodies[at(body)].block);
+  return blocks;
+}
+
+std::vector<int> Simulation::Impl::bodies_of_item(int item) const {
+  auto i = at(item);
+  if (riding || i < model.unit_groups.size()) return {};
+  i -= model.unit_groups.size();
+  if (i >= model.body_groups.size()) return {model.lone_bodies[i - model.body_groups.size()]};
+  const BodyGroup& group = model.body_groups[i];
+  return {group.body.begin(), group.body.begin() + group.body_count};
+}
+
+// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
+long Simulation::Impl::points_between(const std::vector<int>& rank_of_item) const {
+  long again = 0;
+  std::vector<int> evaluate;
+  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
+    evaluate.clear();
+    each_side(c, [&](int item, std::int64_t) {
+      const int rank = rank_of_item[at(item)];
+      if (std::find(evaluate.begin(), evaluate.end(), rank) == evaluate.end()) evaluate.push_back(rank);
+    });
+    again += static_cast<long>(evaluate.size() - 1) * static_cast<long>(chunk_cost[at(c)]);
+  }
+  return again;
+}
+
+RankShare Simulation::Impl::share_of_this_rank() const {
+  const int chunks = static_cast<int>(chunk_cost.size()), items = static_cast<int>(item_cost.size());
+  if (!ranks) return whole_share(chunks, items);
+  std::vector<double> cost = item_cost;
+  for (int c = 0; c < chunks; ++c) {
+    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+  }
+  // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
+  // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
+  // as if one side were shorter. What leaves the fewest points on borders is taken, by all ranks alike.
+  std::vector<Vec3> mean, first;
+  for (int i = 0; i < items; ++i) {
+    mean.emplace_back();
+    const std::vector<int> blocks = blocks_of_item(i);
+    for (const int b : blocks) {
+      const Vec3 centre = riding ? geometry::array(riding->position(b)) : centre_of(model.assembly.bricks[at(b)]);
+      for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
+      if (b == blocks.front()) first.push_back(centre);
+    }
+  }
+  RankShare of_rank;
+  long fewest = -1;
+  for (const std::vector<Vec3>* candidate : {&mean, &first}) {
+    for (const Vec3& scale : kScales) {
+      std::vector<Vec3> place = *candidate;
+      for (Vec3& p : place) {
+        for (std::size_t c = 0; c < 3; ++c) p[c] *= scale[c];
+      }
+      std::vector<int> ranks_so = bisect(place, cost, ranks->count());
+      const long points = points_between(ranks_so);
+      if (fewest >= 0 && points >= fewest) continue;
+      fewest = points;
+      of_rank.rank_of_item = std::move(ranks_so);
+    }
+  }
+  of_rank.rank_of_chunk.assign(at(chunks), -1);
+  for (int c = 0; c < chunks; ++c) {
+    bool own = false;
+    int& rank = of_rank.rank_of_chunk[at(c)];
+    each_side(c, [&](int item, std::int64_t) {
+      if (rank < 0) rank = of_rank.rank_of_item[at(item)];
+      own = own || of_rank.owns_item(item, ranks->rank());
+    });
+    if (own) of_rank.chunks.push_back(c);
+  }
+  for (int i = 0; i < items; ++i) {
+    if (of_rank.owns_item(i, ranks->rank())) of_rank.items.push_back(i);
+  }
+  return of_rank;
+}
+
+// Every rank finds out for all others what they need, so that nobody has to ask.
+void Simulation::Impl::bind_halo() {
+  halo.clear();
+  if (!ranks) return;
+  const int here = ranks->rank();
+  std::map<int, std::set<std::int64_t>> to, from;
+  std::set<int> on_border;
+  traffic.points = traffic.shared_points = 0.0;
+  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
+    std::set<int> evaluate;  // ranks
+    each_side(c, [&](int item, std::int64_t) { evaluate.insert(share.rank_of_item[at(item)]); });
+    const bool mine = evaluate.contains(here);
+    if (mine) traffic.points += chunk_cost[at(c)];
+    if (!mine || evaluate.size() == 1) continue;
+    traffic.shared_points += chunk_cost[at(c)];
+    each_side(c, [&](int item, std::int64_t key) {
+      const int owner = share.rank_of_item[at(item)];
+      if (owner != here) {
+        from[owner].insert(key);
+        return;
+      }
+      on_border.insert(item);
+      for (const int r : evaluate) {
+        if (r != here) to[r].insert(key);
+      }
+    });
+  }
+  std::map<int, Border> borders;
+  const auto border_with = [&](int rank) -> Border& {
+    Border& border = borders[rank];
+    border.rank = rank;
+    return border;
+  };
+  for (const auto& [rank, keys] : to)
+    for (const std::int64_t key : keys) numbers_of(key, border_with(rank).send);
+  for (const auto& [rank, keys] : from)
+    for (const std::int64_t key : keys) numbers_of(key, border_with(rank).receive);
+  each_watched([&](int item, const std::vector<double*>& numbers) {
+    const int owner = share.rank_of_item[at(item)];
+    const auto append = [&](std::vector<double*>& list) { list.insert(list.end(), numbers.begin(), numbers.end()); };
+    if (owner != here) return append(border_with(owner).receive);
+    on_border.insert(item);
+    for (int r = 0; r < ranks->count(); ++r) {
+      if (r != here) append(border_with(r).send);
+    }
+  });
+  for (auto& [rank, border] : borders) halo.add(std::move(border));
+  share.border_items = on_border.size();
+  std::stable_partition(share.items.begin(), share.items.end(), [&](int item) { return on_border.contains(item); });
+  traffic.blocks = 0.0;
+  for (const int item : share.items) traffic.blocks += static_cast<double>(blocks_of_item(item).size());
+}
+
+// On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
+// velocities across.
+void Simulation::Impl::each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const {
+  if (riding) {
+    riding->each_side(chunk, [&](int block, std::int64_t key) { visit(item_of_riding_block[at(block)], key); });
+    return;
+  }
+  const ContactChunk& c = model.chunks[at(chunk)];
+  for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
+    const auto p = at(i);
+    const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
+    const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
+    visit(item_of_block(in_order ? joint.block_a : joint.block_b), std::int64_t{model.node_a[p]} * 3 + c.axis);
+    visit(item_of_block(in_order ? joint.block_b : joint.block_a), std::int64_t{model.node_b[p]} * 3 + c.axis);
+  }
+}
+
+void Simulation::Impl::numbers_of(std::int64_t key, std::vector<double*>& numbers) {
+  if (riding) return riding->numbers_of(key, numbers);
+  const auto gridpoint = static_cast<std::size_t>(key / 3), n = static_cast<std::size_t>(key % 3);
+  numbers.push_back(&displacement[gridpoint + n * kLanes]);
+  for (const std::size_t c : {(n + 1) % 3, (n + 2) % 3}) numbers.push_back(&velocity[gridpoint + c * kLanes]);
+}
+
+void Simulation::Impl::each_watched(const std::function<void(int, const std::vector<double*>&)>& visit) {
+  const auto of_riding = [&](const std::vector<int>& blocks) {
+    for (const int block : blocks) {
+      std::vector<double*> numbers;
+      riding->motion_of(block, numbers);
+      visit(item_of_riding_block[at(block)], numbers);
+    }
+  };
+  const auto of_bodies = [&](const std::vector<int>& bodies) {
+    for (const int body : bodies) {
+      const auto [place, lane] = body_place[at(body)];
+      BodyLanes& lanes = body_lanes[at(place)];
+      std::vector<double*> numbers;
+      for (auto* quantity : {&lanes.displacement, &lanes.velocity}) {
+        for (auto& component : *quantity) numbers.push_back(&component[lane]);
+      }
+      visit(static_cast<int>(model.unit_groups.size()) + place, numbers);
+    }
+  };
+  if (riding)
+    of_riding(monitor_blocks);
+  else
+    of_bodies(monitor);
+  for (const Floor& floor : whiffletree) {
+    if (riding) of_riding(floor.riding);
+    of_bodies(floor.bodies);
+    for (const int i : floor.loaded) {
+      const int block = loaded_blocks[at(i)].block;
+      std::vector<double*> numbers;
+      model.for_each_gridpoint(block, [&](std::size_t offset, double) {
+        numbers.push_back(&displacement[offset]), numbers.push_back(&velocity[offset]);  // along x
+      });
+      visit(item_of_block(block), numbers);
+    }
+  }
+}
+
+// ---- In a step -----------------------------------------------------------------------------------------------------
+
+void Simulation::Impl::send_motion() { halo.send(*ranks); }
+
+void Simulation::Impl::hear_of_motion(bool measure_step) {
+  const auto before = Clock::now();
+  halo.receive(*ranks);
+  traffic.steps += 1.0;
+  traffic.halo_bytes += static_cast<double>(halo.bytes());
+  traffic.halo_messages += static_cast<double>(halo.messages());
+  const double seconds = seconds_since(before);
+  traffic.waiting_seconds += seconds;
+  times[Phase::ranks] += seconds;
+  if (riding) agree(riding->in_trouble(share.chunks, share.items));
+  if (measure_step || (riding && want_energy))
+    gather(riding ? Part::row : Part::sums);
+  else if (riding && riding->looks_at_motion())
+    gather(Part::motion);
+}
+
+bool Simulation::Impl::agree(bool trouble) {
+  const auto before = Clock::now();
+  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0};
+  ranks->largest(wanted);
+  const double seconds = seconds_since(before);
+  traffic.waiting_seconds += seconds;
+  times[Phase::ranks] += seconds;
+  stop_agreed = stop_agreed || wanted[1] > 0.0;
+  if (wanted[0] > 0.0) gather(Part::all);
+  return wanted[0] > 0.0;
+}
+
+bool Simulation::Impl::any_rank(bool here) {
+  if (!ranks) return here;
+  double wanted[] = {here ? 1.0 : 0.0};
+  ranks->largest(wanted);
+  return wanted[0] > 0.0;
+}
+
+// ---- All of it -----------------------------------------------------------------------------------------------------
+
+void Simulation::Impl::gather(Part part) {
+  if (gathered) return;
+  const auto before = Clock::now();
+  if (part == Part::row || part == Part::all) prepare_row();
+  std::vector<std::size_t> sizes(at(ranks->count()), 0);
+  for (int r = 0; r < ranks->count(); ++r)
+    each_memory(part, r, [&](void*, std::size_t bytes) { sizes[at(r)] += bytes; });
+  std::size_t whole = 0;
+  for (const std::size_t size : sizes) whole += size;
+  std::vector<std::byte> own(sizes[at(ranks->rank())]), all(whole);
+  std::byte* to = own.data();
+  each_memory(part, ranks->rank(), [&](const void* from, std::size_t bytes) {
+    std::memcpy(to, from, bytes);
+    to += bytes;
+  });
+  ranks->gather(own, sizes, all);
+  const std::byte* from = all.data();
+  for (int r = 0; r < ranks->count(); ++r) {
+    if (r == ranks->rank()) {
+      from += sizes[at(r)];
+      continue;
+    }
+    each_memory(part, r, [&](void* place, std::size_t bytes) {
+      std::memcpy(place, from, bytes);
+      from += bytes;
+    });
+  }
+  gathered = part == Part::all;
+  traffic.gathers += 1.0;
+  traffic.gathered_bytes += static_cast<double>(whole);
+  const double seconds = seconds_since(before);
+  traffic.gathering_seconds += seconds;
+  times[Phase::ranks] += seconds;
+}
+
+void Simulation::Impl::each_memory(Part part, int rank, const VisitMemory& visit) {
+  for (int i = 0; i < static_cast<int>(share.rank_of_item.size()); ++i) {
+    if (!share.owns_item(i, rank)) continue;
+    if (riding)
+      riding->each_memory_of_piece(part, i, visit);
+    else
+      each_memory_of_item(part, i, visit);
+  }
+  for (int c = 0; c < static_cast<int>(share.rank_of_chunk.size()); ++c) {
+    if (!share.owns_chunk(c, rank)) continue;
+    if (riding)
+      riding->each_memory_of_chunk(part, c, visit);
+    else
+      each_memory_of_chunk(part, c, visit);
+  }
+}
+
+void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemory& visit) {
+  visit_value(measured[at(item)], visit);
+  if (part == Part::sums) return;
+  for (const int b : blocks_of_item(item)) visit_value(whole_motions[at(b)], visit);
+  const auto i = at(item) - model.unit_groups.size();
+  const bool of_bodies = at(item) >= model.unit_groups.size();
+  if (of_bodies) {
+    BodyLanes& lanes = body_lanes[i];
+    for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+      visit(quantity, sizeof *quantity);
+    for (const int b : bodies_of_item(item)) visit_value(body_force[at(b)], visit);
+  }
+  if (part != Part::all) return;
+  const auto lines = [&](std::int32_t first, std::size_t count) {
+    const std::size_t bytes = count * kLine * sizeof(double);
+    visit(displacement.data() + at(first) * kLine, bytes);
+    visit(velocity.data() + at(first) * kLine, bytes);
+  };
+  if (!of_bodies) {
+    const UnitGroup& unit = model.unit_groups[at(item)];
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = model.groups[at(g)];
+      lines(group.first_line, at(model.templates[at(group.brick_template)].node_count));
+    }
+  } else if (i < model.body_groups.size()) {
+    const BodyGroup& group = model.body_groups[i];
+    lines(group.first_line, at(model.body_slots[at(group.slots)].slot_count()));
+  } else {
+    for (const std::int32_t slave : model.bodies[at(model.lone_bodies[i - model.body_groups.size()])].slave) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        visit_value(displacement[at(slave) + c * kLanes], visit);
+        visit_value(velocity[at(slave) + c * kLanes], visit);
+      }
+    }
+  }
+}
+
+void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit) {
+  LawCall& call = calls[at(chunk)];
+  visit_value(call.force_sum, visit);
+  visit_value(call.deepest, visit);
+  visit_value(call.deepest_point, visit);
+  visit_value(call.crushed_out, visit);
+  visit_value(call.stored, visit);
+  visit_value(call.dissipated, visit);
+  if (part != Part::all) return;
+  const ContactChunk& c = model.chunks[at(chunk)];
+  const auto first = at(c.first_point), count = at(c.point_count);
+  for (auto& column : traction) visit(column.data() + first, count * sizeof(double));
+  for (const quoin_out& column : call.state_new) {
+    if (column.data) visit(column.data, count * sizeof(double));
+  }
+  visit(flags.data() + first, count * sizeof flags[0]);
+  visit_value(call.failed, visit);
+  visit_value(call.status, visit);
+  visit_value(call.batch.failed_count, visit);
+}
+
+void Simulation::Impl::prepare_row() {
+  if (riding) return;
+  whole_motions.resize(model.assembly.bricks.size());
+  body_force.resize(model.bodies.size());
+  for (const int item : share.items) {
+    for (const int b : blocks_of_item(item)) whole_motions[at(b)] = whole_motion_of(at(b));
+    for (const int b : bodies_of_item(item)) body_force[at(b)] = sum_joint_force(b);
+  }
+}
+
+void Simulation::Impl::collect_traffic() {
+  if (!ranks) return;
+  traffic.step_seconds = seconds_since(run_start);
+  traffic_of_all.resize(at(ranks->count()));
+  const std::vector<std::size_t> sizes(at(ranks->count()), sizeof traffic);
+  ranks->gather(std::as_bytes(std::span(&traffic, 1)), sizes, std::as_writable_bytes(std::span(traffic_of_all)));
+}
+
+}  // namespace quoin

@@ -1,0 +1,198 @@
+"""One model on several processes by MPI. Usage: ranks_test.py QUOIN MPIRUN CASE
+
+Bits are compared with those of one process: every row of the history, the last state of every gridpoint and contact
+point (files for ParaView), and the summary but for times, threads and ranks. No tolerance: the method promises the same
+sums in the same order.
+"""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+quoin, mpirun, case = sys.argv[1:]
+root = pathlib.Path(__file__).resolve().parents[2]
+folder = pathlib.Path(tempfile.mkdtemp(prefix="quoin_mpi_"))
+scenes = {
+    # Bricks on the lattice, two laws one after the other; rows that watch energies.
+    "wall": (root / "tests/cli/small_wall.toml", ["output.energy=true", "stage.shear.displacement=0.0001"]),
+    # Walls around a corner, a floor that a whiffletree pushes, until blocks leave small displacements.
+    "building": (root / "tests/host/small_building.toml", ["stage.push.displacement=0.0002", "stage.push.record_interval=100"]),
+    # Rigid blocks in large motion, detected anew while they fall.
+    "arch": (root / "host/scenes/arch.toml", ["arch.arch.voussoirs=33", "stage.push.collapse.rate=0.2", "stage.weight.duration=0.2",
+                                              "stage.weight.ramp_time=0.1", "stage.push.ramp_time=0.2"]),
+    # A bonded wall of rigid units that loses its joints, a post and an arch that fall over each other.
+    "collapse": (root / "host/scenes/mixed.toml", ["stage.push.duration=0.3"]),
+    # From the lattice to large motion in mid-run, with tractions and states.
+    "promotion": (root / "tests/cli/small_wall.toml", ["solver.rotation_bound=1e-5", "stage.shear.displacement=0.0002"]),
+    # Deformable blocks of any shape.
+    "deformable": (root / "host/scenes/mixed.toml", ["wall.rigid_units=false", "wall.zones=[2, 2, 1]",
+                                                     "stage.weight.duration=0.02", "stage.push.duration=0.02"]),
+}
+
+
+def words(ranks, arguments):
+    start = [mpirun, "-n", str(ranks), "--oversubscribe", "--bind-to", "none", "--allow-run-as-root"] if ranks > 1 else []
+    return start + [quoin, "run", *map(str, arguments), "--threads", "1"]
+
+
+def scene_of(name):
+    path, settings = scenes[name]
+    settings = [*settings, "output.frames=2", "output.plots=false"]
+    return [path] + [word for setting in settings for word in ("--set", setting)]
+
+
+def run(ranks, arguments, code=0, **more):
+    done = subprocess.run(words(ranks, arguments), capture_output=True, text=True, timeout=240, **more)
+    assert done.returncode == code, f"{ranks} ranks: exit code {done.returncode}, not {code}\n{done.stdout}{done.stderr}"
+    return done
+
+
+def results(out):
+    """Bytes of what a run has found, by file."""
+    summary = json.loads((out / "summary.json").read_text())
+    for key in ("wall_clock_s", "threads", "ranks"):
+        summary.pop(key, None)
+    summary["provenance"].pop("threads", None)
+    summary["provenance"].pop("wall_clock_s", None)
+    found = {"history.csv": (out / "history.csv").read_bytes(), "summary.json": json.dumps(summary, indent=1).encode()}
+    for file in sorted(out.glob("*.vtu")):
+        found[file.name] = file.read_bytes()
+    return found
+
+
+def same(one, other, who):
+    assert one.keys() == other.keys(), f"{who}: {sorted(other)} in place of {sorted(one)}"
+    for name, content in one.items():
+        if content == other[name]:
+            continue
+        lines = zip(content.splitlines(), other[name].splitlines())
+        first = next((f"line {i + 1}: {a[:200]} | {b[:200]}" for i, (a, b) in enumerate(lines) if a != b), "its length")
+        raise AssertionError(f"{who}: {name} differs: {first}")
+
+
+def same_bits(name):
+    run(1, [*scene_of(name), "--out", folder / "1"])
+    alone = results(folder / "1")
+    assert len(alone) > 2, "no frames: nothing is known of blocks and contact points"
+    for ranks in (2, 3, 4):
+        out = folder / str(ranks)
+        done = run(ranks, [*scene_of(name), "--out", out])
+        same(alone, results(out), f"{ranks} ranks")
+        traffic = json.loads((out / "summary.json").read_text())["ranks"]
+        assert traffic["count"] == ranks and len(traffic["by_rank"]) == ranks
+        assert sum(r["blocks"] > 0 and r["bytes_a_step"] > 0 for r in traffic["by_rank"]) > 1, traffic
+        assert f"ranks: {ranks};" in done.stdout, done.stdout
+        assert name != "promotion" or json.loads((out / "summary.json").read_text())["motion"]["promoted"], "no promotion"
+        print(f"{name}: {ranks} ranks, the same bits; {done.stdout.splitlines()[-1]}")
+
+
+def start(ranks, arguments):
+    return subprocess.Popen(words(ranks, arguments), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def wait_for_checkpoint(out, process):
+    for _ in range(1200):
+        if (out / "checkpoint.bin").exists():
+            return
+        assert process.poll() is None, f"ended before its first checkpoint:\n{process.communicate()[0]}"
+        time.sleep(0.05)
+    raise AssertionError("no checkpoint within 60 s")
+
+
+# Long enough to be stopped in the middle; then the same bits, whoever goes on.
+long_scene = [root / "tests/cli/small_wall.toml"] + [
+    word for setting in ("stage.shear.velocity=0.005", "output.frames=2", "output.plots=false")
+    for word in ("--set", setting)]
+
+
+def ranks_of(process):
+    """Process ids of the quoin that mpirun has started, in the order of their ranks."""
+    found = {}
+    for entry in pathlib.Path("/proc").iterdir():
+        try:
+            if not entry.name.isdigit() or int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1]) != process.pid:
+                continue
+            variables = dict(v.split("=", 1) for v in (entry / "environ").read_text().split("\0") if "=" in v)
+            found[int(variables["OMPI_COMM_WORLD_RANK"])] = int(entry.name)
+        except (OSError, KeyError):
+            continue
+    return [found[r] for r in sorted(found)]
+
+
+def killed():
+    """A rank that is killed ends all, and the run goes on from its last checkpoint on other numbers of ranks."""
+    run(1, [*long_scene, "--out", folder / "whole"])
+    for victim, others in ((1, 3), (0, 1)):
+        out = folder / f"killed_{victim}"
+        process = start(2, [*long_scene, "--out", out, "--checkpoint-every", "0.2"])
+        wait_for_checkpoint(out, process)
+        pids = ranks_of(process)
+        assert len(pids) == 2, pids
+        os.kill(pids[victim], signal.SIGKILL)
+        killed_at = time.monotonic()
+        text = process.communicate(timeout=60)[0]
+        seconds = time.monotonic() - killed_at
+        assert process.returncode != 0 and seconds < 20, (process.returncode, seconds)
+        assert "signal 9" in text, text
+        assert not (out / "summary.json").exists()
+        run(others, ["--resume", out])
+        same(results(folder / "whole"), results(out), f"killed on 2 ranks, resumed on {others}")
+        print(f"rank {victim} killed: all ended after {seconds:.1f} s; resumed on {others}, the same bits")
+
+
+def stopped():
+    """Ctrl-C: all ranks stop at one step, and what was computed is kept."""
+    out = folder / "stopped"
+    process = start(3, [*long_scene, "--out", out])
+    for _ in range(1200):
+        if (out / "history.csv.partial").exists() or list(out.glob("history*")):
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
+    for pid in ranks_of(process)[1:2]:  # one of them is enough
+        os.kill(pid, signal.SIGTERM)
+    text = process.communicate(timeout=60)[0]
+    assert process.returncode == 130, (process.returncode, text)
+    assert json.loads((out / "summary.json").read_text())["status"] == "interrupted", text
+    run(1, ["--resume", out])
+    run(1, [*long_scene, "--out", folder / "whole"])
+    same(results(folder / "whole"), results(out), "stopped on 3 ranks, resumed on 1")
+
+
+def memory():
+    """A rank that has too little memory ends all of them, with words."""
+    starve = ["sh", "-c", 'ulimit -v "$1"; shift; exec "$@"', "sh"]
+    program = [quoin, "run", str(root / "tests/cli/small_wall.toml"), "--out", str(folder / "memory"), "--threads", "1",
+               "--force"]
+    for setting in ("wall.courses=60", "wall.units_per_course=40", "stage.precompression.duration=0.0003",
+                    "stage.shear.displacement=1e-7", "output.frames=0", "output.plots=false"):
+        program += ["--set", setting]
+    host = ["--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
+    # What MPI itself takes differs by machine: less than that is not our fault to name, more is enough for the model.
+    for kilobytes in range(160000, 400000, 20000):
+        done = subprocess.run([mpirun, *host, "-n", "1", *program, ":", "-n", "1", *starve, str(kilobytes), *program],
+                              capture_output=True, text=True, timeout=120)
+        text = done.stdout + done.stderr
+        assert done.returncode != 0, f"enough memory with {kilobytes} kB, and no word of too little with less"
+        if "rank 1: out of memory" in text:
+            break
+    assert done.returncode == 5, (done.returncode, text)
+    print(f"{kilobytes} kB:", next(line for line in text.splitlines() if "out of memory" in line))
+
+
+def refused():
+    """What does not work with ranks says so; a bad scene is told once."""
+    done = run(2, [*long_scene, "--out", folder / "isolated", "--isolate-law"], code=2)
+    assert done.stderr.count("--isolate-law: not with several ranks") == 1, done.stderr
+    done = run(2, [root / "no_such_scene.toml", "--out", folder / "none"], code=3)
+    assert done.stderr.count("no_such_scene.toml") == 1, done.stderr
+
+
+if case in scenes:
+    same_bits(case)
+else:
+    {"killed": killed, "stopped": stopped, "memory": memory, "refused": refused}[case]()
