@@ -307,6 +307,8 @@ void run(RunOptions options, int& exit_code) {
     before = read_checkpoint(folder / "checkpoint.bin", identity);
     simulation.restore(before.state);
     before.state = {};
+  } else {
+    take_start(&simulation);
   }
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
   const ResultFolder own(folder, lock, [&](const std::string& name) {
@@ -410,6 +412,9 @@ void run(RunOptions options, int& exit_code) {
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
   keep([&] {
     if (options.report) write_report({folder});
+  });
+  keep([&] {
+    if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
   });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
