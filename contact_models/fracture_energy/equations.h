@@ -31,18 +31,37 @@ struct Lanes {
   V wu, inv_wu;       // plastic closure per unit of F's argument
   // A mode without strength drop completes at its first movement: what xi jumps to, else 0.
   V xi_at_first_opening, xi_at_first_slip;
-  V end;         // f(xi >= end) = 0
-  M admissible;  // no snap-back (LAW.md, statement 6); false only for columns
+  V end;                         // f(xi >= end) = 0
+  V uplift_crushes;              // q/(1 - q), of the share q of an uplift that crushing takes
+  M crushing_sound, admissible;  // no snap-back (LAW.md, statement 6); admissible is false only for columns
 
   Lanes() = default;
   HWY_INLINE Lanes(const Parameters& p, V kn_, V ks_, V ft_, V c0_, V cr_, V mu0_, V mur_, V tan_psi_, V fc_, V fcr_,
                    V G1, V G2, V Gc)
       : kn(kn_), ks(ks_), ft(ft_), c0(c0_), cr(cr_), mu0(mu0_), mur(mur_), tan_psi(tan_psi_), fc(fc_), fcr(fcr_) {
+    end = splat(p.end);
+    derive_crushing(p, Gc);
+    derive(p, G1, G2);
+  }
+
+  // What follows from kn, fc, fcr and Gc.
+  HWY_INLINE void derive_crushing(const Parameters& p, V Gc) {
+    const V m = splat(p.slope), one = splat(1.0);
+    const M drops_c = hn::And(hn::Lt(fc, splat(HUGE_VAL)), hn::Gt(fc, fcr));
+    fc_drop = hn::Sub(fc, fcr);
+    wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(fc_drop, splat(p.A))));
+    inv_wu = hn::IfThenElseZero(drops_c, hn::Div(one, wu));
+    const V q = hn::IfThenElseZero(drops_c, hn::Div(hn::Mul(m, fc_drop), hn::Mul(wu, kn)));
+    uplift_crushes = hn::Div(q, hn::Sub(one, q));
+    crushing_sound = hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c));
+    crushing_sound = hn::And(crushing_sound, hn::And(hn::Le(fcr, fc), none_negative(fcr, Gc)));
+  }
+
+  // All else.
+  HWY_INLINE void derive(const Parameters& p, V G1, V G2) {
     const V A = splat(p.A), m = splat(p.slope), one = splat(1.0), half = splat(0.5);
     const M drops_t = hn::Gt(ft, zero()), drops_s = hn::Gt(c0, cr);
-    const M finite_fc = hn::Lt(fc, splat(HUGE_VAL)), drops_c = hn::And(finite_fc, hn::Gt(fc, fcr));
-    end = splat(p.end);
-    c_drop = hn::Sub(c0, cr), mu_drop = hn::Sub(mu0, mur), fc_drop = hn::Sub(fc, fcr);
+    c_drop = hn::Sub(c0, cr), mu_drop = hn::Sub(mu0, mur);
     strength = hn::Max(ft, c0);
     inv_ks = hn::Div(one, ks);
     u0 = hn::Div(ft, kn);
@@ -51,29 +70,27 @@ struct Lanes {
     su = hn::IfThenElseZero(drops_s, hn::Div(G2, hn::Mul(c_drop, A)));
     inv_su = hn::IfThenElseZero(drops_s, hn::Div(one, su));
     ks_in_softening = hn::IfThenElseZero(drops_s, ks);
-    wu = hn::IfThenElseZero(drops_c, hn::Div(Gc, hn::Mul(fc_drop, A)));
-    inv_wu = hn::IfThenElseZero(drops_c, hn::Div(one, wu));
     xi_at_first_opening = hn::IfThenZeroElse(drops_t, end);
     xi_at_first_slip = hn::IfThenZeroElse(drops_s, end);
-    const V P = hn::IfThenElseZero(finite_fc, fc);
+    const V P = hn::IfThenElseZero(hn::Lt(fc, splat(HUGE_VAL)), fc);
     const V steepest = hn::Mul(m, hn::Max(c0, hn::MulAdd(P, mu_drop, c_drop)));
     // Uplift crushes the joint further, and S falls with the pressure: by no more than this along the slip, Pa/m.
-    const V q = hn::IfThenElseZero(drops_c, hn::Div(hn::Mul(m, fc_drop), hn::Mul(wu, kn)));
-    const V by_uplift = hn::Mul(hn::Mul(kn, hn::Mul(mu0, tan_psi)), hn::Div(q, hn::Sub(one, q)));
-    admissible = hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero()));
+    const V by_uplift = hn::Mul(hn::Mul(kn, hn::Mul(mu0, tan_psi)), uplift_crushes);
+    admissible = hn::And(crushing_sound, hn::And(hn::Gt(kn, zero()), hn::Gt(ks, zero())));
     admissible = hn::And(admissible, hn::Or(hn::Gt(lt, zero()), hn::Not(drops_t)));
     admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(su, hn::Sub(ks, by_uplift)), steepest), hn::Not(drops_s)));
-    admissible = hn::And(admissible, hn::Or(hn::Gt(hn::Mul(wu, kn), hn::Mul(m, fc_drop)), hn::Not(drops_c)));
-    // One by one: a minimum may lose a value that is not a number. Fracture energies too, whether or not their mode has
-    // a strength to lose: what a material refuses fails its point. fc alone may be infinite.
-    for (const V value : {mur, tan_psi, fcr, G1, G2, Gc, ft, cr}) {
-      admissible = hn::And(admissible, hn::Ge(value, zero()));
-    }
-    for (const V value : {kn, ks, ft, c0, fcr, G1, G2, Gc}) {
-      admissible = hn::And(admissible, hn::Lt(value, splat(HUGE_VAL)));
-    }
+    // Fracture energies too, whether or not their mode has a strength to lose: what a material refuses fails its point.
+    admissible = hn::And(admissible, none_negative(mur, tan_psi, ft, cr, kn, ks, c0, G1, G2));
     admissible = hn::And(admissible, hn::And(hn::Le(mur, mu0), hn::Le(tan_psi, mu0)));
-    admissible = hn::And(admissible, hn::And(hn::Le(cr, c0), hn::Le(fcr, fc)));
+    admissible = hn::And(admissible, hn::Le(cr, c0));
+  }
+
+  // All of them numbers, finite, and 0 or more. fc alone may be infinite, and is compared.
+  template <class... Values>
+  static HWY_INLINE M none_negative(V first, Values... values) {
+    V collected = gather_non_finite(first, zero()), least = first;
+    ((collected = gather_non_finite(values, collected), least = hn::Min(least, values)), ...);
+    return hn::And(is_finite(collected), hn::Ge(least, zero()));
   }
 };
 

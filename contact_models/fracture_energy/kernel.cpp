@@ -25,19 +25,38 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
 
 // Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
 // residual friction follows the friction column down, as its default does.
-inline Lanes column_lanes(const Parameters& m, const Columns& c, std::size_t i) {
-  const Properties& g = m.given;
-  const auto number = [&](int k, double value) {
-    const double* column = c.in[kProperty + k];
-    return column == nullptr ? splat(value) : load(column, i);
+HWY_INLINE Lanes column_lanes(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i) {
+  const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
+  const auto put = [&](int k, V& value) HWY_ATTR {
+    if (given(k)) value = load(c.in[kProperty + k], i);
   };
-  const V mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, splat(g.mu0));
-  const V mur = friction_column(c.in[kProperty + kColumnPhir], i, hn::Min(splat(g.mur), mu0));
-  const V tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, splat(g.tan_psi));
-  return Lanes(m, number(kColumnKn, g.kn), number(kColumnKs, g.ks), number(kColumnFt, g.ft), number(kColumnC0, g.c0),
-               number(kColumnCr, g.cr), mu0, mur, tan_psi, number(kColumnFc, g.fc), number(kColumnFcr, g.fcr),
-               number(kColumnG1, g.G1), number(kColumnG2, g.G2), number(kColumnGc, g.Gc));
+  Lanes p = own;
+  V G1 = splat(m.given.G1), G2 = splat(m.given.G2), Gc = splat(m.given.Gc);
+  put(kColumnKn, p.kn), put(kColumnKs, p.ks), put(kColumnFt, p.ft), put(kColumnC0, p.c0), put(kColumnCr, p.cr);
+  put(kColumnFc, p.fc), put(kColumnFcr, p.fcr), put(kColumnG1, G1), put(kColumnG2, G2), put(kColumnGc, Gc);
+  if (given(kColumnPhi0)) {
+    p.mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, p.mu0);
+    p.mur = hn::Min(p.mur, p.mu0);
+  }
+  if (given(kColumnPhir)) p.mur = friction_column(c.in[kProperty + kColumnPhir], i, p.mur);
+  if (given(kColumnPsi0)) p.tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, p.tan_psi);
+  if (given(kColumnKn) || given(kColumnFc) || given(kColumnFcr) || given(kColumnGc)) p.derive_crushing(m, Gc);
+  p.derive(m, G1, G2);
+  return p;
 }
+
+// The lanes that a law reads, made anew before every vector where properties are given point by point.
+struct Refill {
+  const Parameters& parameters;
+  const Lanes& own;
+  const Columns& columns;
+  Lanes* lanes;  // null: the material's own are read
+
+  HWY_INLINE void operator()(std::size_t i) const {
+    if (lanes) fill(i);
+  }
+  HWY_NOINLINE void fill(std::size_t i) const { *lanes = column_lanes(parameters, own, columns, i); }
+};
 
 HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
   const State& s = r.state;
@@ -102,7 +121,7 @@ struct At {
   }
 };
 
-template <bool kFull, bool kColumns, class Access, class Law>
+template <bool kFull, bool /*kColumns*/, class Access, class Law>
 HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std::size_t count, Summary& summary) {
   const Lanes& p = law.p;
   const At<Access> at{c, i};
@@ -120,8 +139,7 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
     collected = gather_non_finite(old.xi_s, gather_non_finite(r.state.xi_t, collected));
   }
   collected = gather_non_finite(r.state.xi_s, gather_non_finite(r.trial, gather_non_finite(r.sigma, collected)));
-  M sound = is_finite(collected);
-  if constexpr (kColumns) sound = hn::And(sound, p.admissible);
+  const M sound = hn::And(is_finite(collected), p.admissible);
   if (!all(sound)) {
     r.sigma = select(sound, r.sigma, at.in(kTractionOld));
     r.state.tau_s = select(sound, r.state.tau_s, at.in(kTractionOld + 1));
@@ -165,43 +183,50 @@ HWY_INLINE bool step_elastic(const Law& law, const Columns& c, std::size_t i) {
   return true;
 }
 
-template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull, bool kColumns>
+HWY_INLINE const Lanes& own_lanes(const Material& material) { return *reinterpret_cast<const Lanes*>(material.lanes); }
+
+template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kFull>
 void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
-  Lanes point_lanes;
-  const Lanes& p = kColumns ? point_lanes : *reinterpret_cast<const Lanes*>(material.lanes);
-  const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
+  using Law = Equations<Softening, kShared, kCrushing, kDilation>;
+  const Columns own = c;  // whose copy the short path keeps in registers: what is stored might change c
+  Lanes by_point;
+  const Law law{own.property_columns ? by_point : own_lanes(material), Softening(material.parameters)};
+  const Refill refill{material.parameters, own_lanes(material), own, own.property_columns ? &by_point : nullptr};
   if constexpr (kFull) {
-    run_full<kColumns>(law, c, count, summary, [&](std::size_t i) {
-      if constexpr (kColumns) point_lanes = column_lanes(material.parameters, c, i);
-    });
+    run_full<true>(law, c, count, summary, refill);
+  } else if (own.property_columns) {
+    const auto elastic = [&](std::size_t i) HWY_ATTR {
+      const Lanes lanes = column_lanes(material.parameters, own_lanes(material), own, i);
+      return all(lanes.admissible) && step_elastic<Vectors>(Law{lanes, law.f}, own, i);
+    };
+    run_lean<true>(law, c, count, elastic, refill, summary);
   } else {
-    run_lean(law, c, count, summary);
+    const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(law, own, i); };
+    run_lean<true>(law, c, count, elastic, refill, summary);
   }
 }
 
 template <class Softening, bool kShared, bool kCrushing, bool kDilation>
 void run_one(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
-  const Lanes& p = *reinterpret_cast<const Lanes*>(material.lanes);
-  const Equations<Softening, kShared, kCrushing, kDilation> law{p, Softening(material.parameters)};
+  const Equations<Softening, kShared, kCrushing, kDilation> law{own_lanes(material), Softening(material.parameters)};
   run_one(law, c, count, summary);
 }
 
-// Extra outputs and columns always take the general branches: with the parameters of a switched-off branch they give
-// the same bits, and a quarter of the code.
+// Extra outputs always take the general branches: with the parameters of a switched-off branch they give the same bits,
+// and a quarter of the code.
 template <class Softening, bool kShared>
 void choose_branches(Material& m) {
   if (m.parameters.dilation) {
-    m.lean = &run<Softening, kShared, true, true, false, false>;
+    m.lean = &run<Softening, kShared, true, true, false>;
     m.one = &run_one<Softening, kShared, true, true>;
   } else if (m.parameters.crushing) {
-    m.lean = &run<Softening, kShared, true, false, false, false>;
+    m.lean = &run<Softening, kShared, true, false, false>;
     m.one = &run_one<Softening, kShared, true, false>;
   } else {
-    m.lean = &run<Softening, kShared, false, false, false, false>;
+    m.lean = &run<Softening, kShared, false, false, false>;
     m.one = &run_one<Softening, kShared, false, false>;
   }
-  m.full = &run<Softening, kShared, true, true, true, false>;
-  m.columns = &run<Softening, kShared, true, true, true, true>;
+  m.full = &run<Softening, kShared, true, true, true>;
 }
 
 template <bool kShared>
@@ -219,7 +244,8 @@ void choose_shape(Material& m) {
 void choose_for_target(Material& m) {
   static_assert(sizeof(Lanes) <= sizeof m.lanes && alignof(Lanes) <= alignof(Material));
   static_assert(std::is_trivially_copyable_v<Lanes>);
-  new (m.lanes) Lanes(material_lanes(m.parameters));
+  Lanes& lanes = *new (m.lanes) Lanes(material_lanes(m.parameters));
+  lanes.admissible = hn::Eq(zero(), zero());  // or there were no material
   m.parameters.shared ? choose_shape<true>(m) : choose_shape<false>(m);
 }
 

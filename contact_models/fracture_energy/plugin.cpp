@@ -186,8 +186,11 @@ struct FractureEnergyLaw {
   }
 
   static void evaluate(const Material& material, const Columns& columns, std::size_t count, Summary& summary) {
-    const Kernel kernel = columns.property_columns ? material.columns : columns.extras ? material.full : material.lean;
-    kernel(material, columns, count, summary);
+    const Parameters& m = material.parameters;
+    const auto by_point = [&](PropertyColumn k) { return columns.in[kProperty + k] != nullptr; };
+    const bool lean = !columns.extras || (!columns.more_outputs && (m.crushing || !by_point(kColumnFc)) &&
+                                          (m.dilation || !by_point(kColumnPsi0)));
+    (lean ? material.lean : material.full)(material, columns, count, summary);
   }
 
   static void evaluate_one(const Material& material, const Columns& columns, Summary& summary) {

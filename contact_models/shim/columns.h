@@ -37,6 +37,7 @@ struct Columns {
   double* out[kOutCount];      // from kEnergyStored on only with extras
   bool property_columns;       // some property is given point by point
   bool extras;                 // that, or anything beyond tractions and history is wanted
+  bool more_outputs;           // anything beyond tractions and history is wanted; set with extras alone
   bool in_place;               // every new state is its old one, in the same memory
 };
 

@@ -22,32 +22,47 @@
 HWY_BEFORE_NAMESPACE();
 namespace quoin::shim::HWY_NAMESPACE {
 
+// What is to be done before a vector goes through the whole step: nothing, where every point has the same properties.
+struct Unprepared {
+  HWY_INLINE void operator()(std::size_t) const {}
+};
+
 // The vectors that begin at starts[0] ... starts[n - 1], back to back: the roots and divisions of one overlap with the
 // next one's. Out of line, so that the short path keeps its registers.
-template <bool kFull, bool kColumns, class Law>
+template <bool kFull, bool kColumns, class Law, class Prepare>
 HWY_NOINLINE void step_vectors(const Law& law, const Columns& c, const std::size_t* starts, std::size_t n,
-                               std::size_t count, Summary& summary) {
-  for (std::size_t k = 0; k < n; ++k) step_vector<kFull, kColumns, Vectors>(law, c, starts[k], count, summary);
+                               std::size_t count, const Prepare& prepare, Summary& summary) {
+  for (std::size_t k = 0; k < n; ++k) {
+    prepare(starts[k]);
+    step_vector<kFull, kColumns, Vectors>(law, c, starts[k], count, summary);
+  }
 }
 
 // First all vectors of a tile that are elastic, then the others. A tile's columns fit into the first cache.
 inline constexpr std::size_t kLoopTile = 256;
 
-// Tractions and states only.
-template <class Law>
-HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
-  // Copies, so that the short path keeps them in registers: what is stored might change c and the law.
-  const Columns own = c;
-  const auto& quick = short_path(law);
+// Tractions and states only. elastic(i) takes the short path for the points from i on, as step_elastic does;
+// prepare(i) comes before those from i on that take the whole step.
+template <bool kColumns, class Law, class Elastic, class Prepare>
+HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, const Elastic& elastic,
+                         const Prepare& prepare, Summary& summary) {
   std::size_t rest[kLoopTile];
   for (std::size_t i = 0; i < count;) {
     const std::size_t end = std::min(count, i + kLoopTile);
     std::size_t n = 0;
     for (; i < end; i += hn::Lanes(D())) {
-      if (!step_elastic<Vectors>(quick, own, i)) rest[n++] = i;
+      if (!elastic(i)) rest[n++] = i;
     }
-    if (n > 0) step_vectors<false, false>(law, c, rest, n, count, summary);
+    if (n > 0) step_vectors<false, kColumns>(law, c, rest, n, count, prepare, summary);
   }
+}
+template <class Law>
+HWY_INLINE void run_lean(const Law& law, const Columns& c, std::size_t count, Summary& summary) {
+  // Copies, so that the short path keeps them in registers: what is stored might change c and the law.
+  const Columns own = c;
+  const auto& quick = short_path(law);
+  const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(quick, own, i); };
+  run_lean<false>(law, c, count, elastic, Unprepared(), summary);
 }
 
 // Whatever outputs are asked for. prepare(i) before the points from i on: their properties.
@@ -56,7 +71,7 @@ HWY_INLINE void run_full(const Law& law, const Columns& c, std::size_t count, Su
                          const Prepare& prepare) {
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     prepare(i);
-    step_vectors<true, kColumns>(law, c, &i, 1, count, summary);
+    step_vectors<true, kColumns>(law, c, &i, 1, count, Unprepared(), summary);
   }
 }
 

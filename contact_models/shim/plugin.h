@@ -229,7 +229,7 @@ class Plugin {
     quoin_in in[kInCount];
     quoin_out out[kOutCount];
     quoin_out_u32 words[2];  // flags, status
-    bool property_columns, extras;
+    bool property_columns, extras, more_outputs;
     bool contiguous;  // the kernel can work on the caller's own memory
 
     // Calls f(place, view) for every input and every output in doubles that may be given.
@@ -287,7 +287,8 @@ class Plugin {
 
     views.words[0] = batch.flags;
     views.words[1] = batch.status;
-    views.extras = asks_for_more(batch);
+    views.more_outputs = asks_for_outputs(batch);
+    views.extras = views.property_columns | views.more_outputs;
     if (views.extras) {
       views.out[kEnergyStored] = batch.energy_stored;
       for (int k = 0; k < 4; ++k) views.out[kDissipated + k] = batch.dissipated[k];
@@ -309,10 +310,13 @@ class Plugin {
     return distinct ? QUOIN_OK : QUOIN_ERROR_ARGUMENT;
   }
 
-  // Anything beyond tractions and history, or properties point by point. Without branches: short calls feel it.
+  // Anything beyond tractions and history, or properties point by point.
   static bool asks_for_more(const quoin_batch& batch) {
-    bool more = (batch.property_column_count > 0) | (batch.flags.data != nullptr) | (batch.status.data != nullptr) |
-                (batch.energy_stored.data != nullptr);
+    return (batch.property_column_count > 0) | asks_for_outputs(batch);
+  }
+  // Without branches: short calls feel it.
+  static bool asks_for_outputs(const quoin_batch& batch) {
+    bool more = (batch.flags.data != nullptr) | (batch.status.data != nullptr) | (batch.energy_stored.data != nullptr);
     for (const quoin_out& view : batch.dissipated) more |= view.data != nullptr;
     for (const quoin_out& view : batch.tangent) more |= view.data != nullptr;
     if (knows_damage(batch)) {
@@ -412,6 +416,7 @@ class Plugin {
     Columns columns;
     columns.property_columns = views.property_columns;
     columns.extras = views.extras;
+    columns.more_outputs = views.more_outputs;
     views.for_inputs([&](int k, const quoin_in& view) { columns.in[k] = view.data; });
     views.for_outputs([&](int k, const quoin_out& view) { columns.out[k] = view.data; });
     columns.out[kFlags] = columns.out[kStatus] = nullptr;
@@ -430,6 +435,7 @@ class Plugin {
     Columns columns;
     columns.property_columns = views.property_columns;
     columns.extras = views.extras;
+    columns.more_outputs = views.more_outputs;
     columns.in_place = false;
     const std::size_t padded = (count + kMaxLanes - 1) / kMaxLanes * kMaxLanes;
     views.for_inputs([&](int k, const quoin_in& view) {

@@ -107,13 +107,23 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
       });
 }
 
-void run_ensemble(const EnsembleOptions& options) {
+Study study_of(const EnsembleOptions& options) {
   Study study = read_study(options.study);
   study.overrides.insert(study.overrides.end(), options.overrides.begin(), options.overrides.end());
+  return study;
+}
+
+// Where results go unless --out says otherwise.
+fs::path folder_of(const EnsembleOptions& options, const std::string& suffix = "") {
+  return options.out.empty() ? fs::path("out") / (fs::path(options.study).stem().string() + suffix)
+                             : fs::path(options.out);
+}
+
+void run_ensemble(const EnsembleOptions& options) {
+  Study study = study_of(options);
   if (options.samples > 0) study.samples = options.samples;
   const std::uint64_t samples = study.samples;
-  const fs::path out = options.out.empty() ? fs::path("out") / fs::path(options.study).stem() : fs::path(options.out);
-  const StudyFolder folder(out, study, laws_of(study));
+  const StudyFolder folder(folder_of(options), study, laws_of(study));
   if (options.slurm) {
     compute_by_slurm(options, folder, samples);
     if (options.detach) return;
@@ -131,20 +141,34 @@ void run_ensemble(const EnsembleOptions& options) {
 }
 
 void run_sensitivity(const EnsembleOptions& options) {
-  Study study = read_study(options.study);
-  study.overrides.insert(study.overrides.end(), options.overrides.begin(), options.overrides.end());
+  Study study = study_of(options);
   study.one_at_a_time = true;
   study.samples = 2 * study.inputs().size();
   if (study.samples == 0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));
-  const fs::path out = options.out.empty()
-                           ? fs::path("out") / (fs::path(options.study).stem().string() + "_sensitivity")
-                           : fs::path(options.out);
-  const StudyFolder folder(out, study, laws_of(study));
+  const StudyFolder folder(folder_of(options, "_sensitivity"), study, laws_of(study));
   compute_here(options, folder, study);
   fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
   fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
+}
+
+// What both commands take. Returns the option --jobs.
+CLI::Option* add_study_options(CLI::App* command, EnsembleOptions* options, const std::string& suffix) {
+  command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
+      ->required()
+      ->type_name("STUDY.toml");
+  command
+      ->add_option("--out", options->out,
+                   fmt::format("Folder for runs and results (default: out/<name of the study>{})", suffix))
+      ->type_name("DIR");
+  command->add_flag("--no-pictures", options->no_pictures, "Results without pictures");
+  command->add_option("--set", options->overrides, "Set a key of the scene in all runs; may be repeated")
+      ->type_name("dotted.key=value")
+      ->allow_extra_args(false);
+  return command->add_option("--jobs", options->jobs, "Runs side by side, one thread each (default: one a core)")
+      ->type_name("J")
+      ->check(CLI::Range(1, 4096));
 }
 
 }  // namespace
@@ -153,19 +177,7 @@ void add_sensitivity_command(CLI::App& app, int&) {
   CLI::App* command =
       app.add_subcommand("sensitivity", "Which property matters: every input of a study tried by itself");
   auto options = std::make_shared<EnsembleOptions>();
-  command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
-      ->required()
-      ->type_name("STUDY.toml");
-  command
-      ->add_option("--out", options->out, "Folder for runs and results (default: out/<name of the study>_sensitivity)")
-      ->type_name("DIR");
-  command->add_option("--jobs", options->jobs, "Runs side by side, one thread each (default: one a core)")
-      ->type_name("J")
-      ->check(CLI::Range(1, 4096));
-  command->add_flag("--no-pictures", options->no_pictures, "Results without pictures");
-  command->add_option("--set", options->overrides, "Set a key of the scene in all runs; may be repeated")
-      ->type_name("dotted.key=value")
-      ->allow_extra_args(false);
+  add_study_options(command, options.get(), "_sensitivity");
   command->footer(
       "Each input at its 16 % and 84 % quantile, the others at their means; two runs an input and one of the means.\n"
       "Example:\n"
@@ -176,18 +188,10 @@ void add_sensitivity_command(CLI::App& app, int&) {
 void add_ensemble_command(CLI::App& app, int&) {
   CLI::App* command = app.add_subcommand("ensemble", "Many walls with scattered properties: a distribution of results");
   auto options = std::make_shared<EnsembleOptions>();
-  command->add_option("study", options->study, "Study file; host/ensemble/README.md lists its keys")
-      ->required()
-      ->type_name("STUDY.toml");
-  command->add_option("--out", options->out, "Folder for samples and results (default: out/<name of the study>)")
-      ->type_name("DIR");
+  CLI::Option* jobs = add_study_options(command, options.get(), "");
   command->add_option("--samples", options->samples, "Number of samples, in place of the study's")
       ->type_name("N")
       ->check(CLI::Range(1, 1000000));
-  CLI::Option* jobs =
-      command->add_option("--jobs", options->jobs, "Samples side by side, one thread each (default: one a core)")
-          ->type_name("J")
-          ->check(CLI::Range(1, 4096));
   CLI::Option* slurm =
       command->add_flag("--slurm", options->slurm, "Compute by a job array of Slurm, and wait for it")->excludes(jobs);
   command->add_option("--tasks", options->tasks, "Tasks of the array (default: 32)")
@@ -201,10 +205,6 @@ void add_ensemble_command(CLI::App& app, int&) {
       ->add_flag("--worker", options->worker,
                  "Compute what no other process has claimed, and leave the results to others")
       ->excludes(slurm, gather);
-  command->add_flag("--no-pictures", options->no_pictures, "Results without pictures");
-  command->add_option("--set", options->overrides, "Set a key of the scene in all samples; may be repeated")
-      ->type_name("dotted.key=value")
-      ->allow_extra_args(false);
   command->footer(
       "Any number of these commands may work on one DIR at once, also on several machines. Finished samples are never\n"
       "computed again: after Ctrl-C or a crash the same command goes on.\n"

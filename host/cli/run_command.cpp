@@ -306,7 +306,11 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   simulation.use(&ranks);
   std::vector<std::uint8_t> state;
   share_state(ranks, state);
-  if (!state.empty()) simulation.restore(state);
+  if (state.empty()) {
+    take_start(&simulation);
+  } else {
+    simulation.restore(state);
+  }
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: the law '{}' has not returned from a batch within {:g} s: {}", ranks.rank(),
@@ -362,6 +366,8 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   if (goes_on) {
     before = read_checkpoint(folder / "checkpoint.bin", identity);
     simulation.restore(before.state);
+  } else {
+    take_start(&simulation);
   }
   if (ranks) share_state(*ranks, before.state);
   before.state = {};
@@ -468,6 +474,9 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
   keep([&] {
     if (options.report) write_report({folder});
+  });
+  keep([&] {
+    if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
   });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more

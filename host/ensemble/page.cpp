@@ -308,7 +308,8 @@ void draw_cracks(const CrackMap& map, double opening, Pictures& pictures) {
   }
   if (data.empty()) return;
   pictures.draw("crack_probability", data, "x, m", "y, m",
-                "set size ratio -1\nset nokey\nset cbrange [0:1]\nset cblabel 'probability'\nset palette defined (0 "
+                "set size ratio -1\nset nokey\nset style fill solid 1 noborder\nset cbrange [0:1]\nset cblabel "
+                "'probability'\nset palette defined (0 "
                 "'#e8e8e8', 0.3 "
                 "'#56b4e9', 0.6 '#e69f00', 1 '#b3321e')\nplot 'crack_probability.dat' using 1:2:3 with lines linewidth "
                 "5 palette\n",

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "files/result_folder.h"
+#include "results/checkpoint_file.h"
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
@@ -200,6 +201,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
   attempt([&] {
     try {
       simulation.emplace(make_scene(), 1);
+      take_start(&*simulation);
     } catch (const Error& error) {  // of the scene as drawn
       fail(error.what());
     }

@@ -39,7 +39,7 @@ constexpr std::array kNames{"summary.json",     "history.csv",     "curve.png", 
                             "mechanism.png",    "blocks.pvd",      "joints.pvd",         "blocks_*.vt[pu]",
                             "joints_*.vt[pu]",  "plots/curve.*",   "plots/cracks.*",     "plots/mechanism.*",
                             "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat", "run.json",
-                            "checkpoint.bin",   "sample.json",     "cracks.csv"};
+                            "checkpoint.bin",   "end_state.bin",   "sample.json",        "cracks.csv"};
 
 bool matches(const char* pattern, const std::string& name) {
   return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;

@@ -201,7 +201,7 @@ void refuse_together(const JointFamily& family, const Material& material, std::s
   batch.state_old = old.data(), batch.state_new = fresh.data();
   batch.property_column_count = given.size(), batch.property_columns = given.data();
   batch.status = {status.data(), 1};
-  const quoin_status answer = law.evaluate(material.handle(), &batch);
+  const quoin_status answer = material.evaluate(&batch);
   if (answer == QUOIN_OK && batch.failed_count == 0) return;
   if (answer != QUOIN_OK)
     throw Error(Exit::law_refused, fmt::format("{}: law {} refuses properties point by point with status {}",

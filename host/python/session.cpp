@@ -75,6 +75,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
     : keep_frames_(keep_frames), folder_(folder) {
   const py::gil_scoped_release release;
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
+  take_start(simulation_.get());
   columns_ = history_columns(simulation_->scene());
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>(*simulation_);
   if (folder.empty()) return;

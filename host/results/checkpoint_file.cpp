@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <limits>
 
 #include "base/archive.h"
@@ -95,12 +97,18 @@ void write_checkpoint(const std::filesystem::path& path, const Identity& identit
   write_durable_file(path, bytes);
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected) {
+namespace {
+
+struct Stored {
+  Identity identity;
+  Checkpoint checkpoint;
+};
+
+using Fault = std::function<Error(const std::string& reason)>;
+
+Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   const std::string text = read_whole(path);
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  const auto fault = [&](const std::string& reason) {
-    return Error(Exit::bad_input, fmt::format("{}: {}; start the run anew without --resume", path.string(), reason));
-  };
   Head head;
   const Head here;
   if (bytes.size() < sizeof head) throw fault("is no checkpoint of quoin, or is cut short");
@@ -119,9 +127,16 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& ex
     throw fault("is damaged: its checksum does not fit");
 
   ArchiveReader reader{bytes, sizeof head};
-  Identity identity;
-  transfer_identity(reader, identity.parts);
-  // Part by part, so that the message names the first that differs.
+  Stored stored;
+  transfer_identity(reader, stored.identity.parts);
+  reader.array(stored.checkpoint.rows);
+  reader.array(stored.checkpoint.frame_times);
+  reader.array(stored.checkpoint.state);
+  return stored;
+}
+
+// Part by part, so that the message names the first that differs.
+void refuse_another(const Identity& identity, const Identity& expected, const Fault& fault) {
   for (std::size_t i = 0; i < std::max(identity.parts.size(), expected.parts.size()); ++i) {
     if (i >= identity.parts.size() || i >= expected.parts.size() || identity.parts[i].what != expected.parts[i].what)
       throw fault("is of a scene with other laws");
@@ -129,11 +144,62 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& ex
       throw fault(fmt::format("is of another {} ({}; here {})", identity.parts[i].what, identity.parts[i].value,
                               expected.parts[i].value));
   }
-  Checkpoint checkpoint;
-  reader.array(checkpoint.rows);
-  reader.array(checkpoint.frame_times);
-  reader.array(checkpoint.state);
-  return checkpoint;
+}
+
+constexpr const char* kStageCount = "number of first stages";
+
+// Of a run whose end is the start of others: its stages in place of its whole scene.
+Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
+  Identity identity = identity_of(simulation, provenance);
+  for (Identity::Part& part : identity.parts) {
+    if (part.what != "scene") continue;
+    part = {"list of first stages", ""};
+    for (std::size_t i = 0; i < std::min(stages, simulation.scene().stages.size()); ++i)
+      part.value += fmt::format("{}'{}'", i > 0 ? ", " : "", simulation.scene().stages[i].name);
+  }
+  identity.parts.push_back({kStageCount, std::to_string(stages)});
+  return identity;
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected) {
+  const Fault fault = [&](const std::string& reason) {
+    return Error(Exit::bad_input, fmt::format("{}: {}; start the run anew without --resume", path.string(), reason));
+  };
+  Stored stored = read_stored(path, fault);
+  refuse_another(stored.identity, expected, fault);
+  return std::move(stored.checkpoint);
+}
+
+void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance) {
+  const Identity identity = end_identity(simulation, provenance, simulation.scene().stages.size());
+  write_checkpoint(folder / "end_state.bin", identity, {{}, {}, simulation.save()});
+}
+
+void take_start(Simulation* simulation) {
+  const Scene& scene = simulation->scene();
+  if (scene.start.empty()) return;
+  const std::filesystem::path path = std::filesystem::path(scene.start) / "end_state.bin";
+  const Fault fault = [&](const std::string& reason) {
+    return Error(Exit::bad_input,
+                 fmt::format("{}: start: {} {}; it must be the end of a run of this program with output.end_state = "
+                             "true, whose masonry, laws, settings and first stages are those of this scene",
+                             scene.file, path.string(), reason));
+  };
+  std::error_code unknown;
+  if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
+  const Stored stored = read_stored(path, fault);
+  const auto& parts = stored.identity.parts;
+  const bool known = !parts.empty() && parts.back().what == kStageCount;
+  const std::size_t stages = known ? std::strtoul(parts.back().value.c_str(), nullptr, 10) : 0;
+  refuse_another(stored.identity, end_identity(*simulation, provenance_of(*simulation, {}), stages), fault);
+  if (stages >= scene.stages.size()) throw fault(fmt::format("is after stage {}, and nothing is left to do", stages));
+  try {
+    simulation->restore(stored.checkpoint.state);
+  } catch (const Error& error) {
+    throw fault(fmt::format("does not fit ({})", error.what()));
+  }
 }
 
 }  // namespace quoin

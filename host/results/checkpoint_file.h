@@ -36,4 +36,11 @@ void write_checkpoint(const std::filesystem::path& path, const Identity& identit
 // Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);
 
+// FOLDER/end_state.bin: where scenes with start = FOLDER begin. Throws as write_checkpoint.
+void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance);
+
+// Brings a simulation that has not moved yet to where its scene starts: at rest, or at the end of another run, whose
+// stages its own ones begin with. Throws Error(bad_input) with the reason, as read_checkpoint.
+void take_start(Simulation* simulation);
+
 }  // namespace quoin

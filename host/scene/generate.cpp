@@ -1,5 +1,6 @@
 #include "scene/generate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -34,10 +35,20 @@ class WallGrid {
   int columns() const { return columns_; }
   int unit(int course, int column) const { return unit_[at(course, column)]; }
   int& block(int course, int column) { return block_[at(course, column)]; }
-  bool solid(int course, int column) const { return unit(course, column) >= 0; }
+  bool solid(int course, int column) const { return unit(course, column) >= 0 && !missing(course, column); }
+  // What the scene says of the unit; null: nothing.
+  const WallSpec::Changed* changed(int course, int column) const {
+    for (const WallSpec::Changed& c : wall_.changed)
+      if (c.course == course && unit(c.course, c.half_unit) == unit(course, column)) return &c;
+    return nullptr;
+  }
   const WallSpec::Opening* lintel(int course, int column) const { return lintel_at(wall_.openings, course, column); }
 
  private:
+  bool missing(int course, int column) const {
+    const WallSpec::Changed* c = changed(course, column);
+    return c && c->material.empty();
+  }
   size_t at(int course, int column) const {
     return static_cast<size_t>(course) * static_cast<size_t>(columns_) + static_cast<size_t>(column);
   }
@@ -53,7 +64,7 @@ class WallGrid {
         const auto* const of = lintel(course, column);
         const bool second_half = of ? column > of->lintel_first()
                                     : column > 0 && (column % 2 == 1) != starts_half && !lintel(course, column - 1);
-        const bool same_unit = second_half && solid(course, column - 1);
+        const bool same_unit = second_half && unit(course, column - 1) >= 0;
         unit_[at(course, column)] = same_unit ? unit(course, column - 1) : next++;
       }
     }
@@ -79,6 +90,15 @@ void leave_mortar_out(Assembly* assembly) {
 }
 
 }  // namespace
+
+std::vector<std::string> WallSpec::bottom_beams() const {
+  if (!bottom_beam) return {};
+  if (bottom_beam_cuts.empty()) return {"bottom_beam"};
+  std::vector<std::string> names;
+  for (size_t part = 1; part <= bottom_beam_cuts.size() + 1; ++part)
+    names.push_back("bottom_beam_" + std::to_string(part));
+  return names;
+}
 
 double bed_area(const WallSpec& wall) { return wall.units_per_course * wall.unit[0] * wall.unit[2]; }
 
@@ -126,16 +146,17 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
       brick.parity = (column * zones[0] + course * zones[1]) % 2;
       brick.material =
           lintel && !lintel->lintel_material.empty() ? index_of(materials, lintel->lintel_material) : unit_material;
+      if (const WallSpec::Changed* c = grid.changed(course, column)) brick.material = index_of(materials, c->material);
       brick.unit = grid.unit(course, column);
       brick.course = course;
       assembly.bricks.push_back(brick);
     }
   }
 
-  auto add_beam = [&](const char* name, double y) {
+  auto add_beam = [&](const std::string& name, int first, int end, double y) {
     Brick beam;
-    beam.origin = {0.0, y, 0.0};
-    beam.size = {grid.columns() * half, wall.beam_height, thickness};
+    beam.origin = {first * half, y, 0.0};
+    beam.size = {(end - first) * half, wall.beam_height, thickness};
     beam.material = static_cast<int>(assembly.materials.size()) - 1;
     beam.rigid = beam.beam = true;
     beam.body = name;
@@ -143,8 +164,16 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
     return static_cast<int>(assembly.bricks.size()) - 1;
   };
   if (wall.bottom_beam || wall.top_beam) assembly.materials.push_back({"beam", 0.0, 0.0, wall.beam_density});
-  const int bottom = wall.bottom_beam ? add_beam("bottom_beam", -wall.beam_height) : -1;
-  const int top = wall.top_beam ? add_beam("top_beam", wall.courses * height) : -1;
+  std::vector<int> bottom(static_cast<size_t>(grid.columns()), -1);  // by column
+  std::vector<int> ends = wall.bottom_beam_cuts;
+  ends.push_back(grid.columns());
+  int first = 0;
+  for (size_t part = 0; const std::string& name : wall.bottom_beams()) {
+    const int end = ends[part++];
+    std::fill(bottom.begin() + first, bottom.begin() + end, add_beam(name, first, end, -wall.beam_height));
+    first = end;
+  }
+  const int top = wall.top_beam ? add_beam("top_beam", 0, grid.columns(), wall.courses * height) : -1;
 
   // Joints: within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
   for (int course = 0; course < wall.courses; ++course) {
@@ -158,7 +187,7 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
   for (int below = -1; below < wall.courses; ++below) {
     std::set<std::pair<int, int>> done;  // a whole unit lies on two others: each pair once
     for (int column = 0; column < grid.columns(); ++column) {
-      const int a = below < 0 ? bottom : grid.block(below, column);
+      const int a = below < 0 ? bottom[static_cast<size_t>(column)] : grid.block(below, column);
       const int b = below + 1 == wall.courses ? top : grid.block(below + 1, column);
       if (a < 0 || b < 0 || !done.insert({a, b}).second) continue;
       const bool at_beam = below < 0 || below + 1 == wall.courses;

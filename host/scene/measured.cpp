@@ -65,6 +65,8 @@ std::string outside_wall(const Scene& scene) {
   if (wall.rigid_units) return "wall.rigid_units, measured with deformable units";
   if (wall.zones != std::array<int, 3>{4, 2, 2}) return "wall.zones, measured with [4, 2, 2]";
   if (!wall.bottom_beam) return "wall.bottom_beam, measured with one";
+  if (!wall.bottom_beam_cuts.empty()) return "wall.bottom_beam_cuts, measured without";
+  if (!wall.changed.empty()) return "wall.changed, measured with units alike";
   if (wall.openings.size() > 1) return "wall.opening, measured with one";
   for (const WallSpec::Opening& opening : wall.openings) {
     if (opening.bearing > 0) return "wall.opening.bearing, measured without lintels";
@@ -129,6 +131,8 @@ std::string outside_stages(const Scene& scene) {
 std::string outside_measured(const Scene& scene) {
   if (scene.blocks) return "blocks of any shape, measured on walls";
   if (scene.building) return "building, measured on walls";
+  if (!scene.damage.empty()) return "damage, measured on sound walls";
+  if (!scene.start.empty()) return "start, measured from rest";
   if (!scene.quality_as_is) return fmt::format("settings of quality {} changed", scene.quality);
   for (const auto& [name, family] : scene.joints) {
     if (family.scatters() || family.missing_mortar > 0.0)

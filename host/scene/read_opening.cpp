@@ -120,4 +120,28 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
   return openings;
 }
 
+std::vector<WallSpec::Changed> read_changed(Table& wall, const Lattice& lattice, const std::vector<Opening>& openings,
+                                            const std::map<std::string, BlockMaterial>& materials) {
+  std::vector<std::string> names;
+  for (const auto& [name, material] : materials) names.push_back(name);
+  std::vector<WallSpec::Changed> changed;
+  for (const toml::table* table : wall.tables("changed", fmt::format("tables [[{}]]", wall.path("changed")))) {
+    Table u(wall.context(), *table, fmt::format("{}.{}", wall.path("changed"), changed.size() + 1));
+    WallSpec::Changed& unit = changed.emplace_back();
+    const bool placed =
+        u.integer("course", unit.course, 0, (lattice.courses > 0 ? lattice.courses : kManyCourses) - 1, true) &&
+        u.integer("half_unit", unit.half_unit, 0, (lattice.half_units > 0 ? lattice.half_units : kManyHalfUnits) - 1,
+                  true);
+    bool missing = false;
+    u.boolean("missing", missing);
+    u.choice("material", unit.material, names);
+    if (missing == u.has("material"))
+      u.context().fault(u.where() + ": give one of missing = true and material, the name of another one");
+    if (placed && in_opening(openings, unit.course, unit.half_unit))
+      u.refuse("half_unit", "one that is there: an opening takes this one");
+    u.finish();
+  }
+  return changed;
+}
+
 }  // namespace quoin

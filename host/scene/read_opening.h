@@ -19,4 +19,9 @@ struct Lattice {
 std::vector<WallSpec::Opening> read_openings(reader::Table& wall, const Lattice& lattice,
                                              const std::map<std::string, BlockMaterial>& materials);
 
+// All tables `changed` of a wall: units that are missing or of another material.
+std::vector<WallSpec::Changed> read_changed(reader::Table& wall, const Lattice& lattice,
+                                            const std::vector<WallSpec::Opening>& openings,
+                                            const std::map<std::string, BlockMaterial>& materials);
+
 }  // namespace quoin

@@ -16,6 +16,7 @@
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
+#include "scene/read_damage.h"
 #include "scene/read_opening.h"
 #include "scene/read_scatter.h"
 #include "scene/reader.h"
@@ -359,6 +360,18 @@ WallSpec read_wall(Table t, const Scene& scene) {
     if (t.text(key, name, allowed, required) && !known.contains(name))
       t.refuse(key, allowed + did_you_mean(name, names));
   };
+  std::vector<double> cuts;
+  const std::string inside = has_units ? fmt::format("1 to {:g}", 2 * w.units_per_course - 1) : "1 on";
+  if (t.numbers("bottom_beam_cuts", cuts, kPositive, "half units from the left")) {
+    for (const double cut : cuts) {
+      const int last = w.bottom_beam_cuts.empty() ? 0 : w.bottom_beam_cuts.back();
+      if (cut == std::floor(cut) && cut > last && (!has_units || cut < 2 * w.units_per_course))
+        w.bottom_beam_cuts.push_back(static_cast<int>(cut));
+      else
+        t.refuse("bottom_beam_cuts", fmt::format("whole half units that grow, {}, where the beam is cut", inside));
+    }
+    if (!w.bottom_beam) t.refuse("bottom_beam_cuts", "only with bottom_beam = true");
+  }
   const bool beams = w.bottom_beam || w.top_beam;
   name_of("unit_material", w.unit_material, scene.materials, "materials", true);
   name_of("bed_joint", w.bed_joint, scene.joints, "joints", true);
@@ -370,6 +383,8 @@ WallSpec read_wall(Table t, const Scene& scene) {
                              {has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0,
                               has_unit ? w.unit[0] / 2 : 0},
                              scene.materials);
+  const Lattice lattice{has_units ? static_cast<int>(2 * w.units_per_course) : 0, has_courses ? w.courses : 0, 0};
+  w.changed = read_changed(t, lattice, w.openings, scene.materials);
   t.finish();
   return w;
 }
@@ -395,7 +410,7 @@ std::vector<std::string> body_names(const Scene& scene) {
       for (const std::string& body : floor.bodies()) names.push_back(body);
     }
   }
-  if (scene.wall && scene.wall->bottom_beam) names.push_back("bottom_beam");
+  if (scene.wall) names = scene.wall->bottom_beams();
   if (scene.wall && scene.wall->top_beam) names.push_back("top_beam");
   if (scene.wall && scene.wall->rigid_units) names.insert(names.end(), {"bottom_course", "top_course"});
   return names;
@@ -430,9 +445,10 @@ void read_controls(Table& t, Stage& stage, const std::vector<std::string>& bodie
 // The controls that the short kinds of stage stand for: bottom beam held, top beam pressed or moved.
 void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, double top_force, bool top_free,
                        double top_velocity) {
-  if (std::find(bodies.begin(), bodies.end(), "bottom_beam") != bodies.end()) {
+  for (const std::string& body : bodies) {
+    if (!body.starts_with("bottom_beam")) continue;
     BodyControl bottom;
-    bottom.body = "bottom_beam";
+    bottom.body = body;
     stage.controls.push_back(bottom);
   }
   BodyControl top;
@@ -610,6 +626,13 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 
+  for (size_t i = 0; const auto* table : t.tables("damage", "tables [[damage]]"))
+    scene.damage.push_back(read_damage({context, *table, fmt::format("damage.{}", ++i)}, scene));
+  if (t.text("start", scene.start, "the folder of a run with output.end_state = true")) {
+    if (!scene.start.starts_with('/')) scene.start = folder + scene.start;
+    if (!scene.damage.empty()) t.refuse("start", "without [[damage]], which belongs to the run that ends there");
+  }
+
   double pressure = 0.0;  // of the last pressure stage: what a shear stage may keep
   int index = 0;
   for (const auto* table : t.tables("stage", "tables [[stage]]", true)) {
@@ -625,6 +648,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     o.boolean("plots", scene.output.plots);
     o.boolean("picture", scene.output.plots);
     o.boolean("energy", scene.output.energy);
+    o.boolean("end_state", scene.output.end_state);
     o.number("record_interval", scene.output.record_interval, kNotNegative, "s");
     if (of_blocks) o.text("monitor", scene.output.monitor, "the name of a block");
     o.finish();

@@ -245,8 +245,17 @@ struct WallSpec {
     }
   };
   std::vector<Opening> openings;
+  // A unit, by its course and any of its half units, that is missing or of another material.
+  struct Changed {
+    int course = 0, half_unit = 0;
+    std::string material;  // empty: missing
+  };
+  std::vector<Changed> changed;
   double beam_height = 0.1, beam_density = 7850.0;  // rigid beams below and above
   bool bottom_beam = true, top_beam = true;
+  std::vector<int> bottom_beam_cuts;  // half units from the left, growing: parts that move by themselves
+  // "bottom_beam", or "bottom_beam_1", "bottom_beam_2", ... of the parts.
+  std::vector<std::string> bottom_beams() const;
   bool half_thickness = false;  // model z >= mid-plane only, u_z = 0 there; forces reported for the whole wall
 };
 
@@ -366,12 +375,30 @@ struct BlocksSpec {
   } contact;
 };
 
+// What has happened to joints before the first stage. A later one comes on top of an earlier one.
+struct Damage {
+  std::vector<std::string> joints;                             // families; empty: all
+  Vec3 from{-1e300, -1e300, -1e300}, to{1e300, 1e300, 1e300};  // m, of contact points: a box
+  // m, along the wall and up: a line along the joints between units whose centres lie on either side; empty: all in the
+  // box
+  std::vector<std::array<double, 2>> crack;
+  int crack_along = 0;                  // 0: the wall runs along x, 2: along z
+  bool through_units = false;           // the crack cuts units too; else it goes round them
+  std::string initial_state;            // of the law; empty: as the joint is
+  std::optional<double> xi;             // all internal variables of softening that the law has
+  std::map<std::string, double> state;  // of the law, by its own names
+  double slip = 0.0;                    // m, slid under no pressure
+  double opening = 0.0;                 // m, at which the joint stands open
+  Source source;
+};
+
 struct OutputSettings {
   int frames = 20;  // VTU frames over the last stage; 0: none
   bool plots = true;
   bool energy = false;           // energies by mode in history.csv
   std::string monitor;           // block that the history shows; empty: as the stages say
   double record_interval = 0.0;  // s between rows of the history; 0: as the stages say
+  bool end_state = false;        // end_state.bin: where other scenes may begin
 };
 
 struct Scene {
@@ -387,6 +414,8 @@ struct Scene {
   std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
+  std::vector<Damage> damage;
+  std::string start;  // folder of the run whose end is where this one begins; empty: at rest
   std::vector<Stage> stages;
   OutputSettings output;
 };

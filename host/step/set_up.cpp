@@ -1,6 +1,10 @@
 // From scene and bricks to the arrays that the step goes over.
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "base/error.h"
+#include "step/existing_damage.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -14,7 +18,50 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   take_bricks(std::move(assembly), materials);
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_riding(*shapes, std::move(materials));
+  take_damage();
   bind_step();
+}
+
+void Simulation::Impl::take_damage() {
+  if (scene.damage.empty()) return;
+  std::vector<CrackedBlock> blocks;
+  for (const Brick& b : model.assembly.bricks)
+    blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
+  for (int b = 0; riding && b < riding->block_count(); ++b)
+    blocks.push_back(
+        {geometry::array(riding->position(b)), riding->assembly().blocks[static_cast<std::size_t>(b)].unit});
+  std::vector<std::size_t> hit(scene.damage.size(), 0);
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    std::vector<PlacedPoint> points;
+    for (std::size_t i = 0; riding && i < riding->families()[f].size(); ++i) {
+      const blocks::Point& p = riding->families()[f].point[i];
+      points.push_back({geometry::array(p.at), p.area, p.a, p.b});
+    }
+    for (int i = family.first_point; !riding && i < family.first_point + family.point_count; ++i) {
+      const auto p = static_cast<std::size_t>(i);
+      const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
+      points.push_back({model.point_position[p], model.area[p], joint.block_a, joint.block_b});
+    }
+    const JointFamily& description = riding ? riding->assembly().families[f] : model.assembly.families[f];
+    const auto& columns = riding ? riding->families()[f].columns : family.columns;
+    const DamagedFamily damaged =
+        damage_family(scene.damage, description, family.material, points, blocks, columns, &hit);
+    if (damaged.points == 0) continue;
+    if (riding) {
+      riding->replace_law(static_cast<int>(f), family.material, damaged.state, damaged.opening_shift);
+      continue;
+    }
+    law_state[f].assign(damaged.state.begin(), damaged.state.end());
+    normal_shift.resize(static_cast<std::size_t>(model.point_count), 0.0);
+    std::copy(damaged.opening_shift.begin(), damaged.opening_shift.end(), normal_shift.begin() + family.first_point);
+  }
+  for (std::size_t d = 0; d < hit.size(); ++d) {
+    if (hit[d] == 0)
+      throw Error(Exit::bad_input, fmt::format("{}: no contact point of its joints lies there; check from, to, crack "
+                                               "(m) and joints",
+                                               scene.damage[d].source.text));
+  }
 }
 
 void Simulation::Impl::bind_step() {

@@ -243,6 +243,7 @@ struct Simulation::Impl {
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
+  void take_damage();   // of the scene: states and openings before the first stage
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
   void bind_energies(LawCall& call, const ContactChunk& chunk);

@@ -385,6 +385,49 @@ TEST(Batches, PropertyColumnsEqualMaterials) {
   EXPECT_EQ(a.status[3], QUOIN_POINT_FAILED);
 }
 
+// Tractions and states take a shorter way through the law when nothing else is asked for, with properties point by
+// point too: the same bits, and the same points fail.
+TEST(Batches, PropertyColumnsGiveTheSameBitsWhateverIsAskedFor) {
+  const quoin_law& law = load_law("fracture_energy");
+  const char* const ids[] = {"tensile_strength",      "cohesion",         "fracture_energy_tension",
+                             "fracture_energy_shear", "normal_stiffness", "friction_angle"};
+  for (const Values& values : materials("fracture_energy")) {
+    const Material material = make_material(law, values);
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> factor(0.8, 1.25);
+    Batch full(law, 40);
+    std::vector<std::vector<double>> scattered;
+    std::vector<quoin_property_column> columns;
+    for (const char* id : ids) {
+      double usual = 0.0;
+      ASSERT_EQ(law.material_number(material.handle(), id, &usual), QUOIN_OK);
+      std::vector<double>& column = scattered.emplace_back(full.count, usual);
+      for (double& v : column) v *= factor(random);
+    }
+    scattered[2][7] = -1.0;  // refused
+    for (std::size_t c = 0; c < scattered.size(); ++c) columns.push_back({ids[c], {scattered[c].data(), 1}});
+    for (int step = 0; step < 20; ++step) {
+      randomise(full, random);
+      Batch lean = full;
+      std::uint64_t failed[2];
+      for (const bool extras : {false, true}) {
+        std::vector<quoin_in> old_states;
+        std::vector<quoin_out> new_states;
+        Batch& batch = extras ? full : lean;
+        quoin_batch view = batch.view(0, batch.count, extras, old_states, new_states);
+        view.property_column_count = columns.size();
+        view.property_columns = columns.data();
+        ASSERT_EQ(law.evaluate(material.handle(), &view), QUOIN_OK);
+        failed[extras] = view.failed_count;
+      }
+      ASSERT_GE(failed[0], 1u);
+      ASSERT_EQ(failed[0], failed[1]);
+      for (std::size_t k = 0; k < 3 + full.states; ++k) ASSERT_EQ(lean.out[k], full.out[k]) << "column " << k;
+      full.advance();
+    }
+  }
+}
+
 // What create_material refuses fails its point alone, also where the property is of a mode that is switched off: C6.9.
 TEST(Batches, PropertyColumnsFailWhatMaterialsRefuse) {
   for (const char* id : laws) {

@@ -1,0 +1,269 @@
+#include "step/existing_damage.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/error.h"
+#include "step/law_swap.h"
+
+namespace quoin {
+
+namespace {
+
+using Flat = std::array<double, 2>;  // m, along the wall and up
+
+double side(const Flat& a, const Flat& b, const Flat& p) {
+  return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+}
+
+// Whether the way from p to q crosses the line from a to b; not when it runs along it.
+bool crosses(const Flat& p, const Flat& q, const Flat& a, const Flat& b) {
+  const double from = side(a, b, p), to = side(a, b, q);
+  return (from != 0.0 || to != 0.0) && from * to <= 0.0 && side(p, q, a) * side(p, q, b) <= 0.0;
+}
+
+// Tells the joints that a crack follows.
+class Crack {
+ public:
+  Crack(const Damage& damage, std::span<const CrackedBlock> blocks) : damage_(damage), blocks_(blocks) {
+    for (const CrackedBlock& b : blocks) {
+      if (b.unit < 0) continue;
+      auto& [sum, count] = units_[b.unit];
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += b.centre[k];
+      ++count;
+    }
+  }
+
+  // joint: the middle of the two blocks' common face.
+  bool follows(int block_a, int block_b, const Vec3& joint) const {
+    const CrackedBlock &a = at(block_a), &b = at(block_b);
+    if (!damage_.through_units && a.unit >= 0 && a.unit == b.unit) return false;
+    const Flat middle = flat(joint);
+    return cuts(end(a, b, joint), middle) || cuts(middle, end(b, a, joint));
+  }
+
+ private:
+  const CrackedBlock& at(int block) const { return blocks_[static_cast<std::size_t>(block)]; }
+  Flat flat(const Vec3& x) const { return {x[static_cast<std::size_t>(damage_.crack_along)], x[1]}; }
+
+  Flat centre(const CrackedBlock& b) const {
+    if (damage_.through_units || b.unit < 0) return flat(b.centre);
+    const auto& [sum, count] = units_.at(b.unit);
+    return flat({sum[0] / count, sum[1] / count, sum[2] / count});
+  }
+  // What is no masonry may reach far, as a beam: it is where its neighbour is, mirrored at the joint. The way begins
+  // beside the centre, so that a crack through the centre of a unit decides nothing.
+  Flat end(const CrackedBlock& b, const CrackedBlock& neighbour, const Vec3& joint) const {
+    const Flat middle = flat(joint);
+    Flat x = centre(b);
+    if (b.unit < 0 && neighbour.unit >= 0) {
+      const Flat other = centre(neighbour);
+      x = {2.0 * middle[0] - other[0], 2.0 * middle[1] - other[1]};
+    }
+    constexpr double kBeside = 1e-6;
+    return {x[0] + kBeside * (middle[0] - x[0]), x[1] + kBeside * (middle[1] - x[1])};
+  }
+  bool cuts(const Flat& p, const Flat& q) const {
+    for (std::size_t k = 1; k < damage_.crack.size(); ++k)
+      if (crosses(p, q, damage_.crack[k - 1], damage_.crack[k])) return true;
+    return false;
+  }
+
+  const Damage& damage_;
+  std::span<const CrackedBlock> blocks_;
+  std::map<int, std::pair<Vec3, double>> units_;  // sum of the centres of their blocks, and how many
+};
+
+std::vector<std::size_t> points_of(const Damage& damage, std::span<const PlacedPoint> points,
+                                   std::span<const CrackedBlock> blocks) {
+  std::map<std::pair<int, int>, std::pair<Vec3, double>> joints;  // sum of area x position, and of area
+  for (const PlacedPoint& p : points) {
+    auto& [sum, area] = joints[{p.block_a, p.block_b}];
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += p.area * p.position[k];
+    area += p.area;
+  }
+  std::map<std::pair<int, int>, bool> cracked;
+  const Crack crack(damage, blocks);
+  for (const auto& [pair, place] : joints) {
+    const auto& [sum, area] = place;
+    cracked[pair] =
+        damage.crack.empty() || crack.follows(pair.first, pair.second, {sum[0] / area, sum[1] / area, sum[2] / area});
+  }
+  constexpr double kRounding = 1e-9;  // m: a gridpoint on the face of the box is in it
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    bool inside = cracked[{points[i].block_a, points[i].block_b}];
+    for (std::size_t k = 0; k < 3; ++k)
+      inside = inside && points[i].position[k] >= damage.from[k] - kRounding &&
+               points[i].position[k] <= damage.to[k] + kRounding;
+    if (inside) found.push_back(i);
+  }
+  return found;
+}
+
+std::string ids_of(const quoin_law& law) {
+  std::vector<std::string> ids;
+  for (std::uint64_t k = 0; k < law.state_count; ++k) ids.emplace_back(law.states[k]->id);
+  return ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "));
+}
+
+void set_state(const Damage& damage, const JointFamily& family, const quoin_law& law, std::size_t k, double value,
+               std::span<const std::size_t> points, std::size_t count, std::vector<double>& state) {
+  const quoin_state_info& info = *law.states[k];
+  if (!(value >= info.lower && value <= info.upper))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: {} = {:g} {} of joint family '{}'; law {} allows {:g} to {:g}", damage.source.text,
+                            info.id, value, info.unit, family.name, law.id, info.lower, info.upper));
+  for (const std::size_t i : points) state[k * count + i] = value;
+}
+
+void set_states(const Damage& damage, const JointFamily& family, const Material& material,
+                std::span<const std::size_t> points, std::size_t count, std::vector<double>& state) {
+  const quoin_law& law = material.api();
+  if (damage.xi) {
+    bool known = false;
+    for (std::uint64_t k = 0; k < law.state_count; ++k) {
+      const std::string id = law.states[k]->id;
+      if (id != "xi" && !id.starts_with("xi_")) continue;
+      known = true;
+      set_state(damage, family, law, k, *damage.xi, points, count, state);
+    }
+    if (!known)
+      throw Error(Exit::bad_input, fmt::format("{}: xi: law {} of joint family '{}' has no softening variable xi; its "
+                                               "states: {}; give initial_state or state instead",
+                                               damage.source.text, law.id, family.name, ids_of(law)));
+  }
+  for (const auto& [id, value] : damage.state) {
+    const int k = material.law().state_index(id);
+    if (k < 0)
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: state.{}: law {} of joint family '{}' has no such state; it has: {}",
+                              damage.source.text, id, law.id, family.name, ids_of(law)));
+    set_state(damage, family, law, static_cast<std::size_t>(k), value, points, count, state);
+  }
+}
+
+// The states that a law leaves when its points slide so far under no pressure. In small steps, as an analysis makes
+// them.
+void slide(double slip, const Material& material, std::span<const std::size_t> points, std::size_t count,
+           const std::vector<PropertyColumn>& columns, std::vector<double>& state) {
+  constexpr int kSteps = 1000;
+  const quoin_law& law = material.api();
+  const std::vector<double> zero(count, 0.0), part(count, slip / kSteps);
+  std::vector<double> traction(3 * count, 0.0), now = state;
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::uint64_t k = 0; k < law.state_count; ++k) {
+    old.push_back({now.data() + k * count, 1});
+    fresh.push_back({now.data() + k * count, 1});
+  }
+  const std::vector<quoin_property_column> given = batch_columns(columns, material, 0);
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = count;
+  batch.normal_jump = {zero.data(), 1};
+  batch.slip_increment[0] = {part.data(), 1}, batch.slip_increment[1] = {zero.data(), 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {traction.data() + k * count, 1};
+    batch.traction_new[k] = {traction.data() + k * count, 1};
+  }
+  batch.state_old = old.data(), batch.state_new = fresh.data();
+  batch.property_column_count = given.size(), batch.property_columns = given.data();
+  for (int step = 0; step < kSteps; ++step) {
+    const quoin_status status = material.evaluate(&batch);
+    if (status != QUOIN_OK || batch.failed_count > 0)
+      throw Error(Exit::law_refused, fmt::format("law {} fails where damage lets it slide by {:g} m", law.id, slip));
+  }
+  for (std::uint64_t k = 0; k < law.state_count; ++k) {
+    for (const std::size_t i : points) state[k * count + i] = now[k * count + i];
+  }
+}
+
+// Without traction: the law says at which opening. Points that are not damaged are not asked.
+void bring_to_rest(const JointFamily& family, const std::shared_ptr<const Material>& material,
+                   std::span<const PlacedPoint> points, std::span<const std::size_t> damaged,
+                   const std::vector<double>& opening, DamagedFamily& result) {
+  const std::size_t n = damaged.size(), states = material->api().state_count;
+  std::vector<double> zero(n, 0.0), gap, area, state;
+  for (const std::size_t i : damaged) gap.push_back(opening[i]), area.push_back(points[i].area);
+  for (std::size_t k = 0; k < states; ++k) {
+    for (const std::size_t i : damaged) state.push_back(result.state[k * points.size() + i]);
+  }
+  FamilyColumns at_rest;
+  at_rest.count = n;
+  at_rest.opening = gap.data(), at_rest.area = area.data();
+  at_rest.traction = {zero.data(), zero.data(), zero.data()};
+  for (std::size_t k = 0; k < states; ++k) at_rest.state.push_back(state.data() + k * n);
+  const MigratedFamily rest = migrate(family, *material, material, at_rest);
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k < states; ++k) result.state[k * points.size() + damaged[j]] = rest.state[k * n + j];
+    result.opening_shift[damaged[j]] = gap[j] + rest.opening_shift[j];
+  }
+}
+
+}  // namespace
+
+DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily& family,
+                            const std::shared_ptr<const Material>& material, std::span<const PlacedPoint> points,
+                            std::span<const CrackedBlock> blocks, const std::vector<PropertyColumn>& columns,
+                            std::vector<std::size_t>* hit) {
+  const quoin_law& law = material->api();
+  const std::size_t count = points.size();
+  const auto fill = [&](const std::string& id, std::span<const std::size_t> of, std::vector<double>& state) {
+    const std::vector<double> values = material->initial_state(id);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      for (const std::size_t i : of) state[k * count + i] = values[k];
+    }
+  };
+  DamagedFamily result;
+  result.state.assign(law.state_count * count, 0.0), result.opening_shift.assign(count, 0.0);
+  std::vector<std::size_t> all(count), damaged;
+  std::iota(all.begin(), all.end(), 0u);
+  fill(family.initial_state, all, result.state);
+
+  std::vector<double> opening(count, 0.0);
+  for (std::size_t d = 0; d < damage.size(); ++d) {
+    const Damage& entry = damage[d];
+    const bool meant =
+        entry.joints.empty() || std::find(entry.joints.begin(), entry.joints.end(), family.name) != entry.joints.end();
+    const std::vector<std::size_t> found = meant ? points_of(entry, points, blocks) : std::vector<std::size_t>();
+    if (found.empty()) continue;
+    (*hit)[d] += found.size();
+    if (!(law.capabilities & QUOIN_CAN_MIGRATE))
+      throw Error(Exit::bad_input, fmt::format("{}: law {} of joint family '{}' cannot take over a state (QUOIN_CAN_"
+                                               "MIGRATE), and so cannot begin damaged",
+                                               entry.source.text, law.id, family.name));
+    try {
+      if (!entry.initial_state.empty()) fill(entry.initial_state, found, result.state);
+    } catch (const Error& error) {
+      throw Error(Exit::bad_input, fmt::format("{}: initial_state: {}", entry.source.text, error.what()));
+    }
+    if (entry.slip > 0.0) slide(entry.slip, *material, found, count, columns, result.state);
+    set_states(entry, family, *material, found, count, result.state);
+    for (const std::size_t i : found) opening[i] = entry.opening;
+    damaged.insert(damaged.end(), found.begin(), found.end());
+  }
+  std::sort(damaged.begin(), damaged.end());
+  damaged.erase(std::unique(damaged.begin(), damaged.end()), damaged.end());
+  result.points = damaged.size();
+  if (damaged.empty()) return result;
+
+  bring_to_rest(family, material, points, damaged, opening, result);
+  for (const std::size_t i : damaged) {
+    if (opening[i] == 0.0 || std::abs(result.opening_shift[i] - opening[i]) <= 1e-9 * opening[i]) continue;
+    const Vec3& x = points[i].position;
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: opening = {:g} m: the joint of family '{}' at ({:.4f}, {:.4f}, {:.4f}) m is not broken "
+                    "through and cannot stand open without force; give initial_state = \"dry\" with it",
+                    damage.back().source.text, opening[i], family.name, x[0], x[1], x[2]));
+  }
+  return result;
+}
+
+}  // namespace quoin

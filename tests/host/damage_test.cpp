@@ -1,0 +1,290 @@
+// Damage before the first stage, against what the law says in closed form: strengths left, openings that close without
+// force, cracks that part a wall; supports that settle, units that are missing; runs that begin where others end.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <numeric>
+
+#include "base/error.h"
+#include "results/checkpoint_file.h"
+#include "scene/generate.h"
+#include "scene/read_scene.h"
+#include "step/simulation.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kFt = 0.2e6, kFc = 5e6, kGc = 8000.0;  // Pa, J/m2; linear softening
+constexpr double kBedArea = 0.22 * 0.1;                 // m2, of one unit
+
+std::string wall_text(int courses, double units, const std::string& more, const std::string& stages) {
+  return fmt::format(
+      "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
+      "[joints.mortar]\nlaw = \"fracture_energy\"\nsoftening = \"linear\"\nnormal_stiffness = 82e9\n"
+      "shear_stiffness = 36e9\ntensile_strength = {}\ncohesion = 0.3e6\nfriction_angle = 35\n"
+      "compressive_strength = {}\nfracture_energy_tension = 15\nfracture_energy_shear = 125\n"
+      "fracture_energy_compression = {}\n"
+      "[wall]\ncourses = {}\nunits_per_course = {}\nunit = [0.22, 0.0625, 0.1]\nzones = [1, 1, 1]\n"
+      "mid_unit_joints = false\nunit_material = \"brick\"\nbed_joint = \"mortar\"\nhead_joint = \"mortar\"\n"
+      "beam_joint = \"mortar\"\n{}\n{}",
+      kFt, kFc, kGc, courses, units, more, stages);
+}
+
+// The top beam goes up or down by so much, slowly; its sides are held.
+std::string moved(double velocity, double displacement) {
+  return fmt::format(
+      "[[stage]]\nname = \"moved\"\nkind = \"custom\"\nmonitor = \"top_beam\"\ndirection = \"y\"\ndisplacement = {}\n"
+      "ramp_time = 0.002\n[[stage.control]]\nbody = \"bottom_beam\"\nvelocity = [0, 0, 0]\n"
+      "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [0, {}, 0]\n",
+      displacement, velocity);
+}
+
+Scene read(const std::string& text, const std::string& kernels = "lattice") {
+  return read_scene_text(text, "damaged.toml", {"solver.kernels=" + kernels});
+}
+
+struct Rows : Observer {
+  std::vector<HistoryRow> rows;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+};
+
+std::vector<HistoryRow> run(const std::string& text, const std::string& kernels) {
+  Simulation simulation(read(text, kernels), 1);
+  Rows rows;
+  simulation.run(rows);
+  return rows.rows;
+}
+
+double largest(const std::vector<HistoryRow>& rows, double sign) {
+  double most = 0.0;
+  for (const HistoryRow& row : rows) most = std::max(most, sign * row.vertical_force);
+  return most;
+}
+
+class Damaged : public ::testing::TestWithParam<const char*> {};
+
+// The lower one of two joints with xi has f(xi) ft left. 1 %: the beam pulls at 5 mm/s.
+TEST_P(Damaged, JointHasWhatItsSofteningLeaves) {
+  for (const double xi : {0.0, 0.4, 0.8}) {
+    const std::string damage = fmt::format("[[damage]]\njoints = \"mortar\"\nto = [1, 0.01, 1]\nxi = {}\n", xi);
+    const auto rows = run(wall_text(1, 1, damage, moved(0.005, 1.6e-4)), GetParam());
+    EXPECT_NEAR(largest(rows, -1.0), (1.0 - xi) * kFt * kBedArea, 0.01 * kFt * kBedArea) << xi;
+  }
+}
+
+// A crushed toe has fcr + (fc - fcr) f(w/wu), and no traction before it is loaded: its closure is there already.
+TEST_P(Damaged, ToeHasWhatCrushingLeaves) {
+  const double wu = 2.0 * kGc / kFc, w = 0.4 * wu;
+  const std::string damage = fmt::format("[[damage]]\nto = [1, 0.01, 1]\nstate = {{ w = {} }}\n", w);
+  const std::string text = wall_text(1, 1, damage, moved(-0.005, 1.2e-4));
+  Simulation simulation(read(text, GetParam()), 1);
+  simulation.advance(2);
+  for (const ContactPoint& p : simulation.contact_points()) EXPECT_NEAR(p.traction[0], 0.0, 1e-3 * kFc);
+  EXPECT_NEAR(largest(run(text, GetParam()), 1.0), 0.6 * kFc * kBedArea, 0.01 * kFc * kBedArea);
+}
+
+// A joint that stands open closes without force, and is a joint of stone on stone then.
+TEST_P(Damaged, OpenJointClosesWithoutForce) {
+  const double gap = 1e-4;
+  const std::string damage =
+      fmt::format("[[damage]]\nfrom = [0, 0.06, 0]\ninitial_state = \"dry\"\nopening = {}\n", gap);
+  const auto rows = run(wall_text(1, 1, damage, moved(-0.005, 1.3e-4)), GetParam());
+  const double full = largest(rows, 1.0);
+  EXPECT_GT(full, 10e3);
+  for (const HistoryRow& row : rows) {
+    if (std::abs(row.displacement) < 0.98 * gap) {
+      EXPECT_NEAR(row.vertical_force, 0.0, 1e-9 * full);
+    } else if (std::abs(row.displacement) > 1.05 * gap) {
+      EXPECT_GT(row.vertical_force, 1e3);
+    }
+  }
+}
+
+// Sliding by s under no pressure leaves f(s/su) of the cohesion, su = 2 G2/c: 0.5 at half of it.
+TEST_P(Damaged, SlipLeavesItsDamage) {
+  const double su = 2.0 * 125.0 / 0.3e6;
+  const std::string damage = fmt::format("[[damage]]\nslip = {}\n", 0.5 * su);
+  Simulation simulation(read(wall_text(1, 1, damage, moved(0.005, 1e-5)), GetParam()), 1);
+  const double elastic = 0.3e6 / 36e9;  // m, before it slips
+  const std::vector<double> xi = simulation.state("xi_s");
+  ASSERT_FALSE(xi.empty());
+  for (const double x : xi) EXPECT_NEAR(x, 0.5, 2.0 * elastic / su);
+}
+
+// Blocks that are still held together, by joints of which some point is not broken through.
+bool hangs_together(const Simulation& simulation, double end) {
+  const std::vector<ContactPoint> points = simulation.contact_points();
+  const std::vector<double> xi = simulation.state("xi_t");
+  std::vector<int> leader(static_cast<std::size_t>(simulation.block_count()));
+  std::iota(leader.begin(), leader.end(), 0);
+  const auto find = [&](int b) {
+    while (leader[static_cast<std::size_t>(b)] != b) b = leader[static_cast<std::size_t>(b)];
+    return b;
+  };
+  for (const ContactPoint& p : points)
+    if (xi[static_cast<std::size_t>(p.index)] < end)
+      leader[static_cast<std::size_t>(find(p.block_a))] = find(p.block_b);
+  const auto [lowest, highest] = std::minmax_element(
+      points.begin(), points.end(), [](const auto& p, const auto& q) { return p.position[1] < q.position[1]; });
+  return find(lowest->block_a) == find(highest->block_a);
+}
+
+// A crack from side to side parts the wall, whatever its way; one that ends inside it does not. The part above carries
+// no tension once it moves along, 1e-3 of the sound strength is left to vibrations; before, the beam sets it in motion.
+TEST_P(Damaged, WallThatIsCutCarriesNoTension) {
+  const std::string through = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11], [0.45, 0.22]]\n";
+  const std::string half = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11]]\n";
+  const auto wall = [&](const std::string& damage) { return wall_text(4, 2, damage, moved(0.005, 4e-5)); };
+  const double sound = largest(run(wall(""), GetParam()), -1.0);
+  EXPECT_GT(sound, 0.9 * kFt * 2 * kBedArea);
+  auto parted = run(wall(through), GetParam());
+  std::erase_if(parted, [](const HistoryRow& row) { return row.displacement < 2e-5; });
+  ASSERT_FALSE(parted.empty());
+  EXPECT_LT(largest(parted, -1.0), 1e-3 * sound);
+  EXPECT_FALSE(hangs_together(Simulation(read(wall(through), GetParam()), 1), 1.0));
+  EXPECT_TRUE(hangs_together(Simulation(read(wall(half), GetParam()), 1), 1.0));
+}
+
+INSTANTIATE_TEST_SUITE_P(BothKinds, Damaged, ::testing::Values("lattice", "general"));
+
+// A crack goes round units unless it is told not to.
+TEST(Damage, CrackGoesRoundUnits) {
+  const auto broken = [](const std::string& keys) {
+    const std::string damage = "[[damage]]\ncrack = [[0.16, -0.1], [0.17, 1]]\n" + keys;
+    const std::string text = wall_text(3, 2, "unit_joint = \"mortar\"\n" + damage, moved(0.005, 1e-5));
+    Scene scene = read_scene_text(text, "damaged.toml", {"wall.mid_unit_joints=true"});
+    Simulation simulation(std::move(scene), 1);
+    const std::vector<ContactPoint> points = simulation.contact_points();
+    const std::vector<double> xi = simulation.state("xi_t");
+    long inside_units = 0;
+    for (const ContactPoint& p : points) {
+      const auto& bricks = simulation.assembly().bricks;
+      const int a = bricks[static_cast<std::size_t>(p.block_a)].unit;
+      const int b = bricks[static_cast<std::size_t>(p.block_b)].unit;
+      if (xi[static_cast<std::size_t>(p.index)] > 0.0 && a >= 0 && a == b) ++inside_units;
+    }
+    return inside_units;
+  };
+  EXPECT_EQ(broken(""), 0);
+  EXPECT_GT(broken("through_units = true\n"), 0);
+}
+
+std::string fault_of(const std::string& damage, const std::string& law = "") {
+  std::vector<std::string> settings;
+  std::string text = wall_text(1, 1, damage, moved(0.005, 1e-5));
+  if (!law.empty())
+    text = text.substr(0, text.find("law = ")) + "law = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n" +
+           text.substr(text.find("[wall]"));
+  try {
+    Simulation simulation(read_scene_text(text, "damaged.toml", settings), 1);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exit_code, Exit::bad_input);
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Damage, WhatCannotBeIsRefusedWithItsPlaceAndReason) {
+  EXPECT_THAT(fault_of("[[damage]]\nstate = { omega = 1 }\n"), HasSubstr("has no such state; it has: xi_t, xi_s, w"));
+  EXPECT_THAT(fault_of("[[damage]]\nstate = { w = -1 }\n"), HasSubstr("allows 0 to"));
+  EXPECT_THAT(fault_of("[[damage]]\nfrom = [5, 0, 0]\n"), HasSubstr("no contact point of its joints lies there"));
+  EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\nopening = 1e-4\n"), HasSubstr("cannot stand open without force"));
+  EXPECT_THAT(fault_of("[[damage]]\nxi = 0.1\n", "elastic"), HasSubstr("has no softening variable xi"));
+  EXPECT_THAT(fault_of("[[damage]]\ninitial_state = \"wet\"\n"), HasSubstr("wet"));
+  EXPECT_THAT(fault_of("[[damage]]\ncrack = [[0, 0]]\n"), HasSubstr("2 or more points"));
+  EXPECT_THAT(fault_of("[[damage]]\njoints = \"morter\"\n"), HasSubstr("did you mean 'mortar'"));
+  EXPECT_THAT(fault_of("[[damage]]\nfrom = [0, 1, 0]\nto = [1, 0, 1]\n"), HasSubstr("not below from"));
+  EXPECT_THAT(fault_of("[[damage]]\nalong = \"z\"\n"), HasSubstr("only with a crack"));
+}
+
+// One part of the support goes down by 0.02 mm under a wall that keeps its load: it carries less than before, and both
+// together the same (equilibrium).
+TEST(Damage, SupportThatSettlesCarriesLess) {
+  const std::string stages =
+      "[[stage]]\nname = \"load\"\nkind = \"pressure\"\npressure = 0.3e6\n"
+      "[[stage]]\nname = \"settlement\"\nkind = \"custom\"\nduration = 0.02\nmonitor = \"bottom_beam_2\"\n"
+      "[[stage.control]]\nbody = \"bottom_beam_1\"\nvelocity = [0, 0, 0]\n"
+      "[[stage.control]]\nbody = \"bottom_beam_2\"\nvelocity = [0, -0.001, 0]\n"
+      "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [0, \"free\", 0]\nforce = [0, -13200, 0]\n"
+      "[[stage]]\nname = \"rest\"\nkind = \"custom\"\nequilibrium_ratio = 1e-3\nmonitor = \"bottom_beam_2\"\n"
+      "[[stage.control]]\nbody = \"bottom_beam_1\"\nvelocity = [0, 0, 0]\n"
+      "[[stage.control]]\nbody = \"bottom_beam_2\"\nvelocity = [0, 0, 0]\n"
+      "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [0, \"free\", 0]\nforce = [0, -13200, 0]\n";
+  Simulation simulation(read(wall_text(4, 2, "bottom_beam_cuts = [2]\n", stages)), 1);
+  Rows rows;
+  const auto carried = [&](const std::string& part) {  // N
+    const auto& bricks = simulation.assembly().bricks;
+    double force = 0.0;
+    for (const ContactPoint& p : simulation.contact_points())
+      for (const int b : {p.block_a, p.block_b})
+        if (bricks[static_cast<std::size_t>(b)].body.starts_with(part)) force -= p.traction[0] * p.area;
+    return force;
+  };
+  simulation.run_stage(rows);
+  EXPECT_NEAR(carried("bottom_beam_2"), 6600.0, 0.02 * 6600.0);
+  EXPECT_NEAR(carried("bottom_beam"), 13200.0, 0.01 * 13200.0);
+  simulation.run(rows);
+  EXPECT_NEAR(rows.rows.back().monitor_displacement[1], -0.02e-3, 2e-6);
+  EXPECT_LT(carried("bottom_beam_2"), 5500.0);
+  EXPECT_NEAR(carried("bottom_beam"), 13200.0, 0.01 * 13200.0);
+}
+
+TEST(Damage, UnitsAreMissingOrReplaced) {
+  const std::string other = "[materials.other]\nyoung_modulus = 1e9\npoisson_ratio = 0.2\ndensity = 1000\n";
+  const std::string changed =
+      "[[wall.changed]]\ncourse = 1\nhalf_unit = 2\nmissing = true\n[[wall.changed]]\ncourse = 2\nhalf_unit = 1\n"
+      "material = \"other\"\n";
+  const auto bricks = [&](const std::string& keys) {
+    return assemble(read(other + wall_text(3, 2, keys, moved(0.005, 1e-5))));
+  };
+  const Assembly sound = bricks(""), hurt = bricks(changed);
+  EXPECT_EQ(hurt.bricks.size() + 1, sound.bricks.size());
+  EXPECT_LT(hurt.joints.size(), sound.joints.size());
+  double replaced = 0.0;
+  for (const Brick& b : hurt.bricks) {
+    const double middle = b.origin[0] + b.size[0] / 2;
+    EXPECT_FALSE(b.course == 1 && std::abs(middle - 0.22) < 0.01);
+    if (hurt.materials[static_cast<std::size_t>(b.material)].name == "other") replaced += b.size[0];
+  }
+  EXPECT_NEAR(replaced, 0.22, 1e-9);
+  EXPECT_THROW(bricks("[[wall.changed]]\ncourse = 1\nhalf_unit = 0\n"), Error);
+}
+
+// What begins where another run has ended goes on with its bits.
+TEST(Damage, RunBeginsWhereAnotherHasEnded) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("quoin_damage_{}", getpid());
+  std::filesystem::create_directories(folder);
+  const std::string load = "[[stage]]\nname = \"load\"\nkind = \"pressure\"\npressure = 0.3e6\n";
+  const std::string shear = "[[stage]]\nname = \"shear\"\nkind = \"shear\"\nvelocity = 0.05\ndisplacement = 1e-4\n";
+  const auto settings = [&](bool start) {
+    return start ? std::vector<std::string>{fmt::format("start=\"{}\"", folder.string())} : std::vector<std::string>{};
+  };
+  const auto rows_of = [&](const std::string& stages, bool start) {
+    Simulation simulation(read_scene_text(wall_text(2, 2, "", stages), "damaged.toml", settings(start)), 1);
+    take_start(&simulation);
+    Rows rows;
+    simulation.run(rows);
+    if (!start) write_end_state(folder, simulation, provenance_of(simulation, {}));
+    return rows.rows;
+  };
+  const auto whole = rows_of(load + shear, false);
+  EXPECT_THROW(rows_of(load + shear, true), Error);  // nothing is left to do
+  rows_of(load, false);
+  const auto rest = rows_of(load + shear, true);
+  ASSERT_FALSE(rest.empty());
+  EXPECT_EQ(rest.front().stage, 1);
+  EXPECT_EQ(rest.back().resistance, whole.back().resistance);
+  EXPECT_EQ(rest.back().step, whole.back().step);
+  EXPECT_THROW(rows_of(shear, true), Error);  // another first stage
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace quoin
