@@ -233,11 +233,7 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
                                const fs::path& folder, const Simulation& simulation, Recorder& recorder, RunInfo info) {
   info.status = "failed";
   info.law_answers = false;
-  info.message = fmt::format(
-      "the law '{}' of {} has not returned from a batch within {:g} s: {}; step {}. Tell its author, choose another "
-      "law, "
-      "or give it more time with --law-seconds",
-      material.api().id, material.law().library->path(), seconds, simulation.batch_text(batch), simulation.step());
+  info.message = overdue_text(simulation, material, batch, seconds) + "--law-seconds";
   recorder.progress().message("quoin: " + info.message);
   try {
     recorder.history().finish();
@@ -248,13 +244,6 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
     recorder.progress().message(fmt::format("quoin: {}", error.what()));
   }
   _exit(static_cast<int>(Exit::numerical));
-}
-
-// Not once their process has ended.
-bool laws_answer(const Simulation& simulation) {
-  const auto& families = simulation.model().families;
-  return std::all_of(families.begin(), families.end(),
-                     [](const ContactFamily& f) { return f.material->fault().empty(); });
 }
 
 // What processes of their own have cost the laws.
@@ -295,7 +284,7 @@ void run(RunOptions options, int& exit_code) {
   }
   Scene scene = prepare_scene(options.scene);
   const int wanted = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-  if (options.isolate_law) isolate_laws(wanted, options.law_seconds);
+  if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
   Simulation simulation(std::move(scene), options.threads);
   RunInfo info;
   info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});

@@ -19,6 +19,13 @@ class Odd:
     __float__ = __index__
 
 
+GENERATORS = {"wall": ("english", 2, 1.0, [0.2, 0.1, 0.1]), "two_leaf_wall": (3, 1.0, [0.2, 0.1, 0.09]),
+              "curved_wall": (2.0, 0.3, 1.0, 2, 6), "rubble": ([1, 1, 1], [0.5, 0.5, 0.5]),
+              "barrel_vault": (2.0, 0.3, 1.0, 5, 2), "cross_vault": (4.0, 0.4, 5, 30.0), "dome": (3.0, 0.4, 3, 8),
+              "arch_bridge": (2, 3.0, 0.9, 0.3, 1.0, 7, 0.9, 1.0), "beam": ([0, 0, 0], [1.0, 0.2, 0.2]),
+              "ring_beam": ([0, 0, 0], 2.0, 1.5, [0.2, 0.2])}
+
+
 def fuzz(calls, seed):
     rng = random.Random(seed)
     values = [None, True, -1, 0, 1, 3, 2**63, -2**70, 1.5, float("nan"), float("inf"), 1e300, "", "mortar", "dry", "cube",
@@ -88,15 +95,30 @@ def fuzz(calls, seed):
                 where = rng.choice([scene, scene.joints, scene.joints.dry, scene.block[0], scene.block, scene.stage[0],
                                     scene.materials.stone, scene.output])
                 key = value() if rng.random() < 0.2 else rng.choice(["density", "law", "box", "duration", "title", "stage",
-                                                                     "block", "vertices", "faces", "mesh"])
+                                                                     "block", "vertices", "faces", "mesh", "tetrahedra",
+                                                                     "rigid", "zone_edge"])
                 where[key] = value()
                 scene.check()
-            elif choice < 0.97 and states:
+            elif choice < 0.96:
+                # One argument is wrong, or none; no size is among the values that would take minutes.
+                name, arguments = rng.choice(list(GENERATORS.items()))
+                arguments = list(arguments)
+                arguments[rng.randrange(len(arguments))] = value() if rng.random() < 0.7 else arguments[0]
+                made = getattr(quoin.shapes, name)(*arguments, material="stone")
+                if rng.random() < 0.2:
+                    quoin.Simulation(block_scene(block=made), threads=1)
+                rng.choice([quoin.shapes.cut, quoin.shapes.fill_load, quoin.shapes.opening])(made, value(), value())
+            elif choice < 0.963:
+                quoin.read_blocks(value(), material=value(), scale=value())
+            elif choice < 0.965:
+                quoin.Simulation(SMALL_WALL, threads=value(), isolate_law=rng.random() < 0.2,
+                                 law_seconds=rng.choice([None, "x", -1, float("nan"), [], 60]))
+            elif choice < 0.975 and states:
                 state = bytearray(rng.choice(states))
                 for _ in range(rng.choice([0, 1, 5])):
                     state[rng.randrange(len(state))] = rng.randrange(256)
                 sim.restore(bytes(state[:rng.choice([len(state), len(state) // 2, 20])]))
-            elif choice < 0.98:
+            elif choice < 0.985:
                 sim.close() if rng.random() < 0.5 else None
                 sim, states = fresh(), []
                 views = views[-20:]
