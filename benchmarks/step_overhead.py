@@ -1,5 +1,5 @@
 """What a loop of sim.step() costs over sim.step(n), us a step. Usage: PYTHONPATH=build/release/python step_overhead.py
-[SCENE]; the least of several rounds, as other work on the machine only adds."""
+[SCENE]; the least of many rounds of both in turn, as other work on the machine only adds."""
 import os
 import sys
 import time
@@ -7,7 +7,7 @@ import time
 import quoin
 
 scene = sys.argv[1] if len(sys.argv) > 1 else os.path.join(os.path.dirname(__file__), "../tests/cli/small_wall.toml")
-N, ROUNDS = 500, 20
+N, ROUNDS = 200, 300  # a round is a millisecond: some of them the machine leaves alone
 
 
 def one_by_one(sim):
@@ -16,17 +16,16 @@ def one_by_one(sim):
         step()
 
 
-def least(work):
-    seconds = []
-    sim = quoin.Simulation(scene, threads=1)
-    start = sim.save()
-    for _ in range(ROUNDS):
-        sim.restore(start)
-        before = time.perf_counter()
-        work(sim)
-        seconds.append(time.perf_counter() - before)
-    return min(seconds) / N * 1e6
+def seconds_of(work):
+    sim.restore(start)
+    before = time.perf_counter()
+    work(sim)
+    return time.perf_counter() - before
 
 
-whole, single = least(lambda sim: sim.step(N)), least(one_by_one)
-print(f"step(n): {whole:.2f} us a step; step(): {single:.2f} us; over it: {single - whole:.2f} us")
+sim = quoin.Simulation(scene, threads=1)
+start = sim.save()
+rounds = [(seconds_of(lambda s: s.step(N)), seconds_of(one_by_one)) for _ in range(ROUNDS)]
+whole, single = (min(column) / N * 1e6 for column in zip(*rounds))
+print(f"step(n): {whole:.2f} us a step; step(): {single:.2f} us; over it: {single - whole:.2f} us, {single / whole - 1:.0%}; "
+      f"load of the machine {os.getloadavg()[0]:.1f}")

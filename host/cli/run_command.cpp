@@ -237,11 +237,7 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
                                const fs::path& folder, const Simulation& simulation, Recorder& recorder, RunInfo info) {
   info.status = "failed";
   info.law_answers = false;
-  info.message = fmt::format(
-      "the law '{}' of {} has not returned from a batch within {:g} s: {}; step {}. Tell its author, choose another "
-      "law, "
-      "or give it more time with --law-seconds",
-      material.api().id, material.law().library->path(), seconds, simulation.batch_text(batch), simulation.step());
+  info.message = overdue_text(simulation, material, batch, seconds) + "--law-seconds";
   recorder.progress().message("quoin: " + info.message);
   try {
     recorder.history().finish();
@@ -252,13 +248,6 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
     recorder.progress().message(fmt::format("quoin: {}", error.what()));
   }
   _exit(static_cast<int>(Exit::numerical));
-}
-
-// Not once their process has ended.
-bool laws_answer(const Simulation& simulation) {
-  const auto& families = simulation.model().families;
-  return std::all_of(families.begin(), families.end(),
-                     [](const ContactFamily& f) { return f.material->fault().empty(); });
 }
 
 // What processes of their own have cost the laws.
@@ -354,7 +343,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   if (ranks) options.scene.processes_here = ranks->count_on_this_machine();
   Scene scene = prepare_scene(options.scene);
   const int wanted = threads_of(options, ranks);
-  if (options.isolate_law) isolate_laws(wanted, options.law_seconds);
+  if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
   Simulation simulation(std::move(scene), wanted);
   if (ranks) simulation.use(ranks);
   RunInfo info;

@@ -157,7 +157,10 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
       used[other] = true;
       corners.insert(hull[other].corner, hull[other].corner + 3);
     }
-    if (area[first] < tolerance * size) continue;
+    // A splinter between faces, and not a face that is merely small.
+    double longest = 0.0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, norm(points[t.corner[k]] - points[t.corner[(k + 1) % 3]]));
+    if (area[first] < tolerance * longest) continue;
     Vector centre;
     for (int c : corners) centre += points[c] / double(corners.size());
     const Vector s = any_normal(t.normal), r = cross(t.normal, s);
@@ -165,14 +168,14 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
     std::vector<double> angle(points.size(), 0.0);
     for (int c : face) angle[c] = std::atan2(dot(points[c] - centre, r), dot(points[c] - centre, s));
     std::sort(face.begin(), face.end(), [&](int i, int j) { return angle[i] < angle[j]; });
-    // Corners in the middle of a straight side are no corners.
+    // Points inside of the face are no corners, nor are those in the middle of a straight side.
     for (bool again = true; again && face.size() > 3;) {
       again = false;
       for (size_t i = 0; i < face.size(); ++i) {
         const Vector& before = points[face[(i + face.size() - 1) % face.size()]];
         const Vector& here = points[face[i]];
         const Vector& after = points[face[(i + 1) % face.size()]];
-        if (norm(cross(here - before, after - before)) <= 2 * tolerance * norm(after - before)) {
+        if (dot(t.normal, cross(here - before, after - before)) <= 2 * tolerance * norm(after - before)) {
           face.erase(face.begin() + long(i));
           again = true;
           break;

@@ -20,15 +20,33 @@ int face_of_triangle(const ConvexPolyhedron& shape, const Vector& a, const Vecto
   return -1;
 }
 
-// Surface triangles are the zone faces that no second zone shares.
-void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m) {
+// Seen from outside, counter-clockwise.
+std::array<std::array<int, 3>, 4> triangles_of(const std::array<int, 4>& zone) {
+  return {{{zone[0], zone[2], zone[1]},
+           {zone[0], zone[1], zone[3]},
+           {zone[1], zone[2], zone[3]},
+           {zone[2], zone[0], zone[3]}}};
+}
+
+std::array<int, 3> in_order(std::array<int, 3> triangle) {
+  std::sort(triangle.begin(), triangle.end());
+  return triangle;
+}
+
+double volume_of(const std::vector<Vector>& nodes, const std::array<int, 4>& t) {
+  const Vector& o = nodes[size_t(t[0])];
+  return dot(nodes[size_t(t[1])] - o, cross(nodes[size_t(t[2])] - o, nodes[size_t(t[3])] - o)) / 6;
+}
+
+// Surface triangles are the zone faces that no second zone shares; `stray` says what one inside the shape means.
+void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m,
+            const char* stray = "zoning failed: a surface triangle lies on no face") {
   const double size = longest_extent(shape.vertices);
   std::map<std::array<int, 3>, std::array<int, 3>> open;
   double sum = 0.0;
   m.worst_quality = 1.0;
   for (auto& t : m.zones) {
-    double volume =
-        dot(m.nodes[t[1]] - m.nodes[t[0]], cross(m.nodes[t[2]] - m.nodes[t[0]], m.nodes[t[3]] - m.nodes[t[0]])) / 6;
+    double volume = volume_of(m.nodes, t);
     if (volume < 0) std::swap(t[2], t[3]), volume = -volume;
     double squares = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -41,10 +59,8 @@ void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m) {
     const double quality = 12 * std::cbrt(9 * volume * volume) / squares;
     sum += quality;
     m.worst_quality = std::min(m.worst_quality, quality);
-    for (const std::array<int, 3>& f : {std::array{t[0], t[2], t[1]}, std::array{t[0], t[1], t[3]},
-                                        std::array{t[1], t[2], t[3]}, std::array{t[2], t[0], t[3]}}) {
-      std::array<int, 3> key = f;
-      std::sort(key.begin(), key.end());
+    for (const std::array<int, 3>& f : triangles_of(t)) {
+      const std::array<int, 3> key = in_order(f);
       if (!open.emplace(key, f).second) open.erase(key);
     }
   }
@@ -52,8 +68,7 @@ void finish(const ConvexPolyhedron& shape, const std::string& name, Zoning& m) {
   for (const auto& [key, f] : open) {
     const int face = face_of_triangle(shape, m.nodes[f[0]], m.nodes[f[1]], m.nodes[f[2]], size);
     if (face < 0) {
-      throw Error(Exit::bad_input, fmt::format("block {}: zoning failed near {} (a surface triangle lies on no face)",
-                                               name, place(m.nodes[f[0]])));
+      throw Error(Exit::bad_input, fmt::format("block {}: near {}: {}", name, place(m.nodes[f[0]]), stray));
     }
     m.surface.push_back({f, face});
   }
@@ -234,6 +249,107 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
   while (longest() > 1.5 * target_edge) refine(m);
   finish(shape, name, m);
   return m;
+}
+
+ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
+                           const std::string& name) {
+  constexpr double kFlat = 1e-6;  // volume, of the longest edge's cube
+  const auto refuse = [&](const std::string& what) {
+    throw Error(Exit::bad_input, fmt::format("block {}: {}", name, what));
+  };
+  if (tetrahedra.empty() || double(tetrahedra.size()) > most_zones)
+    refuse(fmt::format("{} tetrahedra; allowed: 1 to {:g}", tetrahedra.size(), most_zones));
+  const int count = int(points.size());
+  for (int i = 0; i < count; ++i) {
+    const Vector& p = points[size_t(i)];
+    if (!std::isfinite(p.x + p.y + p.z)) refuse(fmt::format("vertex {} is not a number", i));
+  }
+
+  struct Owners {
+    std::array<int, 3> triangle;  // as the first tetrahedron sees it
+    int first, second = -1;
+  };
+  std::map<std::array<int, 3>, Owners> owners;
+  std::vector<bool> used(points.size(), false);
+  double volume = 0.0;
+  for (int k = 0; k < int(tetrahedra.size()); ++k) {
+    const std::array<int, 4>& t = tetrahedra[size_t(k)];
+    double longest = 0.0;
+    for (size_t i = 0; i < t.size(); ++i) {
+      if (t[i] < 0 || t[i] >= count)
+        refuse(fmt::format("tetrahedron {} names vertex {}; there are vertices 0 to {}", k, t[i], count - 1));
+      used[size_t(t[i])] = true;
+      for (size_t j = 0; j < i; ++j) longest = std::max(longest, norm(points[size_t(t[i])] - points[size_t(t[j])]));
+    }
+    const double own = volume_of(points, t);
+    if (!(std::abs(own) > kFlat * longest * longest * longest))
+      refuse(fmt::format("tetrahedron {} near {} is flat: {:.3g} m3 with an edge of {:.3g} m; mesh the body anew", k,
+                         place(points[size_t(t[0])]), own, longest));
+    if (own < 0)
+      refuse(fmt::format("tetrahedron {} near {} is inverted ({:.3g} m3): swap two of its corners", k,
+                         place(points[size_t(t[0])]), own));
+    volume += own;
+    for (const std::array<int, 3>& f : triangles_of(t)) {
+      const auto [it, is_new] = owners.try_emplace(in_order(f), Owners{f, k});
+      if (is_new) continue;
+      Owners& o = it->second;
+      if (o.second >= 0)
+        refuse(fmt::format("tetrahedra {}, {} and {} share the triangle near {}; a triangle has two at most", o.first,
+                           o.second, k, place(points[size_t(f[0])])));
+      o.second = k;
+      size_t turn = 0;
+      while (o.triangle[turn] != f[0]) ++turn;
+      if (o.triangle[(turn + 1) % 3] == f[1])
+        refuse(fmt::format("tetrahedra {} and {} overlap: both lie on the same side of the triangle near {}", o.first,
+                           k, place(points[size_t(f[0])])));
+    }
+  }
+  const auto idle = std::find(used.begin(), used.end(), false);
+  if (idle != used.end()) {
+    const auto i = idle - used.begin();
+    refuse(fmt::format("vertex {} at {} belongs to no tetrahedron; leave it out", i, place(points[size_t(i)])));
+  }
+
+  std::vector<bool> outside(points.size(), false);
+  for (const auto& [key, o] : owners) {
+    if (o.second < 0) outside[size_t(key[0])] = outside[size_t(key[1])] = outside[size_t(key[2])] = true;
+  }
+  std::vector<Vector> skin;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (outside[i]) skin.push_back(points[i]);
+  }
+  ZonedShape made{from_vertices(skin, name), {}};
+  // The corners of the shape first, as all zonings have them.
+  std::map<std::array<double, 3>, int> number;
+  for (int i = 0; i < count; ++i) number.try_emplace(array(points[size_t(i)]), i);
+  std::vector<int> place_of(points.size(), -1);
+  Zoning& z = made.zoning;
+  for (const Vector& corner : made.shape.vertices) {
+    place_of[size_t(number.at(array(corner)))] = int(z.nodes.size());
+    z.nodes.push_back(corner);
+  }
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (place_of[i] >= 0) continue;
+    place_of[i] = int(z.nodes.size());
+    z.nodes.push_back(points[i]);
+  }
+  for (const std::array<int, 4>& t : tetrahedra) {
+    std::array<int, 4>& zone = z.zones.emplace_back();
+    for (size_t i = 0; i < t.size(); ++i) zone[i] = place_of[size_t(t[i])];
+  }
+  finish(
+      made.shape, name, z,
+      "a triangle that one tetrahedron has alone lies inside the hull of the body: neighbours share no whole triangle "
+      "there (vertices that are there twice, hanging vertices, a hole), or the body is not convex; mesh it "
+      "conformingly, "
+      "or cut it into convex parts");
+  const double hull = mass_properties(made.shape).volume;
+  if (std::abs(volume - hull) > 10 * shape_tolerance * hull)
+    refuse(
+        fmt::format("its tetrahedra have {:.9g} m3 in all, and the body that they bound {:.9g} m3: they overlap or "
+                    "leave holes",
+                    volume, hull));
+  return made;
 }
 
 }  // namespace quoin::geometry

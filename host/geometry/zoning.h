@@ -41,4 +41,17 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
 Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> divisions, int parity,
                         const std::string& name);
 
+// Tetrahedra that were made elsewhere, and the convex body that they fill.
+struct ZonedShape {
+  ConvexPolyhedron shape;
+  Zoning zoning;
+};
+
+// The body of tetrahedra that each name four of the points (m), with positive volume
+// (p1 - p0) . ((p2 - p0) x (p3 - p0)) / 6. Throws Error(bad_input), with the number of the tetrahedron and its place:
+// numbers without a point, points without a tetrahedron, flat and inverted ones; neighbours that do not share whole
+// triangles; what overlaps, has holes or is not convex as a whole.
+ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
+                           const std::string& name);
+
 }  // namespace quoin::geometry

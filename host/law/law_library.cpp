@@ -303,10 +303,7 @@ std::vector<const PropertySetting*> in_force(const std::vector<PropertySetting>&
   return used;
 }
 
-struct {
-  int threads = 0;  // 0: laws are evaluated in this process
-  double seconds = 0.0;
-} isolation;
+thread_local LawIsolation isolation;
 
 quoin::api::Material make_material(const quoin_law& law, const std::vector<const PropertySetting*>& settings) {
   std::vector<quoin::api::Value> values;
@@ -340,7 +337,7 @@ quoin_status Material::evaluate(quoin_batch* batch) const {
 
 std::string Material::fault() const { return process_ ? process_->fault() : ""; }
 
-void isolate_laws(int threads, double seconds) { isolation = {threads, seconds}; }
+LawIsolation isolate_laws(const LawIsolation& wanted) { return std::exchange(isolation, wanted); }
 
 double Material::number(const std::string& property_id) const {
   double value = 0.0;

@@ -74,9 +74,13 @@ class Material {
   std::shared_ptr<LawProcess> process_;
 };
 
-// Materials made from now on are evaluated in processes of their own, by so many threads at once; each batch has so
-// many seconds (0: any time).
-void isolate_laws(int threads, double seconds);
+// Whether laws are evaluated in processes of their own.
+struct LawIsolation {
+  int threads = 0;       // that evaluate at once; 0: laws are evaluated in this process
+  double seconds = 0.0;  // that a batch has; 0: any time
+};
+// For the materials that this thread makes from now on; what was said before.
+LawIsolation isolate_laws(const LawIsolation& wanted);
 
 // Texts of a law may be null.
 inline const char* law_text(const char* text) { return text == nullptr ? "" : text; }

@@ -170,7 +170,8 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
             fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
                         m.name, m.young_modulus, m.poisson_ratio));
       }
-      const Zoning z = input.divisions[0] > 0
+      const Zoning z = input.zoning ? *input.zoning
+                       : input.divisions[0] > 0
                            ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, int(i)))
                            : make_zones(shape, input.zone_edge, label(assembly_, int(i)));
       b.first_node = int32_t(node_x_.size()), b.node_count = int32_t(z.nodes.size());
@@ -282,7 +283,7 @@ void World::find_alike() {
   std::map<std::array<double, 7>, std::vector<int>> of_kind;
   for (int i = 0; i < block_count(); ++i) {
     const Block& b = assembly_.blocks[size_t(i)];
-    if (b.rigid) continue;
+    if (b.rigid || b.zoning) continue;  // shapes are compared, not zones that were made elsewhere
     of_kind[{double(kinds[size_t(b.shape)]), double(b.material), b.zone_edge, double(b.divisions[0]),
              double(b.divisions[1]), double(b.divisions[2]), double(b.parity)}]
         .push_back(i);

@@ -9,6 +9,10 @@
 #include "law/law_library.h"
 #include "python/document.h"
 #include "python/session.h"
+#ifdef QUOIN_VORO
+#include "python/voronoi.h"
+#endif
+#include "results/report.h"
 #include "scene/reader.h"
 #include "step/large_motion.h"
 
@@ -56,10 +60,16 @@ PYBIND11_MODULE(_quoin, m) {
   m.def("text", [](const py::dict& document) { return quoin::python::text_of(quoin::python::table_of(document)); });
   m.def("check", [](const py::object& document, const std::string& path) { scene_of(document, path); });
 
+  m.def("report", [](const std::string& folder) { return quoin::write_report({folder}).string(); });
+#ifdef QUOIN_VORO
+  m.def("voronoi", &quoin::python::voronoi);
+#endif
+
   py::class_<Session>(m, "Session")
       .def(py::init([](const py::object& document, const std::string& path, int threads, bool keep_frames,
-                       const std::string& folder) {
-        return std::make_unique<Session>(scene_of(document, path), threads, keep_frames, folder);
+                       const std::string& folder, bool isolate_law, double law_seconds) {
+        return std::make_unique<Session>(scene_of(document, path), threads, keep_frames, folder, isolate_law,
+                                         law_seconds);
       }))
       .def("step", &Session::step)
       .def("set_progress", &Session::set_progress)
@@ -105,8 +115,8 @@ PYBIND11_MODULE(_quoin, m) {
            [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_velocity(body, value); })
       .def("set_force",
            [](Session& s, const std::string& body, const quoin::Vec3& value) { s.use().set_force(body, value); })
-      .def("swap_law", [](Session& s, const std::string& joint,
-                          const std::string& law) { return dict_of(s.use().swap_law(joint, law)); })
+      .def("swap_law",
+           [](Session& s, const std::string& joint, const std::string& law) { return dict_of(s.swap_law(joint, law)); })
       .def("save", &Session::save)
       .def("restore", &Session::restore)
       .def("checkpoint", &Session::checkpoint)

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <thread>
 
 #include "results/checkpoint_file.h"
 #include "results/crushed_out.h"
@@ -65,23 +68,67 @@ py::dict joints_of(const std::vector<JointPoint>& joints) {
   return d;
 }
 
+// Laws that this thread loads while it lives.
+class Isolated {
+ public:
+  explicit Isolated(const LawIsolation& wanted) : before_(isolate_laws(wanted)) {}
+  ~Isolated() { isolate_laws(before_); }
+  Isolated(const Isolated&) = delete;
+  Isolated& operator=(const Isolated&) = delete;
+
+ private:
+  LawIsolation before_;
+};
+
 Identity identity_of(const std::string& scene_hash) {
   return {{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
 }
 
 }  // namespace
 
-Session::Session(Scene scene, int threads, bool keep_frames, const std::string& folder)
+Session::Session(Scene scene, int threads, bool keep_frames, const std::string& folder, bool isolate_law,
+                 double law_seconds)
     : keep_frames_(keep_frames), folder_(folder) {
   const py::gil_scoped_release release;
+  const int wanted = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
+  if (isolate_law) isolation_ = {std::max(1, wanted), law_seconds};
+  const Isolated isolated(isolation_);
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
   take_start(simulation_.get());
   columns_ = history_columns(simulation_->scene());
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>(*simulation_);
-  if (folder.empty()) return;
-  own_ = std::make_unique<ResultFolder>(folder_);
-  file_.emplace(folder_ / "history.csv", simulation_->scene());
-  if (simulation_->scene().output.frames > 0) series_.emplace(folder_, *surfaces_);
+  if (!folder.empty()) {
+    own_ = std::make_unique<ResultFolder>(folder_);
+    file_.emplace(folder_ / "history.csv", simulation_->scene());
+    if (simulation_->scene().output.frames > 0) series_.emplace(folder_, *surfaces_);
+  }
+  if (isolate_law) return;
+  watchdog_.emplace(law_seconds, [this, law_seconds](const Material& material, const quoin_batch& batch) {
+    const auto& families = simulation_->model().families;
+    const auto is_it = [&](const ContactFamily& f) { return f.material.get() == &material; };
+    if (std::any_of(families.begin(), families.end(), is_it)) end_with_law(material, batch, law_seconds);
+  });
+}
+
+// From the thread that watches, while another one is inside the law for ever, without the interpreter's lock.
+void Session::end_with_law(const Material& material, const quoin_batch& batch, double seconds) {
+  RunInfo info;
+  info.status = "failed";
+  info.law_answers = false;
+  info.message = overdue_text(*simulation_, material, batch, seconds) +
+                 "law_seconds; with isolate_law=True it would be raised as an exception";
+  fmt::print(stderr, "quoin: {}\n", info.message);
+  try {
+    if (file_) {
+      file_->finish();
+      info.wall_clock_s = seconds_since(start_);
+      write_summary(folder_ / "summary.json", *simulation_, rows_, info);
+      fmt::print(stderr, "quoin: what was computed is kept in {}\n", folder_.string());
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "quoin: {}\n", error.what());
+  }
+  _exit(static_cast<int>(Exit::numerical));
 }
 
 Simulation& Session::use() const {
@@ -97,6 +144,7 @@ bool Session::step(long count, bool stop_at_stage_end) {
     ~Done() { stepping = false; }  // with the interpreter's lock, which is taken again before
   } const done{stepping_};
   const py::gil_scoped_release release;
+  const Isolated isolated(isolation_);
   const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
   bool more = true;
   while (more && simulation.step() < end) {
@@ -189,13 +237,14 @@ std::string Session::finish(const std::string& status, const std::string& messag
   info.status = status;
   info.message = message;
   info.quasi_static = check_quasi_static(rows_, simulation.scene());
-  info.crushed_out = find_crushed_out(simulation);
+  info.law_answers = laws_answer(simulation);
+  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.wall_clock_s = seconds_since(start_);
   if (file_ && !finished_) {
     finished_ = true;
     file_->finish();
-    if (series_ && status != "done") series_->add_frame(simulation);
+    if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
     if (series_) series_->finish();
     write_summary(folder_ / "summary.json", simulation, rows_, info);
   }
@@ -343,6 +392,11 @@ int Session::family_named(const std::string& name) const {
   throw py::key_error(fmt::format("joint: there is no joint family '{}'; there are {}", name, fmt::join(names, ", ")));
 }
 
+LawSwap Session::swap_law(const std::string& joint, const std::string& law) {
+  const Isolated isolated(isolation_);
+  return use().swap_law(joint, law);
+}
+
 py::bytes Session::save() const {
   const std::vector<std::uint8_t> bytes = use().save();
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -350,6 +404,7 @@ py::bytes Session::save() const {
 
 void Session::restore(const py::bytes& bytes) {
   const std::string_view view = bytes;
+  const Isolated isolated(isolation_);
   use().restore({view.begin(), view.end()});
   // Rows of after are gone; those of before stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
@@ -362,6 +417,7 @@ void Session::checkpoint(const std::string& path, const std::string& scene_hash)
 
 void Session::resume(const std::string& path, const std::string& scene_hash) {
   const Checkpoint checkpoint = read_checkpoint(path, identity_of(scene_hash));
+  const Isolated isolated(isolation_);
   use().restore(checkpoint.state);
   rows_ = checkpoint.rows;
   if (surfaces_) *surfaces_ = Surfaces(*simulation_);

@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "files/result_folder.h"
+#include "law/law_calls.h"
+#include "law/law_library.h"
 #include "results/history.h"
 #include "results/surface.h"
 #include "results/vtk.h"
@@ -31,8 +33,10 @@ struct Frame {
 // Every method throws quoin::Error, and std::runtime_error while another thread steps the simulation.
 class Session : private Observer {
  public:
-  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere.
-  Session(Scene scene, int threads, bool keep_frames, const std::string& folder);
+  // threads 0: as many as the machine has. folder: where the results go as files too; empty: nowhere. A law that has
+  // not returned from a batch after law_seconds (0: any time) is ended with its process where laws are isolated, and is
+  // an Error(numerical); elsewhere it ends the program as the command line does.
+  Session(Scene scene, int threads, bool keep_frames, const std::string& folder, bool isolate_law, double law_seconds);
 
   // So many steps, or fewer when the last stage ends or, with stop_at_stage_end, any. True: there are more to come.
   // KeyboardInterrupt between two steps, which leaves everything as it is then.
@@ -53,6 +57,7 @@ class Session : private Observer {
   py::array block_array(Simulation::BlockArray what, int block);
   py::array point_array(Simulation::PointArray what, int family);
   py::array state(int family, const std::string& id);
+  LawSwap swap_law(const std::string& joint, const std::string& law);
   void velocities_changed() { use().velocities_changed(); }
   int block_named(const py::object& block) const;  // a number or a name; IndexError, KeyError
   int family_named(const std::string& name) const;
@@ -72,9 +77,11 @@ class Session : private Observer {
   void on_pause(const Simulation& simulation, bool last) override;
   void on_progress(const Progress& progress) override;
   void on_frame(const Simulation& simulation, int stage, int frame) override;
+  [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const Simulation::View& view, bool writeable) const;
   std::pair<std::size_t, std::size_t> points_of(int family) const;  // the first, and one past the last
 
+  LawIsolation isolation_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), looked_ = start_;
   std::unique_ptr<Simulation> simulation_;
   std::vector<HistoryColumn> columns_;
@@ -89,6 +96,7 @@ class Session : private Observer {
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
+  std::optional<LawWatchdog> watchdog_;
 };
 
 }  // namespace quoin::python

@@ -1,5 +1,7 @@
 #include "results/summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -165,6 +167,21 @@ Json ranks_of(const std::vector<RankTraffic>& ranks) {
 }
 
 }  // namespace
+
+bool laws_answer(const Simulation& simulation) {
+  const auto& families = simulation.model().families;
+  return std::all_of(families.begin(), families.end(),
+                     [](const ContactFamily& f) { return f.material->fault().empty(); });
+}
+
+std::string overdue_text(const Simulation& simulation, const Material& material, const quoin_batch& batch,
+                         double seconds) {
+  return fmt::format(
+      "the law '{}' of {} has not returned from a batch within {:g} s: {}; step {}. Tell its author, choose another "
+      "law, "
+      "or give it more time with ",
+      material.api().id, material.law().library->path(), seconds, simulation.batch_text(batch), simulation.step());
+}
 
 std::string law_names(const Assembly& assembly) {
   std::set<std::string> names;

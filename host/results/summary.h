@@ -24,6 +24,13 @@ struct RunInfo {
   Provenance provenance;
 };
 
+// False once the process that evaluates one of them has ended.
+bool laws_answer(const Simulation& simulation);
+
+// What is told of a law that does not return from a batch, but for how to give it more time.
+std::string overdue_text(const Simulation& simulation, const Material& material, const quoin_batch& batch,
+                         double seconds);
+
 // The laws in use: one name, or "mortar: a, unit: b" when families differ.
 std::string law_names(const Assembly& assembly);
 

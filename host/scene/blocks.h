@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ struct Block {
   std::array<int, 3> divisions{0, 0,
                                0};  // deformable bricks: hexahedra of 5 zones along each axis, instead of zone_edge
   int parity = 0;                   // of divisions: hexahedron (i, j, k) has pattern (i + j + k + parity) % 2
-  bool fixed = false;               // held in all six degrees of freedom (prescribe() may drive it later)
-  int unit = -1, course = -1;       // for pictures
+  std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones made elsewhere, of the shape; null: none
+  bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
+  int unit = -1, course = -1;  // for pictures
 };
 
 // Where two blocks meet for the first time: what the joint family may depend on.

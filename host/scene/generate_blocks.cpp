@@ -41,6 +41,12 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
     } else {
       std::vector<Vector> points;
       for (const Vec3& p : spec.vertices) points.push_back(vector(p));
+      if (!spec.tetrahedra.empty()) {
+        ZonedShape zoned = from_tetrahedra(points, spec.tetrahedra, spec.name);
+        b.zoning = std::make_shared<const Zoning>(std::move(zoned.zoning));
+        assembly.add(std::move(zoned.shape), b);
+        return;
+      }
       assembly.add(spec.faces.empty() ? from_vertices(points, spec.name) : from_faces(points, spec.faces, spec.name),
                    b);
     }

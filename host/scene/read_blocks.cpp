@@ -39,12 +39,12 @@ std::vector<Vec3> read_points(Table& t, const std::string& key) {
   return points;
 }
 
-std::vector<std::vector<int>> read_faces(Table& t, const std::string& key, size_t vertex_count) {
+// A list of lists of vertex numbers; `which` says of what and in which order.
+std::vector<std::vector<int>> read_corners(Table& t, const std::string& key, size_t vertex_count, const char* which) {
   std::vector<std::vector<int>> faces;
-  const std::string allowed = fmt::format(
-      "a list of lists of vertex numbers, integers from 0 and less than {} (the count of vertices), counter-clockwise "
-      "seen from outside",
-      vertex_count);
+  const std::string allowed =
+      fmt::format("a list of lists of vertex numbers, integers from 0 and less than {} (the count of vertices), {}",
+                  vertex_count, which);
   const toml::node* node = t.find(key, allowed, false);
   if (!node) return faces;
   const toml::array* list = node->as_array();
@@ -62,6 +62,16 @@ std::vector<std::vector<int>> read_faces(Table& t, const std::string& key, size_
     }
   }
   return faces;
+}
+
+std::vector<std::array<int, 4>> read_tetrahedra(Table& t, const std::string& key, size_t vertex_count) {
+  const char* const which = "four for each tetrahedron";
+  std::vector<std::array<int, 4>> tetrahedra;
+  for (const std::vector<int>& corners : read_corners(t, key, vertex_count, which)) {
+    if (corners.size() != 4) return t.refuse(key, which), std::vector<std::array<int, 4>>{};
+    std::copy(corners.begin(), corners.end(), tetrahedra.emplace_back().begin());
+  }
+  return tetrahedra;
 }
 
 void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
@@ -89,8 +99,8 @@ BlockSpec read_block(Table t, const Scene& scene) {
   if (t.numbers("divisions", b.divisions, between(1, 200), "hexahedra of 5 zones along the three edges") && b.rigid) {
     t.refuse("divisions", "only with rigid = false");
   }
-  if (!b.rigid && b.zone_edge == 0.0 && b.divisions[0] == 0) {
-    t.context().fault(t.where() + ": a deformable block needs zone_edge (m) or divisions");
+  if (!b.rigid && b.zone_edge == 0.0 && b.divisions[0] == 0 && !t.has("tetrahedra")) {
+    t.context().fault(t.where() + ": a deformable block needs zone_edge (m), divisions or tetrahedra");
   }
   t.numbers("position", b.position, kPlace, "m");
   t.numbers("rotation", b.rotation, kTurn, "deg, about its own direction");
@@ -105,13 +115,21 @@ BlockSpec read_block(Table t, const Scene& scene) {
     bt.finish();
   }
   b.vertices = read_points(t, "vertices");
-  b.faces = read_faces(t, "faces", b.vertices.size());
+  b.faces = read_corners(t, "faces", b.vertices.size(), "counter-clockwise seen from outside");
+  b.tetrahedra = read_tetrahedra(t, "tetrahedra", b.vertices.size());
+  if (t.has("tetrahedra")) {
+    if (b.rigid) t.refuse("tetrahedra", "only with rigid = false");
+    for (const char* other : {"faces", "zone_edge", "divisions"}) {
+      if (t.has(other)) t.refuse(other, "not beside tetrahedra, which are the zones; remove it");
+    }
+  }
   shapes += !b.vertices.empty();
   if (t.text("mesh", b.mesh, "a file .off, .obj, .stl or .json (COMPAS)")) ++shapes;
   if (t.number("scale", b.scale, above_to(0, kFarthest), "(mesh file's unit in m)") && !t.has("mesh"))
     t.refuse("scale", "only with mesh; remove it");
   if (shapes != 1)
-    t.context().fault(t.where() + ": give the shape by one of box, vertices (with or without faces), mesh");
+    t.context().fault(t.where() +
+                      ": give the shape by one of box, vertices (with or without faces or tetrahedra), mesh");
   t.finish();
   return b;
 }

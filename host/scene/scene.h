@@ -304,12 +304,13 @@ struct BuildingSpec {
 struct BlockSpec {
   std::string name, material;
   bool rigid = true, fixed = false;
-  double zone_edge = 0.0;                 // m, deformable
-  std::array<int, 3> divisions{0, 0, 0};  // deformable bricks, instead of zone_edge
-  Vec3 position{0, 0, 0};                 // of the shape's origin, m
-  Vec3 rotation{0, 0, 0};                 // vector whose length is the angle, deg
-  std::vector<Vec3> vertices;             // own coordinates, m
-  std::vector<std::vector<int>> faces;    // empty: the hull of the vertices
+  double zone_edge = 0.0;                      // m, deformable
+  std::array<int, 3> divisions{0, 0, 0};       // deformable bricks, instead of zone_edge
+  Vec3 position{0, 0, 0};                      // of the shape's origin, m
+  Vec3 rotation{0, 0, 0};                      // vector whose length is the angle, deg
+  std::vector<Vec3> vertices;                  // own coordinates, m
+  std::vector<std::vector<int>> faces;         // empty: the hull of the vertices
+  std::vector<std::array<int, 4>> tetrahedra;  // deformable: of the vertices, the zones; empty: they are made
   std::optional<Vec3> box_lower, box_size;
   std::string mesh;    // file; every object becomes a block
   double scale = 1.0;  // of the mesh file's lengths

@@ -35,6 +35,14 @@ void add_rigid(double count, const Vec3& extent, double spacing, SceneSize* size
   size->zones -= 5 * n[0] * n[1] * n[2] * count;
 }
 
+void add_tetrahedra(const BlockSpec& block, SceneSize* size) {
+  const auto zones = double(block.tetrahedra.size()), gridpoints = double(block.vertices.size());
+  size->blocks += 1;
+  size->zones += zones;
+  size->points += gridpoints;
+  size->bytes += kOfBlock + kOfZoneAlone * zones + kOfPoint * gridpoints;
+}
+
 Counts divided(const Vec3& extent, double edge) {
   Counts n{};
   for (std::size_t k = 0; k < 3; ++k) n[k] = std::max(1.0, std::ceil(extent[k] / edge));
@@ -58,6 +66,8 @@ void add_block(const BlockSpec& block, double spacing, SceneSize* size) {
   }
   if (block.rigid)
     add_rigid(1, extent, spacing, size);
+  else if (!block.tetrahedra.empty())
+    add_tetrahedra(block, size);
   else
     add_zoned(1, block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge), kOfZoneAlone,
               size);

@@ -331,7 +331,7 @@ std::optional<Brick> as_brick(const Assembly& assembly, int index) {
   const Block& block = assembly.blocks[size_t(index)];
   const ConvexPolyhedron& shape = assembly.shapes[size_t(block.shape)];
   const auto corner = brick_corners(shape);
-  if (!corner) return std::nullopt;
+  if (!corner || block.zoning) return std::nullopt;
   const Matrix turned = without_rounding(matrix(block.orientation));
   const auto along = [&](int bits) {  // from the first corner
     return turned * (shape.vertices[size_t((*corner)[size_t(bits)])] - shape.vertices[size_t((*corner)[0])]);

@@ -1,6 +1,8 @@
 // Everything of a simulation that changes during a run, as bytes.
 #include <fmt/core.h>
 
+#include <set>
+
 #include "base/archive.h"
 #include "step/law_swap.h"
 #include "step/state.h"
@@ -10,7 +12,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', 'P', '9'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '0'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -71,6 +73,38 @@ void transfer_promotion(Archive& archive, Promotion& p) {
   archive.value(p.energy_jump);
 }
 
+// Laws that the stages swap in, the scene's and those of a controller, from joint family to law.
+void write_law_swaps(ArchiveWriter& writer, const std::vector<Stage>& stages) {
+  for (const Stage& stage : stages) {
+    writer.value(std::uint64_t{stage.law_swaps.size()});
+    for (const auto& [family, law] : stage.law_swaps) writer.array(family), writer.array(law);
+  }
+}
+
+// A checkpoint names no file that would be loaded as code, unless it was in use already.
+void read_law_swaps(ArchiveReader& reader, std::vector<Stage>& stages) {
+  std::set<std::string> known;
+  for (const Stage& stage : stages) {
+    for (const auto& [family, law] : stage.law_swaps) known.insert(law);
+  }
+  for (Stage& stage : stages) {
+    std::uint64_t count = 0;
+    reader.value(count);
+    stage.law_swaps.clear();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      std::string family, law;
+      reader.array(family), reader.array(law);
+      if (law.find('/') != std::string::npos && !known.contains(law))
+        throw Error(
+            Exit::bad_input,
+            fmt::format("checkpoint: joint family '{}' has been given the law {}, a file that the scene does not "
+                        "name; swap it in before",
+                        family, law));
+      stage.law_swaps[family] = law;
+    }
+  }
+}
+
 }  // namespace
 
 // The material that a joint family has in a stage: the scene's, or that of the last law swapped in until then.
@@ -90,6 +124,7 @@ std::vector<std::uint8_t> Simulation::save() const {
   ArchiveWriter writer{bytes};
   writer.value(kCheckpointMark);
   writer.value(s.stage);
+  write_law_swaps(writer, s.scene.stages);
   const std::optional<Promotion>& promotion = s.outcome.promotion;
   writer.value(promotion.has_value());
   if (promotion) transfer_promotion(writer, *promotion);
@@ -106,9 +141,11 @@ std::vector<std::uint8_t> Simulation::save() const {
 
 void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   const std::vector<std::uint8_t> undo = save();
+  const std::vector<Stage> stages = impl_->scene.stages;
   try {
     impl_->restore(bytes);
   } catch (const Error&) {
+    impl_->scene.stages = stages;
     impl_->restore(undo);
     throw;
   }
@@ -121,6 +158,7 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
   ArchiveReader reader{bytes, sizeof kCheckpointMark};
   reader.value(stage);
   if (stage < -1 || stage >= static_cast<int>(scene.stages.size())) throw of_another_model();
+  read_law_swaps(reader, scene.stages);
   bool promoted = false;
   reader.value(promoted);
   if (promoted) {

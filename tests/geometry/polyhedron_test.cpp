@@ -1,7 +1,7 @@
 // Shapes, mass properties, validation, zoning and mesh files against closed forms.
 #include "geometry/polyhedron.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -347,6 +347,113 @@ TEST(MeshFile, OffObjAndStl) {
   EXPECT_NE(refusal([&] { read_mesh_file(folder + "bad.off"); }).find("bad.off:4: 'x' is not a number"),
             std::string::npos);
   EXPECT_NE(refusal([&] { read_mesh_file(folder + "none.ply"); }).find("unknown kind of mesh file"), std::string::npos);
+}
+
+// As the surface of a mesh has them: points inside of faces and of edges are no corners, in whatever order they come.
+TEST(Polyhedron, PointsOnItsFacesAreNoCorners) {
+  std::mt19937 random(5);
+  const Matrix turned = matrix(rotation({0.3, -0.7, 0.4}));
+  for (int n = 2; n <= 12; n += 5) {
+    std::vector<Vector> points;
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        for (int k = 0; k <= n; ++k) {
+          if (i % n == 0 || j % n == 0 || k % n == 0)
+            points.push_back(turned * Vector{double(i) / n, 0.5 * j / n, 2.0 * k / n});
+        }
+      }
+    }
+    for (int order = 0; order < 5; ++order) {
+      std::shuffle(points.begin(), points.end(), random);
+      const ConvexPolyhedron box = from_vertices(points, "grid");
+      EXPECT_EQ(box.vertices.size(), 8u) << n;
+      EXPECT_EQ(box.edges.size(), 12u) << n;
+      EXPECT_NEAR(mass_properties(box).volume, 1.0, 1e-12);
+    }
+  }
+}
+
+// A cube with a corner cut off, from much down to five times the tolerance: V = 1 - e^3/6.
+TEST(Polyhedron, SmallFacesAreFaces) {
+  for (const double e : {0.3, 1e-2, 1e-3, 1e-4, 1e-5, 5e-6}) {
+    std::vector<Vector> points;
+    for (int i = 1; i < 8; ++i) points.push_back({double(i & 1), double(i >> 1 & 1), double(i >> 2)});
+    points.insert(points.end(), {{e, 0, 0}, {0, e, 0}, {0, 0, e}});
+    const ConvexPolyhedron cut = from_vertices(points, "cut");
+    EXPECT_EQ(cut.vertices.size(), 10u) << e;
+    EXPECT_EQ(cut.faces.size(), 7u) << e;
+    EXPECT_NEAR(mass_properties(cut).volume, 1.0 - e * e * e / 6, 1e-12) << e;
+  }
+}
+
+// A zoning of ours, its gridpoints in another order, is taken as it is.
+TEST(Tetrahedra, MadeElsewhereAreTheZonesOfTheBodyThatTheyFill) {
+  const Zoning ours = make_zones(prism(5, 0.3, 1.0), 0.2, "prism");
+  const auto count = int(ours.nodes.size());
+  std::vector<Vector> points(ours.nodes.rbegin(), ours.nodes.rend());
+  std::vector<std::array<int, 4>> tetrahedra = ours.zones;
+  for (auto& t : tetrahedra) {
+    for (int& n : t) n = count - 1 - n;
+  }
+  const ZonedShape made = from_tetrahedra(points, tetrahedra, "prism");
+  EXPECT_EQ(made.shape.vertices.size(), 10u);
+  EXPECT_EQ(made.shape.faces.size(), 7u);
+  EXPECT_EQ(made.zoning.nodes.size(), ours.nodes.size());
+  EXPECT_EQ(made.zoning.zones.size(), ours.zones.size());
+  EXPECT_EQ(made.zoning.surface.size(), ours.surface.size());
+  EXPECT_DOUBLE_EQ(made.zoning.worst_quality, ours.worst_quality);
+  for (size_t i = 0; i < 10; ++i) EXPECT_EQ(norm(made.zoning.nodes[i] - made.shape.vertices[i]), 0.0);
+  for (size_t z = 0; z < tetrahedra.size(); ++z) {
+    for (size_t k = 0; k < 4; ++k)
+      EXPECT_EQ(norm(made.zoning.nodes[size_t(made.zoning.zones[z][k])] - points[size_t(tetrahedra[z][k])]), 0.0);
+  }
+  for (const auto& t : made.zoning.surface) {  // each on the face that it names, seen from outside
+    const Vector &a = made.zoning.nodes[size_t(t.node[0])], &b = made.zoning.nodes[size_t(t.node[1])],
+                 &c = made.zoning.nodes[size_t(t.node[2])];
+    EXPECT_GT(dot(cross(b - a, c - a), made.shape.normals[size_t(t.face)]), 0.0);
+  }
+}
+
+TEST(Tetrahedra, WhatIsNoBodyIsToldWithItsPlace) {
+  const Zoning cube = make_zones(box({0, 0, 0}, {1, 1, 1}), 0.5, "cube");
+  const auto without = [&](const auto& change) {
+    std::vector<Vector> points = cube.nodes;
+    std::vector<std::array<int, 4>> tetrahedra = cube.zones;
+    change(points, tetrahedra);
+    return refusal([&] { from_tetrahedra(points, tetrahedra, "cube"); });
+  };
+  using Points = std::vector<Vector>;
+  using Fours = std::vector<std::array<int, 4>>;
+  EXPECT_EQ(without([](Points&, Fours&) {}), "not refused");
+  EXPECT_THAT(without([](Points&, Fours& t) { t[3][2] = 99; }),
+              testing::HasSubstr("tetrahedron 3 names vertex 99; there are vertices 0 to 26"));
+  EXPECT_THAT(without([](Points&, Fours& t) { std::swap(t[3][2], t[3][1]); }),
+              testing::HasSubstr("tetrahedron 3 near"));
+  EXPECT_THAT(without([](Points&, Fours& t) { std::swap(t[3][2], t[3][1]); }), testing::HasSubstr("is inverted"));
+  EXPECT_THAT(without([](Points&, Fours& t) { t[3][2] = t[3][1]; }), testing::HasSubstr("tetrahedron 3 near"));
+  EXPECT_THAT(without([](Points&, Fours& t) { t[3][2] = t[3][1]; }), testing::HasSubstr("is flat"));
+  EXPECT_THAT(without([](Points& p, Fours&) {
+                p.push_back({0.5, 0.1, 0.1});
+              }),
+              testing::HasSubstr("vertex 27 at (0.5, 0.1, 0.1) m belongs to no tetrahedron"));
+  EXPECT_THAT(without([](Points&, Fours& t) { t.push_back(t[0]); }), testing::HasSubstr("overlap"));
+  EXPECT_THAT(without([](Points&, Fours& t) { t.erase(t.begin() + 4); }),
+              testing::HasSubstr("alone lies inside the hull"));
+  // Two cubes that stand apart, and one with a gridpoint that is there twice.
+  EXPECT_THAT(without([](Points& p, Fours& t) {
+                const auto n = int(p.size());
+                const Fours all = t;
+                for (int i = 0; i < n; ++i) p.push_back(p[size_t(i)] + Vector{3, 0, 0});
+                for (auto z : all) t.push_back({z[0] + n, z[1] + n, z[2] + n, z[3] + n});
+              }),
+              testing::HasSubstr("not convex"));
+  EXPECT_THAT(without([](Points& p, Fours& t) {
+                p.push_back(p[size_t(t[4][0])]);
+                t[4][0] = int(p.size()) - 1;
+              }),
+              testing::HasSubstr("alone lies inside the hull"));
+  EXPECT_THAT(without([](Points& p, Fours&) { p[4].y = std::nan(""); }),
+              testing::HasSubstr("vertex 4 is not a number"));
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 """Simulations that are stepped, read and steered from Python."""
 import gc
+import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -213,6 +216,38 @@ class Interruptions(Folder):
         with self.assertRaisesRegex(quoin.BadInput, "checkpoint"):
             sim.restore(b"rubbish")
 
+    def test_a_law_is_swapped_after_resume_as_without(self):
+        straight = quoin.Simulation(SMALL_WALL)
+        straight.run(until="precompression")
+        straight.step(50)
+        straight.checkpoint(self.path("then.bin"))
+        resumed = quoin.Simulation.resume(SMALL_WALL, self.path("then.bin"))
+        for sim in (straight, resumed):
+            before = sim.sigma("mortar").copy()
+            self.assertEqual(sim.swap_law("mortar", "coulomb_slip")["to"], "coulomb_slip")
+            np.testing.assert_array_equal(sim.sigma("mortar"), before)
+            sim.step(100)
+        self.assertEqual(resumed.hash, straight.hash)
+        # A checkpoint of after the swap goes on with the law that was swapped in.
+        straight.checkpoint(self.path("later.bin"))
+        later = quoin.Simulation.resume(SMALL_WALL, self.path("later.bin"))
+        for sim in (straight, resumed, later):
+            sim.run()
+            self.assertEqual(sim.hash, straight.hash)
+        assert_same_history(later.history, straight.history)
+        # And one of before goes back to the law of then.
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.step(300)
+        state = sim.save()
+        sim.swap_law("mortar", "coulomb_slip")
+        sim.step(50)
+        sim.restore(state)
+        sim.run()
+        plain = quoin.Simulation(SMALL_WALL)
+        plain.run()
+        self.assertNotEqual(plain.hash, straight.hash)
+        self.assertEqual(sim.hash, plain.hash)
+
     def test_ctrl_c_stops_cleanly_and_the_run_can_go_on(self):
         sim = quoin.Simulation(slow_scene())
         threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
@@ -257,6 +292,79 @@ class Interruptions(Folder):
             quoin.run(scene)
         self.assertEqual(raised.exception.exit_code, 5)
         self.assertEqual(raised.exception.run.summary["status"], "failed")
+
+
+HOSTILE = os.environ.get("QUOIN_HOSTILE_LAW", "")  # tests/plugins: misbehaves as QUOIN_HOSTILE says
+
+WATCHED = """
+import sys, quoin
+scene = quoin.Scene.load(sys.argv[1])
+for joint in scene.joints:
+    scene.joints[joint] = quoin.Joint(law=sys.argv[2], normal_stiffness=82e9, shear_stiffness=36e9)
+options = eval(sys.argv[4])
+try:
+    quoin.run(scene, out=sys.argv[3], **options)
+except quoin.NumericalFailure as failure:
+    print("raised:", failure, "rows:", len(failure.run.history), failure.run.summary["status"])
+"""
+
+
+class Laws(Folder):
+    """What misbehaves, and how it is watched: keyword arguments of run and Simulation."""
+
+    def watched(self, fault, options):
+        """A run of another interpreter, with a law of that fault. Its exit code, output and errors."""
+        done = subprocess.run([sys.executable, "-c", WATCHED, SMALL_WALL, HOSTILE, self.path("out"), repr(options)],
+                              env=dict(os.environ, QUOIN_HOSTILE=fault), capture_output=True, text=True, timeout=120)
+        return done.returncode, done.stdout, done.stderr
+
+    def test_isolated_laws_give_the_same_bits(self):
+        isolated = quoin.run(SMALL_WALL, isolate_law=True, threads=1, frames=False)
+        assert_same_history(isolated.history, quoin.run(SMALL_WALL, threads=1, frames=False).history)
+        one, other = quoin.Simulation(SMALL_WALL, isolate_law=True), quoin.Simulation(SMALL_WALL)
+        for sim in (one, other):
+            sim.run(until="precompression")
+            sim.swap_law("mortar", "elastic")
+            sim.step(100)
+        self.assertEqual(one.hash, other.hash)
+
+    def test_an_isolated_law_that_crashes_or_hangs_is_an_exception(self):
+        for fault, options, words in (("crash", dict(isolate_law=True), "(?s)raised: .*hostile_law"),
+                                      ("exit", dict(isolate_law=True), "(?s)raised: .*hostile_law"),
+                                      ("hang", dict(isolate_law=True, law_seconds=1.0), "(?s)raised: .*hostile_law")):
+            with self.subTest(fault):
+                code, out, errors = self.watched(fault, options)
+                self.assertEqual(code, 0, errors)
+                self.assertRegex(out, words)
+                self.assertRegex(out, "(?s)rows: [1-9].* failed")
+                self.assertTrue(os.path.exists(self.path("out/summary.json")))
+
+    def test_a_law_that_hangs_ends_the_program_as_the_command_line_does(self):
+        code, out, errors = self.watched("hang", dict(law_seconds=1.0))
+        self.assertEqual(code, 5, out + errors)
+        self.assertRegex(errors, "quoin: the law 'hostile_law' .* has not returned from a batch within 1 s.*law_seconds")
+        self.assertIn("what was computed is kept", errors)
+        with open(self.path("out/summary.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["status"], "failed")
+        with open(self.path("out/history.csv"), encoding="utf-8") as file:
+            self.assertGreater(len(file.readlines()), 1)
+
+    def test_what_is_no_time_is_refused(self):
+        for given, kind, words in (("soon", TypeError, "law_seconds: a number"), (-1, ValueError, "law_seconds = -1"),
+                                   (float("nan"), ValueError, "law_seconds = nan")):
+            with self.assertRaisesRegex(kind, words):
+                quoin.Simulation(SMALL_WALL, law_seconds=given)
+
+    def test_a_run_writes_its_page(self):
+        with self.assertRaisesRegex(quoin.BadInput, "report:.*out="):
+            quoin.run(SMALL_WALL, report=True)
+        try:
+            quoin.run(SMALL_WALL, out=self.path("out"), report=True)
+        except quoin.BadInput as missing:
+            self.assertIn("three.js", str(missing))
+            self.skipTest(f"no page: {missing}")
+        self.assertEqual(self.command("report", "out").returncode, 0)  # again, from the files
+        self.assertGreater(os.path.getsize(self.path("out/report.html")), 1e5)
 
 
 if __name__ == "__main__":

@@ -69,8 +69,10 @@ def _boundary(zones):
 def read_blocks(path, *, material, scale=1.0, name=None, **keys):
     """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale: the surfaces of their tetrahedra,
     or, where the file has none, closed surfaces. Bodies are parted by gmsh's volumes, and where they do not hang together;
-    each must be convex. With rigid=False and zone_edge they are zoned anew: the zones are ours, not the file's."""
+    each must be convex. With rigid=False the tetrahedra of the file are the zones of deformable blocks; with zone_edge
+    besides, blocks are zoned anew."""
     path = os.fspath(path)
+    own_zones = not keys.get("rigid", True) and not keys.keys() & {"zone_edge", "divisions"}
     try:
         import meshio
     except ImportError:
@@ -90,6 +92,8 @@ def read_blocks(path, *, material, scale=1.0, name=None, **keys):
         bodies, zoned = list(_groups(mesh, SURFACES)), False
     if not bodies:
         raise BadInput(f"{path}: has neither tetrahedra nor a surface; it has {', '.join(c.type for c in mesh.cells)}")
+    if own_zones and not zoned:
+        raise BadInput(f"{path}: has no tetrahedra that could be the zones of deformable blocks; give zone_edge")
     blocks = []
     for number, (_, cells) in enumerate(bodies):
         used = sorted({n for cell in cells for n in cell})
@@ -97,6 +101,11 @@ def read_blocks(path, *, material, scale=1.0, name=None, **keys):
         block = Block(name=name if len(bodies) == 1 else f"{name}/{number}", material=material,
                       vertices=points[used].tolist(), **keys)
         cells = [[local[n] for n in cell] for cell in cells]
-        block.faces = _boundary(_upright(cells, points[used])) if zoned else cells
+        if zoned:
+            cells = _upright(cells, points[used])
+        if own_zones:
+            block.tetrahedra = cells
+        else:
+            block.faces = _boundary(cells) if zoned else cells
         blocks.append(block)
     return blocks

@@ -1,7 +1,9 @@
 """A whole run."""
 import json
+import os
 
-from .errors import Error
+from . import _quoin
+from .errors import BadInput, Error
 from .simulation import Simulation, table
 
 
@@ -63,11 +65,15 @@ def bar_of(progress):
     return show, bar.close
 
 
-def run(scene, *, threads=0, progress=False, frames=True, out=None):
+def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False, isolate_law=False, law_seconds=None):
     """Runs a scene, or the file of one, to its end. progress: shown by tqdm where it is installed. out: a folder for
-    history.csv, summary.json and the files for ParaView, as `quoin run --out` writes them. What goes wrong is raised, and
-    Ctrl-C too, with what was computed until then as attribute `run` of the exception."""
-    simulation = Simulation(scene, threads=threads, frames=frames, out=out)
+    history.csv, summary.json and the files for ParaView, as `quoin run --out` writes them. report: its page too, as
+    `quoin report` writes it. isolate_law, law_seconds: as of Simulation. What goes wrong is raised, and Ctrl-C too, with
+    what was computed until then as attribute `run` of the exception."""
+    if report and out is None:
+        raise BadInput("report: the page is made from the files of a run; give the folder for them, out=...")
+    simulation = Simulation(scene, threads=threads, frames=frames, out=out, isolate_law=isolate_law,
+                            law_seconds=law_seconds)
     show, end = bar_of(progress)
     simulation._session.set_progress(show)
     try:
@@ -81,4 +87,6 @@ def run(scene, *, threads=0, progress=False, frames=True, out=None):
         simulation._session.set_progress(None)
     result = Run(simulation, out=out)
     simulation.close()
+    if report:
+        _quoin.report(os.fspath(out))
     return result

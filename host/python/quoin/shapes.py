@@ -1,13 +1,18 @@
-"""Masonry as lists of blocks: bonds, curved walls, vaults, domes, bridges. Lengths in m, y up; the blocks of a list touch and
-never overlap. Keys that every block gets (material="stone", rigid=False, zone_edge=0.1) are passed on:
+"""Masonry as lists of blocks: bonds, two leaves, rubble, curved walls, vaults, domes, bridges, and the beams and ties in
+them. Lengths in m, y up; the blocks of a list touch and never overlap. Keys that every block gets (material="stone",
+rigid=False, zone_edge=0.1) are passed on:
 
     scene.block += quoin.shapes.dome(radius=5.0, thickness=0.5, courses=8, pieces=24, material="stone")
+
+host/python/SHAPES.md shows a picture of each.
 """
 import math
 
 import numpy as np
 
-from .scene import Block
+from . import _quoin
+from .errors import BadInput
+from .scene import Block, Table, plain
 
 
 def _count(name, value, lower, upper=100000):
@@ -23,8 +28,35 @@ def _length(name, value, lower=0.0, upper=1e6):
     return float(value)
 
 
+def _lengths(name, values, count=3):
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__len__") or len(values) != count:
+        raise ValueError(f"{name} = {values!r}: allowed: {count} numbers")
+    return [_length(f"{name}[{i}]", v) for i, v in enumerate(values)]
+
+
+def _place(name, values):
+    values = np.asarray(values, dtype=float)
+    if values.shape != (3,) or not np.isfinite(values).all():
+        raise ValueError(f"{name} = {values!r}: allowed: three finite numbers")
+    return values
+
+
 def _hull(name, points, keys):
     return Block(name=name, vertices=np.asarray(points, dtype=float).tolist(), **keys)
+
+
+def _box(name, lower, upper, keys):
+    lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+    return Block(name=name, box=dict(lower=lower.tolist(), size=(upper - lower).tolist()), **keys)
+
+
+def _of(block, key, default=None):
+    return block[key] if key in block else default
+
+
+def _support(keys):
+    """Of what holds the rest: it does not move and needs no zones."""
+    return {k: v for k, v in dict(keys, fixed=True, rigid=True).items() if k not in ("zone_edge", "divisions")}
 
 
 # --- walls ----------------------------------------------------------------------------------------------------------------
@@ -72,14 +104,61 @@ def wall(bond, courses, length, unit, name="wall", origin=(0.0, 0.0, 0.0), **key
     if bond not in BONDS:
         raise ValueError(f"bond = {bond!r}: allowed: {', '.join(BONDS)}")
     courses, length = _count("courses", courses, 1), _length("length", length)
-    unit = [_length(f"unit[{i}]", u) for i, u in enumerate(unit)]
-    blocks = []
-    for course in range(courses):
-        for number, (a, b, front, back) in enumerate(_course(bond, course, length, unit)):
-            lower = [origin[0] + a, origin[1] + course * unit[1], origin[2] + front]
-            blocks.append(Block(name=f"{name}/{course}/{number}", box=dict(lower=lower, size=[b - a, unit[1], back - front]),
-                                **keys))
+    unit = _lengths("unit", unit)
+    return _laid([_course(bond, course, length, unit) for course in range(courses)], unit[1], name, origin, keys)
+
+
+def _laid(courses, height, name, origin, keys):
+    """Blocks of courses of (from, to, front, back)."""
+    origin, blocks = _place("origin", origin), []
+    for course, units in enumerate(courses):
+        for number, (a, b, front, back) in enumerate(units):
+            blocks.append(_box(f"{name}/{course}/{number}", origin + [a, course * height, front],
+                               origin + [b, (course + 1) * height, back], keys))
     return blocks
+
+
+def two_leaf_wall(courses, length, unit, gap=0.0, tie_every=3, tie_spacing=2, name="wall", origin=(0.0, 0.0, 0.0), **keys):
+    """Two leaves of running bond, each a unit's width thick, with a gap between them (0: they touch). Headers tie them: in
+    every tie_every-th course, in the middle of every tie_spacing-th unit, with closers beside them."""
+    courses, length, unit = _count("courses", courses, 1), _length("length", length), _lengths("unit", unit)
+    tie_every, tie_spacing = _count("tie_every", tie_every, 1), _count("tie_spacing", tie_spacing, 1)
+    gap = 0.0 if gap == 0 else _length("gap", gap)
+    long, wide = unit[0], unit[2]
+    if not wide < long:
+        raise ValueError(f"unit[2] = {wide}: allowed: less than the length {long}, so that headers leave room for closers")
+    leaves, deep, laid = ((0.0, wide), (wide + gap, 2 * wide + gap)), 2 * wide + gap, []
+    for course in range(courses):
+        units = []
+        for number, (a, b) in enumerate(_pieces(0.0, length, long, 0.5 * (course % 2) * long)):
+            tied = (course + 1) % tie_every == 0 and (number + 1) % tie_spacing == 0 and b - a > 1.2 * wide
+            middle = (a + b) / 2
+            pieces = [(a, middle - wide / 2), (middle + wide / 2, b)] if tied else [(a, b)]
+            units += [(*piece, *leaf) for piece in pieces for leaf in leaves]
+            units += [(middle - wide / 2, middle + wide / 2, 0.0, deep)] if tied else []
+        laid.append(units)
+    return _laid(laid, unit[1], name, origin, keys)
+
+
+def rubble(size, stone, seed=1, relax=2, name="rubble", origin=(0.0, 0.0, 0.0), **keys):
+    """A box of irregular stones without gaps: the cells of seeds drawn at random (Voro++), as many as stones of that mean
+    length, height and width have room. relax: how often seeds move to the middle of their cells; 0: as they were drawn,
+    with splinters; 10: nearly of one size. The same seed gives the same stones. Numbered from the lowest up."""
+    if not hasattr(_quoin, "voronoi"):
+        raise ImportError("rubble: this installation was built without Voro++ (voro++-dev)")
+    size, stone, relax = _lengths("size", size), _lengths("stone", stone), _count("relax", relax, 0, 1000)
+    count = max(1, round(math.prod(size) / math.prod(stone)))
+    if count > 100000:
+        raise ValueError(f"stone = {stone}: {count} stones; allowed: 100000 at most; take larger ones")
+    room = np.array(size) / stone  # in which stones are as high as they are long
+    seeds = room * np.random.RandomState(_count("seed", seed, 0, 2**32 - 1)).random_sample((count, 3))
+    for turn in range(relax + 1):
+        cells, centroids = _quoin.voronoi(seeds, room.tolist())
+        if turn < relax:
+            seeds = centroids
+    cells.sort(key=lambda cell: cell[:, 1].mean())
+    origin = _place("origin", origin)
+    return [_hull(f"{name}/{number}", origin + cell * stone, keys) for number, cell in enumerate(cells)]
 
 
 def curved_wall(radius, thickness, height, courses, pieces, angle=360.0, name="wall", **keys):
@@ -120,11 +199,37 @@ def barrel_vault(radius, thickness, length, voussoirs, rows, angles=(0.0, 180.0)
         cuts = [0.0, length] if springing else sorted({0.0, length, *(row * k for k in range(1, rows))}) if v % 2 == 0 \
             else [0.0, *(row * (k + 0.5) for k in range(rows)), length]
         for number, along in enumerate(zip(cuts, cuts[1:])):
-            own = dict(keys, fixed=True, rigid=True) if springing else keys
-            if springing:
-                own = {k: value for k, value in own.items() if k not in ("zone_edge", "divisions")}
+            own = _support(keys) if springing else keys
             blocks.append(_hull(f"{name}/{v}/{number}", _voussoir(radius, thickness, (first + v * step, first + (v + 1) * step),
                                                                   along), own))
+    return blocks
+
+
+def cross_vault(span, thickness, courses, springing=20.0, name="vault", **keys):
+    """A groin vault over a square bay: two half barrels of a mean diameter of span that meet in the diagonals, above the
+    middle of the bay. Each of the four webs has so many courses (an odd number, with one along the crown), from the
+    springing (deg above the horizon) up, mitred along the groins. The stones below the springing are fixed."""
+    span, thickness = _length("span", span), _length("thickness", thickness, upper=span)
+    courses, low = _count("courses", courses, 3), math.radians(_length("springing", springing, upper=80.0))
+    step = (math.pi - 2 * low) / courses
+    if courses % 2 == 0:
+        raise ValueError(f"courses = {courses}: allowed: an odd number, so that one runs along the crown")
+    if low < step:
+        raise ValueError(f"springing = {springing}: allowed: {math.degrees(math.pi / (courses + 2)):.4g} deg or more with "
+                         f"{courses} courses, so that the stones below it find room")
+    inner, outer, blocks = (span - thickness) / 2, (span + thickness) / 2, []
+    for web in range(4):
+        turn = [(1, 0), (0, 1), (-1, 0), (0, -1)][web]
+        for course in range(-1, courses + 1):
+            points = []
+            for r in (inner, outer):
+                for a in (low + course * step, low + (course + 1) * step):
+                    x, y = r * math.cos(a), r * math.sin(a)
+                    points += [(x, y, abs(x)), (x, y, outer)]
+                if course == courses // 2:
+                    points.append((0.0, points[-1][1], 0.0))  # where the four crowns meet
+            turned = [(turn[0] * x - turn[1] * z, y, turn[1] * x + turn[0] * z) for x, y, z in points]
+            blocks.append(_hull(f"{name}/{web}/{course}", turned, keys if 0 <= course < courses else _support(keys)))
     return blocks
 
 
@@ -145,10 +250,7 @@ def dome(radius, thickness, courses, pieces, springing=0.0, oculus=80.0, name="d
         between = (low + course * step, low + (course + 1) * step)
         for piece in range(pieces):
             points = [ring(a, r)(turn) for a in between for r in (inner, outer) for turn in turns[piece:piece + 2]]
-            own = keys
-            if course < 0:
-                own = {k: v for k, v in dict(keys, fixed=True, rigid=True).items() if k not in ("zone_edge", "divisions")}
-            blocks.append(_hull(f"{name}/{course}/{piece}", points, own))
+            blocks.append(_hull(f"{name}/{course}/{piece}", points, _support(keys) if course < 0 else keys))
     if closed:
         points = [ring(low + courses * step, r)(turn) for r in (inner, outer) for turn in turns[:-1]]
         blocks.append(_hull(f"{name}/keystone", points, keys))
@@ -169,7 +271,7 @@ def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier
     if spans > 1 and pier_width < 2 * outward[0]:
         raise ValueError(f"pier_width = {pier_width}: allowed: {2 * outward[0]:.3g} m or more, so that the springings of two "
                          "arches find room on a pier")
-    blocks, fixed = [], {k: v for k, v in dict(keys, fixed=True, rigid=True).items() if k not in ("zone_edge", "divisions")}
+    blocks, fixed = [], _support(keys)
 
     def prism(label, outline, own):
         blocks.append(_hull(f"{name}/{label}", [[x, y, z] for x, y in outline for z in (0.0, width)], own))
@@ -195,3 +297,163 @@ def arch_bridge(spans, span, rise, thickness, width, voussoirs, pier_width, pier
         prism(f"pier_{p}/skewback", [(left, pier_height), (right, pier_height), (right - outward[0], top),
                                      (left + outward[0], top)], keys)
     return blocks
+
+
+def _outline(block):
+    """Corners in the plane x, y, and from where to where along z."""
+    points = np.array([np.add(block.box.lower, np.multiply(block.box.size, corner)) for corner in np.ndindex(2, 2, 2)]
+                      if "box" in block else plain(block.vertices))
+    if "rotation" in block or "mesh" in block:
+        raise ValueError(f"blocks: {_of(block, 'name')!r} is turned or a mesh; allowed: boxes and prisms along z")
+    points = points + np.array(plain(block.position) if "position" in block else [0.0, 0.0, 0.0])
+    ends = points[:, 2].min(), points[:, 2].max()
+    if not np.isclose(points[:, 2, None], ends, atol=1e-9 * np.ptp(points)).any(axis=1).all():
+        raise ValueError(f"blocks: {_of(block, 'name')!r} is no prism along z, and its fill cannot be told")
+    return points[:, :2], ends
+
+
+def _top(corners, x):
+    """Height of the upper side of their hull at x; None: it does not reach there."""
+    left, right = corners[corners[:, 0] <= x], corners[corners[:, 0] >= x]
+    if not len(left) or not len(right):
+        return None
+    heights = [a[1] if a[0] == b[0] else a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0])
+               for a in left for b in right if a[0] < b[0] or a[0] == x == b[0]]
+    return max(heights)
+
+
+def fill_load(blocks, top, unit_weight):
+    """The weight of a fill (N/m3) between the upper sides of blocks, boxes and prisms along z such as arch bridges and
+    barrel vaults have, and the level top: forces for stage.force, on each block that can move and that the sky would see.
+    They act down, where the fill's column above the block has its middle; the fill's stiffness and its thrust on what stands
+    beside it are left out."""
+    unit_weight = _length("unit_weight", unit_weight, upper=1e9)
+    seen = [(block, *_outline(block)) for block in blocks]
+    levels = sorted({round(z, 9) for _, _, ends in seen for z in ends})
+    loads = {}  # name: force, and its moments about x = 0 and z = 0
+    for front, back in zip(levels, levels[1:]):
+        here = [(b, corners) for b, corners, (z0, z1) in seen if z0 < (front + back) / 2 < z1]
+        cuts = sorted({x for _, corners in here for x in corners[:, 0].round(9)})
+        for a, b in zip(cuts, cuts[1:]):
+            middle, highest = (a + b) / 2, None
+            for block, corners in here:
+                height = _top(corners, middle)
+                if height is not None and (highest is None or height > highest[0]):
+                    highest = height, block, corners
+            if highest is None or _of(highest[1], "fixed"):
+                continue
+            inset = 1e-6 * (b - a)  # of the sides of blocks, where heights jump
+            depths = [top - _top(highest[2], x) for x in (a + inset, b - inset)]
+            if min(depths) < -1e-9 * abs(b - a):
+                raise BadInput(f"top = {top}: block {highest[1].name!r} reaches {-min(depths):.3g} m above it")
+            weight = unit_weight * (back - front) * (b - a) * sum(depths) / 2
+            if weight > 0:
+                arm = (b - a) * (depths[0] + 2 * depths[1]) / (3 * sum(depths))  # of a trapezoid
+                total = loads.setdefault(highest[1].name, np.zeros(4))
+                total += np.array([1.0, a + arm, (front + back) / 2, highest[0]]) * weight
+    return [Table(block=name, point=[x / f, y / f, z / f], force=[0.0, -f, 0.0]) for name, (f, x, z, y) in loads.items()]
+
+
+# --- beams and ties -------------------------------------------------------------------------------------------------------
+
+def cut(blocks, lower, size, needed=True):
+    """The blocks without what lies in a box: boxes are divided around it, parts called NAME/a, NAME/b ... of one unit (key
+    `unit`), which a joint rule with inside_units can bond again. Only boxes that are not turned or moved can be cut."""
+    lower = _place("lower", lower)
+    upper, left, met = lower + _lengths("size", size), [], False
+    for block in blocks:
+        if "box" not in block or "rotation" in block or "position" in block:
+            points = _hull_of(block)
+            if points is not None and ((points.max(axis=0) <= lower + 1e-9) | (points.min(axis=0) >= upper - 1e-9)).any():
+                left.append(block)
+                continue
+            raise ValueError(f"blocks: {_of(block, 'name')!r} may reach into what is cut; allowed: boxes, not turned or moved")
+        low = np.array(plain(block.box.lower) if "lower" in block.box else [0.0, 0.0, 0.0], dtype=float)
+        high = low + plain(block.box.size)
+        tiny = 1e-6 * (high - low).min()
+        if ((high <= lower + tiny) | (low >= upper - tiny)).any():
+            left.append(block)
+            continue
+        met, parts = True, []
+        for axis in range(3):  # what is before the hole, and beyond it; then the rest, along the next axis
+            for end, at in ((0, lower[axis]), (1, upper[axis])):
+                if low[axis] + tiny < at < high[axis] - tiny:
+                    a, b = low.copy(), high.copy()
+                    (b if end == 0 else a)[axis] = at
+                    parts.append((a, b))
+                    (low if end == 0 else high)[axis] = at
+        own = {k: v for k, v in block.items() if k not in ("name", "box", "divisions")}
+        if len(parts) > 1:
+            own.setdefault("unit", block.name)
+        names = [block.name] if len(parts) == 1 else [f"{block.name}/{chr(97 + i)}" for i in range(len(parts))]
+        left += [_box(part_name, a, b, own) for part_name, (a, b) in zip(names, parts)]
+    if needed and not met:
+        raise ValueError(f"lower = {lower.tolist()}: nothing of the blocks lies in what is cut")
+    return left
+
+
+def _hull_of(block):
+    """Corners of a block that is given by them and stands where they say; None: of another one."""
+    return np.array(plain(block.vertices)) if "vertices" in block and not block.keys() & {"rotation", "position"} else None
+
+
+def beam(lower, size, name="beam", zone_edge=None, **keys):
+    """An elastic beam, a box along the axes, with zones of edges like the smallest side of its section (or zone_edge)."""
+    lower, size = _place("lower", lower), _lengths("size", size)
+    return _box(name, lower, lower + size, dict(keys, rigid=False, zone_edge=zone_edge or sorted(size)[0]))
+
+
+def opening(blocks, start, end, sill, head, bearing=0.0, lintel_height=0.0, lintel_material=None, name="lintel", **keys):
+    """A wall of boxes along x with an opening through its thickness, from start to end along x and from sill to head (m, as
+    the blocks stand). bearing > 0: an elastic lintel over it, that reaches so far into the wall at both sides, takes the
+    place of what was there. Best at the levels of courses."""
+    boxes = [b.box for b in blocks if "box" in b and not _of(b, "fixed")]
+    if not boxes:
+        raise ValueError("blocks: there is no box among them that could be cut")
+    front, back = min(b.lower[2] for b in boxes), max(b.lower[2] + b.size[2] for b in boxes)
+    left = cut(blocks, [start, sill, front], [end - start, head - sill, back - front])
+    if bearing == 0:
+        return left
+    lower = [start - _length("bearing", bearing), head, front]
+    size = [end - start + 2 * bearing, _length("lintel_height", lintel_height), back - front]
+    if lintel_material is None:
+        raise ValueError("lintel_material = None: allowed: the name of the lintel's material")
+    return cut(left, lower, size) + [beam(lower, size, name, material=lintel_material, **keys)]
+
+
+def ring_beam(lower, length, width, section, name="ring", **keys):
+    """A rectangular ring of elastic beams, length along x and width along z outside; section: its height and breadth. The
+    two along x have the corners. They are monolithic with a rule such as JointRule(family="cast", between=["ring/",
+    "ring/"]) of an elastic family."""
+    (x, y, z), (height, breadth) = _place("lower", lower), _lengths("section", section, 2)
+    length, width = _length("length", length, 2 * breadth), _length("width", width, 2 * breadth)
+    inside = width - 2 * breadth
+    return [beam([x, y, z], [length, height, breadth], f"{name}/0", **keys),
+            beam([x, y, z + width - breadth], [length, height, breadth], f"{name}/1", **keys),
+            beam([x, y, z + breadth], [breadth, height, inside], f"{name}/2", **keys),
+            beam([x + length - breadth, y, z + breadth], [breadth, height, inside], f"{name}/3", **keys)]
+
+
+def tie(blocks, start, end, bar, plate, clearance=0.01, name="tie", **keys):
+    """The blocks with an elastic tie along x or z, from start to end, the outer faces of the masonry: a square bar (its side
+    is bar), in a hole wider by the clearance at every side, and anchor plates (plate: side, thickness) that bear on the
+    masonry from outside. A rule such as JointRule(family="steel", between=["tie/", "tie/"]) of an elastic family joins bar
+    and plates."""
+    start, end, bar = _place("start", start), _place("end", end), _length("bar", bar)
+    side, thick = _lengths("plate", plate, 2)
+    clearance = 0.0 if clearance == 0 else _length("clearance", clearance)
+    along = np.flatnonzero(np.abs(end - start) > 0)
+    if len(along) != 1 or along[0] == 1 or end[along[0]] < start[along[0]]:
+        raise ValueError(f"end = {end.tolist()}: allowed: further than start along x or along z, and level with it")
+    if side <= bar + 2 * clearance:
+        raise ValueError(f"plate = {plate}: allowed: a side of more than {bar + 2 * clearance:g} m, the hole of the bar")
+    across = np.ones(3)
+    across[along[0]] = 0.0
+    out = thick * (1.0 - across)
+    hole = cut(blocks, start - across * (bar / 2 + clearance), end - start + across * (bar + 2 * clearance))
+    keys = dict(keys, rigid=False)
+    return hole + [_box(f"{name}/bar", start - across * bar / 2, end + across * bar / 2, dict(keys, zone_edge=bar)),
+                   _box(f"{name}/plate_0", start - out - across * side / 2, start + across * side / 2,
+                        dict(keys, zone_edge=side / 2)),
+                   _box(f"{name}/plate_1", end - across * side / 2, end + out + across * side / 2,
+                        dict(keys, zone_edge=side / 2))]

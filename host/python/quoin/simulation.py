@@ -56,15 +56,26 @@ def table(columns):
 
 class Simulation:
     """A scene in motion. step and run move it on, through its stages; between two calls everything can be read, and
-    bodies be moved and loaded. threads 0: as many as the machine has; the bits do not depend on them."""
+    bodies be moved and loaded. threads 0: as many as the machine has; the bits do not depend on them.
 
-    def __init__(self, scene, *, threads=0, frames=False, out=None):
+    isolate_law: laws are evaluated in processes of their own; one that crashes, exits or takes more than law_seconds (60)
+    for a batch raises NumericalFailure. Without it, law_seconds ends the program, as the command line does, with words and
+    exit code 5 when a law does not return (None: nobody watches): a law that hangs cannot be taken out of a process."""
+
+    def __init__(self, scene, *, threads=0, frames=False, out=None, isolate_law=False, law_seconds=None):
         scene = scene_of(scene)
         self._session = None
         threads = whole("threads", threads, 0, 4096)
+        if law_seconds is None:
+            law_seconds = 60.0 if isolate_law else 0.0
+        elif isinstance(law_seconds, bool) or not isinstance(law_seconds, (numbers.Real, np.floating)):
+            raise TypeError(f"law_seconds: a number of seconds is needed, not {type(law_seconds).__name__}")
+        elif not 0 <= law_seconds <= 1e9:
+            raise ValueError(f"law_seconds = {law_seconds}: allowed: 0 (any time) to 1e9")
         document, place = scene._source()
         self.scene = scene.copy()
-        self._session = _quoin.Session(document, place, threads, bool(frames), "" if out is None else os.fspath(out))
+        self._session = _quoin.Session(document, place, threads, bool(frames), "" if out is None else os.fspath(out),
+                                       bool(isolate_law), float(law_seconds))
 
     # --- time -----------------------------------------------------------------------------------------------------
 
