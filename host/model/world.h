@@ -342,8 +342,8 @@ class World {
   long divisions() const { return divisions_; }  // how often the work has been divided anew
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
   bool looks_at_motion() const { return step_count_ + 1 >= next_check_; }
-  // Called before contacts are detected or blocks go with others: where other processes have advanced some of them, what
-  // they know is to be fetched.
+  // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
+  // what they know is to be fetched.
   void before_dividing(std::function<void()> fetch) { fetch_ = std::move(fetch); }
   int unit_count() const { return unit_count_; }  // units in two halves that hold together
   long narrow_calls() const { return narrow_calls_; }
