@@ -3,6 +3,7 @@
 #include <mpi.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <climits>
 #include <cstdlib>
@@ -15,6 +16,9 @@ namespace quoin {
 namespace {
 
 constexpr std::size_t kMost = std::size_t{1} << 30;  // bytes of one call: MPI counts in int
+
+constexpr std::chrono::microseconds kSpin{100};  // more than ranks with cores of their own wait for each other
+constexpr useconds_t kNap = 20;                  // us
 
 class MpiRanks : public Ranks {
  public:
@@ -43,12 +47,15 @@ class MpiRanks : public Ranks {
       MPI_Isend(p.values.data(), size_of(p), MPI_DOUBLE, p.rank, 0, MPI_COMM_WORLD, &requests_.emplace_back());
   }
   void finish() override {
-    MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+    wait(requests_);
     requests_.clear();
   }
 
   void largest(std::span<double> values) override {
-    MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    MPI_Request request;
+    MPI_Iallreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD,
+                   &request);
+    wait({&request, 1});
   }
 
   void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes, std::span<std::byte> all) override {
@@ -58,8 +65,10 @@ class MpiRanks : public Ranks {
         counts.push_back(static_cast<int>(size)), places.push_back(static_cast<int>(place));
         place += size;
       }
-      MPI_Allgatherv(own.data(), static_cast<int>(own.size()), MPI_BYTE, all.data(), counts.data(), places.data(),
-                     MPI_BYTE, MPI_COMM_WORLD);
+      MPI_Request request;
+      MPI_Iallgatherv(own.data(), static_cast<int>(own.size()), MPI_BYTE, all.data(), counts.data(), places.data(),
+                      MPI_BYTE, MPI_COMM_WORLD, &request);
+      wait({&request, 1});
       return;
     }
     std::size_t place = 0;
@@ -91,6 +100,16 @@ class MpiRanks : public Ranks {
   }
 
  private:
+  // Not by MPI_Wait, which never leaves the core: where ranks and others share cores, who is waited for would get no
+  // turn.
+  static void wait(std::span<MPI_Request> requests) {
+    const auto patience = std::chrono::steady_clock::now() + kSpin;
+    for (int done = 0;;) {
+      MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE);
+      if (done) return;
+      if (std::chrono::steady_clock::now() > patience) usleep(kNap);
+    }
+  }
   static int size_of(const Parcel& p) {
     if (p.values.size() > INT_MAX) throw std::length_error("a message to another rank is too long; use more ranks");
     return static_cast<int>(p.values.size());

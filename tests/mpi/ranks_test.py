@@ -18,7 +18,8 @@ root = pathlib.Path(__file__).resolve().parents[2]
 folder = pathlib.Path(tempfile.mkdtemp(prefix="quoin_mpi_"))
 scenes = {
     # Bricks on the lattice, two laws one after the other; rows that watch energies.
-    "wall": (root / "tests/cli/small_wall.toml", ["output.energy=true", "stage.shear.displacement=0.0001"]),
+    "wall": (root / "tests/cli/small_wall.toml", ["output.energy=true", "stage.precompression.duration=0.006",
+                                                 "stage.shear.displacement=0.00005"]),
     # Walls around a corner, a floor that a whiffletree pushes, until blocks leave small displacements.
     "building": (root / "tests/host/small_building.toml", ["stage.push.displacement=0.0002", "stage.push.record_interval=100"]),
     # Rigid blocks in large motion, detected anew while they fall.
@@ -168,12 +169,12 @@ def memory():
     starve = ["sh", "-c", 'ulimit -v "$1"; shift; exec "$@"', "sh"]
     program = [quoin, "run", str(root / "tests/cli/small_wall.toml"), "--out", str(folder / "memory"), "--threads", "1",
                "--force"]
-    for setting in ("wall.courses=60", "wall.units_per_course=40", "stage.precompression.duration=0.0003",
+    for setting in ("wall.courses=300", "wall.units_per_course=40", "stage.precompression.duration=0.0003",
                     "stage.shear.displacement=1e-7", "output.frames=0", "output.plots=false"):
         program += ["--set", setting]
     host = ["--oversubscribe", "--bind-to", "none", "--allow-run-as-root"]
     # What MPI itself takes differs by machine: less than that is not our fault to name, more is enough for the model.
-    for kilobytes in range(160000, 400000, 20000):
+    for kilobytes in range(150000, 400000, 25000):
         done = subprocess.run([mpirun, *host, "-n", "1", *program, ":", "-n", "1", *starve, str(kilobytes), *program],
                               capture_output=True, text=True, timeout=120)
         text = done.stdout + done.stderr
