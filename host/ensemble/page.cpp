@@ -268,7 +268,8 @@ void draw_influences(const std::vector<Influence>& influences, Pictures& picture
   if (count == 0) return;
   pictures.draw(
       "influence", data, "", "",
-      fmt::format("set yrange [{}:-1]\nset xrange [-1:1]\nset lmargin 52\nset noytics\nset xlabel 'of the peak force'\n"
+      fmt::format("set yrange [{}:-1]\nset xrange [-1:1]\nset lmargin 52\nset ytics noenhanced\nset xlabel 'of the "
+                  "peak force'\n"
                   "set boxwidth 0.35\nplot 'influence.dat' using 2:1:(0):2:($1-0.2):($1):ytic(4) with boxxyerror "
                   "linecolor rgb '#0072b2' title 'rank correlation', '' using 3:1:(0):3:($1):($1+0.2) with boxxyerror "
                   "linecolor rgb '#d55e00' title 'share of variance (correlation ratio)'\n",

@@ -66,7 +66,8 @@ void draw_tornado(const StudyFolder& folder, const Study& study, const std::vect
   const std::string script = fmt::format(
       "set terminal pngcairo size 1500,950 font \"Sans,19\" linewidth 1.5\nset title {} noenhanced\nset xlabel {} "
       "noenhanced\n"
-      "set yrange [{}:-1]\nset noytics\nset lmargin 52\nset key below noenhanced\nset grid xtics\nset style fill solid "
+      "set yrange [{}:-1]\nset ytics noenhanced\nset xtics rotate by -35\nset rmargin 6\nset lmargin 52\nset key below "
+      "noenhanced\nset grid xtics\nset style fill solid "
       "0.7 noborder\n"
       "plot 'sensitivity.dat' using 2:1:2:3:($1-0.3):($1+0.3):ytic(5) with boxxyerror linecolor rgb '#0072b2' title "
       "'at the 16 % "
