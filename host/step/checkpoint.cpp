@@ -75,19 +75,25 @@ void transfer_promotion(Archive& archive, Promotion& p) {
 
 // Laws that the stages swap in, the scene's and those of a controller, from joint family to law.
 void write_law_swaps(ArchiveWriter& writer, const std::vector<Stage>& stages) {
+  writer.value(std::uint64_t{stages.size()});
   for (const Stage& stage : stages) {
     writer.value(std::uint64_t{stage.law_swaps.size()});
     for (const auto& [family, law] : stage.law_swaps) writer.array(family), writer.array(law);
   }
 }
 
-// A checkpoint names no file that would be loaded as code, unless it was in use already.
+// A checkpoint names no file that would be loaded as code, unless it was in use already. It may be of a run that had
+// the first stages alone; later ones keep theirs.
 void read_law_swaps(ArchiveReader& reader, std::vector<Stage>& stages) {
   std::set<std::string> known;
   for (const Stage& stage : stages) {
     for (const auto& [family, law] : stage.law_swaps) known.insert(law);
   }
-  for (Stage& stage : stages) {
+  std::uint64_t written = 0;
+  reader.value(written);
+  if (written > stages.size()) throw Error(Exit::bad_input, "checkpoint: of a scene with more stages");
+  for (std::size_t s = 0; s < written; ++s) {
+    Stage& stage = stages[s];
     std::uint64_t count = 0;
     reader.value(count);
     stage.law_swaps.clear();
