@@ -240,7 +240,8 @@ TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
 }
 
 TEST_F(ReadBlockScene, DeformableBlocksAreDividedOneWayOrTheOther) {
-  EXPECT_THAT(fault("block.1.rigid=false"), HasSubstr("a deformable block needs zone_edge (m), divisions or tetrahedra"));
+  EXPECT_THAT(fault("block.1.rigid=false"),
+              HasSubstr("a deformable block needs zone_edge (m), divisions or tetrahedra"));
   EXPECT_EQ(read({"block.1.rigid=false", "block.1.zone_edge=0.5"}).blocks->blocks.at(0).zone_edge, 0.5);
   EXPECT_THAT(read({"block.1.rigid=false", "block.1.divisions=[1, 1, 1]"}).blocks->blocks.at(0).divisions,
               ElementsAre(1, 1, 1));
