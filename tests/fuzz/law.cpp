@@ -93,6 +93,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (std::uint64_t i = 0; i < law.state_count; ++i) all += length_of(law.states[i]->id);
     for (std::uint64_t i = 0; i < law.initial_state_count; ++i) all += length_of(law.initial_states[i]);
   }
-  if (all == 0) std::abort();
+  if (all > std::size_t{1} << 40) std::abort();  // no text is longer than law_text cuts it
   return 0;
 }
