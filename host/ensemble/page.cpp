@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
+#include "base/number_text.h"
 #include "ensemble/statistics.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -54,6 +54,15 @@ double value_of(const Values& values, const std::string& name) {
   return kNone;
 }
 
+// The n-th cell of a row from there on.
+std::string_view cell(std::string_view row, std::size_t at, int n) {
+  for (; n > 0; --n) {
+    at = row.find(',', at);
+    if (at++ == std::string_view::npos) return {};
+  }
+  return row.substr(at, row.find(',', at) - at);
+}
+
 // Of the last stage: displacement as far as it has come, and the force there.
 Curve read_curve(const fs::path& file) {
   std::ifstream stream(file);
@@ -63,10 +72,10 @@ Curve read_curve(const fs::path& file) {
   while (std::getline(stream, line)) {
     const std::size_t first = line.find(','), quoted = line.find("\",", first + 2);  // the name of the stage
     if (quoted == std::string::npos) continue;
-    double of_step, time, displacement, vertical, force;
-    if (std::sscanf(line.c_str() + quoted + 2, "%lf,%lf,%lf,%lf,%lf", &of_step, &time, &displacement, &vertical,
-                    &force) == 5)
-      rows.push_back({std::atof(line.c_str()), displacement, force});
+    double stage = 0.0, displacement = 0.0, force = 0.0;
+    if (parse_number(std::string_view(line).substr(0, first), stage) &&
+        parse_number(cell(line, quoted + 2, 2), displacement) && parse_number(cell(line, quoted + 2, 4), force))
+      rows.push_back({stage, displacement, force});
   }
   Curve curve;
   for (const auto& [stage, displacement, force] : rows) {

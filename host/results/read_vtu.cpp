@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/number_text.h"
 
 namespace quoin {
 
@@ -98,8 +99,11 @@ template std::vector<std::int64_t> VtuFile::read(const std::string&) const;
 std::vector<double> read_collection(const std::filesystem::path& folder, const std::string& name) {
   const std::string text = read_input_file((folder / (name + ".pvd")).string());
   std::vector<double> times;
-  for (std::size_t at = 0; (at = text.find("<DataSet", at)) != std::string::npos; ++at)
-    times.push_back(std::strtod(attribute(text.substr(at, text.find('>', at) - at), "timestep").c_str(), nullptr));
+  for (std::size_t at = 0; (at = text.find("<DataSet", at)) != std::string::npos; ++at) {
+    double time = 0.0;
+    parse_number(attribute(text.substr(at, text.find('>', at) - at), "timestep"), time);
+    times.push_back(time);
+  }
   return times;
 }
 

@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/number_text.h"
 #include "files/file.h"
 #include "files/markup.h"
 #include "results/read_vtu.h"
@@ -341,9 +342,10 @@ Json read_history(const fs::path& path) {
   while (std::getline(text, line)) {
     const std::vector<std::string> cells = cells_of(line);
     for (std::size_t c = 0; c < std::min(names.size(), cells.size()); ++c) {
-      char* end = nullptr;
-      const double value = std::strtod(cells[c].c_str(), &end);
-      columns[names[c]].push_back(cells[c].empty() ? Json(nullptr) : *end == '\0' ? Json(value) : Json(cells[c]));
+      double value = 0.0;
+      columns[names[c]].push_back(cells[c].empty()                ? Json(nullptr)
+                                  : parse_number(cells[c], value) ? Json(value)
+                                                                  : Json(cells[c]));
     }
   }
   return columns;

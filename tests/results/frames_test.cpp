@@ -1,7 +1,12 @@
-// The size of frames, told before there is one, beside the files of one.
+// Frames of a run: their size, told before there is one, beside the files of one; their times, read back.
 #include <gtest/gtest.h>
 
+#include <clocale>
+#include <cstdlib>
+#include <fstream>
+
 #include "folder.h"
+#include "results/read_vtu.h"
 #include "results/vtk.h"
 #include "scene/read_scene.h"
 
@@ -25,6 +30,20 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
     EXPECT_GE(frame_bytes(simulation, surfaces), bytes) << scene;
     EXPECT_LE(frame_bytes(simulation, surfaces), 1.05 * bytes + 8000.0) << scene;
   }
+}
+
+// A program that embeds us may write 0,5 for a half; files have points.
+TEST_F(Frames, HaveTheSameTimesWhereDecimalsHaveAComma) {
+  const std::string locale = (folder_ / "comma").string();
+  if (std::system(("localedef -i de_DE -f UTF-8 '" + locale + "' >/dev/null 2>&1").c_str()) != 0)
+    GTEST_SKIP() << "no localedef with de_DE here (Debian: locales)";
+  setenv("LOCPATH", folder_.c_str(), 1);
+  ASSERT_NE(std::setlocale(LC_NUMERIC, "comma"), nullptr);
+  ASSERT_EQ(std::strtod("0,5", nullptr), 0.5);
+  std::ofstream(folder_ / "blocks.pvd") << "<VTKFile><Collection><DataSet timestep=\"0.25\" file=\"a\"/>"
+                                           "<DataSet timestep=\"1e-3\" file=\"b\"/></Collection></VTKFile>";
+  EXPECT_EQ(read_collection(folder_, "blocks"), (std::vector{0.25, 1e-3}));
+  std::setlocale(LC_NUMERIC, "C");
 }
 
 }  // namespace
