@@ -115,6 +115,22 @@ TEST_F(Again, SurroundingsChangeNothing) {
   }
 }
 
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which want to be the first library
+// Checkpoints, rows and time limits go by a clock that nobody sets.
+TEST_F(Again, ClocksThatJumpChangeNothing) {
+  ASSERT_EQ(run(), 0) << error_;
+  const auto history = [this](const std::string& folder) { return read_all(folder + "/history.csv"); };
+  EXPECT_EQ(quoin({"run", "--again", out(), "--checkpoint-every", "0.01"},
+                  [] {
+                    alarm(60);
+                    setenv("LD_PRELOAD", QUOIN_JUMPING_CLOCK_LIBRARY, 1);
+                  }),
+            0)
+      << error_;
+  EXPECT_EQ(history(out() + "-again"), history(out()));
+}
+#endif
+
 // A folder that is removed under a run costs the results and nothing else.
 TEST_F(Again, FoldersThatVanishAreTold) {
   const pid_t child = start({QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--checkpoint-every",
