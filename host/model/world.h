@@ -332,6 +332,9 @@ class World {
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
   void track_energy(bool on);
+  // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
+  // time step.
+  void hold_by_springs(double eigenvalue);
 
   double time() const { return time_; }
   long steps() const { return step_count_; }
@@ -538,6 +541,7 @@ class World {
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
+  double springs_ = 0.0;  // eigenvalue, 1/s2
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double unbalanced_ = 0.0;
   Vector net_;
