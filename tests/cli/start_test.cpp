@@ -43,7 +43,7 @@ class Start : public Cli {
     std::stringstream stream(file(name, "history.csv"));
     std::string rows;
     for (std::string line; std::getline(stream, line);)
-      if (line.starts_with("1,")) rows += line + "\n";
+      if (line.starts_with("2,")) rows += line + "\n";
     return rows;
   }
 
@@ -54,13 +54,13 @@ TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
   ASSERT_EQ(run(whole_, "whole"), 0) << error_;
   ASSERT_EQ(run(second_, "second"), 0) << error_;
   EXPECT_EQ(driven("second"), driven("whole"));
-  EXPECT_GT(driven("second").size(), 10000u);
+  EXPECT_GT(driven("second").size(), 1000u);
   for (const char* name : {"blocks_0003.vtu", "joints_0003.vtu"})
     EXPECT_TRUE(file("second", name) == file("whole", name)) << name;
 
-  // Repeated, with what it began from; another state there is told.
+  // Repeated, with what it began from.
   EXPECT_EQ(quoin({"run", "--again", (folder_ / "second").string(), "--out", out()}), 0) << error_;
-  EXPECT_THAT(out_, HasSubstr("same"));
+  EXPECT_THAT(out_, HasSubstr("the bits agree"));
 }
 
 TEST_F(Start, KilledRunsGoOn) {
