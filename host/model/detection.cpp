@@ -308,6 +308,9 @@ void World::place_points(Detection& found) {
       keep_points(before, finding, c);
     }
     fill[c.family] += c.count;
+    if (!found.at_start || c.count == 0) continue;
+    StartJoint& joint = start_joints_.emplace_back(StartJoint{c.pair, {}});
+    for (uint32_t k = c.first; k < c.first + c.count; ++k) joint.point.push_back(families_[c.family].point[k].at);
   }
   if (energy_) later_.detection += freed;
   contacts_ = std::move(found.contacts);

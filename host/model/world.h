@@ -215,6 +215,11 @@ struct Contact {
   Matrix relative_r;
 };
 
+struct StartJoint {
+  geometry::Pair pair;
+  std::vector<Vector> point;  // where its contact points were, m
+};
+
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
 struct Unit {
   int block[2] = {-1, -1};
@@ -360,7 +365,8 @@ class World {
   std::span<const int32_t> blocks_of_piece(int piece) const { return blocks_of(pieces_[size_t(piece)]); }
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }             // in the order of their pairs
+  const std::vector<StartJoint>& start_joints() const { return start_joints_; }  // the same
   const std::vector<Family>& families() const { return families_; }
   Vector position(int block) const;                                        // centre of mass, m
   Matrix orientation(int block) const;                                     // rotation since the start
@@ -514,6 +520,7 @@ class World {
   std::vector<Family> families_;
   std::vector<Facet> facets_;
   std::vector<Contact> contacts_;
+  std::vector<StartJoint> start_joints_;
   std::vector<Vector> block_contact_force_;
 
   std::vector<Chunk> chunks_;
