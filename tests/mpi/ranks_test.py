@@ -59,6 +59,7 @@ def results(out):
         summary.pop(key, None)
     summary["provenance"].pop("threads", None)
     summary["provenance"].pop("wall_clock_s", None)
+    summary["provenance"].pop("files", None)  # the bytes of a state that ranks have left
     found = {"history.csv": (out / "history.csv").read_bytes(), "summary.json": json.dumps(summary, indent=1).encode()}
     for file in sorted(out.glob("*.vtu")):
         found[file.name] = file.read_bytes()
@@ -207,7 +208,7 @@ def started():
         same(results(folder / "second_1"), results(folder / f"second_{other}"), f"started on {other} ranks")
     (folder / "first" / "end_state.bin").unlink()
     done = run(2, [folder / "second.toml", "--out", folder / "none"], code=3)
-    assert done.stderr.count("does not exist") == 1, done.stderr
+    assert "does not exist" in done.stderr, done.stderr
 
 
 if case in scenes:

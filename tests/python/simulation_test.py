@@ -392,11 +392,12 @@ class Starts(Folder):
 
     def test_a_run_goes_on_with_the_bits_of_one_run(self):
         whole = quoin.run(self.whole(), threads=1)
-        self.assertGreater(whole.history["stage"].max(), 0)
+        driven = whole.history[whole.history["stage"] == 2]
+        self.assertGreater(len(driven), 100)
         quoin.run(self.first(), threads=1, out=self.path("first"))
         for scene in (self.second(), self.moved()):
             rest = quoin.run(scene, threads=1)
-            assert_same_history(rest.history, whole.history[whole.history["stage"] == 1])
+            assert_same_history(rest.history, driven.astype(rest.history.dtype))  # names of stages are as long as the longest
 
     def moved(self):
         """Written to another folder, where start is found too."""
