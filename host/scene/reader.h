@@ -264,7 +264,10 @@ class Table {
     for (size_t i = 0; list && i < list->size(); ++i) {
       if (const toml::table* t = list->get(i)->as_table()) result.push_back(t);
     }
-    if (!list || result.size() != list->size()) wrong_type(key, *node, what);
+    if (!list || result.size() != list->size())
+      wrong_type(key, *node, what);
+    else if (required && list->empty())
+      refuse(key, what + ", at least one");
     return result;
   }
 

@@ -223,7 +223,7 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
   }
 }
 
-// Found by fuzzing (tests/fuzz/corpus/model/no_joints.toml): blocks met in joints of no family.
+// Found by fuzzing (tests/fuzz/corpus/model: no_joints.toml, no_stages.toml): both crashed `quoin check`.
 TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
   for (const std::string kind : {"joints", "materials"}) {
     std::string text = kScene;
@@ -232,6 +232,8 @@ TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
     EXPECT_THAT(refusal([&] { read_scene(write("s.toml", text)); }),
                 AllOf(HasSubstr("s.toml:"), HasSubstr(kind), HasSubstr("at least one table [" + kind + ".NAME]")));
   }
+  EXPECT_THAT(refusal([&] { read({"stage=[]"}); }),
+              AllOf(HasSubstr("stage = []"), HasSubstr("tables [[stage]], at least one")));
 }
 
 TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
