@@ -516,9 +516,11 @@ struct Equations {
   HWY_INLINE Cap crush_from(M active, const Step& s, V pressure, V T1, V N, V guess) const {
     const V one = splat(1.0);
     const V highest = N / (s.crushed.E * hn::NegMulAdd(p.half_chi, p.fc, one));
+    // P and Q of a joint without strength are not told at D = 0.
+    const V lowest = hn::IfThenElseZero(s.crushed.F == zero(), splat(0.5) * highest);
     Cap c;
     find_root(
-        active, select(active, hn::Min(hn::IfThenElseZero(guess > zero(), guess), highest), guess), zero(), highest,
+        active, select(active, hn::Min(select(guess > zero(), guess, lowest), highest), guess), zero(), highest,
         splat(0.25) * s.tolerance(s.crushed.F) / N, [&](V D, V & value, V & slope) __attribute__((always_inline)) {
           c = cap_at(s, pressure, T1, D);
           const Beyond beyond = beyond_cap(c);

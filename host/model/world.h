@@ -218,6 +218,11 @@ struct Contact {
   Matrix relative_r;
 };
 
+struct StartJoint {
+  geometry::Pair pair;
+  std::vector<Vector> point;  // where its contact points were, m
+};
+
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
 struct Unit {
   int block[2] = {-1, -1};
@@ -335,6 +340,9 @@ class World {
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
   void track_energy(bool on);
+  // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
+  // time step.
+  void hold_by_springs(double eigenvalue);
 
   double time() const { return time_; }
   long steps() const { return step_count_; }
@@ -360,7 +368,8 @@ class World {
   std::span<const int32_t> blocks_of_piece(int piece) const { return blocks_of(pieces_[size_t(piece)]); }
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }             // in the order of their pairs
+  const std::vector<StartJoint>& start_joints() const { return start_joints_; }  // the same
   const std::vector<Family>& families() const { return families_; }
   Vector position(int block) const;                                        // centre of mass, m
   Matrix orientation(int block) const;                                     // rotation since the start
@@ -519,6 +528,7 @@ class World {
   std::vector<Family> families_;
   std::vector<Facet> facets_;
   std::vector<Contact> contacts_;
+  std::vector<StartJoint> start_joints_;
   std::vector<Vector> block_contact_force_;
 
   std::vector<Chunk> chunks_;
@@ -546,6 +556,7 @@ class World {
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
+  double springs_ = 0.0;  // eigenvalue, 1/s2
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double unbalanced_ = 0.0;
   Vector net_;

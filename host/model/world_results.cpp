@@ -184,6 +184,7 @@ size_t World::memory_bytes() const {
                bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 4 + bytes(node_mass_) * 2 +
                bytes(node_anchor_) + bytes(zones_) + bytes(zone_lanes_) + bytes(facets_) + bytes(contacts_) +
                bytes(block_contact_force_) + bytes(assembly_.blocks);
+  for (const StartJoint& j : start_joints_) sum += sizeof j + bytes(j.point);
   for (const Family& f : families_) sum += bytes(f.point) + (6 + f.state.size()) * f.size() * sizeof(double);
   return sum;
 }

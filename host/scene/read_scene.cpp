@@ -602,6 +602,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   auto each = [&](const char* kind, bool required, auto&& read) {
     const toml::table* all = t.table(kind, fmt::format("tables [{}.NAME]", kind), required);
     if (!all) return;
+    if (all->empty()) t.refuse(kind, fmt::format("at least one table [{}.NAME]", kind));
     Table outer(context, *all, kind);
     for (auto&& [key, node] : *all) {
       const std::string name(key.str());

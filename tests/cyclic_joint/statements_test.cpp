@@ -262,6 +262,29 @@ TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(b.in[6 + kL][0])), 1e-11 * real(j.kn));
 }
 
+// A joint that is crushed to nothing and just closed slides over the middle of its seat and up the other side: not a
+// number at the first guess of the crushing, where neither pressure nor strength is left. Steps of law_stress.
+TEST(Statement4, AJointCrushedToNothingSlidesUpTheOtherSideOfItsSeat) {
+  Joint j;
+  j.kn = 68719476736, j.ks = 7e10, j.phi0 = 35, j.phir = 30, j.psi0 = 4, j.fc = 1e6, j.fcr = 0, j.Gc = 1000;
+  j.sd = 0.01, j.pd = 1e6, j.Cs = 5;
+  for (const double slip : {8.012e-3, 8.06e-3, 8.2e-3, 9e-3}) {
+    LawPoints points(law(), j, 1, false);
+    auto& b = points.batch;
+    b.in[0][0] = -0.0125, b.in[1][0] = slip;
+    const double old[] = {1.0, 0.01, 0.0, 0.03, 0.0125, -4e-3, 0.0, 4e-3, 0.0, 0.1};
+    for (std::size_t k = 0; k < std::size(old); ++k) b.in[6 + k][0] = old[k];
+    b.evaluate(points.material);
+    ASSERT_EQ(b.status[0], QUOIN_POINT_OK) << slip;
+    b.advance();
+    EXPECT_EQ(b.in[3][0], 0.0) << "it bears nothing";
+    EXPECT_EQ(b.in[4][0], 0.0);
+    EXPECT_NEAR(b.in[6 + kSlip][0], 0.1 + slip, 0.02 * slip);
+    EXPECT_GT(b.in[6 + kVm][0], 0.0) << "it has climbed";
+    EXPECT_GT(b.in[6 + kL][0], 0.03) << "and is crushed further";
+  }
+}
+
 quoin_stiffness_bounds bounds_of(const LawPoints& points) {
   quoin_stiffness_bounds bounds = {sizeof bounds, 0, 0};
   EXPECT_EQ(law().stiffness_bounds(points.material.handle(), &bounds), QUOIN_OK);

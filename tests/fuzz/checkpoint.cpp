@@ -1,9 +1,8 @@
 // Checkpoints: as files, and the state of a small wall with bytes of it changed, from which a run then goes on.
-#include <cstdlib>
 #include <cstring>
 
-#include "base/error.h"
 #include "input.h"
+#include "judge.h"
 #include "results/checkpoint_file.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
@@ -50,10 +49,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return wall().save();
   }();
   if (size == 0) return 0;
-  try {
+  judge({Exit::bad_input, Exit::numerical}, [&] {
     if (data[0] % 2 == 0) {
       read_checkpoint(file_of(data + 1, size - 1, ".bin"), {});
-      return 0;
+      return;
     }
     std::vector<std::uint8_t> bytes = good;
     for (std::size_t at = 1; at + 5 <= size; at += 5) {
@@ -64,9 +63,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (data[0] & 2) bytes.resize(bytes.size() - data[0] % 61);
     wall().restore(bytes);
     wall().advance(2);
-  } catch (const Error& error) {
-    const bool known = error.exit_code == Exit::bad_input || error.exit_code == Exit::numerical;
-    if (!known || *error.what() == '\0') std::abort();
-  }
+  });
   return 0;
 }

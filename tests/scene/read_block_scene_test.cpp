@@ -223,6 +223,17 @@ TEST_F(ReadBlockScene, VerticesAndFaces) {
   }
 }
 
+// Found by fuzzing (tests/fuzz/corpus/model/no_joints.toml): blocks met in joints of no family.
+TEST_F(ReadBlockScene, TablesOfNothingAreRefused) {
+  for (const std::string kind : {"joints", "materials"}) {
+    std::string text = kScene;
+    const size_t first = text.find("[" + kind + "."), last = text.find("\n[", first);
+    text.replace(first, last - first, "[" + kind + "]");
+    EXPECT_THAT(refusal([&] { read_scene(write("s.toml", text)); }),
+                AllOf(HasSubstr("s.toml:"), HasSubstr(kind), HasSubstr("at least one table [" + kind + ".NAME]")));
+  }
+}
+
 TEST_F(ReadBlockScene, RulesOfJointsNameTwoBeginnings) {
   const auto scene = [&](const std::string& rule) {
     return read_scene(write("rules.toml", std::string(kScene) + "[[joint_rule]]\nfamily = \"dry\"\n" + rule));

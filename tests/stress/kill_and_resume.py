@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Kills runs with SIGKILL at random moments and resumes them, a wall, a building and a collapse: history.csv and
-summary.json (times apart) and the frames must be, byte for byte, those of the run that was left alone.
+"""Kills runs with SIGKILL at random moments and resumes them, a wall, a building and two collapses: history.csv and
+summary.json (times apart) and the frames must be, byte for byte, those of the run that was left alone. After each kill
+what stands under its final name must be whole.
 
   tests/stress/kill_and_resume.py build/release/quoin                   50 moments of each kind, some minutes
   tests/stress/kill_and_resume.py build/release/quoin --moments 5 --seed 2 --only arch
@@ -10,10 +11,13 @@ import argparse
 import json
 import pathlib
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
+
+from planted_faults import not_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCENES = {
@@ -22,6 +26,9 @@ SCENES = {
     "building": [ROOT / "tests/host/small_building.toml", "--set", "stage.push.displacement=0.02",
                  "--set", "stage.weight.equilibrium_ratio=0.1"],
     "arch": [ROOT / "host/scenes/arch.toml", "--set", "output.energy=true"],
+    # Pushed until it falls: crack by crack on the lattice, then in large motion.
+    "falling_wall": [ROOT / "tests/cli/small_wall.toml", "--set", "stage.shear.velocity=0.5", "--set",
+                     "stage.shear.displacement=0.3"],
 }
 COMMON = ["--set", "output.plots=false"]
 
@@ -80,14 +87,18 @@ def main():
                         break
                     if process.returncode > 0:
                         sys.exit(f"{name}: stopped with code {process.returncode}: {said[-400:]}")
+                    for fault in not_whole(folder):
+                        print(f"{name}: run {runs}: after a kill {fault}")
+                        faults += 1
                 got = results(folder)
                 for file in sorted(expected.keys() | got.keys()):
                     if expected.get(file) != got.get(file):
                         print(f"{name}: run {runs}: {file} differs")
                         faults += 1
+                shutil.rmtree(folder)
             print(f"{name}: {killed} kills in {runs} runs of {seconds:.1f} s, gone on from a checkpoint {resumed} times, "
-                  f"{len(expected)} files compared a run")
-    print("all the same" if faults == 0 else f"{faults} files differ")
+                  f"{len(expected)} files compared a run", flush=True)
+    print("all the same, and whole after each kill" if faults == 0 else f"{faults} files differ or are not whole")
     return 1 if faults else 0
 
 

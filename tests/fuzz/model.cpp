@@ -1,0 +1,62 @@
+// Models: scenes as `quoin check` takes them; where they are small the model is made, steps, and takes no more memory
+// than was told.
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdlib>
+
+#include "cli/prepare.h"
+#include "judge.h"
+#include "scene/read_scene.h"
+#include "scene/size.h"
+#include "step/simulation.h"
+
+namespace {
+
+constexpr double kSmall = 2e6;            // bytes
+constexpr double kLarge = 1e8;            // bytes: from here on users are told, and here nobody wants to hear it
+constexpr double kOfAProgram = 32 << 20;  // bytes: stacks of threads, laws, what malloc keeps
+
+// Most memory of the process since then, bytes.
+class Peak {
+ public:
+  Peak() : before_(now()) {
+    const int file = open("/proc/self/clear_refs", O_WRONLY | O_CLOEXEC);
+    known_ = file >= 0 && write(file, "5", 1) == 1;
+    if (file >= 0) close(file);
+  }
+  double grown() const { return known_ ? now() - before_ : 0.0; }
+
+ private:
+  static double now() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * static_cast<double>(usage.ru_maxrss);
+  }
+  double before_;
+  bool known_ = false;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace quoin;
+  judge({Exit::bad_input, Exit::law_refused, Exit::numerical}, [&] {
+    Scene scene = read_scene_text({reinterpret_cast<const char*>(data), size}, "scene.toml");
+    const double bytes = size_of(scene).bytes;
+    if (bytes > kLarge && bytes < 1e12) return;
+    scene = prepare_scene(std::move(scene), {});
+    if (bytes > kSmall) return;
+    const Peak peak;
+    Simulation simulation(std::move(scene), 1);
+    simulation.advance(2);
+#if !defined(__SANITIZE_ADDRESS__)
+    if (peak.grown() > 2.0 * bytes + kOfAProgram) {
+      std::fprintf(stderr, "%g bytes were told, %g were taken\n", bytes, peak.grown());
+      std::abort();
+    }
+#endif
+  });
+  return 0;
+}

@@ -1,0 +1,14 @@
+// Studies: what of a scene scatters, and what is laid over the scene of a sample.
+#include "ensemble/study.h"
+
+#include "input.h"
+#include "judge.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace quoin;
+  judge({Exit::bad_input}, [&] {
+    const ensemble::Study study = ensemble::read_study(file_of(data, size, ".toml"));
+    for (const std::uint64_t sample : {0u, 1u, 2u}) study.overrides_of(sample);
+  });
+  return 0;
+}
