@@ -24,25 +24,24 @@ HWY_INLINE Lanes material_lanes(const Parameters& m) {
 }
 
 // Per-point properties where a column is given, the material's value elsewhere. Without a column of their own the
-// residual friction follows the friction column down, as its default does.
-HWY_INLINE Lanes column_lanes(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i) {
+// residual friction follows the friction column down, as its default does. p: the material's own, or what this made of
+// other points: what does not depend on columns is left as it is.
+HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns& c, std::size_t i, Lanes& p) {
   const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
   const auto put = [&](int k, V& value) HWY_ATTR {
     if (given(k)) value = load(c.in[kProperty + k], i);
   };
-  Lanes p = own;
   V G1 = splat(m.given.G1), G2 = splat(m.given.G2), Gc = splat(m.given.Gc);
   put(kColumnKn, p.kn), put(kColumnKs, p.ks), put(kColumnFt, p.ft), put(kColumnC0, p.c0), put(kColumnCr, p.cr);
   put(kColumnFc, p.fc), put(kColumnFcr, p.fcr), put(kColumnG1, G1), put(kColumnG2, G2), put(kColumnGc, Gc);
   if (given(kColumnPhi0)) {
-    p.mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, p.mu0);
-    p.mur = hn::Min(p.mur, p.mu0);
+    p.mu0 = friction_column(c.in[kProperty + kColumnPhi0], i, own.mu0);
+    p.mur = hn::Min(own.mur, p.mu0);
   }
-  if (given(kColumnPhir)) p.mur = friction_column(c.in[kProperty + kColumnPhir], i, p.mur);
-  if (given(kColumnPsi0)) p.tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, p.tan_psi);
+  if (given(kColumnPhir)) p.mur = friction_column(c.in[kProperty + kColumnPhir], i, own.mur);
+  if (given(kColumnPsi0)) p.tan_psi = friction_column(c.in[kProperty + kColumnPsi0], i, own.tan_psi);
   if (given(kColumnKn) || given(kColumnFc) || given(kColumnFcr) || given(kColumnGc)) p.derive_crushing(m, Gc);
   p.derive(m, G1, G2);
-  return p;
 }
 
 // The lanes that a law reads, made anew before every vector where properties are given point by point.
@@ -55,7 +54,71 @@ struct Refill {
   HWY_INLINE void operator()(std::size_t i) const {
     if (lanes) fill(i);
   }
-  HWY_NOINLINE void fill(std::size_t i) const { *lanes = column_lanes(parameters, own, columns, i); }
+  HWY_NOINLINE void fill(std::size_t i) const { put_columns(parameters, own, columns, i, *lanes); }
+};
+
+// Strengths, energies and stiffnesses point by point, for the short path alone: one division in place of the seven of
+// Lanes::derive. What it calls sound is admissible; what it does not takes the whole step, which decides.
+class QuickColumns {
+ public:
+  // Whether nothing else is given point by point that Lanes would have to be derived for.
+  static bool serve(const Material& material, const Columns& c) {
+    const auto given = [&](int k) { return c.in[kProperty + k] != nullptr; };
+    const bool others = given(kColumnPhi0) || given(kColumnPhir) || given(kColumnPsi0) || given(kColumnFc) ||
+                        given(kColumnFcr) || given(kColumnGc);
+    return !others && !(given(kColumnKn) && material.parameters.dilation);
+  }
+
+  HWY_INLINE QuickColumns(const Parameters& m, const Lanes& own, const Columns& c)
+      : own_(own), A_(splat(m.A)), slope_(splat(m.slope)) {
+    const auto use = [&](int k, V value) HWY_ATTR {
+      Source& s = source_[k];
+      hn::StoreU(value, D(), s.own);
+      s.from = c.in[kProperty + k] ? c.in[kProperty + k] : s.own;
+      s.mask = c.in[kProperty + k] ? ~std::size_t{0} : 0;
+    };
+    use(kColumnKn, own.kn), use(kColumnKs, own.ks), use(kColumnFt, own.ft), use(kColumnC0, own.c0);
+    use(kColumnCr, own.cr), use(kColumnG1, splat(m.given.G1)), use(kColumnG2, splat(m.given.G2));
+  }
+
+  // Of the points from i on. p: no more of it is set than Equations::elastic reads.
+  HWY_INLINE bool sound(std::size_t i, Lanes& p) const {
+    const V kn = at(kColumnKn, i), ks = at(kColumnKs, i), ft = at(kColumnFt, i);
+    const V c0 = at(kColumnC0, i), cr = at(kColumnCr, i), G1 = at(kColumnG1, i), G2 = at(kColumnG2, i);
+    p.kn = kn, p.ks = ks;
+    p.c_drop = hn::Sub(c0, cr);
+    p.mu_drop = own_.mu_drop, p.mur = own_.mur;
+    p.fc_drop = own_.fc_drop, p.fcr = own_.fcr, p.inv_wu = own_.inv_wu;
+    p.u0 = hn::Div(ft, kn);
+
+    const V sum = hn::Add(hn::Add(hn::Add(kn, ks), hn::Add(ft, c0)), hn::Add(hn::Add(cr, G1), G2));
+    const V least = hn::Min(hn::Min(ft, cr), hn::Min(G1, G2));
+    M sound = hn::And(is_finite(gather_non_finite(sum, zero())), hn::Ge(least, zero()));
+    sound = hn::And(sound, hn::And(hn::Gt(hn::Min(kn, ks), zero()), hn::Le(cr, c0)));
+    // No snap-back, as Lanes::derive has it, times what it divides by; margins are for rounding and underflow.
+    const V rest = hn::NegMulAdd(hn::Mul(splat(0.5), ft), p.u0, G1);
+    sound = hn::And(sound, hn::Or(hn::Gt(rest, hn::Mul(ft, splat(1e-280))), hn::Eq(ft, zero())));
+    const V by_uplift = hn::Mul(kn, hn::Mul(hn::Mul(own_.mu0, own_.tan_psi), own_.uplift_crushes));
+    const V pressure = hn::IfThenElseZero(hn::Lt(own_.fc, splat(HUGE_VAL)), own_.fc);
+    const V steepest = hn::Mul(slope_, hn::Max(c0, hn::MulAdd(pressure, own_.mu_drop, p.c_drop)));
+    const V needed = hn::Mul(hn::Mul(hn::Mul(p.c_drop, A_), splat(1.0 + 1e-9)), steepest);
+    sound = hn::And(sound, hn::Or(hn::Gt(hn::Mul(G2, hn::Sub(ks, by_uplift)), needed), hn::Eq(p.c_drop, zero())));
+    const M crushing = hn::Gt(hn::Mul(own_.wu, kn), hn::Mul(slope_, own_.fc_drop));
+    return all(hn::And(sound, hn::Or(crushing, hn::Eq(own_.wu, zero()))));
+  }
+
+ private:
+  // A column, or the material's value again and again.
+  struct Source {
+    const double* from;
+    std::size_t mask;
+    double own[kMaxLanes];
+  };
+  HWY_INLINE V at(int k, std::size_t i) const { return load(source_[k].from, i & source_[k].mask); }
+
+  const Lanes& own_;
+  const V A_, slope_;
+  Source source_[kPropertyColumnCount];
 };
 
 HWY_INLINE V flags_of(const Lanes& p, const Result& r, const State& old) {
@@ -189,19 +252,27 @@ template <class Softening, bool kShared, bool kCrushing, bool kDilation, bool kF
 void run(const Material& material, const Columns& c, std::size_t count, Summary& summary) {
   using Law = Equations<Softening, kShared, kCrushing, kDilation>;
   const Columns own = c;  // whose copy the short path keeps in registers: what is stored might change c
-  Lanes by_point;
-  const Law law{own.property_columns ? by_point : own_lanes(material), Softening(material.parameters)};
-  const Refill refill{material.parameters, own_lanes(material), own, own.property_columns ? &by_point : nullptr};
+  const Lanes& lanes = own_lanes(material);
+  Lanes by_point = lanes;
+  const Law law{own.property_columns ? by_point : lanes, Softening(material.parameters)};
+  const Refill refill{material.parameters, lanes, own, own.property_columns ? &by_point : nullptr};
   if constexpr (kFull) {
     run_full<true>(law, c, count, summary, refill);
-  } else if (own.property_columns) {
+  } else if (!own.property_columns) {
+    const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(law, own, i); };
+    run_lean<true>(law, c, count, elastic, refill, summary);
+  } else if (QuickColumns::serve(material, own)) {
+    const QuickColumns quick(material.parameters, lanes, own);
     const auto elastic = [&](std::size_t i) HWY_ATTR {
-      const Lanes lanes = column_lanes(material.parameters, own_lanes(material), own, i);
-      return all(lanes.admissible) && step_elastic<Vectors>(Law{lanes, law.f}, own, i);
+      Lanes p;
+      return quick.sound(i, p) && step_elastic<Vectors>(Law{p, law.f}, own, i);
     };
     run_lean<true>(law, c, count, elastic, refill, summary);
   } else {
-    const auto elastic = [&](std::size_t i) HWY_ATTR { return step_elastic<Vectors>(law, own, i); };
+    const auto elastic = [&](std::size_t i) HWY_ATTR {
+      refill(i);
+      return all(by_point.admissible) && step_elastic<Vectors>(law, own, i);
+    };
     run_lean<true>(law, c, count, elastic, refill, summary);
   }
 }

@@ -249,10 +249,16 @@ class Plugin {
 
   // Per-point properties come first in a law's metadata: their place there is their column. -1: not given point by
   // point.
-  static int property_column(std::string_view property_id) {
+  static int property_column(const char* property_id) {
+    // Most hosts name it by the law's own text, which spares them the comparison in every batch.
     for (std::size_t k = 0; k < L::properties.size(); ++k) {
       const quoin_property_info& info = *L::properties[k];
-      if (property_id == info.id) return (info.flags & QUOIN_PROPERTY_PER_POINT) != 0 ? static_cast<int>(k) : -1;
+      if (property_id == info.id && (info.flags & QUOIN_PROPERTY_PER_POINT) != 0) return static_cast<int>(k);
+    }
+    for (std::size_t k = 0; k < L::properties.size(); ++k) {
+      const quoin_property_info& info = *L::properties[k];
+      if (std::string_view(property_id) == info.id)
+        return (info.flags & QUOIN_PROPERTY_PER_POINT) != 0 ? static_cast<int>(k) : -1;
     }
     return -1;
   }

@@ -133,12 +133,13 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   for (std::size_t f = 0; f < assembly.families.size(); ++f)
     print_scatter(assembly.families[f], simulation.riding()->families()[f].columns);
   print_memory(size_of(scene));
-  const auto& made = simulation.riding()->assembly().blocks;
-  const int alike = simulation.riding()->alike_count();
-  const auto rigid = std::count_if(made.begin(), made.end(), [](const blocks::Block& b) { return b.rigid; });
-  fmt::print("  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} zone by zone\n",
-             simulation.riding()->small_displacement() ? "large (small at first)" : "large", rigid, alike,
-             static_cast<long>(made.size()) - rigid - alike);
+  using Kind = blocks::Piece::Kind;
+  const auto count_of = [&](Kind kind) { return simulation.riding()->count_of(kind); };
+  fmt::print(
+      "  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} in a frame of their own, {} zone "
+      "by zone\n",
+      simulation.riding()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
+      count_of(Kind::alike), count_of(Kind::unlike), count_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);

@@ -16,6 +16,7 @@
 #include "ensemble/pool.h"
 #include "ensemble/sensitivity.h"
 #include "ensemble/slurm.h"
+#include "ensemble/sobol_table.h"
 #include "files/notice.h"
 #include "law/law_library.h"
 
@@ -29,6 +30,7 @@ using namespace ensemble;
 struct EnsembleOptions {
   std::string study, out;
   std::uint64_t samples = 0;  // 0: those of the study
+  std::uint64_t rows = 0;     // of Sobol's indices; 0: none
   int jobs = 0, tasks = 32;
   bool slurm = false, detach = false, gather = false, worker = false, no_pictures = false;
   std::vector<std::string> overrides;
@@ -142,15 +144,27 @@ void run_ensemble(const EnsembleOptions& options) {
 
 void run_sensitivity(const EnsembleOptions& options) {
   Study study = study_of(options);
-  study.one_at_a_time = true;
-  study.samples = 2 * study.inputs().size();
-  if (study.samples == 0)
+  study.trials = options.rows > 0 ? Trials::exchanged : Trials::one_at_a_time;
+  const std::size_t inputs = study.inputs().size();
+  if (inputs == 0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));
-  const StudyFolder folder(folder_of(options, "_sensitivity"), study, laws_of(study));
+  if (options.rows == 0) {
+    study.samples = 2 * inputs;
+    const StudyFolder folder(folder_of(options, "_sensitivity"), study, laws_of(study));
+    compute_here(options, folder, study);
+    fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
+    fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
+    return;
+  }
+  if (2 * inputs > random::kMostSobolDimensions)
+    throw Error(Exit::bad_input, fmt::format("{}: {} inputs; --sobol takes at most {}; leave some at their means",
+                                             options.study, inputs, random::kMostSobolDimensions / 2));
+  study.samples = options.rows * (inputs + 2);
+  const StudyFolder folder(folder_of(options, "_sobol"), study, laws_of(study));
   compute_here(options, folder, study);
-  fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
-  fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
+  fmt::print("{}", write_sobol_table(folder, study, options.rows));
+  fmt::print("results in {}\n", (folder.path() / "sobol.csv").string());
 }
 
 // What both commands take. Returns the option --jobs.
@@ -178,10 +192,17 @@ void add_sensitivity_command(CLI::App& app, int&) {
       app.add_subcommand("sensitivity", "Which property matters: every input of a study tried by itself");
   auto options = std::make_shared<EnsembleOptions>();
   add_study_options(command, options.get(), "_sensitivity");
+  command
+      ->add_option("--sobol", options->rows,
+                   "Sobol's indices in its place, from N rows of as many runs as there are inputs and two more")
+      ->type_name("N")
+      ->check(CLI::Range(8, 100000));
   command->footer(
       "Each input at its 16 % and 84 % quantile, the others at their means; two runs an input and one of the means.\n"
-      "Example:\n"
-      "  quoin sensitivity host/studies/solid_wall_030.toml --out out/which");
+      "With --sobol all inputs scatter, and their shares of the variance are told with their intervals.\n"
+      "Examples:\n"
+      "  quoin sensitivity host/studies/solid_wall_030.toml --out out/which\n"
+      "  quoin sensitivity host/studies/solid_wall_030.toml --out out/shares --sobol 64");
   command->callback([options] { run_sensitivity(*options); });
 }
 

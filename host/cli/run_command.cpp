@@ -342,6 +342,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   }
   if (ranks) options.scene.processes_here = ranks->count_on_this_machine();
   Scene scene = prepare_scene(options.scene);
+  keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
   Simulation simulation(std::move(scene), wanted);

@@ -17,6 +17,7 @@
 #include "results/checkpoint_file.h"
 #include "results/history.h"
 #include "results/json_file.h"
+#include "results/parted_joints.h"
 #include "results/plots.h"
 #include "results/summary.h"
 #include "results/warnings.h"
@@ -139,13 +140,17 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
 // The widest opening of every joint, with its ends in the plane of the wall.
 void write_joints(const Simulation& simulation, const fs::path& file) {
   std::map<std::pair<int, int>, OpenedJoint> joints;
-  for (const ContactPoint& p : simulation.contact_points()) {
-    const auto key = std::minmax(p.block_a, p.block_b);
-    const double x = p.position[0], y = p.position[1];
+  const auto add = [&](int block_a, int block_b, const Vec3& place, double opening) {
+    const auto key = std::minmax(block_a, block_b);
+    const double x = place[0], y = place[1];
     auto [found, is_new] = joints.try_emplace(key, OpenedJoint{key.first, key.second, x, y, x, y, 0.0});
     OpenedJoint& j = found->second;
     j.x0 = std::min(j.x0, x), j.y0 = std::min(j.y0, y), j.x1 = std::max(j.x1, x), j.y1 = std::max(j.y1, y);
-    j.opening = std::max(j.opening, p.jump[0]);
+    j.opening = std::max(j.opening, opening);
+  };
+  for (const ContactPoint& p : simulation.contact_points()) add(p.block_a, p.block_b, p.position, p.jump[0]);
+  for (const PartedJoint& joint : parted_joints(simulation)) {
+    for (const Vec3& place : joint.side_a) add(joint.block_a, joint.block_b, place, joint.opening);
   }
   std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,opening_m\n";
   for (const auto& [key, j] : joints)

@@ -1,6 +1,7 @@
 #include "ensemble/statistics.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -8,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "random/counter.h"
 #include "random/distribution.h"
 
 namespace quoin::ensemble {
@@ -125,6 +127,55 @@ std::optional<Dependence> dependence_of(const std::vector<double>& input, const 
   };
   if (is_constant(x) || is_constant(y)) return {};
   return Dependence{correlation(x, y), correlation(ranks(x), ranks(y)), correlation_ratio(x, y)};
+}
+
+namespace {
+
+struct Row {
+  double a, b, mixed;
+};
+
+// first and total, of the rows that row(0), row(1), ... gives.
+template <class RowAt>
+std::array<double, 2> sobol_indices(std::size_t rows, const RowAt& row) {
+  const auto n = static_cast<double>(rows);
+  double mean = 0.0, variance = 0.0, first = 0.0, total = 0.0;
+  for (std::size_t i = 0; i < rows; ++i) mean += (row(i).a + row(i).b) / (2 * n);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const Row& r = row(i);
+    variance += ((r.a - mean) * (r.a - mean) + (r.b - mean) * (r.b - mean)) / (2 * n);
+    first += (r.b - mean) * (r.mixed - r.a) / n;
+    total += (r.a - r.mixed) * (r.a - r.mixed) / (2 * n);
+  }
+  return {first / variance, total / variance};
+}
+
+}  // namespace
+
+std::optional<SobolIndex> sobol_index_of(const std::vector<double>& a, const std::vector<double>& b,
+                                         const std::vector<double>& mixed) {
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::isfinite(a[i]) && std::isfinite(b[i]) && std::isfinite(mixed[i])) rows.push_back({a[i], b[i], mixed[i]});
+  }
+  const auto is_same = [&](const Row& r) { return r.a == rows[0].a && r.b == rows[0].a; };
+  if (rows.size() < 8 || std::all_of(rows.begin(), rows.end(), is_same)) return {};
+  const auto [first, total] = sobol_indices(rows.size(), [&](std::size_t i) { return rows[i]; });
+  constexpr std::uint64_t kDraws = 1000;
+  std::vector<double> firsts, totals;
+  for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+    const random::Quantity quantity{1, draw, random::name_of("rows of Sobol's indices")};
+    std::vector<Row> drawn;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      drawn.push_back(rows[static_cast<std::size_t>(random::uniform(quantity, i) * static_cast<double>(rows.size()))]);
+    const auto [f, t] = sobol_indices(drawn.size(), [&](std::size_t i) { return drawn[i]; });
+    firsts.push_back(f), totals.push_back(t);
+  }
+  return SobolIndex{rows.size(),
+                    first,
+                    total,
+                    {quantile_of(firsts, kTail), quantile_of(firsts, 1 - kTail)},
+                    {quantile_of(totals, kTail), quantile_of(totals, 1 - kTail)}};
 }
 
 Fragility fragility_of(const std::vector<double>& values) {

@@ -33,6 +33,19 @@ struct Dependence {
 };
 std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output);
 
+// Shares of the variance of an output that one input brings by itself (first) and with all that it does together with
+// others (total): Sobol's indices, of independent inputs. Intervals hold with 95 %, by drawing the rows anew.
+struct SobolIndex {
+  std::size_t rows = 0;  // that were used
+  double first = 0.0, total = 0.0;
+  Interval of_first{}, of_total{};
+};
+// Rows by rows: the output of independent draws a and b of all inputs, and of a with this input taken from b. first as
+// Saltelli et al. (2010) estimate it, total as Jansen (1999). Rows in which one of the three is missing are left out;
+// nothing where fewer than 8 are left, or where the output does not vary.
+std::optional<SobolIndex> sobol_index_of(const std::vector<double>& a, const std::vector<double>& b,
+                                         const std::vector<double>& mixed);
+
 // P(reached at x) = Phi(ln(x/median)/spread).
 struct Fragility {
   std::size_t samples = 0, reached = 0;

@@ -133,34 +133,51 @@ Study read_study(const std::string& file) {
 
 std::vector<StudyQuantity> Study::inputs() const {
   std::vector<StudyQuantity> all = quantities;
-  if (one_at_a_time) all.insert(all.end(), scattered.begin(), scattered.end());
+  if (trials != Trials::drawn) all.insert(all.end(), scattered.begin(), scattered.end());
   return all;
 }
 
 std::vector<double> Study::values(std::uint64_t sample) const {
   const std::vector<StudyQuantity> all = inputs();
   const std::size_t n = all.size();
-  std::vector<double> z(n, 0.0), values;
-  const random::Design design{method, seed, samples, n};
-  for (std::size_t i = 0; i < n && sample > 0 && !one_at_a_time; ++i) {
-    const double fresh = random::normal_quantile(design.at(sample, i));
-    for (std::size_t k = i; k < n; ++k) z[k] += mix[k * n + i] * fresh;
+  if (sample == 0) {
+    std::vector<double> means;
+    for (const StudyQuantity& q : all) means.push_back(random::Sampler(q.distribution).mean());
+    return means;
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    const random::Sampler sampler(all[i].distribution);
-    const bool tried = one_at_a_time && sample > 0 && (sample - 1) / 2 == i;
-    if (tried)
-      values.push_back(sampler.at_normal(sample % 2 == 1 ? -1.0 : 1.0));
-    else
-      values.push_back(sample > 0 && !one_at_a_time ? sampler.at_normal(z[i]) : sampler.mean());
+  std::vector<double> z(n, 0.0);
+  switch (trials) {
+    case Trials::drawn: {
+      const random::Design design{method, seed, samples, n};
+      for (std::size_t i = 0; i < n; ++i) {
+        const double fresh = random::normal_quantile(design.at(sample, i));
+        for (std::size_t k = i; k < n; ++k) z[k] += mix[k * n + i] * fresh;
+      }
+      break;
+    }
+    case Trials::one_at_a_time: {
+      std::vector<double> tried = values(0);
+      const std::size_t k = (sample - 1) / 2;
+      tried[k] = random::Sampler(all[k].distribution).at_normal(sample % 2 == 1 ? -1.0 : 1.0);
+      return tried;
+    }
+    case Trials::exchanged: {
+      const std::uint64_t row = (sample - 1) / (n + 2), place = (sample - 1) % (n + 2);
+      const random::Design design{random::Method::sobol, seed, samples, 2 * n};
+      for (std::size_t k = 0; k < n; ++k)
+        z[k] = random::normal_quantile(design.at(row + 1, place == 1 || place == k + 2 ? n + k : k));
+      break;
+    }
   }
-  return values;
+  std::vector<double> drawn;
+  for (std::size_t i = 0; i < n; ++i) drawn.push_back(random::Sampler(all[i].distribution).at_normal(z[i]));
+  return drawn;
 }
 
 std::vector<std::string> Study::overrides_of(std::uint64_t sample) const {
   std::vector<std::string> all = overrides;
   all.push_back(fmt::format("random.seed={}", seed));
-  all.push_back(fmt::format("random.sample={}", one_at_a_time ? 0 : sample));
+  all.push_back(fmt::format("random.sample={}", trials == Trials::drawn ? sample : 0));
   const std::vector<StudyQuantity> of = inputs();
   const std::vector<double> drawn = values(sample);
   for (std::size_t i = 0; i < drawn.size(); ++i) {

@@ -21,6 +21,13 @@ struct LimitState {
   std::string name, output;  // output: a column of samples.csv
 };
 
+// How the samples of a study come to their inputs.
+enum class Trials {
+  drawn,          // all inputs at random
+  one_at_a_time,  // sample 2 k + 1 and 2 k + 2: the k-th input at its 16 % and 84 % quantile, the rest at their means
+  exchanged       // rows of n + 2 samples for n inputs: drawn a, drawn b, and a with the k-th input of b
+};
+
 struct Study {
   std::string file, title, scene;  // scene: path
   std::uint64_t samples = 100, seed = 1;
@@ -28,16 +35,14 @@ struct Study {
   std::vector<std::string> overrides;  // of the scene, as --set
   std::vector<StudyQuantity> quantities;
   std::vector<StudyQuantity> scattered;  // properties of joints that scatter, among the overrides
-  // Not drawn but tried one by one: sample 2 k + 1 and 2 k + 2 have the k-th of quantities and scattered properties at
-  // its 16 % and 84 % quantile, and the rest at its mean.
-  bool one_at_a_time = false;
+  Trials trials = Trials::drawn;
   std::vector<double> mix;  // of the quantities' normal variables: random::mix_of, row by row
   std::vector<LimitState> limits;
   double crack_opening = 1e-4;  // m: a joint that is open so far is a crack
 
   // What inputs() has in a sample from 1 on; in sample 0 their means.
   std::vector<double> values(std::uint64_t sample) const;
-  // Quantities; one at a time scattered properties too.
+  // Quantities. Unless they are drawn scattered properties too, the same everywhere and independent of each other.
   std::vector<StudyQuantity> inputs() const;
   // What is laid over the scene in that sample.
   std::vector<std::string> overrides_of(std::uint64_t sample) const;

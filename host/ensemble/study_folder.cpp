@@ -42,7 +42,9 @@ Json identity_of(const Study& study, const std::vector<std::string>& laws) {
   json["text of the scene"] = hash_of_file(study.scene);
   json["seed"] = study.seed;
   json["keys set"] = study.overrides;
-  json["one at a time"] = study.one_at_a_time;
+  json["trials"] = study.trials == Trials::drawn           ? "drawn"
+                   : study.trials == Trials::one_at_a_time ? "one at a time"
+                                                           : "exchanged";
   // Places of a Latin hypercube depend on how many there are.
   if (study.method == random::Method::latin_hypercube) json["samples"] = study.samples;
   for (const std::string& law : laws) json["law " + fs::path(law).stem().string()] = hash_of_file(law);

@@ -4,22 +4,34 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
-AlikeBlocks make_alike_blocks(std::span<const Vector> node, std::span<const double> mass,
-                              std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
-  AlikeBlocks alike;
-  alike.stiffness = assemble_stiffness(zones, static_cast<int>(node.size()), lambda, shear_modulus);
+namespace {
+
+// From the mass centre.
+std::vector<Vector> places_of(std::span<const Vector> node, std::span<const double> mass) {
   Vector centre;
   double sum = 0.0;
-  for (std::size_t i = 0; i < node.size(); ++i) centre += mass[i] * node[i], sum += mass[i];
+  for (size_t i = 0; i < node.size(); ++i) centre += mass[i] * node[i], sum += mass[i];
   centre = centre / sum;
+  std::vector<Vector> place;
+  for (const Vector& x : node) place.push_back(x - centre);
+  return place;
+}
+
+}  // namespace
+
+std::vector<Vector> anchors_of(std::span<const Vector> node, std::span<const double> mass) {
+  std::vector<Vector> anchor = places_of(node, mass);
   Matrix second = Matrix::zero();
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    alike.place.push_back(node[i] - centre);
-    second += outer(mass[i] * alike.place[i], alike.place[i]);
-  }
+  for (size_t i = 0; i < node.size(); ++i) second += outer(mass[i] * anchor[i], anchor[i]);
   const Matrix inverse_second = inverse(second);
-  for (std::size_t i = 0; i < node.size(); ++i) alike.anchor.push_back(mass[i] * (inverse_second * alike.place[i]));
-  return alike;
+  for (size_t i = 0; i < node.size(); ++i) anchor[i] = mass[i] * (inverse_second * anchor[i]);
+  return anchor;
+}
+
+AlikeBlocks make_alike_blocks(std::span<const Vector> node, std::span<const double> mass,
+                              std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
+  return {assemble_stiffness(zones, static_cast<int>(node.size()), lambda, shear_modulus), places_of(node, mass),
+          anchors_of(node, mass)};
 }
 
 }  // namespace quoin::blocks

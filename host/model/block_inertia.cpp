@@ -7,30 +7,6 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
-namespace {
-
-// c^2 with c = 2 sin(theta/2) / sin(theta), sin(theta) = |w| dt.
-double chord_factor(const Vector& spin, double dt) {
-  return 2.0 / (1.0 + std::sqrt(std::max(0.0, 1.0 - dot(spin, spin) * dt * dt)));
-}
-
-// Eq. 1: gamma |f| against the velocity.
-double damped(double gamma, double force, double velocity) {
-  return velocity == 0.0 ? 0.0 : std::copysign(gamma * std::abs(force), velocity);
-}
-Rigid damped(double gamma, const Rigid& force, const Rigid& velocity) {
-  Rigid damping;
-  for (int k = 0; k < 3; ++k) {
-    damping.linear[k] = damped(gamma, force.linear[k], velocity.linear[k]);
-    damping.angular[k] = damped(gamma, force.angular[k], velocity.angular[k]);
-  }
-  return damping;
-}
-
-}  // namespace
-
-Matrix cross_matrix(const Vector& v) { return {{{0, -v.z, v.y}, {v.z, 0, -v.x}, {-v.y, v.x, 0}}}; }
-
 RigidInertia::RigidInertia(std::span<const Vector> x, std::span<const double> mass,
                            std::span<const std::uint8_t> held) {
   std::uint8_t any = 0;
@@ -86,13 +62,6 @@ Rigid RigidInertia::force(const Rigid& acceleration) const {
   return {mass_ * acceleration.linear, inertia_ * acceleration.angular};
 }
 
-Vector RigidInertia::gyration(const Vector& spin) const { return inverse_ * cross(spin, inertia_ * spin); }
-
-Matrix RigidInertia::turning(const Vector& spin, double dt) const {
-  const Matrix w = cross_matrix(spin);
-  return chord_factor(spin, dt) * (w * w - cross_matrix(gyration(spin)));
-}
-
 Rigid sum_about(const Vector& centre, std::span<const Vector> x, std::span<const Vector> y,
                 std::span<const double> weight) {
   Rigid sum;
@@ -127,59 +96,6 @@ double rigid_energy(const UnitInertia& inertia, const InertiaFactors& s, const R
   }
   if (inertia.count == 2) energy -= 0.5 * (s_u - 1.0) * inertia.whole.twice_energy(inertia.motion(momentum));
   return energy;
-}
-
-RigidStep rigid_step(const UnitInertia& inertia, const InertiaFactors& s, double gamma, double dt,
-                     const Rigid (&momentum)[2], const Rigid (&force)[2]) {
-  RigidStep step;
-  Rigid acceleration[2];  // of rigid motion, without damping
-  for (int b = 0; b < inertia.count; ++b) {
-    step.velocity[b] = inertia.block[b].acceleration(momentum[b]);
-    acceleration[b] = inertia.block[b].acceleration(force[b]);
-  }
-  const double s_b = s.deformation, s_u = inertia.count == 1 ? 1.0 : s.unit;
-  Vector unit_spin[2];  // before and after
-  if (inertia.count == 1) {
-    step.damping[0] = damped(gamma, force[0], step.velocity[0]);
-    step.change[0] = dt * (acceleration[0] - inertia.block[0].acceleration(step.damping[0]));
-  } else {
-    const Rigid velocity = inertia.motion(momentum), whole = inertia.motion(force);
-    const Rigid whole_damping = inertia.whole.acceleration(damped(gamma, inertia.whole.force(whole), velocity));
-    unit_spin[0] = velocity.angular;
-    unit_spin[1] = velocity.angular + dt * (whole.angular - whole_damping.angular);
-    Rigid beside_damping[2];
-    for (int b = 0; b < 2; ++b) {
-      const Rigid beside = inertia.block[b].force(acceleration[b] - inertia.at_block(b, whole));
-      beside_damping[b] = damped(gamma, beside, step.velocity[b] - inertia.at_block(b, velocity));
-    }
-    // What halves do beside the unit must not brake the unit.
-    const Rigid leak = inertia.motion(beside_damping);
-    for (int b = 0; b < 2; ++b) {
-      const RigidInertia& block = inertia.block[b];
-      const Rigid of_whole = inertia.at_block(b, whole), damping_of_whole = inertia.at_block(b, whole_damping);
-      const Rigid beside = block.acceleration(beside_damping[b]) - inertia.at_block(b, leak);
-      step.damping[b] = block.force(damping_of_whole + beside);
-      step.change[b] = dt * (of_whole - damping_of_whole + 1.0 / s_u * (acceleration[b] - of_whole - beside));
-      const Vector arm = block.centre() - inertia.whole.centre();
-      for (const Vector& spin : unit_spin) {
-        const double weight = 0.5 * dt * (1.0 - 1.0 / s_u) * chord_factor(spin, dt);
-        const Vector gyration = inertia.whole.gyration(spin);
-        step.change[b].linear += weight * (cross(spin, cross(spin, arm)) - cross(gyration, arm));
-        step.change[b].angular += weight * (block.gyration(spin) - gyration);
-      }
-    }
-  }
-  for (int b = 0; b < inertia.count; ++b) {
-    const RigidInertia& block = inertia.block[b];
-    const Rigid gain = step.change[b] - dt / s_b * acceleration[b];
-    step.gain[b] = {block.centre(), gain.linear, cross_matrix(gain.angular)};
-    const Vector before = step.velocity[b].angular, after = before + step.change[b].angular;
-    for (const Vector& spin : {before, after})
-      step.gain[b].turning += 0.5 * dt * (1.0 - s_u / s_b) * block.turning(spin, dt);
-    if (inertia.count == 1) continue;
-    for (const Vector& spin : unit_spin) step.gain[b].turning += 0.5 * dt * (s_u - 1.0) / s_b * block.turning(spin, dt);
-  }
-  return step;
 }
 
 }  // namespace quoin::blocks

@@ -43,9 +43,6 @@ inline Rigid operator-(const Rigid& a, const Rigid& b) { return {a.linear - b.li
 inline Rigid operator*(double f, const Rigid& a) { return {f * a.linear, f * a.angular}; }
 inline double dot(const Rigid& a, const Rigid& b) { return dot(a.linear, b.linear) + dot(a.angular, b.angular); }
 
-// v x as a matrix.
-Matrix cross_matrix(const Vector& v);
-
 // Inertia of the rigid motions that gridpoints allow: along an axis where none of them is held, about it where none is
 // held across it.
 class RigidInertia {
@@ -57,11 +54,9 @@ class RigidInertia {
   // Of both together.
   RigidInertia(const RigidInertia& a, const RigidInertia& b);
 
-  const Vector& centre() const { return centre_; }      // m
-  Rigid acceleration(const Rigid& force) const;         // or velocity of a momentum
-  Rigid force(const Rigid& acceleration) const;         // or momentum of a velocity
-  Vector gyration(const Vector& spin) const;            // J^-1 (w x J w), 1/s2
-  Matrix turning(const Vector& spin, double dt) const;  // (1 - P) w x (w x r) = turning r, 1/s2
+  const Vector& centre() const { return centre_; }  // m
+  Rigid acceleration(const Rigid& force) const;     // or velocity of a momentum
+  Rigid force(const Rigid& acceleration) const;     // or momentum of a velocity
   double twice_energy(const Rigid& velocity) const { return dot(force(velocity), velocity); }  // J
 
  private:
@@ -93,23 +88,5 @@ struct InertiaFactors {
 
 // 1/2 v . M' v less that of s_b M: J. velocity: of each block.
 double rigid_energy(const UnitInertia& inertia, const InertiaFactors& s, const Rigid (&velocity)[2]);
-
-// Adds to the motion of gridpoints: linear + turning r, r from the centre of their block.
-struct RigidGain {
-  Vector centre, linear;
-  Matrix turning = Matrix::zero();
-  Vector at(const Vector& x) const { return linear + turning * (x - centre); }
-};
-
-// What a step adds to dt f/(s_b m), m/s, and the damping by block in it. momentum, force: of each block about its
-// centre.
-struct RigidStep {
-  Rigid velocity[2];  // of each block before the step
-  Rigid change[2];    // of it in the step
-  Rigid damping[2];   // force and moment against each block
-  RigidGain gain[2];
-};
-RigidStep rigid_step(const UnitInertia& inertia, const InertiaFactors& s, double gamma, double dt,
-                     const Rigid (&momentum)[2], const Rigid (&force)[2]);
 
 }  // namespace quoin::blocks

@@ -308,6 +308,9 @@ void World::place_points(Detection& found) {
       keep_points(before, finding, c);
     }
     fill[c.family] += c.count;
+    if (!found.at_start || c.count == 0) continue;
+    StartJoint& joint = start_joints_.emplace_back(StartJoint{c.pair, {}});
+    for (uint32_t k = c.first; k < c.first + c.count; ++k) joint.point.push_back(families_[c.family].point[k].at);
   }
   if (energy_) later_.detection += freed;
   contacts_ = std::move(found.contacts);
@@ -410,21 +413,27 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
   Point& p = f.point[to];
   const bool open = old.traction[0][from] == 0.0 && old.traction[1][from] == 0.0 && old.traction[2][from] == 0.0;
   p.reference = c.initial || !open ? q.reference : 0.0;  // an open dry contact starts from the true gap
-  // Traction keeps its direction in space: tau is turned from the old frame into the new one. The roles of a and
-  // b may have changed with the reference face; sigma and the traction on the block that was a change together
-  // with it.
+  // Vectors of the joint keep their direction in space: they are turned from the old axes into the new ones. The roles
+  // of a and b may have changed with the reference face; sigma and the traction on the block that was a change
+  // together with it.
   const double sign = q.a == p.a ? 1.0 : -1.0;
   const Vector s = in_space(p, p.s), t = in_space(p, p.t);
-  const auto turn = [&](const auto& then, auto& now) {
-    const Vector tau = sign * (then[1][from] * in_space(q, q.s) + then[2][from] * in_space(q, q.t));
-    const double size_before = norm(tau);
-    double ts = dot(tau, s), tt = dot(tau, t);
-    const double size_after = std::sqrt(ts * ts + tt * tt);
-    if (size_after > 0) ts *= size_before / size_after, tt *= size_before / size_after;
-    now[0][to] = then[0][from], now[1][to] = ts, now[2][to] = tt;
+  const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
+    const Vector v = sign * (then_s[from] * in_space(q, q.s) + then_t[from] * in_space(q, q.t));
+    const double along_s = dot(v, s), along_t = dot(v, t);
+    const double size = std::sqrt(along_s * along_s + along_t * along_t), keep = size > 0 ? norm(v) / size : 1.0;
+    now_s[to] = keep * along_s, now_t[to] = keep * along_t;
   };
-  turn(old.traction, f.traction);
-  if (!old.viscous[0].empty() && !f.viscous[0].empty()) turn(old.viscous, f.viscous);
+  f.traction[0][to] = old.traction[0][from];
+  turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);
+  if (!old.viscous[0].empty() && !f.viscous[0].empty()) {
+    f.viscous[0][to] = old.viscous[0][from];
+    turn(old.viscous[1], old.viscous[2], f.viscous[1], f.viscous[2]);
+  }
+  for (size_t k = 0; k + 1 < f.state.size(); ++k) {
+    if (f.material->api().states[k]->kind != QUOIN_STATE_PAIR_S) continue;
+    turn(old.state[k], old.state[k + 1], f.state[k], f.state[k + 1]);
+  }
 }
 
 void World::resize(Family& f, size_t n) const {

@@ -28,7 +28,6 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
   const std::pair<const char*, bool> settings[] = {
       {"unit_inertia", s.unit_inertia != usual.unit_inertia && scene.quality.empty() && !in_units},
       {"critical_time_step", s.critical_time_step != usual.critical_time_step},
-      {"internal_forces", s.internal_forces != usual.internal_forces},
   };
   for (const auto& [name, asked] : settings) {
     if (!asked) continue;

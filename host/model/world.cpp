@@ -241,7 +241,7 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
     blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
   }
   find_units();
-  find_alike();
+  find_frames(solver.internal_forces);
   const ContactSettings& c = assembly_.contact;
   size_ = least;
   skin_ = c.skin > 0 ? c.skin : 0.05 * least;
@@ -276,42 +276,67 @@ std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
 
 }  // namespace
 
-// From three blocks on, one product with their stiffness for all costs less than their zones one by one.
-void World::find_alike() {
+// From three blocks on, one product with their stiffness for all costs less than one of each with its own. The halves
+// of a unit go together: they are of one kind, or each has its own.
+void World::find_frames(InternalForces wanted) {
   constexpr size_t kFewest = 3;
+  by_zone_.assign(blocks_.size(), wanted == InternalForces::zones);
+  if (wanted == InternalForces::zones) return;
   const std::vector<int> kinds = kinds_of_shapes(assembly_.shapes);
-  std::map<std::array<double, 7>, std::vector<int>> of_kind;
+  using Kind = std::array<double, 7>;
+  const auto kind_of = [&](int block) {
+    const Block& b = assembly_.blocks[size_t(block)];
+    return Kind{double(kinds[size_t(b.shape)]), double(b.material),     b.zone_edge,     double(b.divisions[0]),
+                double(b.divisions[1]),         double(b.divisions[2]), double(b.parity)};
+  };
+  std::map<Kind, std::vector<int>> of_kind;
+  std::vector<int> unlike;
   for (int i = 0; i < block_count(); ++i) {
-    const Block& b = assembly_.blocks[size_t(i)];
-    if (b.rigid || b.zoning) continue;  // shapes are compared, not zones that were made elsewhere
-    of_kind[{double(kinds[size_t(b.shape)]), double(b.material), b.zone_edge, double(b.divisions[0]),
-             double(b.divisions[1]), double(b.divisions[2]), double(b.parity)}]
-        .push_back(i);
+    if (blocks_[size_t(i)].body >= 0) continue;
+    const Unit unit = unit_of(i);
+    const bool is_made_elsewhere = assembly_.blocks[size_t(i)].zoning != nullptr;  // shapes are compared, not zones
+    if (is_made_elsewhere || kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
+      unlike.push_back(i);
+    else
+      of_kind[kind_of(i)].push_back(i);
   }
-  by_zone_.assign(blocks_.size(), 0);
   for (const auto& [kind, blocks] : of_kind) {
-    if (blocks.size() < kFewest) continue;
-    const Block& input = assembly_.blocks[size_t(blocks.front())];
-    const ModelBlock& b = blocks_[size_t(blocks.front())];
-    const Matrix turned = matrix(input.orientation);
-    std::vector<Vector> node;
-    for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-      node.push_back(transposed_times(turned, node_reference_[size_t(n)] - node_reference_[size_t(b.first_node)]));
-    std::vector<quoin::Zone> zones;
-    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-      const Zone& from = zones_[size_t(z)];
-      quoin::Zone& zone = zones.emplace_back();
-      zone.volume = from.volume;
-      for (size_t k = 0; k < 4; ++k) {
-        zone.node[k] = from.node[k] - b.first_node;
-        zone.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
-      }
+    if (blocks.size() < kFewest) {
+      unlike.insert(unlike.end(), blocks.begin(), blocks.end());
+      continue;
     }
-    const Zone& first = zones_[size_t(b.first_zone)];
     for (const int i : blocks) blocks_[size_t(i)].alike = int32_t(alike_.size());
-    alike_.push_back(make_alike_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones,
-                                       first.lambda, first.mu));
+    make_alike(blocks.front());
   }
+  if (!unlike.empty()) node_anchor_.resize(node_x_.size());
+  for (const int i : unlike) {
+    const ModelBlock& b = blocks_[size_t(i)];
+    const size_t first = size_t(b.first_node), count = size_t(b.node_count);
+    const std::span<const Vector> place(node_reference_.data() + first, count);
+    std::ranges::copy(anchors_of(place, {node_mass_.data() + first, count}), node_anchor_.begin() + b.first_node);
+  }
+}
+
+// Turned back to how the shape stands.
+void World::make_alike(int block) {
+  const ModelBlock& b = blocks_[size_t(block)];
+  const Matrix turned = matrix(assembly_.blocks[size_t(block)].orientation);
+  std::vector<Vector> node;
+  for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
+    node.push_back(transposed_times(turned, node_reference_[size_t(n)] - node_reference_[size_t(b.first_node)]));
+  std::vector<quoin::Zone> zones;
+  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+    const Zone& from = zones_[size_t(z)];
+    quoin::Zone& zone = zones.emplace_back();
+    zone.volume = from.volume;
+    for (size_t k = 0; k < 4; ++k) {
+      zone.node[k] = from.node[k] - b.first_node;
+      zone.shape_gradient[k] = array(transposed_times(turned, from.gradient[k]));
+    }
+  }
+  const Zone& first = zones_[size_t(b.first_zone)];
+  alike_.push_back(
+      make_alike_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones, first.lambda, first.mu));
 }
 
 void World::draw_columns() {

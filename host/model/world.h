@@ -174,11 +174,14 @@ struct PairTouch {
   bool side_a;
 };
 
-// Blocks that move on together: rigid ones, or deformable ones with both halves of their units.
+// Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
+// halves of units.
 struct Piece {
   uint32_t first, count;  // of World::piece_blocks_; at most kBodies
-  bool rigid;
-  int32_t alike;  // into World::alike_; -1: zone by zone
+  bool halves;
+  enum class Kind : uint8_t { rigid, alike, unlike, by_zone } kind;
+  int32_t alike = -1;  // into World::alike_, of those alike
+  bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
 };
 
 // What the step of one block adds up to.
@@ -187,7 +190,7 @@ struct BlockSums {
   Vector net;               // their sum, N
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
-  double deformation = 0.0;  // of blocks alike, the largest |u| beside the first gridpoint, m
+  double deformation = 0.0;  // in a frame, the largest |u| beside the first gridpoint, m
 };
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
@@ -213,6 +216,11 @@ struct Contact {
   // pose of b seen from a at the last narrow detection
   Vector relative_x;
   Matrix relative_r;
+};
+
+struct StartJoint {
+  geometry::Pair pair;
+  std::vector<Vector> point;  // where its contact points were, m
 };
 
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
@@ -332,6 +340,9 @@ class World {
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
   void track_energy(bool on);
+  // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
+  // time step.
+  void hold_by_springs(double eigenvalue);
 
   double time() const { return time_; }
   long steps() const { return step_count_; }
@@ -351,13 +362,14 @@ class World {
   // Results.
   int chunk_count() const { return int(chunks_.size()); }
   double chunk_work(int chunk) const { return chunks_[size_t(chunk)].count; }
-  int alike_count() const;  // blocks whose inner forces come from a stiffness that they share
+  int count_of(Piece::Kind kind) const;  // blocks that get their inner forces so
   int piece_count() const { return int(pieces_.size()); }
   double piece_work(int piece) const;
   std::span<const int32_t> blocks_of_piece(int piece) const { return blocks_of(pieces_[size_t(piece)]); }
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }             // in the order of their pairs
+  const std::vector<StartJoint>& start_joints() const { return start_joints_; }  // the same
   const std::vector<Family>& families() const { return families_; }
   Vector position(int block) const;                                        // centre of mass, m
   Matrix orientation(int block) const;                                     // rotation since the start
@@ -419,6 +431,9 @@ class World {
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
+  std::span<const ZoneLanes> zones_in_lanes(const ModelBlock& b) const {
+    return {zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count())};
+  }
   void divide_sides();
   static void pack(Family& f);
   void bind(Family& f, Chunk& chunk) const;
@@ -437,7 +452,8 @@ class World {
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void put_in_lanes(const ModelBlock& block);  // its zones
   void put_in_lanes(const Point& p, uint32_t index, std::vector<FacetLanes>& lanes);
-  void find_alike();
+  void find_frames(InternalForces wanted);
+  void make_alike(int block);
   void find_units();
   void part_units();
   void scale_motion(std::vector<Vector>& y, bool of_forces) const;
@@ -504,13 +520,15 @@ class World {
   std::vector<Zone> zones_;
   std::vector<ZoneLanes> zone_lanes_;
   std::vector<AlikeBlocks> alike_;
-  std::vector<uint8_t> by_zone_;     // by block: it has deformed too much to go with those alike
+  std::vector<Vector> node_anchor_;  // b of blocks in frames of their own; empty: there are none
+  std::vector<uint8_t> by_zone_;     // by block: it has deformed too much for a frame
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
   int unit_count_ = 0;               // of two halves
 
   std::vector<Family> families_;
   std::vector<Facet> facets_;
   std::vector<Contact> contacts_;
+  std::vector<StartJoint> start_joints_;
   std::vector<Vector> block_contact_force_;
 
   std::vector<Chunk> chunks_;
@@ -538,6 +556,7 @@ class World {
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
+  double springs_ = 0.0;  // eigenvalue, 1/s2
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   double unbalanced_ = 0.0;
   Vector net_;

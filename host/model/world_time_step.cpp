@@ -150,6 +150,11 @@ double World::highest_frequency() const {
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
+void World::hold_by_springs(double eigenvalue) {
+  springs_ = eigenvalue;
+  find_time_step();
+}
+
 void World::find_time_step() {
   const double omega = highest_frequency();
   if (!std::isfinite(omega))
@@ -157,7 +162,7 @@ void World::find_time_step() {
   stiffness_bound_ = local_stiffness_bound();
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
-    double highest = 0.0;
+    double highest = springs_;
     for (const ModelBlock& b : blocks_) {
       if (b.body < 0 || bodies_[b.body].held == 0x3f) continue;
       const Body& body = bodies_[b.body];
@@ -169,7 +174,8 @@ void World::find_time_step() {
     }
     critical_dt_ = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
   } else {
-    critical_dt_ = 2 / omega;
+    // The eigenvalue of a sum of springs is at most the sum of theirs.
+    critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
   }
   double fraction = solver_.time_step_fraction;
   if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {

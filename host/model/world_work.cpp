@@ -1,5 +1,6 @@
 // Who does what: contact points in runs for one call of their law, the sides of points that a block fetches, and what
 // both cost.
+#include <algorithm>
 #include <map>
 
 #include "model/world.h"
@@ -140,33 +141,43 @@ void World::divide_sides() {
 }
 
 // As many as a vector takes. Units of blocks alike go by kind, so that most vectors are full; where few are left of a
-// kind they go with the others, zone by zone.
+// kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
 void World::divide_blocks() {
   constexpr size_t kFewest = 3;
-  constexpr int kZones = 500;  // of a piece whose zones go one by one, so that threads share them
   pieces_.clear(), piece_blocks_.clear();
   const auto zones_of = [&](const Unit& unit) {
     int zones = 0;
     for (const int block : unit.blocks()) zones += blocks_[size_t(block)].zone_count;
     return zones;
   };
+  // Zones of a piece whose blocks go one by one, so that threads share them.
+  const int most_zones = int(std::clamp(zones_.size() / 16, size_t(500), size_t(4000)));
   // Of a list of units, in its order, those that go into one piece after the other.
-  const auto divide = [&](std::span<const Unit> units, bool rigid, int32_t alike) {
-    int zones = 0;
-    for (size_t i = 0; i < units.size(); ++i) {
-      zones += zones_of(units[i]);
-      const bool is_full = i == 0 || int(pieces_.back().count) + units[i].count > kBodies;
-      if (is_full || (alike < 0 && zones > kZones)) {
-        pieces_.push_back({uint32_t(piece_blocks_.size()), 0, rigid, alike});
-        zones = zones_of(units[i]);
+  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t alike = -1) {
+    const bool one_by_one = kind == Piece::Kind::unlike || kind == Piece::Kind::by_zone;
+    for (const int count : {1, 2}) {
+      std::vector<Unit> together;
+      int zones = 0;
+      const auto put = [&] {
+        if (together.empty()) return;
+        pieces_.push_back(
+            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), count == 2, kind, alike});
+        for (int half = 0; half < count; ++half) {
+          for (const Unit& unit : together) piece_blocks_.push_back(unit.block[half]);
+        }
+        together.clear(), zones = 0;
+      };
+      for (const Unit& unit : units) {
+        if (unit.count != count) continue;
+        const bool is_full = int(together.size() + 1) * count > kBodies;
+        if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
+        together.push_back(unit), zones += zones_of(unit);
       }
-      for (const int block : units[i].blocks()) piece_blocks_.push_back(block);
-      pieces_.back().count += uint32_t(units[i].count);
+      put();
     }
   };
-  std::vector<Unit> rigid, unlike;
+  std::vector<Unit> rigid, unlike, by_zone;
   std::map<int32_t, std::vector<Unit>> of_kind;
-  const auto kind_of = [&](int block) { return by_zone_[size_t(block)] ? -1 : blocks_[size_t(block)].alike; };
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body >= 0) {
       rigid.push_back({{i, -1}, 1});
@@ -174,32 +185,35 @@ void World::divide_blocks() {
     }
     const Unit unit = unit_of(i);
     if (unit.block[0] != i) continue;  // goes with the first half
-    const int32_t kind = kind_of(i);
-    const bool is_alike = kind >= 0 && (unit.count == 1 || kind_of(unit.block[1]) == kind);
-    (is_alike ? of_kind[kind] : unlike).push_back(unit);
+    const bool leaves = by_zone_[size_t(i)] || by_zone_[size_t(unit.block[size_t(unit.count) - 1])];
+    const int32_t kind = blocks_[size_t(i)].alike;
+    (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : unlike)).push_back(unit);
   }
   for (const auto& [kind, units] : of_kind) {
     size_t blocks = 0;
     for (const Unit& unit : units) blocks += size_t(unit.count);
     if (blocks >= kFewest)
-      divide(units, false, kind);
+      divide(units, Piece::Kind::alike, kind);
     else
-      unlike.insert(unlike.end(), units.begin(), units.end());
+      by_zone.insert(by_zone.end(), units.begin(), units.end());
   }
-  divide(unlike, false, -1);
-  divide(rigid, true, -1);
+  std::stable_sort(unlike.begin(), unlike.end(),
+                   [&](const Unit& a, const Unit& b) { return zones_of(a) > zones_of(b); });
+  divide(unlike, Piece::Kind::unlike);
+  divide(by_zone, Piece::Kind::by_zone);
+  divide(rigid, Piece::Kind::rigid);
 }
 
-int World::alike_count() const {
+int World::count_of(Piece::Kind kind) const {
   int count = 0;
-  for (const Piece& piece : pieces_) count += piece.alike >= 0 ? int(piece.count) : 0;
+  for (const Piece& piece : pieces_) count += piece.kind == kind ? int(piece.count) : 0;
   return count;
 }
 
 double World::piece_work(int index) const {
-  // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two, and
-  // a quarter of it as one of up to kBodies blocks alike.
-  constexpr double kZone = 2.0, kAlikeZone = 4.0, kBody = 3.0;
+  // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two,
+  // with a stiffness of their own one, and a quarter of it as one of up to kBodies blocks alike.
+  constexpr double kZone = 2.0, kUnlikeZone = 1.0, kAlikeZone = 4.0, kBody = 3.0;
   const auto sides = [](const std::vector<uint32_t>& end, size_t b) {
     return double(end[b] - (b > 0 ? end[b - 1] : 0));
   };
@@ -207,10 +221,12 @@ double World::piece_work(int index) const {
   double work = 0.0;
   for (const int32_t i : blocks_of(piece)) {
     work += sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i)) + sides(facet_touch_end_, size_t(i));
-    if (piece.rigid) work += kBody;
-    if (!piece.rigid && piece.alike < 0) work += kZone * blocks_[size_t(i)].zone_count;
+    const int zones = blocks_[size_t(i)].zone_count;
+    if (piece.kind == Piece::Kind::rigid) work += kBody;
+    if (piece.kind == Piece::Kind::unlike) work += kUnlikeZone * zones;
+    if (piece.kind == Piece::Kind::by_zone) work += kZone * zones;
   }
-  if (piece.alike >= 0) work += kAlikeZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
+  if (piece.kind == Piece::Kind::alike) work += kAlikeZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
   return work;
 }
 

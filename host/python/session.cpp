@@ -93,6 +93,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   const int wanted = threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency());
   if (isolate_law) isolation_ = {std::max(1, wanted), law_seconds};
   const Isolated isolated(isolation_);
+  if (!folder.empty()) keep_start(scene, folder_);
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
   take_start(simulation_.get());
   columns_ = history_columns(simulation_->scene());
@@ -247,6 +248,8 @@ std::string Session::finish(const std::string& status, const std::string& messag
     if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
     if (series_) series_->finish();
     write_summary(folder_ / "summary.json", simulation, rows_, info);
+    if (status == "done" && simulation.scene().output.end_state)
+      write_end_state(folder_, simulation, provenance_of(simulation, {}));
   }
   return summary_text(simulation, rows_, info);
 }

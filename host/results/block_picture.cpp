@@ -10,6 +10,7 @@
 #include "geometry/overlap.h"
 #include "geometry/vector.h"
 #include "results/crack_styles.h"
+#include "results/parted_joints.h"
 
 namespace quoin {
 
@@ -103,26 +104,37 @@ struct Line {
   Crack crack = Crack::intact;
 };
 
-Vector place_of(const JointPoint& p) { return geometry::vector(p.contact.position) + geometry::vector(p.displacement); }
-
-std::vector<Line> crack_lines(const std::vector<JointPoint>& points, const View& view) {
-  std::map<std::pair<int, int>, std::vector<const JointPoint*>> contacts;
-  for (const JointPoint& p : points) contacts[std::minmax(p.contact.block_a, p.contact.block_b)].push_back(&p);
-  std::vector<Line> lines;
-  for (const auto& [pair, list] : contacts) {
-    Line line;
-    double longest = 0.0;
-    for (const JointPoint* p : list) {
-      line.crack = std::max(line.crack, p->crack);
-      for (const JointPoint* q : list) {
-        const Vector a = place_of(*p), b = place_of(*q);
-        // On the side of the viewer, where the joint is seen.
-        const double length =
-            std::hypot(view.x(b) - view.x(a), view.y(b) - view.y(a)) + 1e-6 * (view.depth(a) + view.depth(b));
-        if (length > longest) longest = length, line.from = a, line.to = b;
-      }
+// By the points on one joint, or on one side of it.
+void add_line(const std::vector<Vector>& places, Crack crack, const View& view, std::vector<Line>& lines) {
+  Line line;
+  line.crack = crack;
+  double longest = 0.0;
+  for (const Vector& a : places) {
+    for (const Vector& b : places) {
+      // On the side of the viewer, where the joint is seen.
+      const double length =
+          std::hypot(view.x(b) - view.x(a), view.y(b) - view.y(a)) + 1e-6 * (view.depth(a) + view.depth(b));
+      if (length > longest) longest = length, line.from = a, line.to = b;
     }
-    if (longest > 0.0) lines.push_back(line);
+  }
+  if (longest > 0.0) lines.push_back(line);
+}
+
+std::vector<Line> crack_lines(const Simulation& simulation, const Surfaces& surfaces, const View& view) {
+  std::map<std::pair<int, int>, std::pair<std::vector<Vector>, Crack>> contacts;
+  for (const JointPoint& p : surfaces.joint_points(simulation)) {
+    auto& [places, crack] = contacts[std::minmax(p.contact.block_a, p.contact.block_b)];
+    places.push_back(geometry::vector(p.contact.position) + geometry::vector(p.displacement));
+    crack = std::max(crack, p.crack);
+  }
+  std::vector<Line> lines;
+  for (const auto& [pair, contact] : contacts) add_line(contact.first, contact.second, view, lines);
+  for (const PartedJoint& joint : parted_joints(simulation)) {
+    for (const std::vector<Vec3>& side : {joint.side_a, joint.side_b}) {
+      std::vector<Vector> places;
+      for (const Vec3& place : side) places.push_back(geometry::vector(place));
+      add_line(places, Crack::open, view, lines);
+    }
   }
   return lines;
 }
@@ -193,7 +205,7 @@ std::string plot_block_cracks(const std::filesystem::path& folder, const Simulat
   const std::vector<Drawn> blocks = blocks_of(simulation);
   const View view = choose_view(blocks);
   std::array<std::string, kCrackCount> data;
-  for (const Line& line : crack_lines(surfaces.joint_points(simulation), view))
+  for (const Line& line : crack_lines(simulation, surfaces, view))
     data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
   std::string script =
       scene_of(simulation.scene(), view, blocks, visible_faces(blocks, view), "rgb '#f1ece0'", "rgb '#b5aa98'");

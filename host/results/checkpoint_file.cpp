@@ -1,6 +1,7 @@
 #include "results/checkpoint_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cstdlib>
@@ -13,6 +14,7 @@
 #include "base/input_file.h"
 #include "base/sha256.h"
 #include "files/file.h"
+#include "scene/scatter_text.h"
 
 namespace quoin {
 
@@ -148,6 +150,35 @@ void refuse_another(const Identity& identity, const Identity& expected, const Fa
 
 constexpr const char* kStageCount = "number of first stages";
 
+// Materials, joints and what is drawn for them. Geometry and settings are told apart by the state itself.
+std::string masonry_hash(const Scene& scene) {
+  Sha256 hash;
+  for (const auto& [name, m] : scene.materials)
+    hash.add_text(fmt::format("{} {} {} {}", name, m.young_modulus, m.poisson_ratio, m.density));
+  for (const auto& [name, f] : scene.joints) {
+    hash.add_text(fmt::format("{} {} {} {}", name, f.law, f.initial_state, f.missing_mortar));
+    for (const PropertySetting& p : f.properties)
+      hash.add_text(fmt::format("{} {} {} {}", p.id, p.text, fmt::join(p.numbers, " "),
+                                p.scatter ? text_of(*p.scatter) : ""));
+    if (f.scatters() || f.missing_mortar > 0.0)
+      hash.add_text(fmt::format("{} {}", scene.random.seed, scene.random.sample));
+  }
+  return hash.end();
+}
+
+std::string stages_hash(const Scene& scene, std::size_t stages) {
+  Sha256 hash;
+  for (std::size_t i = 0; i < std::min(stages, scene.stages.size()); ++i) {
+    const Stage& s = scene.stages[i];
+    hash.add_text(fmt::format("{} {} {} {} {}", s.kind, fmt::join(s.gravity, " "), s.displacement.value_or(0.0),
+                              s.duration.value_or(0.0), s.ramp_time));
+    for (const BodyControl& c : s.controls)
+      hash.add_text(fmt::format("{} {} {} {}", c.body, fmt::join(c.velocity, " "), fmt::join(c.force, " "),
+                                fmt::join(c.omega, " ")));
+  }
+  return hash.end();
+}
+
 // Of a run whose end is the start of others: its stages in place of its whole scene.
 Identity end_identity(const Simulation& simulation, const Provenance& provenance, std::size_t stages) {
   Identity identity = identity_of(simulation, provenance);
@@ -157,6 +188,8 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
     for (std::size_t i = 0; i < std::min(stages, simulation.scene().stages.size()); ++i)
       part.value += fmt::format("{}'{}'", i > 0 ? ", " : "", simulation.scene().stages[i].name);
   }
+  identity.parts.push_back({"set of materials, joints and samples of them", masonry_hash(simulation.scene())});
+  identity.parts.push_back({"version of what the first stages do", stages_hash(simulation.scene(), stages)});
   identity.parts.push_back({kStageCount, std::to_string(stages)});
   return identity;
 }
@@ -175,6 +208,15 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& ex
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance) {
   const Identity identity = end_identity(simulation, provenance, simulation.scene().stages.size());
   write_checkpoint(folder / "end_state.bin", identity, {{}, {}, simulation.save()});
+}
+
+void keep_start(const Scene& scene, const std::filesystem::path& folder) {
+  std::error_code unknown;
+  if (scene.start.empty() || !std::filesystem::equivalent(scene.start, folder, unknown)) return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: start: {} is the folder of the results too, which are removed before the run; give "
+                          "another one for them (--out)",
+                          scene.file, scene.start));
 }
 
 void take_start(Simulation* simulation) {

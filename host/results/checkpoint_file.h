@@ -43,4 +43,7 @@ void write_end_state(const std::filesystem::path& folder, const Simulation& simu
 // stages its own ones begin with. Throws Error(bad_input) with the reason, as read_checkpoint.
 void take_start(Simulation* simulation);
 
+// Before a run empties the folder of its results: throws Error(bad_input) when its scene starts from what lies there.
+void keep_start(const Scene& scene, const std::filesystem::path& folder);
+
 }  // namespace quoin

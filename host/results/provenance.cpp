@@ -1,5 +1,6 @@
 #include "results/provenance.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
@@ -27,6 +28,14 @@ using Json = nlohmann::ordered_json;
 // Of any size: a program with its symbols may be large.
 std::string sha256_of_file(const std::string& path) {
   return sha256_of(read_input_file(path, std::numeric_limits<std::size_t>::max()));
+}
+
+// Where this code is: the executable, or the module that another program has loaded.
+std::string program_file() {
+  Dl_info here{};
+  const bool is_module = dladdr(reinterpret_cast<const void*>(&program_file), &here) != 0 &&
+                         here.dli_fname != nullptr && fs::path(here.dli_fname).extension() == ".so";
+  return is_module ? here.dli_fname : "/proc/self/exe";
 }
 
 std::string processor_name() {
@@ -69,7 +78,7 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   const Scene& scene = simulation.scene();
   Provenance p;
   p.program = QUOIN_VERSION;
-  p.program_sha256 = sha256_of_file("/proc/self/exe");
+  p.program_sha256 = sha256_of_file(program_file());
   p.compiler = __VERSION__;
   std::set<std::string> laws;
   for (const auto& [name, family] : scene.joints) laws.insert(family.law);
@@ -82,9 +91,12 @@ Provenance provenance_of(const Simulation& simulation, const Request& request) {
   }
   p.scene = scene.file;
   p.scene_text = scene.text;
-  for (const std::string& file : scene.inputs) p.inputs.push_back({file, file, sha256_of_file(file)});
-  p.request = request;
+  std::vector<std::string> inputs = scene.inputs;
   std::error_code none;
+  if (const fs::path start = fs::path(scene.start) / "end_state.bin"; !scene.start.empty() && fs::exists(start, none))
+    inputs.push_back(start.string());
+  for (const std::string& file : inputs) p.inputs.push_back({file, file, sha256_of_file(file)});
+  p.request = request;
   p.working_directory = fs::current_path(none).string();
   p.processor = processor_name();
   p.system = system_name();

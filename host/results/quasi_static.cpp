@@ -51,6 +51,13 @@ QuasiStatic check_quasi_static(const std::vector<HistoryRow>& rows, const Scene&
         work += 0.5 * (rows[i].resistance + rows[i - 1].resistance) * (rows[i].displacement - rows[i - 1].displacement);
     }
     const HistoryRow& last = rows[end - 1];
+    const auto is_number = [](const HistoryRow& row) {
+      return std::isfinite(row.resistance) && std::isfinite(row.kinetic_energy) && std::isfinite(row.dynamic_force);
+    };
+    if (!std::all_of(&rows[first], &rows[first] + (end - first), is_number)) {
+      result.not_judged = fmt::format("stage '{}' has forces or energies that are no numbers", stage.name);
+      return result;
+    }
     if (stage.displacement)
       result.overshoot_ratio =
           std::max(result.overshoot_ratio, std::abs(last.displacement) / *stage.displacement - 1.0);

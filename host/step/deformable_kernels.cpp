@@ -18,30 +18,43 @@ namespace quoin::blocks {
 namespace HWY_NAMESPACE {
 using namespace quoin::HWY_NAMESPACE;
 
-constexpr Vector kNothing[2] = {};  // what blocks that have fewer gridpoints have there
+constexpr Vector kNothing[2] = {};  // where there is no gridpoint
+
+// Gridpoint n of the lanes `first` on. Where a block has no such one, what moves repeats its first one, without mass.
+template <bool kAllHaveIt>
+HWY_INLINE void load_gridpoint(const LaneBlock* const (&lane)[kLanes], int first, int n, const LaneColumns& to) {
+  const auto has_it = [&](int l) { return kAllHaveIt || n < lane[first + l]->node_count; };
+  const auto places = [&](const auto& column_of) HWY_ATTR {
+    return load_vectors([&](int l) { return &column_of(*lane[first + l])[has_it(l) ? n : 0].x; });
+  };
+  const auto vectors = [&](const auto& column_of) HWY_ATTR {
+    return load_vectors([&](int l) { return has_it(l) ? &column_of(*lane[first + l])[n].x : &kNothing[0].x; });
+  };
+  const auto rows = [&](const double* LaneBlock::*field) HWY_ATTR {
+    return load_vectors([&](int l) { return has_it(l) ? lane[first + l]->*field + kFour * n : &kNothing[0].x; });
+  };
+  const int line = n * kLine + first;
+  store_line(places([](const LaneBlock& b) { return b.x; }), to.x + line);
+  store_line(vectors([](const LaneBlock& b) { return b.v; }), to.v + line);
+  store_line(rows(&LaneBlock::force), to.force + line);
+  if (to.viscous) store_line(rows(&LaneBlock::viscous), to.viscous_force + line);
+  if (to.unlike) {
+    const Lanes3 origin = load_vectors([&](int l) { return &lane[first + l]->reference->x; });
+    const Lanes3 reference = places([](const LaneBlock& b) { return b.reference; });
+    store_line(difference_of(reference, origin), to.place + line);
+    store_line(vectors([](const LaneBlock& b) { return b.anchor; }), to.anchor + line);
+  }
+  for (int l = 0; l < kWidth; ++l) to.mass[n * kLanes + first + l] = has_it(l) ? lane[first + l]->mass[n] : 0.0;
+}
 
 void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
-  const LaneColumns& to = *columns;
-  for (int n = 0; n < to.node_count; ++n) {
-    for (int first = 0; first < kLanes; first += kWidth) {
-      const auto here = [&](int l) {
-        const auto lane = static_cast<std::size_t>(first + l);
-        return lane < blocks.size() && n < blocks[lane].node_count ? &blocks[lane] : nullptr;
-      };
-      const LaneBlock* at[kWidth];
-      for (int l = 0; l < kWidth; ++l) at[l] = here(l);
-      const auto vectors = [&](Vector* LaneBlock::*field) HWY_ATTR {
-        return load_vectors([&](int l) { return at[l] ? &(at[l]->*field)[n].x : &kNothing[0].x; });
-      };
-      const auto rows = [&](const double* LaneBlock::*field) HWY_ATTR {
-        return load_vectors([&](int l) { return at[l] ? at[l]->*field + kFour * n : &kNothing[0].x; });
-      };
-      store_line(vectors(&LaneBlock::x), to.x + n * kLine + first);
-      store_line(vectors(&LaneBlock::v), to.v + n * kLine + first);
-      store_line(rows(&LaneBlock::force), to.force + n * kLine + first);
-      if (to.viscous) store_line(rows(&LaneBlock::viscous), to.viscous_force + n * kLine + first);
-      for (int l = 0; l < kWidth; ++l) to.mass[n * kLanes + first + l] = at[l] ? at[l]->mass[n] : 0.0;
-    }
+  const LaneBlock* lane[kLanes];  // those without a block repeat the last one
+  for (std::size_t l = 0; l < std::size(lane); ++l) lane[l] = &blocks[std::min(l, blocks.size() - 1)];
+  int fewest = columns->node_count;
+  for (const LaneBlock& block : blocks) fewest = std::min(fewest, block.node_count);
+  for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
+    for (int n = 0; n < fewest; ++n) load_gridpoint<true>(lane, first, n, *columns);
+    for (int n = fewest; n < columns->node_count; ++n) load_gridpoint<false>(lane, first, n, *columns);
   }
 }
 
@@ -65,19 +78,37 @@ HWY_INLINE void add_outer(const Lanes3& x, const Lanes3& b, Lanes33& sum) {
 
 HWY_INLINE Lanes33 zero_matrix() { return {{zeros(), zeros(), zeros()}}; }
 
+// What the shapes of blocks alike are in all lanes; place, anchor: of gridpoint n, of the lanes `first` on.
+struct SharedFrame {
+  const AlikeBlocks& alike;
+  HWY_INLINE Lanes3 place(int n, int) const { return broadcast(&alike.place[static_cast<std::size_t>(n)].x); }
+  HWY_INLINE Lanes3 anchor(int n, int) const { return broadcast(&alike.anchor[static_cast<std::size_t>(n)].x); }
+  void times_stiffness(const double* w, int node_count, double* product) const;
+};
+
+// What they are lane by lane.
+struct OwnFrames {
+  std::span<const LaneBlock> blocks;
+  const LaneColumns& columns;
+  HWY_INLINE Lanes3 place(int n, int first) const { return load_line(columns.place + n * kLine + first); }
+  HWY_INLINE Lanes3 anchor(int n, int first) const { return load_line(columns.anchor + n * kLine + first); }
+  void times_stiffness(const double* w, int node_count, double* product) const;
+};
+
 // Where a vector of blocks is turned to.
 struct Pose {
   Lanes3 centre;
   Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
 };
 
-HWY_INLINE Pose pose_of(const AlikeBlocks& alike, const LaneColumns& columns, int first, const ZoneStep& step) {
+template <class Frame>
+HWY_INLINE Pose pose_of(const Frame& frame, const LaneColumns& columns, int first, const ZoneStep& step) {
   Pose pose;
   pose.centre = load_line(columns.x + first);  // of gridpoint 0: K and b do not see where it is
   pose.f = zero_matrix();
   Lanes33 rate = zero_matrix();
   for (int n = 0; n < columns.node_count; ++n) {
-    const Lanes3 b = broadcast(&alike.anchor[static_cast<std::size_t>(n)].x);
+    const Lanes3 b = frame.anchor(n, first);
     add_outer(difference_of(load_line(columns.x + n * kLine + first), pose.centre), b, pose.f);
     if (step.beta > 0.0) add_outer(load_line(columns.v + n * kLine + first), b, rate);
   }
@@ -92,15 +123,16 @@ HWY_INLINE Pose pose_of(const AlikeBlocks& alike, const LaneColumns& columns, in
 }
 
 // Displacements u in the frame of the shape, but for a translation, and u + beta du/dt into `product`'s place.
-HWY_INLINE V displacements(const AlikeBlocks& alike, const LaneColumns& columns, int first, const ZoneStep& step,
+template <class Frame>
+HWY_INLINE V displacements(const Frame& frame, const LaneColumns& columns, int first, const ZoneStep& step,
                            const Pose& pose) {
   const D d;
   const V back = hn::Set(d, -step.dt), ratio = hn::Set(d, step.beta / step.dt);
   V largest = hn::Zero(d);
-  const Lanes3 origin = broadcast(&alike.place[0].x);
+  const Lanes3 origin = frame.place(0, first);
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
-    const Lanes3 shape = difference_of(broadcast(&alike.place[static_cast<std::size_t>(n)].x), origin);
+    const Lanes3 shape = difference_of(frame.place(n, first), origin);
     const Lanes3 y = difference_of(load_line(columns.x + at), pose.centre);
     const Lanes3 u = difference_of(transposed_times_of(pose.r, y), shape);
     store_line(u, columns.u + at);
@@ -115,7 +147,7 @@ HWY_INLINE V displacements(const AlikeBlocks& alike, const LaneColumns& columns,
 }
 
 // K w, for all lanes.
-HWY_INLINE void times_stiffness(const AlikeBlocks& alike, const double* w, int node_count, double* product) {
+void SharedFrame::times_stiffness(const double* w, int node_count, double* product) const {
   StiffnessRows<1> rows(alike.stiffness);
   const double* const of[1] = {w};
   for (int n = 0; n < node_count; ++n) {
@@ -127,14 +159,35 @@ HWY_INLINE void times_stiffness(const AlikeBlocks& alike, const double* w, int n
   }
 }
 
+// Block by block, with rows of its gridpoints.
+void OwnFrames::times_stiffness(const double* w, int node_count, double* product) const {
+  double* const of = columns.rows;
+  double* const times = of + kFour * node_count;
+  for (std::size_t lane = 0; lane < blocks.size(); ++lane) {
+    const LaneBlock& block = blocks[lane];
+    const int count = block.node_count;
+    for (int n = 0; n < count; ++n) {
+      for (int c = 0; c < 3; ++c) of[kFour * n + c] = w[static_cast<std::size_t>(n * kLine + c * kLanes) + lane];
+      of[kFour * n + 3] = 0.0;
+    }
+    stiffness_times(block.zones, {of, static_cast<std::size_t>(kFour * count)}, times);
+    std::fill(times + kFour * count, times + kFour * node_count, 0.0);
+    for (int n = 0; n < node_count; ++n) {
+      for (int c = 0; c < 3; ++c)
+        product[static_cast<std::size_t>(n * kLine + c * kLanes) + lane] = times[kFour * n + c];
+    }
+  }
+}
+
 // -R (g - q x b) of K w, into the forces of the blocks.
-HWY_INLINE void add_to_forces(const AlikeBlocks& alike, const LaneColumns& columns, int first, const Pose& pose,
+template <class Frame>
+HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, int first, const Pose& pose,
                               double* force) {
   const D d;
   Lanes3 moment = zeros();
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
-    const Lanes3 place = sum_of(broadcast(&alike.place[static_cast<std::size_t>(n)].x), load_line(columns.u + at));
+    const Lanes3 place = sum_of(frame.place(n, first), load_line(columns.u + at));
     moment = sum_of(moment, cross_of(place, load_line(columns.product + at)));
   }
   Lanes33 u = zero_matrix();  // R^T F
@@ -151,23 +204,24 @@ HWY_INLINE void add_to_forces(const AlikeBlocks& alike, const LaneColumns& colum
   const Lanes3 q = scaled(hn::Div(hn::Set(d, 1.0), dot_of(g.row[0], cofactor.row[0])), times(cofactor, moment));
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
-    const Lanes3 b = broadcast(&alike.anchor[static_cast<std::size_t>(n)].x);
+    const Lanes3 b = frame.anchor(n, first);
     const Lanes3 f = times(pose.r, difference_of(load_line(columns.product + at), cross_of(q, b)));
     store_line(difference_of(load_line(force + at), f), force + at);
   }
 }
 
-void AlikeForces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums) {
+template <class Frame>
+HWY_INLINE void frame_forces(const Frame& frame, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
   const D d;
   const LaneColumns& c = *columns;
   const bool is_viscous = step.beta > 0.0;
   Pose pose[kParts];
   for (int p = 0; p < kParts; ++p) {
-    pose[p] = pose_of(alike, c, p * kWidth, step);
-    hn::Store(displacements(alike, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
+    pose[p] = pose_of(frame, c, p * kWidth, step);
+    hn::Store(displacements(frame, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
   }
   if (step.energies) {
-    times_stiffness(alike, c.u, c.node_count, c.elastic);
+    frame.times_stiffness(c.u, c.node_count, c.elastic);
     for (int p = 0; p < kParts; ++p) {
       V twice_energy = hn::Zero(d);
       for (int n = 0; n < c.node_count; ++n) {
@@ -178,62 +232,22 @@ void AlikeForces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* co
     }
   }
   // The same forces to the last bit whether or not energies are wanted.
-  times_stiffness(alike, is_viscous ? c.weighted : c.u, c.node_count, c.product);
-  for (int p = 0; p < kParts; ++p) add_to_forces(alike, c, p * kWidth, pose[p], c.force);
+  frame.times_stiffness(is_viscous ? c.weighted : c.u, c.node_count, c.product);
+  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], c.force);
   if (!c.viscous) return;
   const int size = c.node_count * kLine;
   std::fill(c.viscous_force, c.viscous_force + size, 0.0);
   for (int i = 0; i < size; i += kWidth)
     hn::Store(hn::Sub(hn::Load(d, c.product + i), hn::Load(d, c.elastic + i)), d, c.product + i);
-  for (int p = 0; p < kParts; ++p) add_to_forces(alike, c, p * kWidth, pose[p], c.viscous_force);
+  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], c.viscous_force);
 }
 
-// ---- Rigid motion --------------------------------------------------------------------------------------------------
-
-HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) {
-  for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
+void AlikeForces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  frame_forces(SharedFrame{alike}, step, columns, sums);
 }
 
-void RigidSums(const LaneColumns& c, LaneSums (&sums)[kLanes]) {
-  const D d;
-  alignas(64) double mass[kLanes], vector[5][3][kLanes], second[3][3][kLanes];
-  for (int first = 0; first < kLanes; first += kWidth) {
-    const Lanes3 origin = load_line(c.x + first);
-    V total = hn::Zero(d);
-    Lanes3 centre = zeros(), momentum = zeros(), force = zeros();
-    for (int n = 0; n < c.node_count; ++n) {
-      const int at = n * kLine + first;
-      const V m = hn::Load(d, c.mass + n * kLanes + first);
-      total = hn::Add(total, m);
-      centre = plus_scaled(centre, m, difference_of(load_line(c.x + at), origin));
-      momentum = plus_scaled(momentum, m, load_line(c.v + at));
-      force = sum_of(force, load_line(c.force + at));
-    }
-    const V is_some = hn::IfThenElse(hn::Eq(total, hn::Zero(d)), hn::Set(d, 1.0), total);
-    centre = sum_of(origin, scaled(hn::Div(hn::Set(d, 1.0), is_some), centre));
-    Lanes3 spin = zeros(), moment = zeros();
-    Lanes33 square = zero_matrix();
-    for (int n = 0; n < c.node_count; ++n) {
-      const int at = n * kLine + first;
-      const Lanes3 r = difference_of(load_line(c.x + at), centre);
-      const Lanes3 m_r = scaled(hn::Load(d, c.mass + n * kLanes + first), r);
-      add_outer(m_r, r, square);
-      spin = sum_of(spin, cross_of(m_r, load_line(c.v + at)));
-      // A gridpoint that a block does not have carries no force.
-      moment = sum_of(moment, cross_of(r, load_line(c.force + at)));
-    }
-    hn::Store(total, d, mass + first);
-    const Lanes3* const all[5] = {&centre, &momentum, &spin, &force, &moment};
-    for (int k = 0; k < 5; ++k) store_by_lane(*all[k], vector[k], first);
-    for (int k = 0; k < 3; ++k) store_by_lane(square.row[k], second[k], first);
-  }
-  for (int l = 0; l < kLanes; ++l) {
-    const auto of = [&](const double(&from)[3][kLanes]) { return Vector{from[0][l], from[1][l], from[2][l]}; };
-    sums[l] = {of(vector[0]), {{of(second[0]), of(second[1]), of(second[2])}},
-               mass[l],       of(vector[1]),
-               of(vector[2]), of(vector[3]),
-               of(vector[4])};
-  }
+void UnlikeForces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  frame_forces(OwnFrames{blocks, *columns}, step, columns, sums);
 }
 
 // ---- Gridpoints ----------------------------------------------------------------------------------------------------
@@ -244,9 +258,9 @@ struct GridpointSums {
   alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
 };
 
-struct GainLanes {
-  alignas(64) double centre[3][kLanes], linear[3][kLanes], turning[3][3][kLanes];
-};
+HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) {
+  for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
+}
 
 // Of the lanes of a vector that have gridpoint n, three numbers each. The fourth of a row is what the next gridpoint
 // begins with, which is written after it; behind the last one nothing is touched.
@@ -268,7 +282,7 @@ HWY_INLINE void store_vectors(std::span<const LaneBlock> blocks, int first, int 
 
 template <bool kEnergies>
 HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
-                               const GainLanes* gain, const GridpointStep& step, GridpointSums* sums) {
+                               const RigidGains* gains, const GridpointStep& step, GridpointSums* sums) {
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
   const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
@@ -277,10 +291,10 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   const V factor = hn::Set(d, step.inertia_factor), over_factor = hn::Set(d, 1.0 / step.inertia_factor);
   Lanes3 centre, linear;
   Lanes33 turning;
-  for (int k = 0; gain && k < 3; ++k) {
-    centre[k] = hn::Load(d, gain->centre[k] + first);
-    linear[k] = hn::Load(d, gain->linear[k] + first);
-    for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gain->turning[k][j] + first);
+  for (int k = 0; gains && k < 3; ++k) {
+    centre[k] = hn::Load(d, gains->centre[k].of + first);
+    linear[k] = hn::Load(d, gains->linear[k].of + first);
+    for (int j = 0; j < 3; ++j) turning.row[k][j] = hn::Load(d, gains->turning[k][j].of + first);
   }
   V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // of the first the square
   Lanes3 net = zeros();
@@ -290,7 +304,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     const V mass = hn::Load(d, columns.mass + n * kLanes + first);
     const V dt_over_mass = hn::IfThenZeroElse(hn::Eq(mass, zero), hn::Div(dt, mass));
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
-    if (gain) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
+    if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
     Lanes3 held_v;
     if (columns.some_held) {
       held_v = load_vectors([&](int l) {
@@ -338,21 +352,14 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   hn::Store(external, d, sums->external + first);
 }
 
-void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                        const GridpointStep& step, BlockSums* const* sums) {
-  GainLanes gains = {};
-  for (std::size_t l = 0; gain && l < blocks.size(); ++l) {
-    for (int k = 0; k < 3; ++k) {
-      gains.centre[k][l] = gain[l].centre[k], gains.linear[k][l] = gain[l].linear[k];
-      for (int j = 0; j < 3; ++j) gains.turning[k][j][l] = gain[l].turning.row[k][j];
-    }
-  }
   GridpointSums lanes;
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     if (step.energies)
-      advance_vector<true>(blocks, columns, first, gain ? &gains : nullptr, step, &lanes);
+      advance_vector<true>(blocks, columns, first, gains, step, &lanes);
     else
-      advance_vector<false>(blocks, columns, first, gain ? &gains : nullptr, step, &lanes);
+      advance_vector<false>(blocks, columns, first, gains, step, &lanes);
   }
   for (std::size_t l = 0; l < blocks.size(); ++l) {
     BlockSums& s = *sums[l];
@@ -373,17 +380,18 @@ namespace quoin::blocks {
 
 HWY_EXPORT(LoadBlocks);
 HWY_EXPORT(AlikeForces);
-HWY_EXPORT(RigidSums);
+HWY_EXPORT(UnlikeForces);
 HWY_EXPORT(AdvanceGridpoints);
 
 void LaneColumns::resize(int nodes) {
   node_count = nodes;
-  double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic, &held};
+  double** const columns[] = {&x,       &v,       &force, &viscous_force, &u,   &weighted,
+                              &product, &elastic, &place, &anchor,        &held};
   const auto size = static_cast<std::size_t>(nodes) * kLine;
-  memory_.resize(std::max(memory_.size(), std::size(columns) * size + size / 3));
+  memory_.resize(std::max(memory_.size(), std::size(columns) * size + 2 * size / 3));
   double* from = memory_.data();
   for (double** column : columns) *column = from, from += size;
-  mass = from;
+  mass = from, rows = from + size / 3;
 }
 
 void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
@@ -407,17 +415,17 @@ void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
 }
 
-void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums) {
+void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
   HWY_DYNAMIC_DISPATCH(AlikeForces)(alike, step, columns, sums);
 }
 
-void rigid_sums(const LaneColumns& columns, LaneSums (&sums)[kLanes]) {
-  HWY_DYNAMIC_DISPATCH(RigidSums)(columns, sums);
+void unlike_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  HWY_DYNAMIC_DISPATCH(UnlikeForces)(blocks, step, columns, sums);
 }
 
-void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                         const GridpointStep& step, BlockSums* const* sums) {
-  HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gain, step, sums);
+  HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gains, step, sums);
 }
 
 }  // namespace quoin::blocks

@@ -1,8 +1,8 @@
-// Deformable blocks in large motion, eight side by side: their rigid motion, their gridpoints moved on; and the forces
-// inside of blocks that are alike, from one stiffness in their own frame. Compiled for every instruction set that
-// Highway knows and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
+// Deformable blocks in large motion, eight side by side: gridpoints moved on; and the forces inside of blocks from a
+// stiffness in their own frame, which blocks that are alike share. Compiled for every instruction set that Highway
+// knows and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
 //
-// Blocks that are alike. X: places of the undeformed shape about its mass centre, m: masses, x: places now;
+// Blocks in their frames. X: places of the undeformed shape about its mass centre, m: masses, x: places now;
 //   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar),   u = R^T (x - c) - X.
 // The strain energy 1/2 u . K u has the forces
 //   f = -R (g - q x b),  g = K u,  q = (tr(U) 1 - U)^-1 sum (X + u) x g;
@@ -18,6 +18,7 @@
 
 #include "model/lanes.h"
 #include "model/world.h"
+#include "step/rigid_motion_kernels.h"
 #include "step/zone_kernels.h"
 
 namespace quoin::blocks {
@@ -31,16 +32,22 @@ struct LaneBlock {
   const std::uint8_t* held;  // bits 0..2
   const Vector* held_v;      // m/s
   int node_count;
+  // Of unlike_forces; the shape stands as it did at the start.
+  const Vector *reference, *anchor;  // m; b, 1/m
+  std::span<const ZoneLanes> zones;
 };
 
-// Columns of up to kLanes blocks, a line a gridpoint; gridpoints that a block does not have are zero, lanes without a
-// block hold numbers of no meaning. Scratch of a thread.
+// Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
+// where its first one is; lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
   int node_count = 0;  // most of a block
   bool some_held = false;
   bool viscous = false;                      // viscous_force is wanted: set before load_blocks
+  bool unlike = false;                       // place and anchor are wanted: likewise
   double *x, *v, *force, *viscous_force;     // m, m/s, N
-  double *u, *weighted, *product, *elastic;  // of alike_forces
+  double *u, *weighted, *product, *elastic;  // of alike_forces and unlike_forces
+  double *place, *anchor;                    // of unlike_forces: X but for a translation, m; b, 1/m
+  double* rows;                              // of unlike_forces: of one block
   double* mass;                              // kg, kLanes a gridpoint
   double* held;                              // not 0: held; where some are
 
@@ -50,27 +57,17 @@ struct LaneColumns {
   LaneVector<double> memory_;
 };
 
-// Of a block in a lane, about its mass centre.
-struct LaneSums {
-  Vector centre;                      // m
-  Matrix second;                      // sum m r r^T, kg m2
-  double mass;                        // kg
-  Vector momentum, angular_momentum;  // kg m/s, kg m2/s
-  Vector force, moment;               // N, N m
-};
-
 void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns);
 
 // By lane: the largest |u|, m; strain energy, J, when energies are wanted.
-struct AlikeSums {
+struct FrameSums {
   alignas(64) double deformation[kLanes], strain[kLanes];
 };
 inline constexpr double kLargestDeformation = 0.01;  // |u| over the least extent of a block: error of its stiffness 1 %
 
 // Adds internal forces to those in the columns.
-void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, AlikeSums* sums);
-
-void rigid_sums(const LaneColumns& columns, LaneSums (&sums)[kLanes]);
+void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
+void unlike_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
 
 // How gridpoints are moved on.
 struct GridpointStep {
@@ -83,8 +80,8 @@ struct GridpointStep {
   bool energies;           // work and kinetic energy are wanted
 };
 
-// gain: of motion that is split, of each block; null: true inertia. sums: added to.
-void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGain* gain,
+// gains: of motion that is split; null: true inertia. sums: added to.
+void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                         const GridpointStep& step, BlockSums* const* sums);
 
 }  // namespace quoin::blocks

@@ -7,6 +7,7 @@
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
 #include "step/rigid_kernels.h"
+#include "step/rigid_motion_kernels.h"
 #include "step/zone_kernels.h"
 
 namespace quoin::blocks {
@@ -24,10 +25,16 @@ double viscous_alpha(const SolverSettings& solver) {
   return solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
 }
 
-uint8_t held_somewhere(const LaneBlock& block) {
+Vector in_lane(const ByLane (&column)[3], int lane) {
+  return {column[0].of[lane], column[1].of[lane], column[2].of[lane]};
+}
+Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
+
+RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
   uint8_t held = 0;
-  for (int n = 0; n < block.node_count; ++n) held |= block.held[n];
-  return held;
+  for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
+  const Matrix second{{in_lane(lanes.second[0], lane), in_lane(lanes.second[1], lane), in_lane(lanes.second[2], lane)}};
+  return {in_lane(gains.centre, lane), lanes.mass.of[lane], second, held};
 }
 
 }  // namespace
@@ -66,7 +73,7 @@ void Model::end_step() {
   time_ += dt_;
   ++step_count_;
   watch();
-  leave_alike();
+  leave_frames();
   part_units();
   if (!moved_enough()) return;
   fetch_();
@@ -270,7 +277,7 @@ void Model::viscous_tractions(Family& f, Chunk& chunk) {
 
 void Model::advance_piece(int index, PhaseClock* clock) {
   const Piece& piece = pieces_[size_t(index)];
-  if (piece.rigid)
+  if (piece.kind == Piece::Kind::rigid)
     advance_bodies(blocks_of(piece), clock);
   else
     advance_deformable(piece, clock);
@@ -282,6 +289,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   thread_local LaneColumns columns;
   thread_local std::vector<double> rows;
   columns.viscous = energy_ && zone_damping() > 0;
+  columns.unlike = piece.kind == Piece::Kind::unlike;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
   rows.resize(std::max(rows.size(), 2 * size));
@@ -294,25 +302,37 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
     *sums[l] = {};
     forces_on_gridpoints(blocks[l], force);
     lap(clock, Phase::motion);
-    if (piece.alike < 0) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
+    if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
     const size_t first = size_t(b.first_node);
-    lanes[l] = {
-        &node_x_[first],    &node_v_[first],      force,       columns.viscous ? viscous : nullptr, &node_mass_[first],
-        &node_held_[first], &node_held_v_[first], b.node_count};
+    lanes[l] = {&node_x_[first],
+                &node_v_[first],
+                force,
+                columns.viscous ? viscous : nullptr,
+                &node_mass_[first],
+                &node_held_[first],
+                &node_held_v_[first],
+                b.node_count,
+                &node_reference_[first],
+                columns.unlike ? &node_anchor_[first] : nullptr,
+                zones_in_lanes(b)};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
   load_blocks({lanes, count}, &columns);
-  if (piece.alike >= 0) {
-    AlikeSums of_alike;
-    alike_forces(alike_[size_t(piece.alike)], {zone_damping(), dt_, energy_}, &columns, &of_alike);
+  if (piece.in_frame()) {
+    const ZoneStep step{zone_damping(), dt_, energy_};
+    FrameSums of_frame;
+    if (columns.unlike)
+      unlike_forces({lanes, count}, step, &columns, &of_frame);
+    else
+      alike_forces(alike_[size_t(piece.alike)], step, &columns, &of_frame);
     for (size_t l = 0; l < count; ++l) {
-      sums[l]->deformation = of_alike.deformation[l];
-      if (energy_) sums[l]->strain = of_alike.strain[l];
+      sums[l]->deformation = of_frame.deformation[l];
+      if (energy_) sums[l]->strain = of_frame.strain[l];
     }
   }
   lap(clock, Phase::internal_forces);
-  RigidGain gain[kBodies];
-  if (splits_motion()) split_motion(blocks, {lanes, count}, columns, gain);
+  RigidGains gains;
+  if (splits_motion()) split(piece, columns, &gains);
   const GridpointStep step{dt_,
                            solver_.damping == DampingKind::local ? gamma() : 0.0,
                            viscous_alpha(solver_),
@@ -320,7 +340,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                            1.0 / solver_.mass_scaling,
                            gravity_factor_.at(time_) * gravity_,
                            energy_};
-  advance_gridpoints({lanes, count}, columns, splits_motion() ? gain : nullptr, step, sums);
+  advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, sums);
   for (size_t l = 0; l < count; ++l) {
     if (energy_ && loaded_[size_t(blocks[l])]) sums[l]->external += work_of_loads(blocks[l]);
   }
@@ -347,8 +367,7 @@ void Model::zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, 
       v[kRow * i] = node_v_[node].x, v[kRow * i + 1] = node_v_[node].y, v[kRow * i + 2] = node_v_[node].z;
   }
   if (viscous) std::fill(viscous, viscous + column, 0.0);
-  const std::span<const ZoneLanes> zones(zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count()));
-  sums.strain += zone_forces(zones, step, {u, v, force, viscous});
+  sums.strain += zone_forces(zones_in_lanes(b), step, {u, v, force, viscous});
 }
 
 void Model::forces_on_gridpoints(int block, double* force) {
@@ -473,37 +492,30 @@ double Model::work_of_loads(int block) const {
   return work;
 }
 
-void Model::split_motion(std::span<const int32_t> blocks, std::span<const LaneBlock> lanes, const LaneColumns& columns,
-                         RigidGain* gain) {
-  LaneSums sums[kLanes];
-  rigid_sums(columns, sums);
+void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* gains) {
+  const std::span<const int32_t> blocks = blocks_of(piece);
   const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
   const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
+  RigidLanes lanes;
+  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, dt_}, gains, energy_ ? &lanes : nullptr);
+  if (!energy_) return;
   const double alpha = viscous_alpha(solver_);
-  for (size_t l = 0; l < blocks.size();) {
+  const int count = piece.halves ? 2 : 1, units = int(piece.count) / count;
+  for (int u = 0; u < units; ++u) {
     UnitInertia inertia;
-    inertia.count = unit_of(blocks[l]).count;
-    Rigid momentum[2], force[2];
-    for (int k = 0; k < inertia.count; ++k) {
-      const LaneSums& s = sums[l + size_t(k)];
-      inertia.block[k] = RigidInertia(s.centre, s.mass, s.second, held_somewhere(lanes[l + size_t(k)]));
-      momentum[k] = {s.momentum, s.angular_momentum}, force[k] = {s.force, s.moment};
+    inertia.count = count;
+    Rigid mean[2];  // velocity at the time of the forces
+    BlockSums& of_unit = block_sums_[size_t(blocks[size_t(u)])];
+    for (int k = 0; k < count; ++k) {
+      const int lane = u + k * units;
+      inertia.block[k] = inertia_in(lanes, *gains, lane);
+      mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (motion_in(lanes.velocity, lane) + 0.5 * motion_in(lanes.change, lane));
+      of_unit.damping += dt_ * dot(motion_in(lanes.damping, lane), mean[k]);
     }
-    if (inertia.count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
-    const RigidStep step = rigid_step(inertia, factors, eq1, dt_, momentum, force);
-    for (int k = 0; k < inertia.count; ++k) gain[l + size_t(k)] = step.gain[k];
-    if (energy_) {
-      BlockSums& of_unit = block_sums_[size_t(blocks[l])];
-      Rigid mean[2];  // velocity at the time of the forces
-      for (int k = 0; k < inertia.count; ++k) {
-        mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (step.velocity[k] + 0.5 * step.change[k]);
-        of_unit.damping += dt_ * dot(step.damping[k], mean[k]);
-      }
-      const double rigid = rigid_energy(inertia, factors, mean);
-      of_unit.kinetic += rigid;
-      of_unit.damping += 2 * alpha * dt_ * rigid;
-    }
-    l += size_t(inertia.count);
+    if (count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
+    const double rigid = rigid_energy(inertia, factors, mean);
+    of_unit.kinetic += rigid;
+    of_unit.damping += 2 * alpha * dt_ * rigid;
   }
 }
 
@@ -531,10 +543,10 @@ bool Model::has_deformed_too_much(int i) const {
   return !(block_sums_[size_t(i)].deformation <= kLargestDeformation * blocks_[size_t(i)].least_extent);
 }
 
-void Model::leave_alike() {
+void Model::leave_frames() {
   bool some = false;
   for (const Piece& piece : pieces_) {
-    if (piece.alike < 0) continue;
+    if (!piece.in_frame()) continue;
     for (const int32_t i : blocks_of(piece)) {
       if (has_deformed_too_much(i)) by_zone_[size_t(i)] = 1, some = true;
     }

@@ -3,9 +3,9 @@
 // Rigid blocks: central differences in translation; in rotation the angular momentum is the unknown and the orientation
 //   follows by the implicit midpoint rule, so that a free block keeps its angular momentum to rounding and its energy
 //   without drift.
-// Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. Blocks alike by one stiffness
-// in
-//   their own frame (deformable_kernels.h), others zone by zone, total Lagrangian (zone_kernels.h).
+// Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. By a stiffness in their own
+//   frame (deformable_kernels.h), which blocks alike share; those that deform much zone by zone, total Lagrangian
+//   (zone_kernels.h).
 #pragma once
 
 #include <optional>
@@ -23,8 +23,8 @@ struct ArchiveReader;
 
 namespace quoin::blocks {
 
-struct LaneBlock;
 struct LaneColumns;
+struct RigidGains;
 
 class Model : public World {
  public:
@@ -81,12 +81,11 @@ class Model : public World {
   void forces_on_body(int block);
   void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
   // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
-  void split_motion(std::span<const int32_t> blocks, std::span<const LaneBlock> lanes, const LaneColumns& columns,
-                    RigidGain* gain);
+  void split(const Piece& piece, const LaneColumns& columns, RigidGains* gains);
   double work_of_loads(int block) const;  // of the step, J
   void sum_up();
-  void leave_alike();  // blocks that have deformed too much for it
-  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
+  void leave_frames();  // blocks that have deformed too much for theirs
+  void watch() const;   // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   [[noreturn]] void report_failure(const Chunk& chunk) const;
   double zone_damping() const;
   void share_work();

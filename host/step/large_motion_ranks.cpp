@@ -22,7 +22,7 @@ bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces)
     const Piece& piece = pieces_[size_t(p)];
     for (const int32_t b : blocks_of(piece)) {
       if (!std::isfinite(block_sums_[size_t(b)].positions)) return true;
-      if (piece.alike >= 0 && has_deformed_too_much(b)) return true;
+      if (piece.in_frame() && has_deformed_too_much(b)) return true;
     }
   }
   return false;

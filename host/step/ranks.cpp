@@ -342,22 +342,15 @@ void Simulation::Impl::gather(Part part) {
 
 void Simulation::Impl::each_memory(Part part, int rank, const VisitMemory& visit) {
   for (int i = 0; i < static_cast<int>(share.rank_of_item.size()); ++i) {
-    if (!share.owns_item(i, rank)) continue;
-    if (riding)
-      riding->each_memory_of_piece(part, i, visit);
-    else
-      each_memory_of_item(part, i, visit);
+    if (share.owns_item(i, rank)) each_memory_of_item(part, i, visit);
   }
   for (int c = 0; c < static_cast<int>(share.rank_of_chunk.size()); ++c) {
-    if (!share.owns_chunk(c, rank)) continue;
-    if (riding)
-      riding->each_memory_of_chunk(part, c, visit);
-    else
-      each_memory_of_chunk(part, c, visit);
+    if (share.owns_chunk(c, rank)) each_memory_of_chunk(part, c, visit);
   }
 }
 
 void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemory& visit) {
+  if (riding) return riding->each_memory_of_piece(part, item, visit);
   visit_value(measured[at(item)], visit);
   if (part == Part::sums) return;
   for (const int b : blocks_of_item(item)) visit_value(whole_motions[at(b)], visit);
@@ -395,6 +388,7 @@ void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemor
 }
 
 void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit) {
+  if (riding) return riding->each_memory_of_chunk(part, chunk, visit);
   LawCall& call = calls[at(chunk)];
   visit_value(call.force_sum, visit);
   visit_value(call.deepest, visit);

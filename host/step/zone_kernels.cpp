@@ -85,26 +85,18 @@ HWY_INLINE V product_of(const Symmetric& s, const Symmetric& e) {
   return hn::MulAdd(s.xx, e.xx, hn::MulAdd(s.yy, e.yy, hn::MulAdd(s.zz, e.zz, hn::Add(sides, sides))));
 }
 
-// To the corners, -volume (1 + H) S g, in the order of the zones.
-HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, const Symmetric& s, double* force) {
+// To the corners, s g of their shape gradients, in the order of the zones. s: stress times volume.
+HWY_INLINE void add_to_corners(const ZoneLanes& zone, int first, const V (&s)[3][3], double* force) {
   const D d;
-  const V volume = hn::Load(d, zone.volume + first);
-  const V second[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
   V of_corner[4][kFour];
   for (auto& corner : of_corner) corner[3] = hn::Zero(d);
   for (int i = 0; i < 3; ++i) {
-    V first_pk[3];
-    for (int j = 0; j < 3; ++j) {
-      V sum = second[i][j];
-      for (int m = 0; m < 3; ++m) sum = hn::MulAdd(h.x[i][m], second[m][j], sum);
-      first_pk[j] = hn::Mul(volume, sum);
-    }
     V all = hn::Zero(d);
     for (int k = 0; k < 3; ++k) {
       const auto g = [&](int j) HWY_ATTR { return hn::Load(d, zone.gradient[k][j] + first); };
-      const V f = hn::MulAdd(first_pk[2], g(2), hn::MulAdd(first_pk[1], g(1), hn::Mul(first_pk[0], g(0))));
-      of_corner[k + 1][i] = hn::Neg(f);
-      all = hn::Add(all, f);
+      const V f = hn::MulAdd(s[i][2], g(2), hn::MulAdd(s[i][1], g(1), hn::Mul(s[i][0], g(0))));
+      of_corner[k + 1][i] = f;
+      all = hn::Sub(all, f);
     }
     of_corner[0][i] = all;
   }
@@ -119,6 +111,42 @@ HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, co
       double* const at = force + kFour * zone.node[k][first + l];
       for (int c = 0; c < kFour; c += kPart)
         hn::StoreU(hn::Add(hn::LoadU(Four(), at + c), hn::LoadU(Four(), row[l][k] + c)), Four(), at + c);
+    }
+  }
+}
+
+// To the corners, -volume (1 + H) S g.
+HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, const Symmetric& s, double* force) {
+  const V less_volume = hn::Neg(hn::Load(D(), zone.volume + first));
+  const V second[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
+  V first_pk[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      V sum = second[i][j];
+      for (int m = 0; m < 3; ++m) sum = hn::MulAdd(h.x[i][m], second[m][j], sum);
+      first_pk[i][j] = hn::Mul(less_volume, sum);
+    }
+  }
+  add_to_corners(zone, first, first_pk, force);
+}
+
+void StiffnessTimes(std::span<const ZoneLanes> zones, std::span<const double> w, double* product) {
+  const D d;
+  const V half = hn::Set(d, 0.5);
+  std::fill(product, product + w.size(), 0.0);
+  for (const ZoneLanes& zone : zones) {
+    for (int first = 0; first < zone.count; first += kWidth) {
+      const Tensor h = gradient_of(zone, first, w.data());
+      const V volume = hn::Load(d, zone.volume + first);
+      const V mu = hn::Mul(half, hn::Mul(volume, hn::Load(d, zone.twice_mu + first)));
+      const V trace = hn::Add(h.x[0][0], hn::Add(h.x[1][1], h.x[2][2]));
+      const V pressure = hn::Mul(hn::Mul(volume, hn::Load(d, zone.lambda + first)), trace);
+      V s[3][3];
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j <= i; ++j) s[i][j] = s[j][i] = hn::Mul(mu, hn::Add(h.x[i][j], h.x[j][i]));
+        s[i][i] = hn::Add(s[i][i], pressure);
+      }
+      add_to_corners(zone, first, s, product);
     }
   }
 }
@@ -163,9 +191,14 @@ HWY_AFTER_NAMESPACE();
 namespace quoin::blocks {
 
 HWY_EXPORT(ZoneForces);
+HWY_EXPORT(StiffnessTimes);
 
 double zone_forces(std::span<const ZoneLanes> zones, const ZoneStep& step, const ZoneColumns& columns) {
   return HWY_DYNAMIC_DISPATCH(ZoneForces)(zones, step, columns);
+}
+
+void stiffness_times(std::span<const ZoneLanes> zones, std::span<const double> w, double* product) {
+  HWY_DYNAMIC_DISPATCH(StiffnessTimes)(zones, w, product);
 }
 
 }  // namespace quoin::blocks

@@ -28,4 +28,8 @@ struct ZoneColumns {
 // The strain energy, J, when energies are wanted; else 0.
 double zone_forces(std::span<const ZoneLanes> zones, const ZoneStep& step, const ZoneColumns& columns);
 
+// K w of small strain, in the frame in which the zones were made: rows of four doubles, the last of no meaning; product
+// is set.
+void stiffness_times(std::span<const ZoneLanes> zones, std::span<const double> w, double* product);
+
 }  // namespace quoin::blocks

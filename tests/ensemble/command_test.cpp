@@ -87,6 +87,23 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
+// Three inputs: rows of five runs, and the means. More rows go on from there.
+TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
+  const auto sobol = [&](const std::string& rows) {
+    return finish(start({QUOIN_PROGRAM, "sensitivity", study_, "--out", (folder_ / "s").string(), "--sobol", rows,
+                         "--set", "stage.shear.displacement=0.00005"}));
+  };
+  ASSERT_EQ(sobol("8"), 0) << error_;
+  EXPECT_EQ(finished("s"), 8 * 5 + 1);
+  EXPECT_THAT(out_, HasSubstr("joints.mortar.cohesion"));
+  const auto lines = lines_of(read_all(folder_ / "s" / "sobol.csv"));
+  EXPECT_EQ(lines[0], "input,output,rows,first,first_low,first_high,total,total_low,total_high");
+  EXPECT_THAT(lines[1], testing::StartsWith("\"pressure\",peak_force_N,8,"));
+  ASSERT_EQ(sobol("9"), 0) << error_;
+  EXPECT_EQ(finished("s"), 9 * 5 + 1);
+  EXPECT_EQ(sobol("7"), 2);
+}
+
 TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {
   // A pressure that may pull: refused by the reader of the scene.
   std::ofstream(folder_ / "study.toml")

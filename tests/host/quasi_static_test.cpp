@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace quoin {
 namespace {
 
@@ -87,6 +89,18 @@ TEST(QuasiStatic, NothingToJudgeByIsNotVouchedFor) {
   EXPECT_FALSE(pressed.quasi_static());
   EXPECT_FALSE(pressed.dynamic_force_ratio.has_value());
   EXPECT_EQ(pressed.warning(), "");
+}
+
+// The largest of a number and of none is the number.
+TEST(QuasiStatic, WhatIsNoNumberIsNotVouchedFor) {
+  for (double HistoryRow::*column :
+       {&HistoryRow::kinetic_energy, &HistoryRow::dynamic_force, &HistoryRow::resistance}) {
+    auto rows = pulled_spring(0.01);
+    rows[50].*column = std::nan("");
+    const QuasiStatic check = check_quasi_static(rows, scene_of({stage_to(0.01, 0.1)}));
+    EXPECT_FALSE(check.quasi_static());
+    EXPECT_THAT(check.warning(), HasSubstr("stage 'shear' has forces or energies that are no numbers"));
+  }
 }
 
 TEST(QuasiStatic, GoingBeyondTheDisplacementAskedFor) {

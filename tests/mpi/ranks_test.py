@@ -59,6 +59,7 @@ def results(out):
         summary.pop(key, None)
     summary["provenance"].pop("threads", None)
     summary["provenance"].pop("wall_clock_s", None)
+    summary["provenance"].pop("files", None)  # the bytes of a state that ranks have left
     found = {"history.csv": (out / "history.csv").read_bytes(), "summary.json": json.dumps(summary, indent=1).encode()}
     for file in sorted(out.glob("*.vtu")):
         found[file.name] = file.read_bytes()
@@ -194,7 +195,23 @@ def refused():
     assert done.stderr.count("no_such_scene.toml") == 1, done.stderr
 
 
+def started():
+    """A run that begins where another has ended, each on another number of ranks."""
+    scene = (root / "tests/cli/small_wall.toml").read_text()
+    first, rest = scene.rindex("[[stage]]"), scene.index("[output]")
+    (folder / "first.toml").write_text(scene[:first] + scene[rest:] + "end_state = true\nplots = false\n")
+    (folder / "second.toml").write_text('start = "first"\n' + scene + "plots = false\n")
+    for ranks, other in ((2, 3), (3, 1), (1, 2)):
+        run(ranks, [folder / "first.toml", "--out", folder / "first"])
+        run(other, [folder / "second.toml", "--out", folder / f"second_{other}"])
+    for other in (2, 3):
+        same(results(folder / "second_1"), results(folder / f"second_{other}"), f"started on {other} ranks")
+    (folder / "first" / "end_state.bin").unlink()
+    done = run(2, [folder / "second.toml", "--out", folder / "none"], code=3)
+    assert "does not exist" in done.stderr, done.stderr
+
+
 if case in scenes:
     same_bits(case)
 else:
-    {"killed": killed, "stopped": stopped, "memory": memory, "refused": refused}[case]()
+    {"killed": killed, "stopped": stopped, "memory": memory, "refused": refused, "started": started}[case]()

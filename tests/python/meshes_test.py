@@ -96,6 +96,27 @@ class Compas(Folder):
             quoin.Simulation(scene)
 
 
+def mesh_boxes(test, name, boxes, edge, version=4.1):
+    """Boxes (corner, then size; m) meshed apart by gmsh into a file of the test's folder; the number of tetrahedra."""
+    try:
+        import gmsh
+    except ImportError:
+        test.skipTest("gmsh is not installed (python3-gmsh)")
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        for box in boxes:
+            gmsh.model.occ.addBox(*box)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", edge)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(test.path(name))
+        return len(gmsh.model.mesh.getElementsByType(4)[0])
+    finally:
+        gmsh.finalize()
+
+
 class Gmsh(Folder):
     def setUp(self):
         super().setUp()
@@ -106,22 +127,7 @@ class Gmsh(Folder):
 
     def mesh(self, version):
         """A slab and a cube that stands on it, meshed apart by gmsh."""
-        try:
-            import gmsh
-        except ImportError:
-            self.skipTest("gmsh is not installed (python3-gmsh)")
-        gmsh.initialize()
-        try:
-            gmsh.option.setNumber("General.Terminal", 0)
-            gmsh.option.setNumber("Mesh.MshFileVersion", version)
-            gmsh.model.occ.addBox(-0.5, -0.2, -0.5, 2, 0.2, 2)
-            gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
-            gmsh.model.occ.synchronize()
-            gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
-            gmsh.model.mesh.generate(3)
-            gmsh.write(self.path("two.msh"))
-        finally:
-            gmsh.finalize()
+        mesh_boxes(self, "two.msh", [(-0.5, -0.2, -0.5, 2, 0.2, 2), (0, 0, 0, 1, 1, 1)], 0.5, version)
         return self.path("two.msh")
 
     def test_bodies_of_tetrahedra_are_blocks_that_stand(self):
@@ -230,21 +236,7 @@ class Tetrahedra(Folder):
                 self.assert_sinks_by_its_weight(blocks, len(tetrahedra))
 
     def test_a_column_that_gmsh_has_meshed_too(self):
-        try:
-            import gmsh
-        except ImportError:
-            self.skipTest("gmsh is not installed (python3-gmsh)")
-        gmsh.initialize()
-        try:
-            gmsh.option.setNumber("General.Terminal", 0)
-            gmsh.model.occ.addBox(0, 0, 0, self.WIDTH, self.HEIGHT, self.WIDTH)
-            gmsh.model.occ.synchronize()
-            gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2)
-            gmsh.model.mesh.generate(3)
-            count = len(gmsh.model.mesh.getElementsByType(4)[0])
-            gmsh.write(self.path("column.msh"))
-        finally:
-            gmsh.finalize()
+        count = mesh_boxes(self, "column.msh", [(0, 0, 0, self.WIDTH, self.HEIGHT, self.WIDTH)], 0.2)
         blocks = quoin.read_blocks(self.path("column.msh"), material="stone", rigid=False)
         self.assertGreater(count, 100)
         self.assert_sinks_by_its_weight(blocks, count)

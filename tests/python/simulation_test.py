@@ -367,5 +367,58 @@ class Laws(Folder):
         self.assertGreater(os.path.getsize(self.path("out/report.html")), 1e5)
 
 
+class Starts(Folder):
+    """Damage before the first stage, and runs that begin where others have ended."""
+
+    def whole(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.output = dict(frames=0)
+        scene.damage.append(quoin.Damage(to=[0.3, 0.01, 1.0], xi=0.5))
+        return scene
+
+    def first(self):
+        scene = self.whole()
+        del scene.stage[1]
+        scene.output.end_state = True
+        return scene
+
+    def second(self, **changes):
+        scene = self.whole()
+        del scene["damage"]
+        scene.start = self.path("first")
+        for key, value in changes.items():
+            scene.joints.mortar[key] = value
+        return scene
+
+    def test_a_run_goes_on_with_the_bits_of_one_run(self):
+        whole = quoin.run(self.whole(), threads=1)
+        driven = whole.history[whole.history["stage"] == 2]
+        self.assertGreater(len(driven), 100)
+        quoin.run(self.first(), threads=1, out=self.path("first"))
+        for scene in (self.second(), self.moved()):
+            rest = quoin.run(scene, threads=1)
+            assert_same_history(rest.history, driven.astype(rest.history.dtype))  # names of stages are as long as the longest
+
+    def moved(self):
+        """Written to another folder, where start is found too."""
+        os.makedirs(self.path("elsewhere/deep"))
+        self.second().write(self.path("elsewhere/deep/second.toml"))
+        return quoin.Scene.load(self.path("elsewhere/deep/second.toml"))
+
+    def test_what_does_not_fit_is_refused(self):
+        with self.assertRaisesRegex(quoin.BadInput, "does not exist"):
+            quoin.Simulation(self.second())
+        quoin.run(self.first(), threads=1, out=self.path("first"))
+        with self.assertRaisesRegex(quoin.BadInput, "set of materials, joints"):
+            quoin.Simulation(self.second(cohesion=0.2e6))
+        with self.assertRaisesRegex(quoin.BadInput, "give another one"):
+            quoin.run(self.second(), out=self.path("first"))
+        # The program on the command line is another one, as long as nothing tells that it computes the same.
+        self.second().write(self.path("second.toml"))
+        done = self.command("run", "second.toml", "--out", "second")
+        self.assertEqual(done.returncode, 3)
+        self.assertIn("is of another build of quoin", done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -1,5 +1,5 @@
-// Blocks alike, whose inner forces come from one stiffness in their own frame (host/step/deformable_kernels.h), beside
-// the same blocks zone by zone (zone_kernels.h), which fewer than three of a kind go by.
+// Blocks whose inner forces come from a stiffness in their own frame (host/step/deformable_kernels.h), one that three
+// or more alike share or each its own, beside the same blocks zone by zone (zone_kernels.h).
 #include <cstring>
 
 #include "support.h"
@@ -9,17 +9,31 @@ namespace {
 
 const Vector kAxis = normalized(Vector{0.5, -0.3, 0.8});
 
-// `count` bricks apart from each other, each turned otherwise.
-Scene bricks_apart(int count) {
+enum class Kind { alike, unlike };
+constexpr Kind kKinds[] = {Kind::alike, Kind::unlike};
+std::string name_of(Kind kind) { return kind == Kind::alike ? "blocks alike" : "blocks unlike"; }
+
+// `count` bricks apart from each other, each turned otherwise; unlike ones of other lengths and numbers of gridpoints.
+Scene bricks_apart(int count, Kind kind = Kind::alike) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   for (int i = 0; i < count; ++i) {
+    const bool is_other = kind == Kind::unlike && i > 0;
+    const double length = is_other ? 0.4 + 0.01 * i : 0.4;
     Block b;
-    b.rigid = false, b.divisions = {2, 1, 1}, b.orientation = geometry::rotation(0.7 * i * kAxis);
+    b.rigid = false, b.divisions = {is_other ? 1 + i % 3 : 2, 1, 1};
+    b.orientation = geometry::rotation(0.7 * i * kAxis);
     b.position = {2.0 * i, 0.0, 0.0};
-    scene.assembly.add(box({-0.2, -0.05, -0.1}, {0.4, 0.1, 0.2}), b);
+    scene.assembly.add(box({-0.5 * length, -0.05, -0.1}, {length, 0.1, 0.2}), b);
   }
-  for (Block& b : scene.assembly.blocks) b.shape = 0;
+  if (kind == Kind::alike) {
+    for (Block& b : scene.assembly.blocks) b.shape = 0;
+  }
   return scene;
+}
+
+SolverSettings zone_by_zone(SolverSettings solver) {
+  solver.internal_forces = InternalForces::zones;
+  return solver;
 }
 
 // The same velocities in the frame of each block, m/s, whatever its place.
@@ -57,61 +71,70 @@ double largest_difference(const std::vector<Vector>& a, const std::vector<Vector
 double largest(const std::vector<Vector>& a) { return largest_difference(a, std::vector<Vector>(a.size())); }
 
 // Motion of the two ways differs by the square of the strain: a hundredth of the motion gives a ten thousandth.
-TEST(BlocksAlike, AreThoseZoneByZoneForSmallStrain) {
-  for (const auto& [what, solver] : {std::pair{"undamped", undamped(0.7)}, {"viscous", viscous(0, 2e-5, 0.7)}}) {
-    double difference[2];
-    for (int i = 0; i < 2; ++i) {
-      auto alike = bricks_apart(4).model(solver), alone = bricks_apart(1).model(solver);
-      ASSERT_NEAR(alike->time_step(), alone->time_step(), 1e-7 * alone->time_step());  // by Lanczos
-      for (Model* m : {alike.get(), alone.get()}) {
-        shake(*m, i == 0 ? 1.0 : 0.01);
-        for (int step = 0; step < 40; ++step) m->step();
+TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
+  for (const Kind kind : kKinds) {
+    for (const auto& [what, solver] : {std::pair{"undamped", undamped(0.7)}, {"viscous", viscous(0, 2e-5, 0.7)}}) {
+      double difference[2];
+      for (int i = 0; i < 2; ++i) {
+        auto framed = bricks_apart(4, kind).model(solver), other = bricks_apart(4, kind).model(zone_by_zone(solver));
+        ASSERT_EQ(framed->count_of(kind == Kind::alike ? Piece::Kind::alike : Piece::Kind::unlike), 4);
+        ASSERT_EQ(other->count_of(Piece::Kind::by_zone), 4);
+        for (Model* m : {framed.get(), other.get()}) {
+          shake(*m, i == 0 ? 1.0 : 0.01);
+          for (int step = 0; step < 40; ++step) m->step();
+        }
+        difference[i] = 0.0;
+        for (int block = 0; block < 4; ++block) {
+          const std::vector<Vector> u = displacements(*other, block);
+          difference[i] = std::max(difference[i], largest_difference(displacements(*framed, block), u) / largest(u));
+          // In whatever direction a block is turned; places to 6 m.
+          if (kind == Kind::alike) {
+            EXPECT_LT(largest_difference(displacements(*framed, block), displacements(*framed, 0)), 1e-13);
+          }
+        }
       }
-      const std::vector<Vector> u = displacements(*alone, 0);
-      difference[i] = largest_difference(displacements(*alike, 0), u) / largest(u);
-      // In whatever direction a block is turned.
-      for (int block = 1; block < 4; ++block)
-        EXPECT_LT(largest_difference(displacements(*alike, block), displacements(*alike, 0)), 1e-13);  // places to 6 m
+      check_error(name_of(kind) + " beside zone by zone, " + what + ", motion 1e-4", difference[1], 2e-4, "-",
+                  "relative");
+      EXPECT_NEAR(difference[0] / difference[1], 100.0, 30.0) << name_of(kind) << ", " << what;
     }
-    check_error(std::string("blocks alike beside zone by zone, ") + what + ", motion 1e-4", difference[1], 2e-4, "-",
-                "relative");
-    EXPECT_NEAR(difference[0] / difference[1], 100.0, 30.0) << what;
   }
 }
 
 // Free, vibrating and tumbling: momenta to rounding, energy without drift.
-TEST(BlocksAlike, TumblingKeepsMomentumAndEnergy) {
-  auto m = bricks_apart(3).model(undamped(0.5));
-  const Vector omega{13.0, 33.0, 20.0};
-  shake(*m, 0.1);
-  for (int i = 0; i < m->block_count(); ++i) {
-    const ModelBlock& b = m->block(i);
-    for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
-      m->node_velocities()[size_t(n)] += cross(omega, m->node_positions()[size_t(n)] - m->position(i));
-  }
-  m->track_energy(true);
-  m->step();
-  const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
-  const double start = m->energies().kinetic + m->energies().strain, end = 20 * 2 * pi / norm(omega);
-  double early = 0.0, all = 0.0;
-  while (m->time() < end) {
+TEST(BlocksInFrames, TumblingKeepsMomentumAndEnergy) {
+  for (const Kind kind : kKinds) {
+    auto m = bricks_apart(3, kind).model(undamped(0.5));
+    const Vector omega{13.0, 33.0, 20.0};
+    shake(*m, 0.1);
+    for (int i = 0; i < m->block_count(); ++i) {
+      const ModelBlock& b = m->block(i);
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n)
+        m->node_velocities()[size_t(n)] += cross(omega, m->node_positions()[size_t(n)] - m->position(i));
+    }
+    m->track_energy(true);
     m->step();
-    all = std::max(all, std::abs((m->energies().kinetic + m->energies().strain) / start - 1));
-    if (m->time() < 0.1 * end) early = all;
+    const Vector linear = m->linear_momentum(), angular = m->angular_momentum();
+    const double start = m->energies().kinetic + m->energies().strain, end = 20 * 2 * pi / norm(omega);
+    double early = 0.0, all = 0.0;
+    while (m->time() < end) {
+      m->step();
+      all = std::max(all, std::abs((m->energies().kinetic + m->energies().strain) / start - 1));
+      if (m->time() < 0.1 * end) early = all;
+    }
+    const std::string what = name_of(kind) + ", tumbling 20 turns: ";
+    check_error(what + "momentum", norm(m->linear_momentum() - linear) / norm(angular), 1e-11, "-", "relative");
+    check_error(what + "angular momentum", norm(m->angular_momentum() - angular) / norm(angular), 1e-11, "-",
+                "relative");
+    check_error(what + "energy", all, 2e-3, "-", "relative, swinging");
+    EXPECT_LT(all, 2.0 * early) << name_of(kind) << ": it drifts";
   }
-  check_error("blocks alike, tumbling 20 turns: momentum", norm(m->linear_momentum() - linear) / norm(angular), 1e-11,
-              "-", "relative");
-  check_error("blocks alike, tumbling 20 turns: angular momentum",
-              norm(m->angular_momentum() - angular) / norm(angular), 1e-11, "-", "relative");
-  check_error("blocks alike, tumbling 20 turns: energy", all, 2e-3, "-", "relative, swinging");
-  EXPECT_LT(all, 2.0 * early) << "it drifts";
 }
 
 // Viscosity of zones takes nothing from steady spin, and the stretch is that of zone by zone.
-TEST(BlocksAlike, ViscositySeesNoRigidMotion) {
+TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
   const double omega = 60.0;
-  const auto spin = [&](int count, double* lost) {
-    auto m = bricks_apart(count).model(viscous(0, 2e-5, 0.7));
+  const auto spin = [&](int count, Kind kind, const SolverSettings& solver, double* lost) {
+    auto m = bricks_apart(count, kind).model(solver);
     for (int i = 0; i < count; ++i) {
       const Vector axis = geometry::matrix(m->assembly().blocks[size_t(i)].orientation) * Vector{0, 1, 0};
       m->set_velocity(i, {}, omega * axis);
@@ -128,16 +151,20 @@ TEST(BlocksAlike, ViscositySeesNoRigidMotion) {
     }
     return longest - norm(Vector{0.4, 0.1, 0.2});
   };
-  double lost = 0.0, lost_alone = 0.0;
-  const double stretch = spin(3, &lost), alone = spin(1, &lost_alone);
-  check_error("blocks alike, viscous, 10 turns: kinetic energy lost", std::abs(lost), 1e-9, "-", "relative");
+  double lost = 0.0;
+  const SolverSettings solver = viscous(0, 2e-5, 0.7);
+  const double alone = spin(1, Kind::alike, zone_by_zone(solver), &lost);
   EXPECT_GT(alone, 1e-6);
-  check("blocks alike, centrifugal stretch", alone, stretch, 1e-3, "m", "that of zone by zone");
+  for (const Kind kind : kKinds) {
+    const double stretch = spin(3, kind, solver, &lost);
+    check_error(name_of(kind) + ", viscous, 10 turns: kinetic energy lost", std::abs(lost), 1e-9, "-", "relative");
+    check(name_of(kind) + ", centrifugal stretch", alone, stretch, 1e-3, "m", "that of zone by zone");
+  }
 }
 
 // A block that deforms by more than its frame may leave out goes on zone by zone; energy stays.
-TEST(BlocksAlike, LeaveWhenTheyDeformMuch) {
-  auto alike = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(undamped(0.5));
+TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
+  auto alike = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(zone_by_zone(undamped(0.5)));
   for (Model* m : {alike.get(), alone.get()}) {
     // Stretched along its length, 3 % at most.
     for (int i = 0; i < m->block_count(); ++i) {
@@ -166,21 +193,23 @@ TEST(BlocksAlike, LeaveWhenTheyDeformMuch) {
 }
 
 // What a block does is the same to the last bit whatever its neighbours in a vector do.
-TEST(BlocksAlike, CompanyChangesNoBit) {
-  std::vector<Vector> of[2];
-  for (const int run : {0, 1}) {
-    auto m = bricks_apart(11).model(undamped(0.7));
-    shake(*m, 0.1);
-    m->set_gravity({0, -9.81, 0});
-    for (int i = 0; i < m->block_count() && run == 1; ++i) {
-      if (i != 1 && i != 9) m->set_velocity(i, {0.3 * i, 1.0, -2.0}, {40.0, 5.0 * i, 0.0});
+TEST(BlocksInFrames, CompanyChangesNoBit) {
+  for (const Kind kind : kKinds) {
+    std::vector<Vector> of[2];
+    for (const int run : {0, 1}) {
+      auto m = bricks_apart(11, kind).model(undamped(0.7));
+      shake(*m, 0.1);
+      m->set_gravity({0, -9.81, 0});
+      for (int i = 0; i < m->block_count() && run == 1; ++i) {
+        if (i != 1 && i != 9) m->set_velocity(i, {0.3 * i, 1.0, -2.0}, {40.0, 5.0 * i, 0.0});
+      }
+      for (int step = 0; step < 20; ++step) m->step();
+      for (const int block : {1, 9}) {
+        for (const Vector& u : displacements(*m, block)) of[run].push_back(u);
+      }
     }
-    for (int step = 0; step < 20; ++step) m->step();
-    for (const int block : {1, 9}) {
-      for (const Vector& u : displacements(*m, block)) of[run].push_back(u);
-    }
+    EXPECT_EQ(std::memcmp(of[0].data(), of[1].data(), of[0].size() * sizeof(Vector)), 0) << name_of(kind);
   }
-  EXPECT_EQ(std::memcmp(of[0].data(), of[1].data(), of[0].size() * sizeof(Vector)), 0);
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ struct FourHalfUnits {
   const Vector size{0.11, 0.0625, 0.1};
   Scene scene;
   int high[2];
-  FourHalfUnits(double stiffness, bool soft) : scene(dry_joint(stiffness, stiffness, 0), 1900, 16.7e9, 0.15) {
+  FourHalfUnits(const JointFamily& family, bool soft) : scene(family, 1900, 16.7e9, 0.15) {
     for (int i = 0; i < 2; ++i) {
       scene.brick({i * size.x, 0, 0}, size, true);
       const Vector above{i * size.x, size.y, 0};
@@ -181,7 +181,7 @@ struct FourHalfUnits {
 // it 8 % stiffer, and a wall whose top is held stronger. The joint keeps its area of the start: 1 % too much.
 TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   const double kn = 82e9, pressed = 3e3, slid = 1e-3, speed = 0.05;
-  FourHalfUnits wall(kn, false);
+  FourHalfUnits wall(dry_joint(kn, kn, 0), false);
   auto m = wall.scene.model(local(0.8));
   constexpr uint8_t sideways_and_rotation = 0x39;
   const auto press = [&](double force, double velocity, double duration) {
@@ -199,9 +199,48 @@ TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   check("four half units: pressed down", pressed / (kn * (wall.size.x + slid) * wall.size.z), given, 0.01, "m");
 }
 
+// States of a law that are a vector keep their direction in space, as tractions do, whatever triangle of the block a
+// new point stands on: faces that have slid along x stand on their seat at a place along x. (They kept the components,
+// which is another vector: the first edges of two triangles of a face stand at 45 or 90 degrees.)
+TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
+  JointFamily rough = joint("cyclic_joint", {{"normal_stiffness", 1e10},
+                                             {"shear_stiffness", 1e10},
+                                             {"friction_angle", 5},
+                                             {"dilation_angle", 3},
+                                             {"dilation_length", 0.01}});
+  rough.initial_state = "dry";
+  Scene scene(rough, 1900, 16.7e9, 0.15);
+  const Vector size{0.11, 0.0625, 0.1};
+  scene.brick({-0.2, -0.1, -0.1}, {0.6, 0.1, 0.3}, true);
+  int high[2];
+  for (int i = 0; i < 2; ++i) {
+    scene.soft({i * size.x, 0, 0}, size, {4, 2, 2});
+    high[i] = scene.soft({i * size.x, size.y, 0}, size, {4, 2, 2});
+  }
+  scene.assembly.contact.small_displacement = 0.0, scene.assembly.contact.joint_motion = 0.05;
+  auto m = scene.model(local(0.0));
+  for (int block : high) m->set_velocity(block, {-0.2, 0, 0});
+  m->set_gravity({0, -gravity, 0});
+  m->run(0.006);
+  m->detect_now();
+  const Family& f = m->families()[0];
+  int counted = 0;
+  double across = 0.0, along = 0.0;  // sums of |g|, m
+  for (size_t i = 0; i < f.size(); ++i) {
+    const Point& p = f.point[i];
+    if (p.facet_a < 0) continue;                                 // on the floor
+    const Vector g = f.state[5][i] * p.s + f.state[6][i] * p.t;  // g_s, g_t
+    if (norm(g) < 1e-4) continue;
+    ++counted;
+    across += std::abs(g.z), along += std::abs(g.x);
+  }
+  ASSERT_GT(counted, 8);
+  check_error("four half units that slide: seats off their line", across / along, 0.01, "-");
+}
+
 // Gridpoints at a corner carry less than a nominal contact of the whole block would give them.
 TEST(PlacedAnew, TimeStepStaysWhereFourHalfUnitsMeet) {
-  FourHalfUnits wall(1e12, true);
+  FourHalfUnits wall(dry_joint(1e12, 1e12, 0), true);
   auto m = wall.scene.model(local(0.0));
   const double before = m->time_step();
   for (int block : wall.high) m->set_velocity(block, {-0.2, 0, 0});

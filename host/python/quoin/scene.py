@@ -8,7 +8,7 @@ import numpy as np
 from . import _quoin
 
 # Keys that are lists of tables: they need not be there before something is appended.
-LISTS = ("block", "dry_wall", "arch", "joint_rule", "stage")
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
@@ -98,6 +98,10 @@ class Arch(Table):
 
 class JointRule(Table):
     """[[joint_rule]]"""
+
+
+class Damage(Table):
+    """[[damage]]: what has happened to joints before the first stage."""
 
 
 class Wall(Table):
@@ -202,6 +206,7 @@ class Scene(Table):
                 file = os.path.join(here, table[key])
                 table[key] = os.path.abspath(file) if folder is None or os.path.isabs(table[key]) else \
                     os.path.relpath(file, folder)
+        moved(document, "start")
         for block in document.get("block", []):
             moved(block, "mesh")
         for stage in document.get("stage", []):

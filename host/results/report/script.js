@@ -53,9 +53,11 @@ class Curve {
       return high > low ? [low, high] : [low, low + 1];
     };
     this.x = limits(xs); this.y = limits(all);
+    this.top = 25 + 12 * Math.ceil(lines.filter(l => l.name).length / 4);  // their names stand above
   }
   place(x, y) {
-    return [60 + (x - this.x[0]) / (this.x[1] - this.x[0]) * 340, 205 - (y - this.y[0]) / (this.y[1] - this.y[0]) * 180];
+    const [left, right] = this.x, [low, high] = this.y;
+    return [60 + (x - left) / (right - left) * 340, 205 - (y - low) / (high - low) * (205 - this.top)];
   }
   draw(row) {
     const c = this.canvas.getContext('2d');

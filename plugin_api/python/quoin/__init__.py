@@ -27,8 +27,8 @@ else:
         from . import shapes  # noqa: F401
         from .meshes import read_blocks  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
-        from .scene import (Arch, Block, BlockMaterial, DryWall, Joint, JointRule, Scene, Stage, Table,  # noqa: F401
-                            Wall)
+        from .scene import (Arch, Block, BlockMaterial, Damage, DryWall, Joint, JointRule, Scene, Stage,  # noqa: F401
+                            Table, Wall)
         from .simulation import Simulation  # noqa: F401
 
 

@@ -1,0 +1,40 @@
+// Rigid motion of deformable blocks as they stand, told from the rest, eight a vector: the equations of
+// model/block_inertia.h. Compiled for every instruction set that Highway knows and chosen at run time.
+#pragma once
+
+#include "model/block_inertia.h"
+#include "model/lanes.h"
+
+namespace quoin::blocks {
+
+struct LaneColumns;
+
+// Numbers by lane; what is beyond kLanes is read and written with vectors that begin at any lane.
+struct alignas(64) ByLane {
+  double of[2 * kLanes];
+};
+
+// Adds to the motion of gridpoints: linear + turning r, r from the centre of their block; m, m/s, 1/s.
+struct RigidGains {
+  ByLane centre[3], linear[3], turning[3][3];
+};
+
+// Of each block about its mass centre, for energies.
+struct RigidLanes {
+  ByLane mass, second[3][3];                           // kg; sum m r r^T, kg m2
+  ByLane velocity[2][3], change[2][3], damping[2][3];  // linear and angular: before the step, in it; N, N m
+  ByLane held[3];                                      // not 0: some gridpoint is, along that axis
+};
+
+struct RigidMotionStep {
+  InertiaFactors factors;
+  double gamma;      // of eq. 1 on rigid motion
+  double time_step;  // s
+};
+
+// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves: lane l and lane l + count / 2 are a unit;
+// else all blocks stand alone.
+void split_motion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
+                  RigidLanes* lanes);
+
+}  // namespace quoin::blocks

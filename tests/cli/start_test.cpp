@@ -1,0 +1,100 @@
+// Runs that begin where others have ended: the bits of one run through all stages, also killed in between and repeated;
+// and what may not begin there is refused with the reason.
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class Start : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    whole_ = (folder_ / "whole.toml").string(), first_ = (folder_ / "first.toml").string();
+    second_ = (folder_ / "second.toml").string();
+    const std::string text = read_all(small_), damage = "[[damage]]\nto = [0.3, 0.01, 1]\nxi = 0.5\n";
+    const std::size_t shear = text.rfind("[[stage]]"), output = text.find("[output]");
+    std::ofstream(whole_) << text << damage;
+    std::ofstream(first_) << text.substr(0, shear) << text.substr(output) << damage;
+    std::ofstream(second_) << "start = \"first\"\n" << text;
+    ASSERT_EQ(run(first_, "first", {"--set", "output.end_state=true"}), 0) << error_;
+  }
+  std::vector<std::string> words(const std::string& scene, const std::string& name,
+                                 const std::vector<std::string>& more) const {
+    std::vector<std::string> all{
+        QUOIN_PROGRAM,       "run", scene, "--out", (folder_ / name).string(), "--threads", "1", "--set",
+        "output.plots=false"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  int run(const std::string& scene, const std::string& name, const std::vector<std::string>& more = {}) {
+    return finish(start(words(scene, name, more)));
+  }
+  std::string file(const std::string& run, const std::string& name) const { return read_all(folder_ / run / name); }
+  // The rows of the second stage.
+  std::string driven(const std::string& name) const {
+    std::stringstream stream(file(name, "history.csv"));
+    std::string rows;
+    for (std::string line; std::getline(stream, line);)
+      if (line.starts_with("2,")) rows += line + "\n";
+    return rows;
+  }
+
+  std::string whole_, first_, second_;
+};
+
+TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
+  ASSERT_EQ(run(whole_, "whole"), 0) << error_;
+  ASSERT_EQ(run(second_, "second"), 0) << error_;
+  EXPECT_EQ(driven("second"), driven("whole"));
+  EXPECT_GT(driven("second").size(), 1000u);
+  for (const char* name : {"blocks_0003.vtu", "joints_0003.vtu"})
+    EXPECT_TRUE(file("second", name) == file("whole", name)) << name;
+
+  // Repeated, with what it began from.
+  EXPECT_EQ(quoin({"run", "--again", (folder_ / "second").string(), "--out", out()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("the bits agree"));
+}
+
+TEST_F(Start, KilledRunsGoOn) {
+  ASSERT_EQ(run(second_, "second"), 0) << error_;
+  // Before the first checkpoint, and after it.
+  for (const char* every : {"0", "0.005"}) {
+    fs::remove_all(folder_ / "killed");
+    const pid_t child = start(words(second_, "killed", {"--checkpoint-every", every}));
+    const fs::path sign = folder_ / "killed" / (every[1] ? "checkpoint.bin" : "run.json");
+    while (!fs::exists(sign) && waitpid(child, nullptr, WNOHANG) == 0)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(child, SIGKILL);
+    ASSERT_EQ(finish(child), 128 + SIGKILL) << every;
+    ASSERT_EQ(quoin({"run", "--resume", (folder_ / "killed").string(), "--threads", "1"}), 0) << error_;
+    EXPECT_EQ(file("killed", "history.csv"), file("second", "history.csv")) << every;
+  }
+}
+
+TEST_F(Start, WhatDoesNotFitIsRefusedWithTheReason) {
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& reason) {
+    EXPECT_EQ(run(second_, "other", more), 3) << reason;
+    EXPECT_THAT(error_, HasSubstr(reason));
+  };
+  refused({"--set", "joints.mortar.tensile_strength=0.1e6"}, "set of materials, joints");
+  refused({"--set", "materials.brick.density=1800"}, "set of materials, joints");
+  refused({"--set", "stage.precompression.pressure=0.4e6"}, "version of what the first stages do");
+  refused({"--set", "wall.courses=3"}, "does not fit");
+  refused({"--set", "start=\"nowhere\""}, "does not exist");
+  refused({"--law", "coulomb_slip"}, "other laws");
+  // Its own results would be removed before they were read.
+  const std::string state = file("first", "end_state.bin");
+  EXPECT_EQ(run(second_, "first"), 3);
+  EXPECT_THAT(error_, HasSubstr("give another one"));
+  EXPECT_TRUE(file("first", "end_state.bin") == state);
+}
+
+}  // namespace
