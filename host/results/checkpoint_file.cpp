@@ -158,8 +158,8 @@ std::string masonry_hash(const Scene& scene) {
   for (const auto& [name, f] : scene.joints) {
     hash.add_text(fmt::format("{} {} {} {}", name, f.law, f.initial_state, f.missing_mortar));
     for (const PropertySetting& p : f.properties)
-      hash.add_text(fmt::format("{} {} {} {}", p.id, p.text, fmt::join(p.numbers, " "),
-                                p.scatter ? text_of(*p.scatter) : ""));
+      hash.add_text(
+          fmt::format("{} {} {} {}", p.id, p.text, fmt::join(p.numbers, " "), p.scatter ? text_of(*p.scatter) : ""));
     if (f.scatters() || f.missing_mortar > 0.0)
       hash.add_text(fmt::format("{} {}", scene.random.seed, scene.random.sample));
   }
