@@ -253,7 +253,8 @@ void run(const Material& material, const Columns& c, std::size_t count, Summary&
   using Law = Equations<Softening, kShared, kCrushing, kDilation>;
   const Columns own = c;  // whose copy the short path keeps in registers: what is stored might change c
   const Lanes& lanes = own_lanes(material);
-  Lanes by_point = lanes;
+  Lanes by_point;
+  if (own.property_columns) by_point = lanes;
   const Law law{own.property_columns ? by_point : lanes, Softening(material.parameters)};
   const Refill refill{material.parameters, lanes, own, own.property_columns ? &by_point : nullptr};
   if constexpr (kFull) {
