@@ -3,6 +3,7 @@ the interpreter. usage: mesh_fuzz_test.py [INPUTS [SEED]]; INPUTS mutations in a
 import collections
 import os
 import random
+import re
 import resource
 import signal
 import sys
@@ -42,7 +43,7 @@ def seeds(folder):
         path = os.path.join(folder, name)
         mesh.write(path, **options)
         with open(path, "rb") as file:
-            yield name, file.read()
+            yield name, re.sub(rb"meshio v.*", b"meshio", file.read())  # without the time of day
 
 
 def mutated(data, other, rng):
@@ -85,7 +86,7 @@ def fuzz(inputs, seed):
     resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
     rng = random.Random(seed)
     ends = collections.defaultdict(collections.Counter)
-    faults, slowest, told = [], 0.0, time.monotonic()
+    faults, slowest, told = 0, 0.0, time.monotonic()
     with tempfile.TemporaryDirectory(dir="/dev/shm" if os.path.isdir("/dev/shm") else None) as folder:
         files = list(seeds(folder))
         for i in range(inputs):
@@ -107,16 +108,15 @@ def fuzz(inputs, seed):
             slowest = max(slowest, time.monotonic() - start)
             ends[name][end] += 1
             if end not in ("read", "refused"):
-                faults.append((name, end, data))
+                faults += 1
+                print(f"input {i}, {name}: {end}: {data[:1500]}", flush=True)
             if time.monotonic() - told > 30.0:
                 told = time.monotonic()
-                print(f"{i} of {inputs}, {len(faults)} faults", file=sys.stderr, flush=True)
+                print(f"{i} of {inputs}, {faults} faults", file=sys.stderr, flush=True)
     for name, counts in ends.items():
         print(name, ", ".join(f"{end} {count}" for end, count in sorted(counts.items())))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
-    print(f"{inputs} inputs, seed {seed}: the slowest {slowest:.2f} s, at most {memory} MB, {len(faults)} faults")
-    for name, end, data in faults[:3]:
-        print(name, end, data[:2000])
+    print(f"{inputs} inputs, seed {seed}: the slowest {slowest:.2f} s, at most {memory} MB, {faults} faults")
     assert not faults
 
 

@@ -1,6 +1,9 @@
 """Blocks from meshes of other programs, read by meshio: gmsh's .msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
+import contextlib
 import importlib.util
+import io
 import os
+import resource
 
 import numpy as np
 
@@ -79,13 +82,36 @@ def _boundary(zones):
     return [faces[0] for faces in found.values() if len(faces) == 1]
 
 
+@contextlib.contextmanager
+def _little_memory(path):
+    """Missing memory is an exception of the reader, and not the end of the machine: a few bytes can say that points go by
+    numbers up to 2^31. Allowed are 200 bytes for each of the file and 500 MB."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm", encoding="ascii") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    allowed = used + 200 * os.path.getsize(path) + 500_000_000
+    if soft == resource.RLIM_INFINITY or allowed < soft:
+        resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
 def _read(path):
     """What meshio makes of a file. It waits for ever for the end of a PLY header that is cut off."""
     import meshio
     with open(path, "rb") as file:
         if file.read(3) == b"ply" and not any(line.strip() == b"end_header" for line in file):
             raise ValueError("its header has no end (end_header)")
-    return meshio.read(path)
+    said = io.StringIO()  # it prints what is wrong, and ends the program
+    try:
+        with _little_memory(path), contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except MemoryError:
+        raise ValueError("it asks for more memory than a mesh of its size needs") from None
+    except SystemExit:
+        raise ValueError(" ".join(said.getvalue().split()) or "no reason is given") from None
 
 
 def read_blocks(path, *, material, scale=1.0, name=None, **keys):
@@ -101,8 +127,8 @@ def read_blocks(path, *, material, scale=1.0, name=None, **keys):
         raise BadInput(f"{path}: cannot read it: no such file")
     try:
         mesh = _read(path)
-    except (Exception, SystemExit) as fault:  # meshio ends the program where it cannot read
-        raise BadInput(f"{path}: meshio cannot read it: {fault or type(fault).__name__}") from None
+    except Exception as fault:
+        raise BadInput(f"{path}: meshio cannot read it: {str(fault) or type(fault).__name__}") from None
     points = scale * np.asarray(mesh.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
         raise BadInput(f"{path}: its points are not finite, or not in three dimensions")
