@@ -126,6 +126,44 @@ TEST(Fit, FixedPropertiesStay) {
   for (const FittedProperty& p : result.properties) EXPECT_NE(p.id, "friction_angle");
 }
 
+// Curves of constant shear: the cohesion starts at its residual, which the law allows it to be no less than. Where one
+// side of a value is refused, its influence is measured on the other.
+TEST(Fit, GoesOnAtTheEdgeOfWhatTheLawAdmits) {
+  constexpr double kPressure = 0.4e6, kLast = 0.3e6;  // Pa
+  const double friction = 0.75 * kPressure;
+  MeasuredCurve curve;
+  curve.kind = TestKind::triplet;
+  curve.file = "constant";
+  for (int i = 1; i <= 40; ++i) {
+    curve.jump.push_back(2e-6 * i);
+    // A hair more than the residual, so that the start value itself is admitted.
+    curve.stress.push_back(std::min(kKs * curve.jump.back(), (1 + 1e-6) * (friction + kLast)));
+    curve.normal.push_back(-kPressure);
+  }
+  auto given = known();
+  std::erase_if(given, [](const PropertySetting& s) { return s.id == "compressive_strength_residual"; });
+  given.push_back({"friction_angle", {std::atan(0.75) * 180 / std::numbers::pi}, {}, {}});
+  given.push_back({"cohesion_residual", {kLast}, {}, {}});
+  const FitResult result = fit_properties(Law::find(law_under_test()), {curve}, given);
+  ASSERT_EQ(result.properties.size(), 2u);
+  EXPECT_EQ(result.properties[0].id, "cohesion");
+  EXPECT_NEAR(result.properties[0].value, kLast, 1e-3 * kLast);
+}
+
+// One row that is far out makes the line through the peaks of triplets end below zero. The cohesion starts at a small
+// share of the peaks all the same, and ends where the other rows have it.
+TEST(Fit, StartsWithCohesionWhereTheLineOfPeaksHasNone) {
+  auto curves = synthetic(1, 0.0);
+  curves.erase(curves.begin() + 5), curves.erase(curves.begin(), curves.begin() + 2);  // triplets alone
+  double& far_out = curves[2].stress[40];
+  far_out += 1.25e6;
+  const double slope = (far_out - shear(6e-5, 0.2e6)) / 0.8e6;  // about, of three pressures evenly apart
+  ASSERT_LT(shear(6e-5, 0.2e6), 0.2e6 * slope);
+  const FitResult result = fit_properties(Law::find(law_under_test()), curves, known());
+  for (const FittedProperty& p : result.properties)
+    EXPECT_NEAR(p.value, truth(p.id.c_str()), 0.1 * truth(p.id.c_str())) << p.id << ": one row of 240";
+}
+
 TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
   const auto folder = std::filesystem::temp_directory_path() / "quoin_fit_test";
   std::filesystem::create_directories(folder);
