@@ -1,13 +1,17 @@
 """The page of a run, opened by a browser from the disk. What the page does is asked by a script that is added to a copy."""
+import base64
+import json
 import os
 import re
 import shutil
 import subprocess
 import tempfile
 import unittest
+import zlib
 
 import quoin
 from support import PROGRAM, SCENES, SMALL_WALL, Folder, block_scene
+import numpy as np  # after support, which tells where it is missing
 
 # Moves the slider, chooses every colour, and tells what was drawn: shares of pixels that are not background.
 ASK = """
@@ -55,7 +59,6 @@ ask();
 
 def told_by(page):
     """What a browser tells of the page; skips the test where there is none that draws."""
-    import json
     browser = shutil.which("chromium") or shutil.which("chromium-browser")
     if not browser:
         raise unittest.SkipTest("chromium is not installed")
@@ -108,6 +111,24 @@ class Report(Folder):
         self.assert_works(told)
         self.assertEqual([c[0] for c in told["colours"]], ["damage", "opening", "slip", "stress", "displacement"])
         self.assertGreater(len({c[2] for c in told["colours"]}), 3)  # they look different
+
+    def test_displacements_are_those_of_the_run(self):
+        self.run_scene("wall", SMALL_WALL, "--report")
+        with open(self.path("wall/report.html"), encoding="utf-8") as file:
+            html = file.read()
+        head = json.loads(re.search(r'class="head">(.*?)</script>', html, re.S)[1])
+        data = zlib.decompress(base64.b64decode(re.search(r'class="data">(.*?)</script>', html, re.S)[1]))
+
+        def array(name):
+            at = head["arrays"][name]
+            kind = {"Float32Array": "<f4", "Int16Array": "<i2"}[at["type"]]
+            return np.frombuffer(data, kind, at["count"], at["offset"]).reshape(-1, 3)
+        # The beam on top goes by what the stage asks for, 0.5 mm; two steps of 30 us at 50 mm/s more, and
+        # what 16 bits round by.
+        top = array("position")[:, 1].argmax()
+        step = head["range"]["moved"] / 32767
+        self.assertAlmostEqual(array("moved3")[top, 0] * step, 0.5e-3, delta=2 * 0.05 * 3e-5 + step)
+        self.assertEqual(abs(array("moved3")).max(), 32767)
 
     def test_two_runs_side_by_side(self):
         self.run_scene("wall", SMALL_WALL)
