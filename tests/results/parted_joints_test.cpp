@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "folder.h"
 #include "results/block_picture.h"
@@ -68,6 +72,43 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   long gaps = 0;
   for (std::size_t i = 1; i < lines.size(); ++i) gaps += lines[i] == '\n' && lines[i - 1] == '\n';
   EXPECT_GE(gaps, static_cast<long>(2 * parted.size()));  // both sides of each
+}
+
+class BlockPicture : public InFolder {};
+
+// Blocks that do not stand in one plane are seen from above and from the right, (0.55, 0.45, 1): what is nearer hides
+// what is behind, whatever was named first, and the ground hides nothing.
+TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
+  const std::string head =
+      "[materials.stone]\nyoung_modulus = 1e10\npoisson_ratio = 0.2\ndensity = 2000\n"
+      "[joints.dry]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 5e8\n";
+  const auto block = [](const std::string& keys, const std::string& lower, const std::string& size) {
+    return "[[block]]\nmaterial = \"stone\"\n" + keys + "box = { lower = " + lower + ", size = " + size + " }\n";
+  };
+  const std::string front = block("name = \"front\"\n", "[0, 0, 2]", "[0.2, 0.2, 0.2]"),
+                    back = block("name = \"back\"\n", "[0, 0, 0]", "[0.2, 0.2, 0.2]"),
+                    ground = block("name = \"ground\"\nfixed = true\n", "[-2, -0.2, -2]", "[6, 0.2, 6]");
+  Simulation simulation(read_scene_text(head + front + back + ground + "[[stage]]\nduration = 1\n", "view.toml", {}),
+                        1);
+  plot_block_cracks(folder_, simulation, Surfaces(simulation), "");
+  std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
+  std::vector<std::array<double, 2>> across;  // of each polygon: left and right end on paper, m
+  for (std::string line; std::getline(script, line);) {
+    if (!line.starts_with("set object ")) continue;
+    auto& [left, right] = across.emplace_back(std::array{1e9, -1e9});
+    for (std::size_t at = line.find(" from "); at != std::string::npos; at = line.find(" to ", at + 1)) {
+      const double x = std::stod(line.substr(line.find(' ', at + 1) + 1));
+      left = std::min(left, x), right = std::max(right, x);
+    }
+  }
+  ASSERT_GE(across.size(), 7u) << "three faces of each stone, and the top of the ground";
+  EXPECT_GT(across[0][1] - across[0][0], 0.5) << "the ground, as far as the picture goes";
+  // 2 m nearer is 2 m 0.55/sqrt(0.55^2 + 1) further to the left; a stone is 0.3 m across.
+  const std::size_t first = across.size() - 6;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LT(across[first + i][1] - across[first + i][0], 0.3);
+    EXPECT_GT(across[first + i][0], across[first + 3 + i][1] + 0.5) << "the one behind is drawn first";
+  }
 }
 
 }  // namespace
