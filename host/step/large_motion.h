@@ -39,12 +39,14 @@ class Model : public World {
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end.
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
+  // end_step() says that blocks have moved enough, find_contacts.
   void begin_step() { apply_ground_motion(); }
   // clock: of the thread, started; null: not timed.
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
-  void end_step();
+  bool end_step();
+  void find_contacts();
   void run(double duration);  // s
   void run_steps(long steps) {
     for (long i = 0; i < steps; ++i) step();
