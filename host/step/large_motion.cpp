@@ -529,8 +529,8 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
-  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
-  advance_rigid(bodies_.data(), index, int(blocks.size()), step, sums);
+  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_, unnoticed_};
+  advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   if (!energy_) return;
   for (const int32_t block : blocks) {
@@ -561,6 +561,7 @@ void Model::sum_up() {
   for (const BlockSums& sums : block_sums_) {
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
+    startled_ |= sums.startled;
   }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;

@@ -61,6 +61,7 @@ class Model : public World {
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
   // Whether something of theirs concerns all: a law that has failed, a block that is nowhere or has deformed too much.
   bool in_trouble(std::span<const int> chunks, std::span<const int> pieces) const;
+  bool is_startled(std::span<const int> pieces) const;  // some block of theirs: contacts may have to be found anew
   void each_memory_of_piece(Part part, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.

@@ -228,7 +228,7 @@ struct Simulation::Impl {
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   void prepare_row();  // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
-  bool agree(bool trouble);
+  bool agree(bool trouble, bool* startled = nullptr);
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
