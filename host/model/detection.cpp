@@ -267,6 +267,13 @@ void World::place_points(Detection& found) {
   for (const Contact& c : found.lost)
     freed += energy_of_points(before.families[c.family], before.facets, c.first, c.count);
   std::vector<uint32_t> fill(families_.size(), 0);
+  // Contacts that go on as they are, one after the other before and now: they are copied together.
+  Finding kept;
+  Contact together;
+  const auto keep = [&] {
+    if (together.count > 0) keep_points(before, kept, together);
+    together.count = 0;
+  };
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
@@ -276,19 +283,28 @@ void World::place_points(Detection& found) {
     }
     c.first = fill[c.family];
     if (finding.fresh) {
+      keep();
       c.count = uint32_t(finding.end - finding.begin);
       c.initial = c.initial || (found.at_start && c.count > 0);
       freed += energy_of_points(before.families[c.family], before.facets, finding.first, finding.count);
       hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
       freed -= energy_of_points(families_[c.family], facets_, c.first, c.count);
-    } else {
-      keep_points(before, finding, c);
+    } else if (c.count > 0) {
+      const bool goes_on = together.count > 0 && together.family == c.family &&
+                           kept.first + kept.count == finding.first && together.first + together.count == c.first;
+      if (goes_on) {
+        kept.count += c.count, together.count += c.count;
+      } else {
+        keep();
+        kept = finding, together = c;
+      }
     }
     fill[c.family] += c.count;
     if (!found.at_start || c.count == 0) continue;
     StartJoint& joint = start_joints_.emplace_back(StartJoint{c.pair, {}});
     for (uint32_t k = c.first; k < c.first + c.count; ++k) joint.point.push_back(families_[c.family].point[k].at);
   }
+  keep();
   if (energy_) later_.detection += freed;
   contacts_ = std::move(found.contacts);
   divide_work();

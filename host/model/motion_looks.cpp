@@ -6,6 +6,7 @@
 //
 // Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
 #include <algorithm>
+#include <bit>
 
 #include "model/world.h"
 
@@ -15,9 +16,12 @@ using namespace geometry;
 
 namespace {
 
-// In which blocks that are seen at rest may use up the way of a pair of the smallest ones. Fewer steps: looks come more
-// often; more: blocks are startled more often. The cost is flat from 50 to 200.
-constexpr double kCalmSteps = 100.0;
+// The speed that a block may gain unnoticed is such that a pair of the smallest ones would use up its way in so many
+// steps: at first, and of blocks that are startled all the time.
+constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
+// Blocks that are startled sooner than this may gain twice as much from then on, those later than that half of it,
+// steps.
+constexpr long kSoon = 30, kLate = 300;
 constexpr long kMostSteps = 1000;  // between two looks at the same
 // Of the way of a pair, from where on it is looked at closely together with others that have moved by all of it.
 constexpr double kRipe = 0.8;
@@ -31,14 +35,12 @@ constexpr double kSmallRotation = 1e-3;
 bool World::moved_enough() {
   const bool all = dt_ != look_dt_ && !bodies_.empty();
   if (step_count_ < next_check_ && !startled_ && !all) return false;
-  if (all) look_dt_ = dt_, unnoticed_ = detection_fraction() * size_ / (kCalmSteps * dt_);
+  if (all) look_dt_ = dt_;
   due_.assign(blocks_.size(), all);
   seen_.resize(bodies_.size());
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    const ModelBlock& b = blocks_[i];
-    if (b.body < 0 || !(all || block_sums_[i].startled)) continue;
-    const Body& body = bodies_[size_t(b.body)];
-    seen_[size_t(b.body)] = {body.v, b.radius, body.omega, 0.0};
+    if (blocks_[i].body < 0 || !(all || block_sums_[i].startled)) continue;
+    see(int(i));
     due_[i] = 1, block_sums_[i].startled = false;
   }
   startled_ = false;
@@ -72,10 +74,27 @@ bool World::is_ripe(const Contact& c, const PairLook& look) const {
   return seen ? look.ripe : pair_motion(c) > kRipe * allowed_motion(c);
 }
 
-// The first step in which something this fast can have gone all of the way.
+void World::see(int i) {
+  const ModelBlock& b = blocks_[size_t(i)];
+  const Body& body = bodies_[size_t(b.body)];
+  SeenMotion& seen = seen_[size_t(b.body)];
+  const double way_a_step = detection_fraction() * size_ / dt_;
+  double unnoticed = seen.unnoticed;
+  const long since = step_count_ - seen.step;
+  if (block_sums_[size_t(i)].startled && since < kSoon) unnoticed *= 2.0;
+  if (since > kLate) unnoticed *= 0.5;
+  unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
+  seen = {body.v, b.radius, body.omega, unnoticed, step_count_};
+}
+
+// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
+// fall into one step.
 long World::step_after(double way, double speed) const {
   const double steps = way / (speed * dt_);
-  return step_count_ + (steps > 1.0 ? long(std::min(steps, double(kMostSteps))) : 1);
+  if (!(steps >= 2.0)) return step_count_ + 1;
+  const long last = step_count_ + long(std::min(steps, double(kMostSteps)));
+  const long round = long(std::bit_floor(std::uint64_t(last - step_count_) / 4 + 1));
+  return std::max(step_count_ + 1, last - last % round);
 }
 
 // Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
@@ -109,8 +128,8 @@ bool World::look_at_block(int i, long& step) const {
     step = step_count_ + calm_steps_;
   } else {
     const SeenMotion& seen = seen_[size_t(b.body)];
-    const double spin = norm(seen.omega) + unnoticed_ / b.radius;
-    step = step_after(way - moved, norm(seen.v) + unnoticed_ + (small_ ? 0.0 : spin * b.radius));
+    const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
+    step = step_after(way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
     if (small_) step = std::min(step, step_after(kSmallRotation - turned, spin));
   }
   return moved > way || turned > kSmallRotation;
@@ -126,8 +145,8 @@ bool World::look_at_pair(const Contact& c, PairLook& look) const {
     const Vector apart = bodies_[size_t(b.body)].x - bodies_[size_t(a.body)].x;
     const double distance = norm(apart), lever = lever_of(c, distance);
     const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
-    const double unnoticed =
-        unnoticed_ * (std::max(1.0, (distance + lever) / a.radius) + std::max(1.0, lever / b.radius));
+    const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
+                             of_b.unnoticed * std::max(1.0, lever / b.radius);
     look.step = step_after((look.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed);
   }
   return moved > way;

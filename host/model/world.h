@@ -184,13 +184,14 @@ struct Piece {
   bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
 };
 
-// The motion that the next looks at a rigid block reckon with (motion_looks.cpp). In the order in which kernels read
-// it.
+// The motion that the next looks at a rigid block reckon with (motion_looks.cpp): it moves as it was seen to, but for
+// so much of the speed of any part of it. In the order in which kernels read it.
 struct SeenMotion {
-  Vector v;  // m/s
-  double radius;
-  Vector omega;   // rad/s
-  double unused;  // a row is four numbers
+  Vector v;                // m/s
+  double radius = 0.0;     // m
+  Vector omega;            // rad/s
+  double unnoticed = 0.0;  // m/s
+  long step = 0;           // of the look
 };
 
 // When a pair of blocks is looked at next.
@@ -438,6 +439,7 @@ class World {
 
  protected:
   bool moved_enough();
+  void see(int block);
   bool look_at_block(int block, long& step) const;
   bool look_at_pair(const Contact& c, PairLook& look) const;
   bool is_ripe(const Contact& c, const PairLook& look) const;  // to be looked at closely when others are
@@ -585,9 +587,9 @@ class World {
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   double springs_ = 0.0;  // eigenvalue, 1/s2
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
-  long calm_steps_ = 0;                     // between two looks at deformable blocks
-  double unnoticed_ = 0.0, look_dt_ = 0.0;  // speed that startles nobody, m/s; time step that looks reckon with, s
-  bool startled_ = false;                   // some block in the last step
+  long calm_steps_ = 0;    // between two looks at deformable blocks
+  double look_dt_ = 0.0;   // that looks reckon with, s
+  bool startled_ = false;  // some block in the last step
   double unbalanced_ = 0.0;
   Vector net_;
   Energies energies_;

@@ -94,7 +94,6 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.step_count_);
   archive.value(m.next_check_);
   archive.value(m.calm_steps_);
-  archive.value(m.unnoticed_);
   archive.value(m.look_dt_);
   archive.value(m.detections_);
   archive.value(m.narrow_calls_);

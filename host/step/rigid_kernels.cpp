@@ -233,14 +233,17 @@ struct SumLanes {
   alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes], beyond[kLanes];
 };
 
-// How much faster than it was seen any part of a body moves, at most, m/s.
+// Positive where some part of a body may move otherwise than it was seen to by more than goes unnoticed: (a + b)^2 is
+// at most 2 (a^2 + b^2), which needs no roots.
 HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& v, const Lanes3& omega) {
   V linear[kFour], angular[kFour];
   load_rows([&](int l) { return &seen[l]->v.x; }, linear);
   load_rows([&](int l) { return &seen[l]->omega.x; }, angular);
   const Lanes3 dv = difference_of(v, {linear[0], linear[1], linear[2]});
   const Lanes3 dw = difference_of(omega, {angular[0], angular[1], angular[2]});
-  return hn::MulAdd(linear[3], hn::Sqrt(dot_of(dw, dw)), hn::Sqrt(dot_of(dv, dv)));
+  const V radius = linear[3], unnoticed = angular[3];
+  const V squares = hn::MulAdd(hn::Mul(radius, radius), dot_of(dw, dw), dot_of(dv, dv));
+  return hn::NegMulAdd(unnoticed, unnoticed, twice(squares));
 }
 
 HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen)[kLanes],
@@ -400,7 +403,7 @@ void AdvanceRigid(Body* bodies, const SeenMotion* all_seen, const std::int32_t* 
     s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
     s.positions = lanes.positions[i];
     s.kinetic = lanes.kinetic[i], s.damping = lanes.damping[i], s.external = lanes.external[i];
-    s.startled = lanes.beyond[i] > step.unnoticed;
+    s.startled = lanes.beyond[i] > 0.0;
   }
 }
 

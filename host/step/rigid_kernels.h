@@ -34,7 +34,6 @@ struct BodyStep {
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
   Vector gravity;    // m/s2
   bool energies;     // work and kinetic energy are wanted
-  double unnoticed;  // speed beyond what was seen that startles nobody, m/s
 };
 
 // Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,
