@@ -307,37 +307,20 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
   return text;
 }
 
-// Eigenvalue of the stiffest whiffletree on the bodies that it pulls. Its energy K/(2 n) (sum of the n floors'
-// displacements)^2 gives every floor the same force; with the mean over the m_f bodies of a floor,
-// lambda = K/n sum 1/(m_f^2 mass). Gridpoints of a deformable block share its force by their mass.
-double whiffletree_eigenvalue(const Model& model, const Inertia& inertia, const std::vector<Stage>& stages) {
-  double largest = 0.0;
-  for (const Stage& stage : stages) {
-    if (!stage.whiffletree) continue;
-    double compliance = 0.0;
-    for (const std::vector<std::string>& floor : stage.whiffletree->floors) {
-      double of_floor = 0.0, count = 0.0;
-      for (const std::string& name : floor) {
-        for (const int body : model.bodies_named(name)) {
-          of_floor += 1.0 / inertia.body_mass[at(body)];
-          ++count;
-        }
-        for (const int block : model.deformable_blocks_named(name)) {
-          double mass = 0.0, sum = 0.0;
-          model.for_each_gridpoint(block, [&](std::size_t offset, double m) {
-            mass += m;
-            sum += m * m / inertia.node[offset];
-          });
-          of_floor += sum / (mass * mass);
-          ++count;
-        }
-      }
-      if (count > 0.0) compliance += of_floor / (count * count);
-    }
-    const auto floors = static_cast<double>(stage.whiffletree->floors.size());
-    largest = std::max(largest, stage.whiffletree->stiffness / floors * compliance);
+// 1/mass of what a whiffletree pulls by that name, 1/kg. Gridpoints of a deformable block share its force by their
+// mass.
+std::vector<double> compliances(const Model& model, const Inertia& inertia, const std::string& name) {
+  std::vector<double> found;
+  for (const int body : model.bodies_named(name)) found.push_back(1.0 / inertia.body_mass[at(body)]);
+  for (const int block : model.deformable_blocks_named(name)) {
+    double mass = 0.0, sum = 0.0;
+    model.for_each_gridpoint(block, [&](std::size_t offset, double m) {
+      mass += m;
+      sum += m * m / inertia.node[offset];
+    });
+    found.push_back(sum / (mass * mass));
   }
-  return largest;
+  return found;
 }
 
 TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
@@ -345,7 +328,8 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   TimeStepReport report;
   report.model_mass = model.total_mass();
   // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
-  const double tree = whiffletree_eigenvalue(model, inertia, stages);
+  const double tree = whiffletree_eigenvalue(
+      stages, [&](const Stage&, const std::string& name) { return compliances(model, inertia, name); });
   const auto step_of = [tree](double of_joints) {
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
@@ -405,6 +389,25 @@ std::string TimeStepReport::warning() const {
 
 void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f) {
   UndamagedSystem(model).apply(u, f);
+}
+
+double whiffletree_eigenvalue(const std::vector<Stage>& stages,
+                              const std::function<std::vector<double>(const Stage&, const std::string&)>& compliances) {
+  double largest = 0.0;
+  for (const Stage& stage : stages) {
+    if (!stage.whiffletree) continue;
+    double compliance = 0.0;
+    for (const std::vector<std::string>& floor : stage.whiffletree->floors) {
+      double of_floor = 0.0, count = 0.0;
+      for (const std::string& name : floor) {
+        for (const double of_block : compliances(stage, name)) of_floor += of_block, ++count;
+      }
+      if (count > 0.0) compliance += of_floor / (count * count);
+    }
+    const auto floors = static_cast<double>(stage.whiffletree->floors.size());
+    largest = std::max(largest, stage.whiffletree->stiffness / floors * compliance);
+  }
+  return largest;
 }
 
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,

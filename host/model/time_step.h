@@ -1,6 +1,7 @@
 // The stable time step of central differences for the undamaged assembled system.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,12 @@ enum class Limits { critical, all };
 // springs.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
                                 Limits wanted = Limits::all, const std::vector<Stage>& stages = {});
+
+// Eigenvalue of the stiffest whiffletree on what it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
+// displacements)^2 gives every floor the same force; with the mean over the m_f blocks of a floor,
+// lambda = K/n sum 1/(m_f^2 mass). compliances: 1/mass of each block of that name, 1/kg.
+double whiffletree_eigenvalue(const std::vector<Stage>& stages,
+                              const std::function<std::vector<double>(const Stage&, const std::string&)>& compliances);
 
 // K of the undamaged assembled system times a vector: gridpoints in lane layout, then 6 numbers a rigid body
 // (translation, rotation about its centre). Symmetric.

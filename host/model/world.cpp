@@ -276,10 +276,8 @@ std::vector<int> kinds_of_shapes(const std::vector<ConvexPolyhedron>& shapes) {
 
 }  // namespace
 
-// From three blocks on, one product with their stiffness for all costs less than one of each with its own. The halves
-// of a unit go together: they are of one kind, or each has its own.
+// The halves of a unit go together: they are of one kind, or each has its own.
 void World::find_frames(InternalForces wanted) {
-  constexpr size_t kFewest = 3;
   by_zone_.assign(blocks_.size(), wanted == InternalForces::zones);
   if (wanted == InternalForces::zones) return;
   const std::vector<int> kinds = kinds_of_shapes(assembly_.shapes);
@@ -301,7 +299,7 @@ void World::find_frames(InternalForces wanted) {
       of_kind[kind_of(i)].push_back(i);
   }
   for (const auto& [kind, blocks] : of_kind) {
-    if (blocks.size() < kFewest) {
+    if (blocks.size() < kFewestAlike) {
       unlike.insert(unlike.end(), blocks.begin(), blocks.end());
       continue;
     }

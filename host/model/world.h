@@ -155,6 +155,8 @@ struct Chunk {
 };
 inline constexpr uint32_t kChunk = 256;
 inline constexpr int kBodies = 8;  // rigid blocks that move on side by side
+// Alike blocks from which on one product with the stiffness of all costs less than one of each with its own.
+inline constexpr size_t kFewestAlike = 3;
 
 // One side of a contact point, as its block sees it.
 struct Touch {

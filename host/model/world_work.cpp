@@ -143,7 +143,6 @@ void World::divide_sides() {
 // As many as a vector takes. Units of blocks alike go by kind, so that most vectors are full; where few are left of a
 // kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
 void World::divide_blocks() {
-  constexpr size_t kFewest = 3;
   pieces_.clear(), piece_blocks_.clear();
   const auto zones_of = [&](const Unit& unit) {
     int zones = 0;
@@ -192,7 +191,7 @@ void World::divide_blocks() {
   for (const auto& [kind, units] : of_kind) {
     size_t blocks = 0;
     for (const Unit& unit : units) blocks += size_t(unit.count);
-    if (blocks >= kFewest)
+    if (blocks >= kFewestAlike)
       divide(units, Piece::Kind::alike, kind);
     else
       by_zone.insert(by_zone.end(), units.begin(), units.end());

@@ -291,10 +291,12 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   double *force = rows.data(), *viscous = rows.data() + size;
   LaneBlock lanes[kBodies];
   BlockSums* sums[kBodies];
+  double power[kBodies];  // of loads, before the step
   for (size_t l = 0; l < count; ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[l])];
     sums[l] = &block_sums_[size_t(blocks[l])];
     *sums[l] = {};
+    if (energy_ && loaded_[size_t(blocks[l])]) power[l] = power_on_gridpoints(blocks[l], 0.0);
     forces_on_gridpoints(blocks[l], force);
     lap(clock, Phase::motion);
     if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
@@ -337,7 +339,8 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                            energy_};
   advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, sums);
   for (size_t l = 0; l < count; ++l) {
-    if (energy_ && loaded_[size_t(blocks[l])]) sums[l]->external += work_of_loads(blocks[l]);
+    if (energy_ && loaded_[size_t(blocks[l])])
+      sums[l]->external += 0.5 * dt_ * (power[l] + power_on_gridpoints(blocks[l], dt_));
   }
   lap(clock, Phase::motion);
 }
@@ -443,48 +446,46 @@ void Model::forces_on_body(int block) {
   block_contact_force_[size_t(block)] = body.force;
   body.force += body.weight_mass * (gravity_factor_.at(time_) * gravity_);
   if (!loaded_[size_t(block)]) return;
-  if (!applied_.empty()) body.force += applied_[size_t(block)];
-  for (const Load& l : loads_) {
-    if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(time_) * l.force;
-    body.force += f;
-    body.torque += cross(body.r * l.arm, f);
-  }
-  for (const Pressure& p : pressures_) {
-    if (p.block != block) continue;
-    const Vector f = p.scale * p.value * p.factor.at(time_) * (body.r * p.push);
-    body.force += f;
-    body.torque += cross(body.r * p.arm, f);
-  }
+  const Wrench loads = loads_on_body(block);
+  body.force += loads.force, body.torque += loads.torque;
 }
 
-double Model::work_of_loads(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  double work = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block)) * dt_;
+Model::Wrench Model::loads_on_body(int block) const {
+  const Matrix& r = bodies_[size_t(blocks_[size_t(block)].body)].r;
+  Wrench sum;
+  if (!applied_.empty()) sum.force += applied_[size_t(block)];
+  const auto add = [&](const Vector& force, const Vector& arm) {
+    sum.force += force;
+    sum.torque += cross(r * arm, force);
+  };
+  for (const Load& l : loads_) {
+    if (l.block == block) add(l.scale * l.factor.at(time_) * l.force, l.arm);
+  }
+  for (const Pressure& p : pressures_) {
+    if (p.block == block) add(p.scale * p.value * p.factor.at(time_) * (r * p.push), p.arm);
+  }
+  return sum;
+}
+
+double Model::power_on_gridpoints(int block, double since) const {
+  double power = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block));
   for (const Load& l : loads_) {
     if (l.block != block) continue;
     const Vector f = l.scale * l.factor.at(time_) * l.force;
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      work += dot(f, body.v + cross(body.omega, body.r * l.arm)) * dt_;
-    } else {
-      for (const auto& [node, weight] : l.share) work += weight * dot(f, node_v_[node]) * dt_;
-    }
+    for (const auto& [node, weight] : l.share) power += weight * dot(f, node_v_[node]);
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
     const double value = p.scale * p.value * p.factor.at(time_);
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      work += value * dot(body.r * p.push, body.v + cross(body.omega, body.r * p.arm)) * dt_;
-    } else {
-      for (const auto& t : p.triangles) {
-        const Vector m = cross(node_x_[t[1]] - node_x_[t[0]], node_x_[t[2]] - node_x_[t[0]]);
-        for (int32_t node : t) work -= value / 6 * dot(m, node_v_[node]) * dt_;
-      }
+    for (const auto& t : p.triangles) {
+      const auto edge = [&](int k) {
+        return node_x_[t[size_t(k)]] - node_x_[t[0]] - since * (node_v_[t[size_t(k)]] - node_v_[t[0]]);
+      };
+      const Vector m = cross(edge(1), edge(2));
+      for (int32_t node : t) power -= value / 6 * dot(m, node_v_[node]);
     }
   }
-  return work;
+  return power;
 }
 
 void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* gains) {
@@ -517,10 +518,18 @@ void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* ga
 void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
+  Wrench loads[kBodies];
+  double power[kBodies];  // theirs, before the step
+  const auto power_of = [&](size_t i) {
+    const Body& body = bodies_[size_t(index[i])];
+    return dot(loads[i].force, body.v) + dot(loads[i].torque, body.omega);
+  };
+  const auto is_loaded = [&](size_t i) { return energy_ && loaded_[size_t(blocks[i])]; };
   for (size_t i = 0; i < blocks.size(); ++i) {
     forces_on_body(blocks[i]);
     index[i] = blocks_[size_t(blocks[i])].body;
     sums[i] = &block_sums_[size_t(blocks[i])];
+    if (is_loaded(i)) loads[i] = loads_on_body(blocks[i]), power[i] = power_of(i);
   }
   if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(bodies_[size_t(i)]); })) {
     for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
@@ -532,9 +541,8 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
   advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
-  if (!energy_) return;
-  for (const int32_t block : blocks) {
-    if (loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (is_loaded(i)) sums[i]->external += 0.5 * dt_ * (power[i] + power_of(i));
   }
 }
 

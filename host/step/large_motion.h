@@ -82,10 +82,16 @@ class Model : public World {
   void forces_on_gridpoints(int block, double* force);
   void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);
+  struct Wrench {
+    Vector force, torque;  // N; about the centre of mass, N m
+  };
+  Wrench loads_on_body(int block) const;
   void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
   // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
   void split(const Piece& piece, const LaneColumns& columns, RigidGains* gains);
-  double work_of_loads(int block) const;  // of the step, J
+  // Of loads, with the velocities of now and where gridpoints were `since` seconds ago, W. The work of a step is that
+  // of its forces with the mean of the velocities before and after it, as of all other forces.
+  double power_on_gridpoints(int block, double since) const;
   void sum_up();
   void leave_frames();  // blocks that have deformed too much for theirs
   void watch() const;   // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step

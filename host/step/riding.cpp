@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/time_step.h"
 #include "scene/generate_blocks.h"
 #include "step/law_swap.h"
 #include "step/state.h"
@@ -47,28 +48,13 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                               "output.monitor, the name of a block",
                               s.source.text, s.name));
   }
-  riding->hold_by_springs(riding_whiffletree_eigenvalue());
+  riding->hold_by_springs(whiffletree_eigenvalue(scene.stages, [this](const Stage& s, const std::string& name) {
+    std::vector<double> compliances;  // scaled masses are larger, and safe
+    for (const int block : blocks_named(name, s.source.text)) compliances.push_back(1.0 / riding->mass_of(block));
+    return compliances;
+  }));
   follow_time_step();
   time_step.model_mass = riding->mass();
-}
-
-// As that of small displacements (time_step.cpp), K/n sum 1/(m_f^2 mass): scaled masses are larger, and safe.
-double Simulation::Impl::riding_whiffletree_eigenvalue() const {
-  double largest = 0.0;
-  for (const Stage& s : scene.stages) {
-    if (!s.whiffletree) continue;
-    double compliance = 0.0;
-    for (const std::vector<std::string>& floor : s.whiffletree->floors) {
-      double of_floor = 0.0, count = 0.0;
-      for (const std::string& name : floor) {
-        for (const int block : blocks_named(name, s.source.text)) of_floor += 1.0 / riding->mass_of(block), ++count;
-      }
-      if (count > 0.0) compliance += of_floor / (count * count);
-    }
-    largest =
-        std::max(largest, s.whiffletree->stiffness / static_cast<double>(s.whiffletree->floors.size()) * compliance);
-  }
-  return largest;
 }
 
 std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {

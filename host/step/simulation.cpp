@@ -129,7 +129,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
         observer.on_promotion(*this);
       }
       for (const Warning& warning : warnings) observer.on_warning(warning);
-      while (s.next_row < s.stage_step) s.next_row += s.row_interval;
+      if (s.next_row < s.stage_step)
+        s.next_row += (s.stage_step - s.next_row + s.row_interval - 1) / s.row_interval * s.row_interval;
     }
     if (frame) s.gather(Part::all), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
     if (stop)

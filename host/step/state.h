@@ -184,8 +184,7 @@ struct Simulation::Impl {
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
-  double riding_whiffletree_eigenvalue() const;  // 1/s2
-  void follow_time_step();                       // of the riding model, which may have chosen a new one
+  void follow_time_step();  // of the riding model, which may have chosen a new one
   void bind_drives(const Stage& settings);
   void add_loads(const Stage& settings);
   void drive_blocks(double ramp);

@@ -4,6 +4,7 @@ import hashlib
 import os
 import random
 import sys
+import time
 
 import numpy as np
 import quoin
@@ -53,8 +54,11 @@ def fuzz(calls, seed):
     law = quoin.Law("fracture_energy", normal_stiffness=1e9, shear_stiffness=1e9, tensile_strength=1e5, cohesion=1e5,
                     friction_angle=30.0, fracture_energy_tension=10.0, fracture_energy_shear=100.0)
     sim, views, states = fresh(), [], []
-    raised = 0
+    raised, told = 0, time.monotonic()
     for i in range(calls):
+        if time.monotonic() - told > 30.0:  # under a sanitizer it goes on for an hour
+            told = time.monotonic()
+            print(f"{i} of {calls} calls, {raised} raised", file=sys.stderr, flush=True)
         choice = rng.random()
         try:
             if choice < 0.5:
