@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
+#include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
 #include "step/rigid_motion_kernels.h"
 #include "step/zone_kernels.h"
@@ -30,6 +31,12 @@ Vector in_lane(const ByLane (&column)[3], int lane) {
 }
 Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
 
+// Held where it is.
+bool is_at_rest(const Body& b) {
+  const auto still = [](const Vector& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; };
+  return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
+}
+
 RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
   uint8_t held = 0;
   for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
@@ -51,7 +58,7 @@ void Model::step() {
     for (int c = 0; c < chunk_count(); ++c) contacts(0, c);
     for (int p = 0; p < piece_count(); ++p) blocks(0, p);
   }
-  end_step();
+  if (end_step()) find_contacts();
 }
 
 void Model::advance_contacts(int index, PhaseClock* clock) {
@@ -65,7 +72,7 @@ void Model::advance_contacts(int index, PhaseClock* clock) {
   lap(clock, Phase::contact_forces);
 }
 
-void Model::end_step() {
+bool Model::end_step() {
   for (const Chunk& chunk : chunks_) {
     if (chunk.failed) report_failure(chunk);
   }
@@ -75,7 +82,10 @@ void Model::end_step() {
   watch();
   leave_frames();
   part_units();
-  if (!moved_enough()) return;
+  return moved_enough();
+}
+
+void Model::find_contacts() {
   fetch_();
   detect_contacts();
 }
@@ -186,21 +196,18 @@ void Model::contact_kinematics(Family& f, Chunk& chunk) {
 }
 
 void Model::contact_law(Family& f, Chunk& chunk) {
-  const size_t end = chunk.first + chunk.count;
   if (viscous_contacts()) {
     for (int k = 0; k < 3; ++k)
-      std::copy(f.traction[k].begin() + chunk.first, f.traction[k].begin() + long(end),
-                f.old_traction[k].begin() + chunk.first);
+      std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
   }
   chunk.status = f.material->evaluate(&chunk.batch);
   chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
   if (!energy_) return;
-  chunk.stored = 0.0;
-  for (double& d : chunk.dissipated) d = 0.0;
-  for (size_t i = chunk.first; i < end; ++i) {
-    chunk.stored += f.stored[i] * f.area[i];
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) chunk.dissipated[k] += f.dissipated[k][i] * f.area[i];
-  }
+  EnergyColumns c{f.area.data() + chunk.first, f.stored.data() + chunk.first, {}};
+  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) c.dissipated[k] = f.dissipated[k].data() + chunk.first;
+  const PointEnergies sums = energies_of_points(c, chunk.count);
+  chunk.stored = sums.stored;
+  std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
 }
 
 void Model::report_failure(const Chunk& chunk) const {
@@ -247,30 +254,18 @@ void Model::contact_forces(Family& f, Chunk& chunk) {
   }
 }
 
-// Stiffness-proportional damping: the rate of the traction itself, so that slip and open joints are not damped. It may
-// slow a closed contact but never pull on it.
+// Stiffness-proportional damping.
 void Model::viscous_tractions(Family& f, Chunk& chunk) {
-  const double rate = solver_.stiffness_damping / dt_;
-  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
-    const double sigma = f.traction[0][i];
-    double viscous[3] = {0.0, 0.0, 0.0}, opening = 0.0;
-    if (!std::isnan(f.old_jump[i])) {  // else born since: no rate is known
-      viscous[0] = rate * (sigma - f.old_traction[0][i]);
-      if (sigma <= 0) viscous[0] = std::min(viscous[0], -sigma);
-      for (int k = 1; k < 3; ++k) viscous[k] = rate * (f.traction[k][i] - f.old_traction[k][i]);
-      for (int k = 0; k < 3; ++k) {
-        if (f.traction[k][i] == 0) viscous[k] = 0.0;
-      }
-      opening = f.normal_jump[i] - f.old_jump[i];
-    }
-    // Central differences: half of the motion is under the traction of the step before.
-    const double way[3] = {opening, f.slip[0][i], f.slip[1][i]};
-    for (int k = 0; k < 3; ++k) {
-      chunk.damping += 0.5 * f.area[i] * (f.viscous[k][i] + viscous[k]) * way[k];
-      f.viscous[k][i] = viscous[k];
-    }
-    f.old_jump[i] = f.normal_jump[i];
+  DampingColumns c{};
+  const size_t first = chunk.first;
+  for (int k = 0; k < 3; ++k) {
+    c.traction[k] = f.traction[k].data() + first, c.old_traction[k] = f.old_traction[k].data() + first;
+    c.viscous[k] = f.viscous[k].data() + first;
   }
+  for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
+  c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
+  c.area = f.area.data() + first;
+  chunk.damping = damp_points(c, chunk.count, solver_.stiffness_damping / dt_);
 }
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
@@ -536,11 +531,15 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
     sums[i] = &block_sums_[size_t(blocks[i])];
     if (is_loaded(i)) loads[i] = loads_on_body(blocks[i]), power[i] = power_of(i);
   }
+  if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(bodies_[size_t(i)]); })) {
+    for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
+    return lap(clock, Phase::motion);
+  }
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
-  advance_rigid(bodies_.data(), index, int(blocks.size()), step, sums);
+  advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   for (size_t i = 0; i < blocks.size(); ++i) {
     if (is_loaded(i)) sums[i]->external += 0.5 * dt_ * (power[i] + power_of(i));
@@ -570,6 +569,7 @@ void Model::sum_up() {
   for (const BlockSums& sums : block_sums_) {
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
+    startled_ |= sums.startled;
   }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;
