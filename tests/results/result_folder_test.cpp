@@ -135,5 +135,14 @@ TEST_F(Folder, BelievesNoManifestBeyondTheNamesOfResults) {
   EXPECT_EQ(read_all(outside / "plots/curve.gp"), "theirs");
 }
 
+// A program that was started without standard input gets its descriptor, 0, for the first file that it opens.
+TEST_F(Folder, DurableFilesNeedNoStandardInput) {
+  const int input = dup(STDIN_FILENO);
+  close(STDIN_FILENO);
+  EXPECT_NO_THROW(write_durable_file(folder_ / "checkpoint", {'a', 'b', 'c'}));
+  if (input >= 0) dup2(input, STDIN_FILENO), close(input);
+  EXPECT_EQ(read_all(folder_ / "checkpoint"), "abc");
+}
+
 }  // namespace
 }  // namespace quoin
