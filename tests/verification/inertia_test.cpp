@@ -1,4 +1,10 @@
 // Inertia scaled apart from rigid motion, and damping by block, in large motion (host/blocks/inertia.h).
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
 #include "support.h"
 
 namespace quoin::verification {
@@ -125,6 +131,35 @@ TEST(ScaledInertia, FreeFallIsExact) {
     check("fall of a turned block, inertia scaled", 0.5 * 9.81 * t * (t + dt), -fall.y, 1e-9, "m");
     check("its drift along x", 0.5 * 1.0 * t * (t + dt), fall.x, 1e-9, "m");
     check_error("its strain energy over its kinetic energy", m->strain_energy() / m->kinetic_energy(), 1e-18, "-");
+  }
+}
+
+// Where a face of a cube may not leave its plane, the cube turns about the normal of that alone, whichever axis it is
+// and in a mirror, too. One hexahedron of five tetrahedra is the same along every axis and in the mirrors between them.
+TEST(ScaledInertia, APlaneHoldsTheSameAlongEveryAxis) {
+  std::map<std::array<long, 3>, Vector> first;  // by place in mm; the first axis is the normal
+  for (const auto& axes : {std::array{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}) {
+    Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
+    scene.soft({0, 0, 0}, {0.2, 0.2, 0.2}, {1, 1, 1});
+    auto m = scene.model(scaled(64.0));
+    const auto own = [&axes](const Vector& v) { return Vector{v[axes[0]], v[axes[1]], v[axes[2]]}; };
+    const std::vector<Vector> start(m->node_reference().begin(), m->node_reference().end());
+    for (size_t i = 0; i < start.size(); ++i) {
+      const Vector at = own(start[i]);
+      if (at.x < 1e-9) m->hold_node(int(i), uint8_t(1 << axes[0]));
+      const Vector v{at.x * (0.3 * at.y - 0.2 * at.z), 0.2 * at.x - 0.4 * at.z, 0.5 * at.x + 0.4 * at.y};
+      for (int c = 0; c < 3; ++c) m->node_velocities()[i][axes[size_t(c)]] = v[c];
+    }
+    for (int i = 0; i < 200; ++i) m->step();
+    double largest = 0.0, off = 0.0;
+    for (size_t i = 0; i < start.size(); ++i) {
+      const Vector at = own(start[i]), u = own(m->node_positions()[i] - start[i]);
+      const std::array<long, 3> place{std::lround(1e3 * at.x), std::lround(1e3 * at.y), std::lround(1e3 * at.z)};
+      largest = std::max(largest, norm(u)), off = std::max(off, norm(first.try_emplace(place, u).first->second - u));
+    }
+    ASSERT_EQ(first.size(), 8u);
+    check_error("cube on a plane across axis " + std::to_string(axes[0]) + ", moved otherwise than across 0",
+                off / largest, 1e-9, "-", "relative; rounding of 200 steps");
   }
 }
 
