@@ -699,6 +699,24 @@ bool World::edge_point(const Contact& c, double area, std::vector<NewPoint>& out
 
 // Ties one side of a point to its block: in the body frame of a rigid block, on the nearest surface triangle of a
 // deformable one.
+namespace {
+
+// A point this close to a gridpoint, as part of an edge, sits on it: far above rounding in the places of points that
+// meet gridpoints, far below anything that a mesh can show.
+constexpr double kAtGridpoint = 1e-9;
+
+// The gridpoint becomes the first of the triangle, with all of the weight.
+void put_on_gridpoint(Facet& facet) {
+  for (int k = 0; k < 3; ++k) {
+    if (facet.weight[k] < 1.0 - kAtGridpoint) continue;
+    std::rotate(facet.node, facet.node + k, facet.node + 3);
+    facet.weight[0] = 1.0, facet.weight[1] = facet.weight[2] = 0.0;
+    return;
+  }
+}
+
+}  // namespace
+
 void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool plane_side) {
   Point& p = made.point;
   const ModelBlock& mb = blocks_[block];
@@ -732,6 +750,7 @@ void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
     // edge contacts of deformable blocks keep the plane of the triangle they sit on
     refresh_facet_frame(p, made.facet_a);
   } else {
+    put_on_gridpoint(facet);
     p.facet_b = 0;
     made.facet_b = facet;
   }

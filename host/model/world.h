@@ -122,7 +122,8 @@ struct RigidPair {
 struct FacetLanes {
   static constexpr int kCount = 8;
   uint32_t first, count;  // points of the family
-  uint32_t row;           // of the first point in World::facet_rows_
+  uint32_t row;           // of the first point, which has FacetRow::kCount of them, in World::facet_rows_
+  bool on_gridpoints;     // all points sit on the first gridpoint of b's triangle
   int32_t node_a[3][kCount], node_b[3][kCount];
   int32_t facet_a[kCount];  // where the weights go back to
   alignas(64) double weight_b[3][kCount];
@@ -132,9 +133,11 @@ struct FacetLanes {
   double slope[3][kCount];     // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
   double weight_a[3][kCount];  // of the foot of the point on it
 };
-// What a point does to its six gridpoints, N: a's three, then b's; the fourth number of a row has no meaning.
-struct FacetRows {
-  double force[6][4];
+// Of what a point does to a, N: all of it, and the parts of corners 1 and 2 of a's triangle. The rest is corner 0's,
+// and b has the opposite of it all by its weights. The fourth number of a row has no meaning.
+struct FacetRow {
+  static constexpr int kCount = 3;
+  double force[4];
 };
 
 // A run of points of one family: one call of its law, one piece of work. At most kChunk points.
@@ -164,11 +167,30 @@ struct Touch {
   uint32_t point;
   bool side_a;
 };
-// One side of a point between gridpoints.
-struct FacetTouch {
+// One side of a point between gridpoints, as its block sees it: the one that owns the plane; the one that carries the
+// point on a triangle; the one that carries it on a gridpoint.
+struct OwnerTouch {
   uint32_t row;
-  int32_t node[3];  // of the block
-  bool side_a;
+  int32_t node[3];
+};
+struct CarrierTouch {
+  uint32_t row;
+  int32_t node[3];
+  double weight[3];
+};
+struct GridpointTouch {
+  uint32_t row;
+  int32_t node;
+};
+// Sides of points, block after block.
+template <class Touch>
+struct ByBlock {
+  std::vector<Touch> touch;
+  std::vector<uint32_t> end;  // by block
+  std::span<const Touch> of(int block) const {
+    const uint32_t first = block > 0 ? end[size_t(block) - 1] : 0;
+    return std::span(touch).subspan(first, end[size_t(block)] - first);
+  }
 };
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -538,9 +560,10 @@ class World {
   std::vector<uint32_t> touch_end_;      // by block
   std::vector<PairTouch> pair_touches_;  // the same of pairs of rigid blocks
   std::vector<uint32_t> pair_touch_end_;
-  std::vector<FacetTouch> facet_touches_;  // and of points between gridpoints
-  std::vector<uint32_t> facet_touch_end_;
-  LaneVector<FacetRows> facet_rows_;  // of the step
+  ByBlock<OwnerTouch> owner_touches_;  // and of points between gridpoints
+  ByBlock<CarrierTouch> carrier_touches_;
+  ByBlock<GridpointTouch> gridpoint_touches_;
+  LaneVector<FacetRow> facet_rows_;  // of the step
   std::vector<BlockSums> block_sums_;
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;

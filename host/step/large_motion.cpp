@@ -383,9 +383,7 @@ void Model::forces_on_gridpoints(int block, double* force) {
     double* const row = force + kRow * i;
     row[0] = weight.x, row[1] = weight.y, row[2] = weight.z, row[3] = 0.0;
   }
-  const auto begin = [&](const std::vector<uint32_t>& end) { return block > 0 ? end[size_t(block) - 1] : 0; };
-  const uint32_t first = begin(facet_touch_end_);
-  Vector contacts = add_facet_rows(std::span(facet_touches_).subspan(first, facet_touch_end_[size_t(block)] - first),
+  Vector contacts = add_facet_rows({owner_touches_.of(block), carrier_touches_.of(block), gridpoint_touches_.of(block)},
                                    facet_rows_.data(), force);
   for (uint32_t k = block > 0 ? touch_end_[size_t(block) - 1] : 0; k < touch_end_[size_t(block)]; ++k) {
     const Touch& touch = touches_[k];
