@@ -205,7 +205,25 @@ struct Piece {
   bool halves;
   enum class Kind : uint8_t { rigid, alike, unlike, by_zone } kind;
   int32_t alike = -1;  // into World::alike_, of those alike
+  size_t columns = 0;  // where its FixedColumns begin in World::piece_columns_
   bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
+};
+
+// What steps do not change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
+// numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand where its
+// first one does; lanes without a block repeat the last one.
+template <class Number>
+struct FixedColumns {
+  Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
+  Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  FixedColumns(Number* from, int node_count, bool unlike) {
+    const auto lines = size_t(node_count);
+    mass = from, over_mass = mass + lines * kLanes;
+    place = unlike ? over_mass + lines * kLanes : nullptr, anchor = unlike ? place + lines * kLine : nullptr;
+  }
+  static size_t size(int node_count, bool unlike) {
+    return size_t(node_count) * size_t(2 * kLanes + (unlike ? 2 * kLine : 0));
+  }
 };
 
 // What the step of one block adds up to.
@@ -452,6 +470,8 @@ class World {
   void bind_columns();
   void divide_points();
   void divide_blocks();
+  int most_gridpoints(const Piece& piece) const;  // of one of its blocks
+  void fill_columns(Piece& piece);
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
@@ -480,7 +500,9 @@ class World {
   void make_alike(int block);
   void find_units();
   void part_units();
-  void scale_motion(std::vector<Vector>& y, bool of_forces) const;
+  std::vector<UnitInertia> inertia_of_units() const;  // by the first half or single block; others: nothing
+  void scale_motion(const std::vector<UnitInertia>& inertia, std::vector<Vector>& y, bool of_forces) const;
+  void add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vector>& force) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
@@ -567,6 +589,7 @@ class World {
   std::vector<BlockSums> block_sums_;
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;
+  LaneVector<double> piece_columns_;
   long divisions_ = 0;  // how often the work has been divided anew
   std::function<void()> fetch_ = [] {};
 

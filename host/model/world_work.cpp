@@ -223,6 +223,38 @@ void World::divide_blocks() {
   divide(unlike, Piece::Kind::unlike);
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
+  piece_columns_.clear();
+  for (Piece& piece : pieces_) {
+    if (piece.kind != Piece::Kind::rigid) fill_columns(piece);
+  }
+}
+
+int World::most_gridpoints(const Piece& piece) const {
+  int most = 0;
+  for (const int32_t i : blocks_of(piece)) most = std::max(most, blocks_[size_t(i)].node_count);
+  return most;
+}
+
+void World::fill_columns(Piece& piece) {
+  const std::span<const int32_t> blocks = blocks_of(piece);
+  const bool unlike = piece.kind == Piece::Kind::unlike;
+  const int most = most_gridpoints(piece);
+  piece.columns = piece_columns_.size();
+  piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, unlike));
+  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, unlike);
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      const size_t node = size_t(b.first_node) + n;
+      to.mass[n * kLanes + l] = node_mass_[node], to.over_mass[n * kLanes + l] = 1.0 / node_mass_[node];
+      if (!unlike) continue;
+      const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
+      for (int c = 0; c < 3; ++c) {
+        const size_t at = n * kLine + size_t(c) * kLanes + l;
+        to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+      }
+    }
+  }
 }
 
 int World::count_of(Piece::Kind kind) const {

@@ -69,10 +69,10 @@ void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColu
         n = columns_of(lanes.n, first), s = columns_of(lanes.s, first), t = columns_of(lanes.t, first);
       } else {
         const Lanes3 e2 = difference_of(a[1], a[0]), e3 = difference_of(a[2], a[0]), across = cross_of(e2, e3);
-        const V over_length = hn::Div(one, hn::Sqrt(dot_of(e2, e2)));
+        const V length = hn::Sqrt(dot_of(e2, e2)), over_length = hn::Div(one, length);
         const V over_area = hn::Div(one, hn::Sqrt(dot_of(across, across)));
         s = scaled(over_length, e2), n = scaled(over_area, across), t = cross_of(n, s);
-        const V over_height = hn::Div(one, dot_of(t, e3));
+        const V over_height = hn::Mul(length, over_area);
         slope = {over_length, hn::Neg(hn::Mul(hn::Mul(dot_of(s, e3), over_length), over_height)), over_height};
         keep(n, lanes.n, first), keep(s, lanes.s, first), keep(t, lanes.t, first), keep(slope, lanes.slope, first);
       }
