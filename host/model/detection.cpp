@@ -774,11 +774,9 @@ void World::take_back_facets() {
     Family& f = families_[size_t(chunk.family)];
     for (const FacetLanes& lanes : chunk.facets) {
       for (size_t l = 0; l < lanes.count; ++l) {
-        Point& p = f.point[lanes.first + l];
-        for (int k = 0; k < 3; ++k) {
-          p.n[k] = lanes.n[k][l], p.s[k] = lanes.s[k][l], p.t[k] = lanes.t[k][l];
-          facets_[size_t(lanes.facet_a[l])].weight[k] = lanes.weight_a[k][l];
-        }
+        Facet& facet = facets_[size_t(lanes.facet_a[l])];
+        for (int k = 0; k < 3; ++k) facet.weight[k] = lanes.weight_a[k][l];
+        if (!small_) refresh_facet_frame(f.point[lanes.first + l], facet);
       }
     }
   }

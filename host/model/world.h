@@ -128,10 +128,14 @@ struct FacetLanes {
   int32_t facet_a[kCount];  // where the weights go back to
   alignas(64) double weight_b[3][kCount];
   double reference[kCount], area[kCount];  // m, m2
-  // Of the last step, of the triangle that owns the plane:
-  double n[3][kCount], s[3][kCount], t[3][kCount];
-  double slope[3][kCount];     // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
-  double weight_a[3][kCount];  // of the foot of the point on it
+  double weight_a[3][kCount];  // of the foot of the point on the triangle that owns the plane; of the last step
+};
+// Frames of those triangles as they stand. In large motion a step forms them anew: they never leave the cache.
+struct FacetFrames {
+  static constexpr int kCount = FacetLanes::kCount;
+  alignas(64) double n[3][kCount];
+  double s[3][kCount], t[3][kCount];
+  double slope[3][kCount];  // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
 };
 // Of what a point does to a, N: all of it, and the parts of corners 1 and 2 of a's triangle. The rest is corner 0's,
 // and b has the opposite of it all by its weights. The fourth number of a row has no meaning.
@@ -150,6 +154,7 @@ struct Chunk {
   std::vector<quoin_property_column> properties;  // that scatter
   std::vector<RigidPair> pairs;                   // of its points between rigid blocks
   std::vector<FacetLanes> facets;                 // between gridpoints
+  std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
   std::vector<uint32_t> others;                   // with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
@@ -495,7 +500,7 @@ class World {
   double rigid_kinetic_energy(const Unit& unit) const;
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void put_in_lanes(const ModelBlock& block);  // its zones
-  void put_in_lanes(const Point& p, uint32_t index, std::vector<FacetLanes>& lanes);
+  void put_in_lanes(const Point& p, uint32_t index, Chunk& chunk);
   void find_frames(InternalForces wanted);
   void make_alike(int block);
   void find_units();

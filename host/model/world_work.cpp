@@ -64,7 +64,7 @@ void World::divide_points() {
       for (uint32_t i = first; i < first + chunk.count; ++i) {
         const Point& p = f.point[i];
         if (p.facet_a >= 0 && p.facet_b >= 0) {
-          put_in_lanes(p, i, chunk.facets);
+          put_in_lanes(p, i, chunk);
           continue;
         }
         if (p.facet_a >= 0 || p.facet_b >= 0) {
@@ -84,12 +84,14 @@ void World::divide_points() {
   }
 }
 
-void World::put_in_lanes(const Point& p, uint32_t i, std::vector<FacetLanes>& all) {
+void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
   constexpr int kCount = FacetLanes::kCount;
+  std::vector<FacetLanes>& all = chunk.facets;
   if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
     all.emplace_back().first = i;
     all.back().row = uint32_t(facet_rows_.size());
     all.back().on_gridpoints = true;
+    if (small_) chunk.frames.emplace_back();
   }
   FacetLanes& lanes = all.back();
   const Facet &a = facets_[size_t(p.facet_a)], &b = facets_[size_t(p.facet_b)];
@@ -101,8 +103,10 @@ void World::put_in_lanes(const Point& p, uint32_t i, std::vector<FacetLanes>& al
     for (int k = 0; k < 3; ++k) {
       lanes.node_a[k][l] = a.node[k], lanes.node_b[k][l] = b.node[k];
       lanes.weight_a[k][l] = a.weight[k], lanes.weight_b[k][l] = b.weight[k];
-      lanes.n[k][l] = p.n[k], lanes.s[k][l] = p.s[k], lanes.t[k][l] = p.t[k];
-      lanes.slope[k][l] = slope[k];
+      if (!small_) continue;
+      FacetFrames& frames = chunk.frames.back();
+      frames.n[k][l] = p.n[k], frames.s[k][l] = p.s[k], frames.t[k][l] = p.t[k];
+      frames.slope[k][l] = slope[k];
     }
   }
   ++lanes.count;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include "base/fetch_ahead.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "model/zone_kernels.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -133,18 +134,13 @@ HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, co
 
 // Zones are read once a step, from far away; eight of them cost about as long as it takes to fetch eight.
 constexpr int kZonesAhead = 2;
-HWY_INLINE void fetch_ahead(const ZoneLanes* zone) {
-  constexpr std::size_t kLineOfCache = 64;
-  for (std::size_t at = 0; at < sizeof *zone; at += kLineOfCache)
-    hwy::Prefetch(reinterpret_cast<const std::uint8_t*>(zone) + at);
-}
 
 void StiffnessTimes(std::span<const ZoneLanes> zones, std::span<const double> w, double* product) {
   const D d;
   const V half = hn::Set(d, 0.5);
   std::fill(product, product + w.size(), 0.0);
   for (const ZoneLanes& zone : zones) {
-    if (zones.data() + zones.size() - &zone > kZonesAhead) fetch_ahead(&zone + kZonesAhead);
+    if (zones.data() + zones.size() - &zone > kZonesAhead) fetch_ahead(&zone + kZonesAhead, sizeof zone);
     for (int first = 0; first < zone.count; first += kWidth) {
       const Tensor h = gradient_of(zone, first, w.data());
       const V volume = hn::Load(d, zone.volume + first);

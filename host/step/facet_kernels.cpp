@@ -46,10 +46,12 @@ struct Part {
   }
 };
 
-void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColumns& c, bool fixed) {
+void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* node_x, const FacetColumns& c,
+                bool fixed) {
   const D d;
   const V one = hn::Set(d, 1.0);
   for (FacetLanes& lanes : all) {
+    FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
       const Part part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
@@ -66,7 +68,7 @@ void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColu
       const Lanes3 apart = difference_of(at, weighted(weight_a, a));
       Lanes3 n, s, t, slope;
       if (fixed) {
-        n = columns_of(lanes.n, first), s = columns_of(lanes.s, first), t = columns_of(lanes.t, first);
+        n = columns_of(frame.n, first), s = columns_of(frame.s, first), t = columns_of(frame.t, first);
       } else {
         const Lanes3 e2 = difference_of(a[1], a[0]), e3 = difference_of(a[2], a[0]), across = cross_of(e2, e3);
         const V length = hn::Sqrt(dot_of(e2, e2)), over_length = hn::Div(one, length);
@@ -74,7 +76,7 @@ void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColu
         s = scaled(over_length, e2), n = scaled(over_area, across), t = cross_of(n, s);
         const V over_height = hn::Mul(length, over_area);
         slope = {over_length, hn::Neg(hn::Mul(hn::Mul(dot_of(s, e3), over_length), over_height)), over_height};
-        keep(n, lanes.n, first), keep(s, lanes.s, first), keep(t, lanes.t, first), keep(slope, lanes.slope, first);
+        keep(n, frame.n, first), keep(s, frame.s, first), keep(t, frame.t, first), keep(slope, frame.slope, first);
       }
       part.store(hn::Sub(dot_of(n, apart), hn::Load(d, lanes.reference + first)), c.normal_jump + i);
       const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
@@ -89,9 +91,10 @@ void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColu
   }
 }
 
-void FacetForces(std::span<const FacetLanes> all, const FacetColumns& c, FacetRow* rows) {
+void FacetForces(std::span<const FacetLanes> all, const FacetFrames* frames, const FacetColumns& c, FacetRow* rows) {
   const D d;
   for (const FacetLanes& lanes : all) {
+    const FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
       const Part part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
@@ -102,11 +105,11 @@ void FacetForces(std::span<const FacetLanes> all, const FacetColumns& c, FacetRo
         if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
         f[k] = hn::Mul(area, f[k]);
       }
-      const Lanes3 n = columns_of(lanes.n, first);
+      const Lanes3 n = columns_of(frame.n, first);
       const Lanes3 force =
-          plus_scaled(plus_scaled(scaled(f[0], n), f[1], columns_of(lanes.s, first)), f[2], columns_of(lanes.t, first));
+          plus_scaled(plus_scaled(scaled(f[0], n), f[1], columns_of(frame.s, first)), f[2], columns_of(frame.t, first));
       const V gap = hn::Add(part.load(c.normal_jump + i), hn::Load(d, lanes.reference + first));
-      const Lanes3 slope = columns_of(lanes.slope, first);
+      const Lanes3 slope = columns_of(frame.slope, first);
       const V of_1 = hn::Neg(hn::Mul(gap, hn::MulAdd(slope.y, f[2], hn::Mul(slope.x, f[1]))));
       const V of_2 = hn::Neg(hn::Mul(gap, hn::Mul(slope.z, f[2])));
       FacetRow* const row = rows + lanes.row + FacetRow::kCount * first;
@@ -173,12 +176,14 @@ HWY_EXPORT(FacetJumps);
 HWY_EXPORT(FacetForces);
 HWY_EXPORT(AddFacetRows);
 
-void facet_jumps(std::span<FacetLanes> lanes, const Vector* node_x, const FacetColumns& columns, bool fixed) {
-  HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, node_x, columns, fixed);
+void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
+                 bool fixed) {
+  HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, frames, node_x, columns, fixed);
 }
 
-void facet_forces(std::span<const FacetLanes> lanes, const FacetColumns& columns, FacetRow* rows) {
-  HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, columns, rows);
+void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
+                  FacetRow* rows) {
+  HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, frames, columns, rows);
 }
 
 Vector add_facet_rows(const FacetTouches& touches, const FacetRow* rows, double* force) {

@@ -57,11 +57,14 @@ void Model::step() {
 void Model::advance_contacts(int index, PhaseClock* clock) {
   Chunk& chunk = chunks_[size_t(index)];
   Family& f = families_[size_t(chunk.family)];
-  contact_kinematics(f, chunk);  // jumps, in frames that ride on the blocks
+  thread_local std::vector<FacetFrames> formed;
+  formed.resize(std::max(formed.size(), chunk.facets.size()));
+  FacetFrames* const frames = small_ ? chunk.frames.data() : formed.data();
+  contact_kinematics(f, chunk, frames);  // jumps, in frames that ride on the blocks
   lap(clock, Phase::jumps);
   contact_law(f, chunk);  // tractions from jumps: the plug-in
   lap(clock, Phase::law);
-  contact_forces(f, chunk);  // one force a point, which its two blocks fetch
+  contact_forces(f, chunk, frames);  // one force a point, which its two blocks fetch
   lap(clock, Phase::contact_forces);
 }
 
@@ -165,9 +168,9 @@ FacetColumns facet_columns(Family& f) {
 
 }  // namespace
 
-void Model::contact_kinematics(Family& f, Chunk& chunk) {
+void Model::contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames) {
   rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_jumps(chunk.facets, node_x_.data(), facet_columns(f), small_);
+  facet_jumps(chunk.facets, frames, node_x_.data(), facet_columns(f), small_);
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
@@ -231,11 +234,11 @@ void Model::report_failure(const Chunk& chunk) const {
           f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
-void Model::contact_forces(Family& f, Chunk& chunk) {
+void Model::contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames) {
   chunk.damping = 0.0;
   if (viscous_contacts()) viscous_tractions(f, chunk);
   rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_forces(chunk.facets, facet_columns(f), facet_rows_.data());
+  facet_forces(chunk.facets, frames, facet_columns(f), facet_rows_.data());
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     double traction[3];
