@@ -17,9 +17,6 @@ constexpr double preference_fraction = 1e-4;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 
-// Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
-constexpr double small_rotation = 1e-3;
-
 }  // namespace
 
 struct World::NewPoint {
@@ -67,7 +64,12 @@ double World::pair_motion(const Contact& c) const {
   pose(c.pair.a, xa, ra), pose(c.pair.b, xb, rb);
   const Vector shift = transposed_times(ra, xb - xa) - c.relative_x;
   const double angle = angle_between(transposed(ra) * rb, c.relative_r);
-  return norm(shift) + angle * std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, norm(xb - xa)));
+  return norm(shift) + angle * lever_of(c, norm(xb - xa));
+}
+
+// What a rotation of b as seen from a moves its parts by, m: the larger radius, of a at most what reaches to b.
+double World::lever_of(const Contact& c, double distance) const {
+  return std::max(blocks_[c.pair.b].radius, std::min(blocks_[c.pair.a].radius, distance));
 }
 
 double World::motion_since_broad_phase(int block) const {
@@ -89,40 +91,6 @@ double World::allowed_motion(const Contact& c) const {
   return (c.initial ? std::max(fraction, assembly_.contact.joint_motion) : fraction) * extent;
 }
 
-bool World::moved_enough() {
-  if (step_count_ < next_check_) return false;
-  const double fraction = detection_fraction();
-  double fastest = 0.0;
-  for (const Body& b : bodies_) fastest = std::max(fastest, dot(b.v, b.v));
-  for (const ModelBlock& b : blocks_) {
-    if (b.body >= 0)
-      fastest = std::max(fastest, dot(bodies_[b.body].omega, bodies_[b.body].omega) * b.radius * b.radius);
-    if (b.body < 0) fastest = std::max(fastest, dot(node_v_[b.first_node], node_v_[b.first_node]));
-  }
-  // Looked at again long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
-  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * dt_;
-  next_check_ = step_count_ + std::clamp(long(0.25 * fraction * size_ / (speed * dt_)), 1l, 100l);
-
-  bool moved = false;
-  for (size_t i = 0; i < blocks_.size() && !moved && !small_; ++i) {
-    moved = motion_since_broad_phase(int(i)) > 0.25 * skin_;
-  }
-  for (size_t i = 0; i < contacts_.size() && !moved; ++i) {
-    const Contact& c = contacts_[i];
-    moved = pair_motion(c) > allowed_motion(c);
-  }
-  // Small displacement also means that no block has come near others that are not its neighbours, and that frozen
-  // frames on deformable blocks still point the right way.
-  for (size_t i = 0; i < blocks_.size() && !moved && small_; ++i) {
-    Vector x;
-    Matrix r;
-    pose(int(i), x, r);
-    moved = norm(x - start_x_[i]) > 0.25 * skin_ || angle_between(r, start_r_[i]) > small_rotation;
-  }
-  if (moved) small_ = false;  // for good: what has moved once will move again
-  return moved;
-}
-
 struct World::Finding {
   bool fresh = false;             // points placed anew, or none any more
   size_t begin = 0, end = 0;      // of its points in Detection::points
@@ -132,7 +100,8 @@ struct World::Finding {
 struct World::Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
-  std::vector<Finding> findings;  // of each contact
+  std::vector<PairLook> looks;    // of each contact
+  std::vector<Finding> findings;  // the same
   std::vector<NewPoint> points;
   std::vector<Contact> lost;  // had points, and are no longer close to each other
   bool changed = false;       // some contact has other points than before
@@ -161,6 +130,8 @@ void World::detect_contacts(bool everything) {
   } else {
     contacts_ = std::move(found.contacts);
   }
+  pair_look_ = std::move(found.looks);
+  for (const PairLook& look : pair_look_) next_check_ = std::min(next_check_, look.step);
 }
 
 // Broad phase: all pairs within the skin, found anew when some block has used up its part of it.
@@ -191,6 +162,7 @@ std::vector<Pair> World::close_pairs(bool everything) {
 // Narrow phase: pairs that are new, or have moved enough, are looked at; the others go on as they are.
 void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
   found.contacts.reserve(pairs.size());
+  found.looks.reserve(pairs.size());
   found.findings.reserve(pairs.size());
   auto old = contacts_.begin();
   const auto lose = [&] {
@@ -201,12 +173,17 @@ void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detect
     while (old != contacts_.end() && old->pair < pair) lose();
     const bool known = old != contacts_.end() && old->pair == pair;
     Contact c;
-    if (known) c = *old++;
+    PairLook look;
+    if (known) look = pair_look_[size_t(old - contacts_.begin())], c = *old++;
     c.pair = pair;
     Finding finding;
     finding.first = c.first, finding.count = c.count;
-    if (!known || everything || pair_motion(c) > 0.8 * allowed_motion(c)) look_at(c, known, finding, found);
+    if (!known || everything || is_ripe(c, look)) {
+      look_at(c, known, finding, found);
+      look_at_pair(c, look);
+    }
     found.contacts.push_back(c);
+    found.looks.push_back(look);
     found.findings.push_back(finding);
   }
   while (old != contacts_.end()) lose();
@@ -290,6 +267,13 @@ void World::place_points(Detection& found) {
   for (const Contact& c : found.lost)
     freed += energy_of_points(before.families[c.family], before.facets, c.first, c.count);
   std::vector<uint32_t> fill(families_.size(), 0);
+  // Contacts that go on as they are, one after the other before and now: they are copied together.
+  Finding kept;
+  Contact together;
+  const auto keep = [&] {
+    if (together.count > 0) keep_points(before, kept, together);
+    together.count = 0;
+  };
   for (size_t i = 0; i < found.contacts.size(); ++i) {
     Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
@@ -299,19 +283,28 @@ void World::place_points(Detection& found) {
     }
     c.first = fill[c.family];
     if (finding.fresh) {
+      keep();
       c.count = uint32_t(finding.end - finding.begin);
       c.initial = c.initial || (found.at_start && c.count > 0);
       freed += energy_of_points(before.families[c.family], before.facets, finding.first, finding.count);
       hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
       freed -= energy_of_points(families_[c.family], facets_, c.first, c.count);
-    } else {
-      keep_points(before, finding, c);
+    } else if (c.count > 0) {
+      const bool goes_on = together.count > 0 && together.family == c.family &&
+                           kept.first + kept.count == finding.first && together.first + together.count == c.first;
+      if (goes_on) {
+        kept.count += c.count, together.count += c.count;
+      } else {
+        keep();
+        kept = finding, together = c;
+      }
     }
     fill[c.family] += c.count;
     if (!found.at_start || c.count == 0) continue;
     StartJoint& joint = start_joints_.emplace_back(StartJoint{c.pair, {}});
     for (uint32_t k = c.first; k < c.first + c.count; ++k) joint.point.push_back(families_[c.family].point[k].at);
   }
+  keep();
   if (energy_) later_.detection += freed;
   contacts_ = std::move(found.contacts);
   divide_work();

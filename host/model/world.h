@@ -231,6 +231,23 @@ struct FixedColumns {
   }
 };
 
+// The motion that the next looks at a rigid block reckon with (motion_looks.cpp): it moves as it was seen to, but for
+// so much of the speed of any part of it. In the order in which kernels read it.
+struct SeenMotion {
+  Vector v;                // m/s
+  double radius = 0.0;     // m
+  Vector omega;            // rad/s
+  double unnoticed = 0.0;  // m/s
+  long step = 0;           // of the look
+};
+
+// When a pair of blocks is looked at next.
+struct PairLook {
+  int32_t a, b;
+  bool ripe = false;  // has moved by most of its way
+  long step = 0;
+};
+
 // What the step of one block adds up to.
 struct BlockSums {
   double unbalanced = 0.0;  // largest net force on a body or gridpoint, of its free components, N; NaN stays
@@ -238,6 +255,7 @@ struct BlockSums {
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
   double deformation = 0.0;  // in a frame, the largest |u| beside the first gridpoint, m
+  bool startled = false;     // moves otherwise than it was seen to
 };
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
@@ -399,7 +417,7 @@ class World {
   long detections() const { return detections_; }
   long divisions() const { return divisions_; }  // how often the work has been divided anew
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
-  bool looks_at_motion() const { return step_count_ + 1 >= next_check_; }
+  bool looks_at_motion() const { return step_count_ + 1 >= next_check_ || (dt_ != look_dt_ && !bodies_.empty()); }
   // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
   // what they know is to be fetched.
   void before_dividing(std::function<void()> fetch) { fetch_ = std::move(fetch); }
@@ -468,6 +486,12 @@ class World {
 
  protected:
   bool moved_enough();
+  void see(int block);
+  bool look_at_block(int block, long& step) const;
+  bool look_at_pair(const Contact& c, PairLook& look) const;
+  bool is_ripe(const Contact& c, const PairLook& look) const;  // to be looked at closely when others are
+  long step_after(double way, double speed) const;
+  long steps_of_gridpoints() const;
   void detect_contacts(bool everything = false);
   void draw_columns();  // of properties that scatter, for the points of the start
   // after contacts or columns have changed
@@ -518,6 +542,7 @@ class World {
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
   double pair_motion(const Contact& c) const;
+  double lever_of(const Contact& c, double distance) const;
   double motion_since_broad_phase(int block) const;  // translation plus rotation times radius, m
   double detection_fraction() const;                 // of a block's least extent
   double allowed_motion(const Contact& c) const;     // of a pair until it is detected anew, m
@@ -579,6 +604,10 @@ class World {
   std::vector<Family> families_;
   std::vector<Facet> facets_;
   std::vector<Contact> contacts_;
+  std::vector<PairLook> pair_look_;  // of each contact
+  std::vector<long> block_look_;     // step, by block
+  std::vector<uint8_t> due_;         // by block: for a look of now
+  std::vector<SeenMotion> seen_;     // by body
   std::vector<StartJoint> start_joints_;
   std::vector<Vector> block_contact_force_;
 
@@ -611,6 +640,9 @@ class World {
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   double springs_ = 0.0;  // eigenvalue, 1/s2
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
+  long calm_steps_ = 0;    // between two looks at deformable blocks
+  double look_dt_ = 0.0;   // that looks reckon with, s
+  bool startled_ = false;  // some block in the last step
   double unbalanced_ = 0.0;
   Vector net_;
   Energies energies_;

@@ -17,10 +17,11 @@ double World::local_stiffness_bound() const {
   for (const Family& f : families_) {
     const double k = std::max(f.kn, f.ks);
     for (const Point& p : f.point) {
+      const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
       const auto rigid = [&](int block) {
         const Body& b = bodies_[blocks_[block].body];
         if (b.held == 0x3f) return;
-        const Vector arm = place_of(p) - b.x;
+        const Vector arm = at - b.x;
         body[blocks_[block].body] +=
             k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
       };

@@ -201,11 +201,11 @@ void World::divide_blocks() {
       put();
     }
   };
-  std::vector<Unit> rigid, unlike, by_zone;
+  std::vector<Unit> rigid, fixed, unlike, by_zone;
   std::map<int32_t, std::vector<Unit>> of_kind;
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body >= 0) {
-      rigid.push_back({{i, -1}, 1});
+      (assembly_.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
       continue;
     }
     const Unit unit = unit_of(i);
@@ -227,6 +227,7 @@ void World::divide_blocks() {
   divide(unlike, Piece::Kind::unlike);
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
+  divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
   piece_columns_.clear();
   for (Piece& piece : pieces_) {
     if (piece.kind != Piece::Kind::rigid) fill_columns(piece);

@@ -220,6 +220,12 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
     partition_work();
   }
   if (reader.left() != 0) throw of_another_model();
+  // Written by somebody: counters that no run comes to would be counted up for ever.
+  constexpr long kMost = 1L << 53;
+  const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
+  if (!is_count(step_count, 0) || !is_count(stage_step, 0) || !is_count(next_row, 0) || !is_count(row_interval, 1) ||
+      !is_count(next_frame, 0))
+    throw of_another_model();
   const bool in_cycles =
       std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
       std::any_of(drives.begin(), drives.end(), [](const Drive& drive) { return drive.in_cycles != 0; });

@@ -7,6 +7,7 @@
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
+#include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
 #include "step/rigid_motion_kernels.h"
 
@@ -30,6 +31,12 @@ Vector in_lane(const ByLane (&column)[3], int lane) {
 }
 Rigid motion_in(const ByLane (&column)[2][3], int lane) { return {in_lane(column[0], lane), in_lane(column[1], lane)}; }
 
+// Held where it is.
+bool is_at_rest(const Body& b) {
+  const auto still = [](const Vector& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; };
+  return b.held == 0x3f && still(b.v) && still(b.omega) && still(b.held_v) && still(b.held_omega);
+}
+
 RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int lane) {
   uint8_t held = 0;
   for (int k = 0; k < 3; ++k) held = uint8_t(held | int(lanes.held[k].of[lane] != 0.0) << k);
@@ -51,7 +58,7 @@ void Model::step() {
     for (int c = 0; c < chunk_count(); ++c) contacts(0, c);
     for (int p = 0; p < piece_count(); ++p) blocks(0, p);
   }
-  end_step();
+  if (end_step()) find_contacts();
 }
 
 void Model::advance_contacts(int index, PhaseClock* clock) {
@@ -68,7 +75,7 @@ void Model::advance_contacts(int index, PhaseClock* clock) {
   lap(clock, Phase::contact_forces);
 }
 
-void Model::end_step() {
+bool Model::end_step() {
   for (const Chunk& chunk : chunks_) {
     if (chunk.failed) report_failure(chunk);
   }
@@ -78,7 +85,10 @@ void Model::end_step() {
   watch();
   leave_frames();
   part_units();
-  if (!moved_enough()) return;
+  return moved_enough();
+}
+
+void Model::find_contacts() {
   fetch_();
   detect_contacts();
 }
@@ -189,21 +199,18 @@ void Model::contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames) {
 }
 
 void Model::contact_law(Family& f, Chunk& chunk) {
-  const size_t end = chunk.first + chunk.count;
   if (viscous_contacts()) {
     for (int k = 0; k < 3; ++k)
-      std::copy(f.traction[k].begin() + chunk.first, f.traction[k].begin() + long(end),
-                f.old_traction[k].begin() + chunk.first);
+      std::copy_n(f.traction[k].begin() + chunk.first, chunk.count, f.old_traction[k].begin() + chunk.first);
   }
   chunk.status = f.material->evaluate(&chunk.batch);
   chunk.failed = chunk.status != QUOIN_OK || chunk.batch.failed_count > 0;
   if (!energy_) return;
-  chunk.stored = 0.0;
-  for (double& d : chunk.dissipated) d = 0.0;
-  for (size_t i = chunk.first; i < end; ++i) {
-    chunk.stored += f.stored[i] * f.area[i];
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) chunk.dissipated[k] += f.dissipated[k][i] * f.area[i];
-  }
+  EnergyColumns c{f.area.data() + chunk.first, f.stored.data() + chunk.first, {}};
+  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) c.dissipated[k] = f.dissipated[k].data() + chunk.first;
+  const PointEnergies sums = energies_of_points(c, chunk.count);
+  chunk.stored = sums.stored;
+  std::copy(std::begin(sums.dissipated), std::end(sums.dissipated), chunk.dissipated);
 }
 
 void Model::report_failure(const Chunk& chunk) const {
@@ -250,30 +257,18 @@ void Model::contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames) {
   }
 }
 
-// Stiffness-proportional damping: the rate of the traction itself, so that slip and open joints are not damped. It may
-// slow a closed contact but never pull on it.
+// Stiffness-proportional damping.
 void Model::viscous_tractions(Family& f, Chunk& chunk) {
-  const double rate = solver_.stiffness_damping / dt_;
-  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
-    const double sigma = f.traction[0][i];
-    double viscous[3] = {0.0, 0.0, 0.0}, opening = 0.0;
-    if (!std::isnan(f.old_jump[i])) {  // else born since: no rate is known
-      viscous[0] = rate * (sigma - f.old_traction[0][i]);
-      if (sigma <= 0) viscous[0] = std::min(viscous[0], -sigma);
-      for (int k = 1; k < 3; ++k) viscous[k] = rate * (f.traction[k][i] - f.old_traction[k][i]);
-      for (int k = 0; k < 3; ++k) {
-        if (f.traction[k][i] == 0) viscous[k] = 0.0;
-      }
-      opening = f.normal_jump[i] - f.old_jump[i];
-    }
-    // Central differences: half of the motion is under the traction of the step before.
-    const double way[3] = {opening, f.slip[0][i], f.slip[1][i]};
-    for (int k = 0; k < 3; ++k) {
-      chunk.damping += 0.5 * f.area[i] * (f.viscous[k][i] + viscous[k]) * way[k];
-      f.viscous[k][i] = viscous[k];
-    }
-    f.old_jump[i] = f.normal_jump[i];
+  DampingColumns c{};
+  const size_t first = chunk.first;
+  for (int k = 0; k < 3; ++k) {
+    c.traction[k] = f.traction[k].data() + first, c.old_traction[k] = f.old_traction[k].data() + first;
+    c.viscous[k] = f.viscous[k].data() + first;
   }
+  for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
+  c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
+  c.area = f.area.data() + first;
+  chunk.damping = damp_points(c, chunk.count, solver_.stiffness_damping / dt_);
 }
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
@@ -299,10 +294,12 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   double *force = rows.data(), *viscous = rows.data() + size;
   LaneBlock lanes[kBodies];
   BlockSums* sums[kBodies];
+  double power[kBodies];  // of loads, before the step
   for (size_t l = 0; l < count; ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[l])];
     sums[l] = &block_sums_[size_t(blocks[l])];
     *sums[l] = {};
+    if (energy_ && loaded_[size_t(blocks[l])]) power[l] = power_on_gridpoints(blocks[l], 0.0);
     const Vector acceleration = forces_on_gridpoints(blocks[l], force);
     lap(clock, Phase::motion);
     if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
@@ -344,7 +341,8 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                            energy_};
   advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, sums);
   for (size_t l = 0; l < count; ++l) {
-    if (energy_ && loaded_[size_t(blocks[l])]) sums[l]->external += work_of_loads(blocks[l]);
+    if (energy_ && loaded_[size_t(blocks[l])])
+      sums[l]->external += 0.5 * dt_ * (power[l] + power_on_gridpoints(blocks[l], dt_));
   }
   lap(clock, Phase::motion);
 }
@@ -446,48 +444,46 @@ void Model::forces_on_body(int block) {
   block_contact_force_[size_t(block)] = body.force;
   body.force += body.weight_mass * (gravity_factor_.at(time_) * gravity_);
   if (!loaded_[size_t(block)]) return;
-  if (!applied_.empty()) body.force += applied_[size_t(block)];
-  for (const Load& l : loads_) {
-    if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(time_) * l.force;
-    body.force += f;
-    body.torque += cross(body.r * l.arm, f);
-  }
-  for (const Pressure& p : pressures_) {
-    if (p.block != block) continue;
-    const Vector f = p.scale * p.value * p.factor.at(time_) * (body.r * p.push);
-    body.force += f;
-    body.torque += cross(body.r * p.arm, f);
-  }
+  const Wrench loads = loads_on_body(block);
+  body.force += loads.force, body.torque += loads.torque;
 }
 
-double Model::work_of_loads(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  double work = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block)) * dt_;
+Model::Wrench Model::loads_on_body(int block) const {
+  const Matrix& r = bodies_[size_t(blocks_[size_t(block)].body)].r;
+  Wrench sum;
+  if (!applied_.empty()) sum.force += applied_[size_t(block)];
+  const auto add = [&](const Vector& force, const Vector& arm) {
+    sum.force += force;
+    sum.torque += cross(r * arm, force);
+  };
+  for (const Load& l : loads_) {
+    if (l.block == block) add(l.scale * l.factor.at(time_) * l.force, l.arm);
+  }
+  for (const Pressure& p : pressures_) {
+    if (p.block == block) add(p.scale * p.value * p.factor.at(time_) * (r * p.push), p.arm);
+  }
+  return sum;
+}
+
+double Model::power_on_gridpoints(int block, double since) const {
+  double power = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block));
   for (const Load& l : loads_) {
     if (l.block != block) continue;
     const Vector f = l.scale * l.factor.at(time_) * l.force;
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      work += dot(f, body.v + cross(body.omega, body.r * l.arm)) * dt_;
-    } else {
-      for (const auto& [node, weight] : l.share) work += weight * dot(f, node_v_[node]) * dt_;
-    }
+    for (const auto& [node, weight] : l.share) power += weight * dot(f, node_v_[node]);
   }
   for (const Pressure& p : pressures_) {
     if (p.block != block) continue;
     const double value = p.scale * p.value * p.factor.at(time_);
-    if (b.body >= 0) {
-      const Body& body = bodies_[size_t(b.body)];
-      work += value * dot(body.r * p.push, body.v + cross(body.omega, body.r * p.arm)) * dt_;
-    } else {
-      for (const auto& t : p.triangles) {
-        const Vector m = cross(node_x_[t[1]] - node_x_[t[0]], node_x_[t[2]] - node_x_[t[0]]);
-        for (int32_t node : t) work -= value / 6 * dot(m, node_v_[node]) * dt_;
-      }
+    for (const auto& t : p.triangles) {
+      const auto edge = [&](int k) {
+        return node_x_[t[size_t(k)]] - node_x_[t[0]] - since * (node_v_[t[size_t(k)]] - node_v_[t[0]]);
+      };
+      const Vector m = cross(edge(1), edge(2));
+      for (int32_t node : t) power -= value / 6 * dot(m, node_v_[node]);
     }
   }
-  return work;
+  return power;
 }
 
 void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* gains) {
@@ -520,20 +516,31 @@ void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* ga
 void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   int32_t index[kBodies];
   BlockSums* sums[kBodies];
+  Wrench loads[kBodies];
+  double power[kBodies];  // theirs, before the step
+  const auto power_of = [&](size_t i) {
+    const Body& body = bodies_[size_t(index[i])];
+    return dot(loads[i].force, body.v) + dot(loads[i].torque, body.omega);
+  };
+  const auto is_loaded = [&](size_t i) { return energy_ && loaded_[size_t(blocks[i])]; };
   for (size_t i = 0; i < blocks.size(); ++i) {
     forces_on_body(blocks[i]);
     index[i] = blocks_[size_t(blocks[i])].body;
     sums[i] = &block_sums_[size_t(blocks[i])];
+    if (is_loaded(i)) loads[i] = loads_on_body(blocks[i]), power[i] = power_of(i);
+  }
+  if (std::all_of(index, index + blocks.size(), [&](int32_t i) { return is_at_rest(bodies_[size_t(i)]); })) {
+    for (size_t i = 0; i < blocks.size(); ++i) *sums[i] = {};
+    return lap(clock, Phase::motion);
   }
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
   const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
-  advance_rigid(bodies_.data(), index, int(blocks.size()), step, sums);
+  advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
-  if (!energy_) return;
-  for (const int32_t block : blocks) {
-    if (loaded_[size_t(block)]) block_sums_[size_t(block)].external += work_of_loads(block);
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    if (is_loaded(i)) sums[i]->external += 0.5 * dt_ * (power[i] + power_of(i));
   }
 }
 
@@ -560,6 +567,7 @@ void Model::sum_up() {
   for (const BlockSums& sums : block_sums_) {
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
+    startled_ |= sums.startled;
   }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;

@@ -39,12 +39,14 @@ class Model : public World {
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end.
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
+  // end_step() says that blocks have moved enough, find_contacts.
   void begin_step() { apply_ground_motion(); }
   // clock: of the thread, started; null: not timed.
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
-  void end_step();
+  bool end_step();
+  void find_contacts();
   void run(double duration);  // s
   void run_steps(long steps) {
     for (long i = 0; i < steps; ++i) step();
@@ -59,6 +61,7 @@ class Model : public World {
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
   // Whether something of theirs concerns all: a law that has failed, a block that is nowhere or has deformed too much.
   bool in_trouble(std::span<const int> chunks, std::span<const int> pieces) const;
+  bool is_startled(std::span<const int> pieces) const;  // some block of theirs: contacts may have to be found anew
   void each_memory_of_piece(Part part, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.
@@ -80,10 +83,16 @@ class Model : public World {
   Vector forces_on_gridpoints(int block, double* force);
   void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);
+  struct Wrench {
+    Vector force, torque;  // N; about the centre of mass, N m
+  };
+  Wrench loads_on_body(int block) const;
   void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
   // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
   void split(const Piece& piece, const LaneColumns& columns, RigidGains* gains);
-  double work_of_loads(int block) const;  // of the step, J
+  // Of loads, with the velocities of now and where gridpoints were `since` seconds ago, W. The work of a step is that
+  // of its forces with the mean of the velocities before and after it, as of all other forces.
+  double power_on_gridpoints(int block, double since) const;
   void sum_up();
   void leave_frames();  // blocks that have deformed too much for theirs
   void watch() const;   // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step

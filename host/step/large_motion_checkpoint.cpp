@@ -48,6 +48,9 @@ void Model::transfer_state(Archive& archive, Self& m) {
   }
   archive.array(m.facets_);
   archive.array(m.contacts_);
+  archive.array(m.pair_look_);
+  archive.array(m.block_look_);
+  archive.array(m.seen_);
   archive.array(m.block_contact_force_);
 
   archive.list(m.loads_, [](auto& a, auto& load) {
@@ -90,6 +93,8 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.stiffness_bound_);
   archive.value(m.step_count_);
   archive.value(m.next_check_);
+  archive.value(m.calm_steps_);
+  archive.value(m.look_dt_);
   archive.value(m.detections_);
   archive.value(m.narrow_calls_);
   archive.value(m.unbalanced_);
@@ -109,7 +114,8 @@ void Model::restore(ArchiveReader& reader) {
   if (bodies_.size() != bodies || node_x_.size() != nodes || node_v_.size() != nodes || node_held_.size() != nodes ||
       node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
       loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() || by_zone_.size() != blocks_.size() ||
-      (!applied_.empty() && applied_.size() != blocks_.size()))
+      (!applied_.empty() && applied_.size() != blocks_.size()) || pair_look_.size() != contacts_.size() ||
+      (!block_look_.empty() && block_look_.size() != blocks_.size()) || (!seen_.empty() && seen_.size() != bodies))
     throw Error(Exit::bad_input, kOther);
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
   const auto is_facet = [&](int i, int block) {
@@ -135,6 +141,9 @@ void Model::restore(ArchiveReader& reader) {
     const bool fits = is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
                       (c.family < 0 || size_t(c.first) + c.count <= families_[size_t(c.family)].size());
     if (!fits) throw Error(Exit::bad_input, kOther);
+  }
+  for (const PairLook& look : pair_look_) {
+    if (!is_block(look.a) || !is_block(look.b)) throw Error(Exit::bad_input, kOther);
   }
   for (int i = 0; i < block_count(); ++i) {
     const int other = other_half_[size_t(i)];

@@ -28,10 +28,21 @@ bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces)
   return false;
 }
 
+bool Model::is_startled(std::span<const int> pieces) const {
+  for (const int p : pieces) {
+    for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
+      if (block_sums_[size_t(b)].startled) return true;
+    }
+  }
+  return false;
+}
+
 void Model::each_memory_of_piece(Part part, int piece, const VisitMemory& visit) {
   for (const int32_t i : blocks_of(pieces_[size_t(piece)])) {
     const ModelBlock& b = blocks_[size_t(i)];
-    if (part != Part::motion) {
+    if (part == Part::motion) {
+      visit(&block_sums_[size_t(i)].startled, sizeof(bool));
+    } else {
       visit(&block_sums_[size_t(i)], sizeof(BlockSums));
       visit(&block_contact_force_[size_t(i)], sizeof(Vector));
     }

@@ -277,21 +277,23 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
-  if (riding) agree(riding->in_trouble(share.chunks, share.items));
+  bool startled = riding && riding->is_startled(share.items);
+  if (riding) agree(riding->in_trouble(share.chunks, share.items), &startled);
   if (measure_step || (riding && want_energy))
     gather(riding ? Part::row : Part::sums);
-  else if (riding && riding->looks_at_motion())
+  else if (riding && (startled || riding->looks_at_motion()))
     gather(Part::motion);
 }
 
-bool Simulation::Impl::agree(bool trouble) {
+bool Simulation::Impl::agree(bool trouble, bool* startled) {
   const auto before = Clock::now();
-  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0};
+  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0, startled && *startled ? 1.0 : 0.0};
   ranks->largest(wanted);
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
   stop_agreed = stop_agreed || wanted[1] > 0.0;
+  if (startled) *startled = wanted[2] > 0.0;
   if (wanted[0] > 0.0) gather(Part::all);
   return wanted[0] > 0.0;
 }

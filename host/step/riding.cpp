@@ -274,12 +274,16 @@ double Simulation::Impl::stage_time() const {
   return riding ? riding->time() - riding_stage_start : static_cast<double>(stage_step) * data.time_step;
 }
 
-void Simulation::Impl::end_riding_step() {
+void Simulation::Impl::end_riding_step(double timed) {
   const long divisions = riding->divisions();
-  const bool looks = riding->looks_at_motion();
-  const auto before = looks ? Clock::now() : Clock::time_point();
-  riding->end_step();
-  if (looks) times[Phase::detection] += seconds_since(before);
+  const auto before = timed > 0.0 ? Clock::now() : Clock::time_point();
+  const bool moved = riding->end_step();
+  if (timed > 0.0) times[Phase::detection] += timed * seconds_since(before);
+  if (moved) {
+    const auto found = Clock::now();
+    riding->find_contacts();
+    times[Phase::detection] += seconds_since(found);
+  }
   if (riding->divisions() == divisions) return;
   partition_work();
   follow_time_step();

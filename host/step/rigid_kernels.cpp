@@ -230,11 +230,24 @@ struct Members {
 // What a step adds up, a column a lane.
 struct SumLanes {
   alignas(64) double unbalanced[kLanes], net[3][kLanes], positions[kLanes];
-  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes];
+  alignas(64) double kinetic[kLanes], damping[kLanes], external[kLanes], beyond[kLanes];
 };
 
-HWY_INLINE void advance_vector(const Members& of, const double (&held)[6][kLanes], int first, const BodyStep& step,
-                               SumLanes* sums) {
+// Positive where some part of a body may move otherwise than it was seen to by more than goes unnoticed: (a + b)^2 is
+// at most 2 (a^2 + b^2), which needs no roots.
+HWY_INLINE V beyond_seen(const SeenMotion* const (&seen)[kLanes], const Lanes3& v, const Lanes3& omega) {
+  V linear[kFour], angular[kFour];
+  load_rows([&](int l) { return &seen[l]->v.x; }, linear);
+  load_rows([&](int l) { return &seen[l]->omega.x; }, angular);
+  const Lanes3 dv = difference_of(v, {linear[0], linear[1], linear[2]});
+  const Lanes3 dw = difference_of(omega, {angular[0], angular[1], angular[2]});
+  const V radius = linear[3], unnoticed = angular[3];
+  const V squares = hn::MulAdd(hn::Mul(radius, radius), dot_of(dw, dw), dot_of(dv, dv));
+  return hn::NegMulAdd(unnoticed, unnoticed, twice(squares));
+}
+
+HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen)[kLanes],
+                               const double (&held)[6][kLanes], int first, const BodyStep& step, SumLanes* sums) {
   const D d;
   const auto zero = hn::Zero(d), half = hn::Set(d, 0.5), one = hn::Set(d, 1.0), dt = hn::Set(d, step.time_step);
   const auto gamma = hn::Set(d, step.gamma);
@@ -366,18 +379,22 @@ HWY_INLINE void advance_vector(const Members& of, const double (&held)[6][kLanes
   hn::Store(kinetic, d, sums->kinetic + first);
   hn::Store(damping, d, sums->damping + first);
   hn::Store(external, d, sums->external + first);
+  hn::Store(seen[0] ? beyond_seen(seen, next, omega) : zero, d, sums->beyond + first);
 }
 
-void AdvanceRigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums) {
+void AdvanceRigid(Body* bodies, const SeenMotion* all_seen, const std::int32_t* index, int count, const BodyStep& step,
+                  BlockSums* const* sums) {
   alignas(64) double held[6][kLanes];
   SumLanes lanes;
   for (int first = 0; first < count; first += kWidth) {
     Members of{{}, std::min(kWidth, count - first)};
+    const SeenMotion* seen[kLanes];
     for (int i = 0; i < kWidth; ++i) {
-      of.lane[i] = bodies + index[std::min(first + i, count - 1)];
+      const std::int32_t body = index[std::min(first + i, count - 1)];
+      of.lane[i] = bodies + body, seen[i] = all_seen ? all_seen + body : nullptr;
       for (int k = 0; k < 6; ++k) held[k][first + i] = of.lane[i]->held >> k & 1;
     }
-    advance_vector(of, held, first, step, &lanes);
+    advance_vector(of, seen, held, first, step, &lanes);
   }
   for (int i = 0; i < count; ++i) {
     BlockSums& s = *sums[i];
@@ -386,6 +403,7 @@ void AdvanceRigid(Body* bodies, const std::int32_t* index, int count, const Body
     s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
     s.positions = lanes.positions[i];
     s.kinetic = lanes.kinetic[i], s.damping = lanes.damping[i], s.external = lanes.external[i];
+    s.startled = lanes.beyond[i] > 0.0;
   }
 }
 
@@ -409,8 +427,9 @@ void rigid_forces(std::span<RigidPair> pairs, const Body* bodies, const RigidCol
   HWY_DYNAMIC_DISPATCH(RigidForces)(pairs, bodies, columns);
 }
 
-void advance_rigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums) {
-  HWY_DYNAMIC_DISPATCH(AdvanceRigid)(bodies, index, count, step, sums);
+void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
+                   BlockSums* const* sums) {
+  HWY_DYNAMIC_DISPATCH(AdvanceRigid)(bodies, seen, index, count, step, sums);
 }
 
 }  // namespace quoin::blocks

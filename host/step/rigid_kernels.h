@@ -37,7 +37,8 @@ struct BodyStep {
 };
 
 // Central differences for bodies[index[0 .. count - 1]], kBodies at most, from force and torque in them. sums: of each,
-// beside it, all set.
-void advance_rigid(Body* bodies, const std::int32_t* index, int count, const BodyStep& step, BlockSums* const* sums);
+// beside it, all set. seen: beside the bodies; null: nobody has looked yet.
+void advance_rigid(Body* bodies, const SeenMotion* seen, const std::int32_t* index, int count, const BodyStep& step,
+                   BlockSums* const* sums);
 
 }  // namespace quoin::blocks

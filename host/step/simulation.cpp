@@ -46,7 +46,7 @@ void Simulation::advance(long steps, bool measure_last) {
   if (impl_->stage < 0 && !impl_->scene.stages.empty()) impl_->begin_stage(0);
   for (long i = 0; i < steps; ++i) {
     const bool last = measure_last && i + 1 == steps;
-    impl_->step_once(impl_->want_energy || last, last);
+    impl_->step_once(impl_->books_energy() || last, last);
   }
 }
 
@@ -96,7 +96,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const bool due = s.stage_step >= s.next_row, row = stop || due;
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
     s.sample_energy = !s.riding && (s.watch.pending || (due && s.begin_look()));
-    s.step_once(check || row || frame || s.want_energy || s.sample_energy, row || frame);
+    s.step_once(check || row || frame || s.books_energy() || s.sample_energy, row || frame);
 
     done = check && s.equilibrium_reached(settings);
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
@@ -129,7 +129,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
         observer.on_promotion(*this);
       }
       for (const Warning& warning : warnings) observer.on_warning(warning);
-      while (s.next_row < s.stage_step) s.next_row += s.row_interval;
+      if (s.next_row < s.stage_step)
+        s.next_row += (s.stage_step - s.next_row + s.row_interval - 1) / s.row_interval * s.row_interval;
     }
     if (frame) s.gather(Part::all), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
     if (stop)

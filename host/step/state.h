@@ -202,7 +202,7 @@ struct Simulation::Impl {
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
   std::vector<ContactPoint> riding_points() const;
   std::vector<double> riding_state(const std::string& id) const;
-  void end_riding_step();
+  void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
   double stage_time() const;  // s, since the stage began
   double now() const;         // s, since the start
@@ -227,7 +227,7 @@ struct Simulation::Impl {
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   void prepare_row();  // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
-  bool agree(bool trouble);
+  bool agree(bool trouble, bool* startled = nullptr);
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
@@ -332,6 +332,8 @@ struct Simulation::Impl {
   bool controls_settled = true;              // the ramp of the stage is over, and no body moves in cycles
   bool rest_known = true;                    // at_rest of all bodies is up to date
   bool want_energy = false;
+  // By what every step measures; blocks that ride add theirs up themselves.
+  bool books_energy() const { return want_energy && !riding; }
   bool sample_energy = false;  // of this step alone, for the watch
   bool keep_diagnostics = false;
 

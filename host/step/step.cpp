@@ -63,7 +63,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   pool.for_each(item_end, inner);
   if (timed) book_time(seconds_since(before), weight);
   if (ranks) hear_of_motion(measure_step);
-  if (riding) end_riding_step();
+  if (riding) end_riding_step(timed ? weight : 0.0);
   if (measure_step) {
     before = now_if(true);
     sum_measurements();

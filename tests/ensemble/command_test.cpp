@@ -178,6 +178,50 @@ TEST_F(Ensemble, CtrlCKeepsWhatIsFinished) {
   EXPECT_GE(lines_of(table("a")).size(), 3u);
 }
 
+// What Slurm's programs are asked and what is made of their answers: stand-ins that start the workers here, as
+// slurm_test.py has Slurm do where it is installed.
+TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
+  const auto stand_in = [&](const char* name, const std::string& text) {
+    std::ofstream(folder_ / name) << "#!/bin/sh\nfolder=" << folder_.string() << "\n" << text;
+    fs::permissions(folder_ / name, fs::perms::owner_all);
+  };
+  const std::string task =
+      "while [ \"${1%/slurm.sh}\" = \"$1\" ]; do shift; done\n(/bin/sleep 0.5; /bin/sh \"$@\") >/dev/null 2>&1 &\n";
+  const auto ask = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"--slurm", "--tasks", "2", "--samples", "3"});
+    return finish(start(words(out, more), -1, [&] { setenv("PATH", folder_.c_str(), 1); }));
+  };
+  EXPECT_EQ(ask("a", {}), 3);
+  EXPECT_THAT(error_, HasSubstr("sbatch: No such file or directory; --slurm needs the programs of Slurm"));
+
+  stand_in("sbatch", "echo no such partition; exit 1\n");
+  EXPECT_EQ(ask("a", {}), 3);
+  EXPECT_THAT(error_, HasSubstr("sbatch refused the job: no such partition"));
+
+  // Workers that end before they have computed anything.
+  stand_in("sbatch", "echo a warning; echo '17;far'\n");
+  stand_in("squeue", "echo 'slurm_load_jobs error: Invalid job id specified'; exit 1\n");
+  EXPECT_EQ(ask("a", {}), 5);
+  EXPECT_THAT(error_, HasSubstr("3 samples are missing, as their workers have ended"));
+
+  stand_in("sbatch", "echo \"$@\" > $folder/asked\n" + task + "echo 17\n");
+  stand_in("squeue", "echo \"$@\" > $folder/queued; echo 17_1\n");
+  ASSERT_EQ(ensemble("b", {"--samples", "1"}), 0) << error_;  // it and the one of the means
+  EXPECT_EQ(ask("b", {}), 0) << error_;
+  EXPECT_THAT(error_, testing::AllOf(HasSubstr("job 17 of Slurm: 2 workers; results, also before the end: "),
+                                     HasSubstr(" --samples 3 --gather"), HasSubstr("2/4 samples")));
+  EXPECT_THAT(out_, HasSubstr("3 of 3 samples finished, 0 of them failed"));
+  EXPECT_THAT(read_all(folder_ / "asked"), HasSubstr(" --array=1-2 --ntasks=1 "));
+  EXPECT_THAT(read_all(folder_ / "queued"), HasSubstr("--jobs=17 "));
+  ASSERT_EQ(ensemble("here", {"--samples", "3"}), 0) << error_;
+  EXPECT_EQ(table("b"), table("here"));
+
+  EXPECT_EQ(ask("c", {"--detach"}), 0) << error_;
+  EXPECT_EQ(out_, "");
+  wait_until_finished("c", 4);
+  EXPECT_EQ(finished("c"), 4);
+}
+
 TEST_F(Ensemble, RefusesTheFolderOfAnotherStudy) {
   ASSERT_EQ(ensemble("a", {"--samples", "1"}), 0) << error_;
   EXPECT_EQ(ensemble("a", {"--samples", "1", "--set", "output.energy=true"}), 3);

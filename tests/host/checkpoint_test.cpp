@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 
 #include "base/error.h"
@@ -273,6 +274,31 @@ TEST(Checkpoint, OfAnotherSceneOrCutShortIsRefusedAndLeavesTheStateAlone) {
   Simulation arch(scene_of("arch.toml", {}), 1), longer(scene_of("arch.toml", {"arch.1.voussoirs=8"}), 1);
   arch.advance(10);
   EXPECT_THROW(longer.restore(arch.save()), Error);
+}
+
+// Found by 61,045 random calls from Python: a row of the history that is due 2^62 steps ago was counted up to for ever.
+TEST(Checkpoint, CountersThatNoRunComesToAreRefused) {
+  constexpr long kInterval = 987'654'321;  // its bytes are found by it
+  const Scene scene =
+      scene_of(QUOIN_HOST_TESTS "/../cli/small_wall.toml", {"stage.1.record_interval=" + std::to_string(kInterval)});
+  Simulation simulation(scene, 1);
+  Observer nobody;
+  simulation.run_stage(nobody, 5);
+  const auto bytes = simulation.save();
+  std::vector<std::size_t> found;
+  for (std::size_t at = 0; at + sizeof(long) <= bytes.size(); ++at) {
+    if (std::memcmp(&bytes[at], &kInterval, sizeof(long)) == 0) found.push_back(at);
+  }
+  ASSERT_FALSE(found.empty());
+  const std::size_t interval = found.back(), next = interval - sizeof(long);  // as they follow each other
+  for (const auto& [at, value] :
+       {std::pair{interval, 0L}, {interval, -1L}, {interval, 1L << 62}, {next, -(1L << 62)}}) {
+    auto forged = bytes;
+    std::memcpy(&forged[at], &value, sizeof value);
+    EXPECT_THROW(simulation.restore(forged), Error) << at << " " << value;
+  }
+  simulation.restore(bytes);
+  simulation.run_stage(nobody, 5);
 }
 
 }  // namespace

@@ -200,8 +200,9 @@ class Test:
         self.runs, self.kills = 0, 0  # with a mutant
 
     def price(self):
-        """Seconds that a kill costs, as far as known; one run in ten kills."""
-        return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1)
+        """Seconds that a kill costs, as far as known; one run in ten kills, and a test that goes through little of the code
+        looks closely at it."""
+        return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1) * math.sqrt(len(self.reached) + 1)
 
     def run(self, allowed, **environment):
         """allowed: seconds on the processor, for each process, so that a busy machine kills no mutant; on the clock eight times

@@ -162,6 +162,18 @@ class Gmsh(Folder):
         with self.assertRaisesRegex(quoin.BadInput, "nowhere.msh: cannot read it: no such file"):
             quoin.read_blocks(self.path("nowhere.msh"), material="stone")
 
+    def test_what_readers_let_pass_is_refused(self):
+        """Found by mesh_fuzz_test: an endless loop, IndexError, and the last point for -1."""
+        head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
+        faces = "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+        for text, words in ((head, "its header has no end"), (head + faces + "3 0 1 3\n", "has the point 3, and there are 3"),
+                            (head + faces + "3 0 1 -1\n", "has the point -1"), (head + faces + "0\n", "has 0 corners")):
+            with self.subTest(words):
+                with open(self.path("bad.ply"), "w", encoding="utf-8") as file:
+                    file.write(text)
+                with self.assertRaisesRegex(quoin.BadInput, "bad.ply: .*" + words):
+                    quoin.read_blocks(self.path("bad.ply"), material="stone")
+
 
 def column_of_tetrahedra(width, height, across, along, seed=1):
     """Points and tetrahedra of a column along y: a grid of six-tetrahedra boxes whose inner gridpoints are moved at random,

@@ -43,6 +43,49 @@ TEST(FreeMotion, SymmetricTop) {
   check_error("free symmetric top: energy, largest relative", energy_error, 1e-6, "-");
 }
 
+// Pressure on a short side of a right-angled prism, whose centre is a third of its sides off the corner: m a = p A,
+// I alpha = p A (h/2 - h/3) with I = m (b^2 + h^2)/18, and its work is what the block moves with.
+TEST(FreeMotion, PressureMovesAndTurnsAPrism) {
+  const double b = 0.3, h = 0.4, depth = 0.2, p = 100.0;
+  Scene scene(elastic_joint(1e9, 1e9));
+  scene.block(
+      geometry::from_vertices({{0, 0, 0}, {b, 0, 0}, {0, h, 0}, {0, 0, depth}, {b, 0, depth}, {0, h, depth}}, "prism"));
+  const auto& normals = scene.assembly.shapes[0].normals;
+  const auto side = std::find_if(normals.begin(), normals.end(), [](const Vector& n) { return n.x < -0.99; });
+  auto m = scene.model(undamped());
+  m->track_energy(true);
+  m->add(Pressure{0, int(side - normals.begin()), p, {}, {}, {}, {}});
+  m->step();
+  const Vector v = m->body(0).v, momentum = m->body(0).momentum;
+  const double start = m->time(), lead = m->energies().balance_error(0.0), mass = 2000 * b * h / 2 * depth,
+               force = p * h * depth;
+  while (m->time() < 1e-3) m->step();
+  const double duration = m->time() - start;
+  check("prism under pressure: acceleration", force / mass, (m->body(0).v.x - v.x) / duration, 1e-6, "m/s2", "p A / m");
+  check("prism under pressure: angular acceleration", -force * h / 6 / (mass * (b * b + h * h) / 18),
+        (m->body(0).momentum.z - momentum.z) / duration / (mass * (b * b + h * h) / 18), 1e-6, "1/s2",
+        "p A h/6 over m (b^2 + h^2)/18");
+  check_error("prism under pressure: work less kinetic energy", std::abs(m->energies().balance_error(lead)),
+              1e-6 * m->energies().kinetic, "J");
+}
+
+// And that of loads and pressures on gridpoints: nothing is missing of what moves and strains a free block.
+TEST(FreeMotion, WorkOfLoadsOnGridpointsIsItsEnergy) {
+  Scene scene(elastic_joint(1e9, 1e9));
+  scene.soft({0, 0, 0}, {0.2, 0.1, 0.1}, {2, 1, 1});
+  auto m = scene.model(undamped());
+  m->track_energy(true);
+  m->add(Pressure{0, 0, 1e3, {}, {}, {}, {}});  // on -x
+  m->add(Load{0, {0.2, 0.1, 0.0}, {0, 30, 0}, {}, {}, {}});
+  m->step();
+  const double lead = m->energies().balance_error(0.0);
+  for (int i = 0; i < 400; ++i) m->step();
+  const Energies& e = m->energies();
+  // Strain oscillates about its mean under loads that come at once; leapfrog keeps energy to (omega dt)^2 of that part.
+  check_error("loads on gridpoints: work less energy", std::abs(e.balance_error(lead)), 0.2 * e.strain, "J");
+  check_error("loads on gridpoints: strain energy beside kinetic", e.strain, 0.01 * e.kinetic, "J");
+}
+
 // Dzhanibekov: rotation about the middle axis tumbles; momentum and energy stay.
 TEST(FreeMotion, UnstableAxisKeepsMomentumAndEnergy) {
   Scene scene(elastic_joint(1e9, 1e9));

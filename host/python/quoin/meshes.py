@@ -1,5 +1,9 @@
 """Blocks from meshes of other programs, read by meshio: gmsh's .msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
+import contextlib
+import importlib.util
+import io
 import os
+import resource
 
 import numpy as np
 
@@ -36,13 +40,24 @@ def _tags(mesh, index, count):
     return np.zeros(count, dtype=int)
 
 
+def _corners(cell, section, points):
+    """Numbers of points of a cell, each one of those that there are."""
+    corners = [int(n) for n in cell]
+    if len(corners) < 3 or (section.type == "tetra" and len(corners) != 4):
+        raise ValueError(f"a {section.type} has {len(corners)} corners")
+    for n, given in zip(corners, cell):
+        if n != given or not 0 <= n < points:
+            raise ValueError(f"a {section.type} has the point {given}, and there are {points}, from 0 on")
+    return corners
+
+
 def _groups(mesh, kinds):
     """(tag, cells) of every body: cells of these kinds, parted by their tags and where they do not hang together."""
     by_tag = {}
     for index, section in enumerate(mesh.cells):
         if section.type in kinds:
             for tag, cell in zip(_tags(mesh, index, len(section.data)), section.data):
-                by_tag.setdefault(int(tag), []).append([int(n) for n in cell])
+                by_tag.setdefault(int(tag), []).append(_corners(cell, section, len(mesh.points)))
     for tag, cells in sorted(by_tag.items()):
         for part in _components(cells, len(mesh.points)):
             yield tag, [cells[i] for i in part]
@@ -52,7 +67,8 @@ def _upright(zones, points):
     """The same tetrahedra with positive volumes."""
     zones = np.array(zones)
     edges = points[zones[:, 1:]] - points[zones[:, :1]]
-    turned = np.linalg.det(edges) < 0
+    with np.errstate(over="ignore", invalid="ignore"):  # of coordinates like 1e308, which the scene refuses
+        turned = np.linalg.det(edges) < 0
     zones[turned, 2], zones[turned, 3] = zones[turned, 3].copy(), zones[turned, 2].copy()
     return zones.tolist()
 
@@ -66,6 +82,38 @@ def _boundary(zones):
     return [faces[0] for faces in found.values() if len(faces) == 1]
 
 
+@contextlib.contextmanager
+def _little_memory(path):
+    """Missing memory is an exception of the reader, and not the end of the machine: a few bytes can say that points go by
+    numbers up to 2^31. Allowed are 200 bytes for each of the file and 500 MB."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    with open("/proc/self/statm", encoding="ascii") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    allowed = used + 200 * os.path.getsize(path) + 500_000_000
+    if soft == resource.RLIM_INFINITY or allowed < soft:
+        resource.setrlimit(resource.RLIMIT_AS, (allowed, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def _read(path):
+    """What meshio makes of a file. It waits for ever for the end of a PLY header that is cut off."""
+    import meshio
+    with open(path, "rb") as file:
+        if file.read(3) == b"ply" and not any(line.strip() == b"end_header" for line in file):
+            raise ValueError("its header has no end (end_header)")
+    said = io.StringIO()  # it prints what is wrong, and ends the program
+    try:
+        with _little_memory(path), contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            return meshio.read(path)
+    except MemoryError:
+        raise ValueError("it asks for more memory than a mesh of its size needs") from None
+    except SystemExit:
+        raise ValueError(" ".join(said.getvalue().split()) or "no reason is given") from None
+
+
 def read_blocks(path, *, material, scale=1.0, name=None, **keys):
     """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale: the surfaces of their tetrahedra,
     or, where the file has none, closed surfaces. Bodies are parted by gmsh's volumes, and where they do not hang together;
@@ -73,23 +121,24 @@ def read_blocks(path, *, material, scale=1.0, name=None, **keys):
     besides, blocks are zoned anew."""
     path = os.fspath(path)
     own_zones = not keys.get("rigid", True) and not keys.keys() & {"zone_edge", "divisions"}
-    try:
-        import meshio
-    except ImportError:
-        raise ImportError("read_blocks: meshio is not installed (python3-meshio)") from None
+    if importlib.util.find_spec("meshio") is None:
+        raise ImportError("read_blocks: meshio is not installed (python3-meshio)")
     if not os.path.isfile(path):
         raise BadInput(f"{path}: cannot read it: no such file")
     try:
-        mesh = meshio.read(path)
-    except (Exception, SystemExit) as fault:  # meshio ends the program where it cannot read
-        raise BadInput(f"{path}: meshio cannot read it: {fault or type(fault).__name__}") from None
+        mesh = _read(path)
+    except Exception as fault:
+        raise BadInput(f"{path}: meshio cannot read it: {str(fault) or type(fault).__name__}") from None
     points = scale * np.asarray(mesh.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
         raise BadInput(f"{path}: its points are not finite, or not in three dimensions")
     name = name or os.path.splitext(os.path.basename(path))[0]
-    bodies, zoned = list(_groups(mesh, ("tetra",))), True
-    if not bodies:
-        bodies, zoned = list(_groups(mesh, SURFACES)), False
+    try:
+        bodies, zoned = list(_groups(mesh, ("tetra",))), True
+        if not bodies:
+            bodies, zoned = list(_groups(mesh, SURFACES)), False
+    except (ValueError, OverflowError) as fault:  # of numbers that are none
+        raise BadInput(f"{path}: {fault}") from None
     if not bodies:
         raise BadInput(f"{path}: has neither tetrahedra nor a surface; it has {', '.join(c.type for c in mesh.cells)}")
     if own_zones and not zoned:

@@ -1,0 +1,155 @@
+// When blocks have moved enough for contacts to be found anew. A pair, and a block since the last broad phase, may move
+// by some way; from how fast it moves follows the step before which it cannot have, and until then nobody looks at it.
+// What is reckoned with is the motion that a block was seen in; a block that leaves it by more than a small speed,
+// which is reckoned with too, is startled (rigid_kernels.cpp), and all that it belongs to is looked at in that very
+// step. So no rigid block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
+//
+// Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
+#include <algorithm>
+#include <bit>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+using namespace geometry;
+
+namespace {
+
+// The speed that a block may gain unnoticed is such that a pair of the smallest ones would use up its way in so many
+// steps: at first, and of blocks that are startled all the time.
+constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
+// Blocks that are startled sooner than this may gain twice as much from then on, those later than that half of it,
+// steps.
+constexpr long kSoon = 30, kLate = 300;
+constexpr long kMostSteps = 1000;  // between two looks at the same
+// Of the way of a pair, from where on it is looked at closely together with others that have moved by all of it.
+constexpr double kRipe = 0.8;
+// Of the skin, that a block may move by before the broad phase is looked at.
+constexpr double kOfSkin = 0.25;
+// Blocks turned by more than this (rad) end the small-displacement mode: frozen normals would be wrong by as much.
+constexpr double kSmallRotation = 1e-3;
+
+}  // namespace
+
+bool World::moved_enough() {
+  const bool all = dt_ != look_dt_ && !bodies_.empty();
+  if (step_count_ < next_check_ && !startled_ && !all) return false;
+  if (all) look_dt_ = dt_;
+  due_.assign(blocks_.size(), all);
+  seen_.resize(bodies_.size());
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (blocks_[i].body < 0 || !(all || block_sums_[i].startled)) continue;
+    see(int(i));
+    due_[i] = 1, block_sums_[i].startled = false;
+  }
+  startled_ = false;
+  calm_steps_ = node_x_.empty() ? 0 : steps_of_gridpoints();
+
+  bool moved = false;
+  next_check_ = step_count_ + kMostSteps;
+  block_look_.resize(blocks_.size(), 0);
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    long& step = block_look_[i];
+    if (due_[i] || step <= step_count_) moved |= look_at_block(int(i), step);
+    next_check_ = std::min(next_check_, step);
+  }
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    PairLook& look = pair_look_[i];
+    if (due_[size_t(look.a)] || due_[size_t(look.b)] || look.step <= step_count_)
+      moved |= look_at_pair(contacts_[i], look);
+    next_check_ = std::min(next_check_, look.step);
+  }
+  if (moved && small_) {
+    small_ = false;  // for good: what has moved once will move again
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+      if (blocks_[i].body >= 0) block_look_[i] = next_check_ = step_count_ + 1;  // its way is another one
+    }
+  }
+  return moved;
+}
+
+bool World::is_ripe(const Contact& c, const PairLook& look) const {
+  const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
+  return seen ? look.ripe : pair_motion(c) > kRipe * allowed_motion(c);
+}
+
+void World::see(int i) {
+  const ModelBlock& b = blocks_[size_t(i)];
+  const Body& body = bodies_[size_t(b.body)];
+  SeenMotion& seen = seen_[size_t(b.body)];
+  const double way_a_step = detection_fraction() * size_ / dt_;
+  double unnoticed = seen.unnoticed;
+  const long since = step_count_ - seen.step;
+  if (block_sums_[size_t(i)].startled && since < kSoon) unnoticed *= 2.0;
+  if (since > kLate) unnoticed *= 0.5;
+  unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
+  seen = {body.v, b.radius, body.omega, unnoticed, step_count_};
+}
+
+// A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
+// fall into one step.
+long World::step_after(double way, double speed) const {
+  const double steps = way / (speed * dt_);
+  if (!(steps >= 2.0)) return step_count_ + 1;
+  const long last = step_count_ + long(std::min(steps, double(kMostSteps)));
+  const long round = long(std::bit_floor(std::uint64_t(last - step_count_) / 4 + 1));
+  return std::max(step_count_ + 1, last - last % round);
+}
+
+// Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
+long World::steps_of_gridpoints() const {
+  double fastest = 0.0;
+  for (const Body& b : bodies_) fastest = std::max(fastest, dot(b.v, b.v));
+  for (const ModelBlock& b : blocks_) {
+    if (b.body >= 0)
+      fastest = std::max(fastest, dot(bodies_[b.body].omega, bodies_[b.body].omega) * b.radius * b.radius);
+    if (b.body < 0) fastest = std::max(fastest, dot(node_v_[b.first_node], node_v_[b.first_node]));
+  }
+  const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * dt_;
+  return std::clamp(long(0.25 * detection_fraction() * size_ / (speed * dt_)), 1l, 100l);
+}
+
+// Small displacement also means that no block has come near others that are not its neighbours, and that frozen frames
+// on deformable blocks still point the right way.
+bool World::look_at_block(int i, long& step) const {
+  const ModelBlock& b = blocks_[size_t(i)];
+  double moved, turned = 0.0;
+  if (small_) {
+    Vector x;
+    Matrix r;
+    pose(i, x, r);
+    moved = norm(x - start_x_[size_t(i)]), turned = angle_between(r, start_r_[size_t(i)]);
+  } else {
+    moved = motion_since_broad_phase(i);
+  }
+  const double way = kOfSkin * skin_;
+  if (b.body < 0) {
+    step = step_count_ + calm_steps_;
+  } else {
+    const SeenMotion& seen = seen_[size_t(b.body)];
+    const double spin = norm(seen.omega) + seen.unnoticed / b.radius;
+    step = step_after(way - moved, norm(seen.v) + seen.unnoticed + norm(seen.omega) * b.radius);
+    if (small_) step = std::min(step, step_after(kSmallRotation - turned, spin));
+  }
+  return moved > way || turned > kSmallRotation;
+}
+
+bool World::look_at_pair(const Contact& c, PairLook& look) const {
+  const double moved = pair_motion(c), way = allowed_motion(c);
+  look = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
+  const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
+  if (a.body >= 0 && b.body >= 0 && look_dt_ > 0.0) {
+    // As pair_motion: of b as seen from a.
+    const SeenMotion &of_a = seen_[size_t(a.body)], &of_b = seen_[size_t(b.body)];
+    const Vector apart = bodies_[size_t(b.body)].x - bodies_[size_t(a.body)].x;
+    const double distance = norm(apart), lever = lever_of(c, distance);
+    const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
+    const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
+                             of_b.unnoticed * std::max(1.0, lever / b.radius);
+    look.step = step_after((look.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed);
+  }
+  return moved > way;
+}
+
+}  // namespace quoin::blocks

@@ -1,0 +1,113 @@
+#include "step/point_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "step/point_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "model/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::blocks {
+namespace HWY_NAMESPACE {
+using namespace quoin::HWY_NAMESPACE;
+
+// Eight sums side by side.
+struct LaneSum {
+  V part[kParts];
+
+  HWY_INLINE LaneSum() {
+    for (V& p : part) p = hn::Zero(D());
+  }
+  HWY_INLINE double total() const {
+    alignas(64) double lane[kLanes];
+    for (int p = 0; p < kParts; ++p) hn::Store(part[p], D(), lane + p * kWidth);
+    double sum = 0.0;
+    for (const double x : lane) sum += x;
+    return sum;
+  }
+};
+
+// visit(i, part of the sums, load, store), a vector of points at a time; lanes beyond the last point are loaded as 0
+// and not stored.
+template <class Visit>
+HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
+  const D d;
+  constexpr auto kStep = static_cast<std::size_t>(kWidth);
+  std::size_t i = 0;
+  for (; i + kStep <= count; i += kStep) {
+    visit(
+        i, [&](const double* from) HWY_ATTR { return hn::LoadU(d, from + i); },
+        [&](V v, double* to) HWY_ATTR { hn::StoreU(v, d, to + i); });
+  }
+  if (i == count) return;
+  const auto rest = hn::FirstN(d, count - i);
+  visit(
+      i, [&](const double* from) HWY_ATTR { return hn::MaskedLoad(rest, d, from + i); },
+      [&](V v, double* to) HWY_ATTR { hn::BlendedStore(v, rest, d, to + i); });
+}
+HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
+
+double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
+  const D d;
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), factor = hn::Set(d, rate);
+  LaneSum work;
+  for_each_vector(count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
+    const V then = load(c.old_jump), now = load(c.normal_jump);
+    const auto known = hn::Eq(then, then);  // else born since: no rate is known
+    const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
+    V done = zero;
+    for (int k = 0; k < 3; ++k) {
+      const V traction = load(c.traction[k]);
+      V viscous = hn::Mul(factor, hn::Sub(traction, load(c.old_traction[k])));
+      if (k == 0) viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, hn::Neg(traction)), viscous);
+      viscous = hn::IfThenElseZero(hn::And(known, hn::Ne(traction, zero)), viscous);
+      // Central differences: half of the motion is under the traction of the step before.
+      done = hn::MulAdd(hn::Add(load(c.viscous[k]), viscous), way[k], done);
+      store(viscous, c.viscous[k]);
+    }
+    V& sum = work.part[part_of_sum(i)];
+    sum = hn::MulAdd(hn::Mul(half, load(c.area)), done, sum);
+    store(now, c.old_jump);
+  });
+  return work.total();
+}
+
+PointEnergies EnergiesOfPoints(const EnergyColumns& c, std::size_t count) {
+  LaneSum stored, dissipated[QUOIN_DISSIPATED_COUNT];
+  for_each_vector(count, [&](std::size_t i, auto load, auto) HWY_ATTR {
+    const V area = load(c.area);
+    const auto add = [&](const double* density, LaneSum& sum) HWY_ATTR {
+      V& part = sum.part[part_of_sum(i)];
+      part = hn::MulAdd(area, load(density), part);
+    };
+    add(c.stored, stored);
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) add(c.dissipated[k], dissipated[k]);
+  });
+  PointEnergies sums{stored.total(), {}};
+  for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) sums.dissipated[k] = dissipated[k].total();
+  return sums;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace quoin::blocks
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace quoin::blocks {
+
+HWY_EXPORT(DampPoints);
+HWY_EXPORT(EnergiesOfPoints);
+
+double damp_points(const DampingColumns& columns, std::size_t count, double rate) {
+  return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
+}
+
+PointEnergies energies_of_points(const EnergyColumns& columns, std::size_t count) {
+  return HWY_DYNAMIC_DISPATCH(EnergiesOfPoints)(columns, count);
+}
+
+}  // namespace quoin::blocks
+
+#endif  // HWY_ONCE

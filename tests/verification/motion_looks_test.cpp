@@ -1,0 +1,56 @@
+// When contacts are found anew (model/motion_looks.cpp): no pair of rigid blocks comes further than it may unseen,
+// however long nobody has looked at it and whatever hits it.
+#include <algorithm>
+
+#include "support.h"
+
+namespace quoin::verification {
+namespace {
+
+class Watched : public Model {
+ public:
+  using Model::Model;
+  // Motion of the pair that has moved furthest since its contact was found, over what it may.
+  double furthest() const {
+    double most = 0.0;
+    for (const Contact& c : contacts_) most = std::max(most, pair_motion(c) / allowed_motion(c));
+    return most;
+  }
+};
+
+TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
+  Scene scene(dry_joint(2e9, 1e9, 33));
+  scene.brick({-5, -0.2, -5}, {10, 0.2, 10}, true);
+  std::vector<int> stack;
+  for (int i = 0; i < 4; ++i) stack.push_back(scene.brick({0, 0.1 * i, 0}, {0.2, 0.1, 0.2}));
+  const int ball = scene.brick({-0.5, 0.25, 0.05}, {0.1, 0.1, 0.1});
+  Watched m(scene.assembly, viscous(0, 4e-5));
+  m.set_gravity({0, -gravity, 0});
+  m.prescribe(ball, {});
+  m.run_steps(500);  // the stack settles
+
+  constexpr int kQuiet = 500;
+  int looks = 0;
+  for (int i = 0; i < kQuiet; ++i) {
+    looks += m.looks_at_motion();
+    m.step();
+  }
+  EXPECT_LT(looks, kQuiet / 10) << "at rest, and looked at all the time";
+  const long detections = m.detections();
+
+  m.release(ball);
+  m.set_velocity(ball, {8, 0, 0}, {0, 0, 20});
+  double furthest = 0.0;
+  const double end = m.time() + 0.15;
+  while (m.time() < end) {
+    m.step();
+    furthest = std::max(furthest, m.furthest());
+  }
+  EXPECT_GT(norm(m.velocity(stack[2])) + norm(m.velocity(stack[3])), 0.1) << "nothing was hit: nothing is tested";
+  EXPECT_GT(m.detections(), detections + 10);
+  // Beyond it, contacts are found anew at the end of the same step, from where motion counts again. Rounding aside.
+  EXPECT_LE(furthest, 1.0 + 1e-12);
+}
+
+}  // namespace
+}  // namespace quoin::verification
