@@ -145,6 +145,9 @@ void Model::restore(ArchiveReader& reader) {
   for (const PairLook& look : pair_look_) {
     if (!is_block(look.a) || !is_block(look.b)) throw Error(Exit::bad_input, kOther);
   }
+  for (const SeenMotion& seen : seen_) {
+    if (seen.step < 0 || seen.step > step_count_) throw Error(Exit::bad_input, kOther);
+  }
   for (int i = 0; i < block_count(); ++i) {
     const int other = other_half_[size_t(i)];
     if (other >= 0 && (!is_block(other) || other_half_[size_t(other)] != i || blocks_[size_t(i)].body >= 0))

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
+#include "cli/progress.h"
 #include "program.h"
 
 namespace {
@@ -197,6 +199,39 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
   EXPECT_THAT(error_, AllOf(HasSubstr("\n[1/2 precompression] "), HasSubstr("\n[2/2 shear] "), Not(HasSubstr("│"))));
 }
 
+// Where nobody watches a bar: hours and minutes that are left, or nothing where they are not known or too many.
+TEST(ProgressLine, TellsATimeThatIsKnown) {
+  quoin::ProgressLine line;
+  quoin::Progress progress;
+  progress.stage_count = 5;
+  testing::internal::CaptureStderr();
+  for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan("")}) {
+    progress.seconds_left = left;
+    line.show(progress, 0.0, 0.0);
+    ++progress.stage;  // a new stage is told at once
+  }
+  const std::string told = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(told, ContainsRegex("1/5.* left 0:59 .*\n.*2/5.* left 1:40:01 .*\n.*3/5.* left --:-- .*\n"
+                                  ".*4/5.* left --:-- .*\n.*5/5.* left --:-- "));
+}
+
+// Of two ranks in 1000 steps: the most that one sent a step, shares of the time of both, and of all blocks and points.
+TEST(ProgressLine, TellsWhatRanksSend) {
+  quoin::RankTraffic one, other;
+  one.steps = other.steps = 1000;
+  one.step_seconds = 6, other.step_seconds = 4;
+  one.halo_bytes = 2e6, other.halo_bytes = 5e6;
+  one.halo_messages = 4000, other.halo_messages = 3000;
+  one.waiting_seconds = 0.5, other.waiting_seconds = 1.5;
+  one.gathers = other.gathers = 10, one.gathered_bytes = other.gathered_bytes = 30e6;
+  one.gathering_seconds = 0.3, other.gathering_seconds = 0.2;
+  one.blocks = 30, other.blocks = 10;
+  one.points = 60, other.points = 40, one.shared_points = 15, other.shared_points = 10;
+  EXPECT_EQ(quoin::ranks_text({one, other}),
+            "ranks: 2; at most 5.00 kB in 4 messages a rank and step; waiting 20.0 %, gathering 5.0 % (10 times 3 MB); "
+            "at most 1.5 times the mean of blocks, 25 % of contact points on borders");
+}
+
 TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}), 0);
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks 144"), HasSubstr("zones 11520"), HasSubstr("contact points 3447"),
@@ -205,6 +240,23 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // and one that is no bricks
   EXPECT_THAT(out_, AllOf(HasSubstr("memory of the model about 1 MB"), ContainsRegex("[0-9.]+ s, about [0-9]+ steps")));
+}
+
+TEST_F(Cli, CheckTellsWhatScattersAndWhereStagesEnd) {
+  const std::vector<std::string> words{
+      "check", small_,
+      "--set", "joints.mortar.tensile_strength={distribution=\"lognormal\",mean=0.2e6,cov=0.3,correlation_length=0.5}",
+      "--set", "joints.mortar.cohesion={distribution=\"normal\",mean=0.3e6,cov=0.1,lower=0.1e6,level=\"unit\"}"};
+  ASSERT_EQ(quoin(words), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr(" sample 1 of seed 1\n"),
+                          HasSubstr(" lognormal, mean 200000, cov 0.3, by joint, correlated over 0.5 m\n"),
+                          HasSubstr(" normal, mean 300000, cov 0.1, 100000 or more, by unit\n"),
+                          ContainsRegex("drawn for [0-9]+ contact points: [0-9.e+]+ to [0-9.e+]+, mean [0-9.e+]+\n"),
+                          ContainsRegex("  shear +until displacement 0.5 mm")));
+  auto at_mean = words;
+  at_mean.insert(at_mean.end(), {"--set", "random.sample=0"});
+  ASSERT_EQ(quoin(at_mean), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr(" sample 0: everything at its mean\n"), Not(HasSubstr("drawn for"))));
 }
 
 // Every scene that is shipped passes the check, and the README beside it tells what it is.
@@ -327,6 +379,7 @@ TEST_F(Cli, CurvesOfCyclesShowEveryQuadrant) {
     if (line.starts_with("set yrange")) y_range = line;
   }
   EXPECT_EQ(y_range, "set yrange [*:*]");
+  EXPECT_THAT(script.str(), HasSubstr("\nset xzeroaxis "));
   std::istringstream data(read_all(out() + "/plots/curve.dat"));
   std::getline(data, line);
   while (std::getline(data, line)) {
@@ -338,7 +391,9 @@ TEST_F(Cli, CurvesOfCyclesShowEveryQuadrant) {
   EXPECT_LT(left, -0.5);
   EXPECT_LT(least, -1.0);
   ASSERT_EQ(run_small({"--set", "output.frames=0"}), 0) << error_;
-  EXPECT_THAT(read_all(out() + "/plots/curve.gp"), AllOf(HasSubstr("set xrange [0:"), HasSubstr("set yrange [0:*]")));
+  EXPECT_THAT(read_all(out() + "/plots/curve.gp"),
+              AllOf(HasSubstr("set xrange [0:"), HasSubstr("set yrange [0:*]"), Not(HasSubstr("zeroaxis")),
+                    HasSubstr("set y2label \"mean vertical stress (MPa)\"")));
 }
 
 TEST_F(Cli, PicturesNameWhatMoves) {

@@ -544,13 +544,16 @@ TEST_F(Outputs, PicturesAreDrawnFromTheRun) {
   EXPECT_NEAR(y_high, 225.0 + margin + 0.3 * sway, 0.01);
 
   // Joints: quads between their two sides; all together as long as three bed joints and three head joints.
-  double length = 0.0;
+  double length = 0.0, left = 0.0, right = 0.0;
   for (const int kind : {0, 1, 2, 3, 4, 5})
     for (const Rows& quad : blocks_of(read_all(plots / fmt::format("joints_{}.dat", kind)))) {
       ASSERT_EQ(quad.size(), 5u);
       EXPECT_EQ(quad.front(), quad.back());
       length += std::hypot(quad[1][0] - quad[0][0], quad[1][1] - quad[0][1]);
+      for (const auto& p : quad) left = std::min(left, p[0]), right = std::max(right, p[0]);
     }
+  EXPECT_NEAR(left, 0.0, sway + 0.5) << "from end to end of the wall";
+  EXPECT_NEAR(right, 440.0, sway + 0.5);
   EXPECT_NEAR(length, 3 * 440.0 + 3 * 62.5, 0.01 * 1500.0);
 }
 

@@ -228,6 +228,33 @@ TEST(Columns, JointAveragesScatterAsGivenAndNeighboursGoTogether) {
   EXPECT_NEAR(products / pairs / (squares / n), expected / pairs, 0.03 + 5 / std::sqrt(independent));
 }
 
+// Along a row of places z(k) = r z(k-1) + sqrt(1 - r^2) f(k) with r = exp(-d/length): f are the values that the same
+// sample has without correlation, and d is the distance of the places to the 10 um that they are rounded to.
+TEST(Columns, NeighboursFollowEachOtherByTheirDistance) {
+  const Assembly assembly = assemble(read_scene(kSmall));
+  constexpr double kLength = 0.1, kMean = 0.2e6, kScatter = 0.02e6;
+  const std::vector<PlacedBlock> blocks{{0, 0}, {1, 1}};
+  std::vector<PlacedPoint> points;
+  for (const double x : {0.0, 0.04, 0.06, 0.17, 0.2, 0.31}) points.push_back({{x, 0.1, 0.05}, 1e-3, 0, 1});
+  const auto z = [&](const std::string& more) {
+    const Assembly with = assemble(read_scene(
+        kSmall,
+        {fmt::format("joints.mortar.tensile_strength={{distribution=\"normal\",mean={},sd={},level=\"point\"{}}}",
+                     kMean, kScatter, more)}));
+    const auto columns = draw_properties(with.families[0], *make_materials(assembly)[0], points, blocks);
+    std::vector<double> result;
+    for (const double value : columns.at(0).values) result.push_back((value - kMean) / kScatter);
+    return result;
+  };
+  const std::vector<double> alone = z(""), together = z(fmt::format(",correlation_length={}", kLength));
+  EXPECT_NEAR(together[0], alone[0], 1e-9);
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const double r = std::exp(-(points[k].position[0] - points[k - 1].position[0]) / kLength);
+    // r by at most 10 um/kLength, f and z by a few at most.
+    EXPECT_NEAR(together[k], r * together[k - 1] + std::sqrt(1 - r * r) * alone[k], 1e-3) << k;
+  }
+}
+
 TEST(Columns, StiffnessThatScattersLowersTheTimeStep) {
   const Settings stiff{"joints.mortar.normal_stiffness={distribution=\"uniform\",lower=20e9,upper=160e9}"};
   const Simulation plain(read_scene(kSmall, kQuick)), scattered(read_scene(kSmall, kQuick + stiff));

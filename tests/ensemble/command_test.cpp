@@ -59,6 +59,7 @@ class Ensemble : public Cli {
 TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   ASSERT_EQ(ensemble("a", {"--jobs", "2"}), 0) << error_;
   EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
+  EXPECT_THAT(error_, HasSubstr("7/7 samples, ")) << "with the one of the means";
   const auto lines = lines_of(table("a"));
   ASSERT_EQ(lines.size(), 7u);
   EXPECT_THAT(lines[0], testing::StartsWith("sample,status,reason,\"pressure\",\"joints.mortar.cohesion_mean\""));

@@ -76,12 +76,16 @@ TEST(Separation, BentUnitsAreNoFurtherApartThanTheirCorners) {
   for (int round = 0; round < 2000; ++round) {
     const Vector above{2.5e-3 * any(random), 0.0625 + 1e-4 * any(random), 1e-3 * any(random)};
     const auto a = unit({}), b = unit(above);
-    const auto s = separate(placed(a, {}), placed(b, above), 1e9, 1e-6);
-    double low = 1e9, high = -1e9;
-    for (const Vector& p : b.vertices) low = std::min(low, dot(s.normal, p));
-    for (const Vector& p : a.vertices) high = std::max(high, dot(s.normal, p));
-    EXPECT_LE(s.distance, low - high + (s.feature == Separation::edges ? 1e-12 : 2 * bent)) << s.feature;
-    edges += s.feature == Separation::edges;
+    for (const bool upwards : {true, false}) {
+      const auto &from = upwards ? a : b, &to = upwards ? b : a;
+      const auto s =
+          separate(placed(from, upwards ? Vector{} : above), placed(to, upwards ? above : Vector{}), 1e9, 1e-6);
+      double low = 1e9, high = -1e9;
+      for (const Vector& p : to.vertices) low = std::min(low, dot(s.normal, p));
+      for (const Vector& p : from.vertices) high = std::max(high, dot(s.normal, p));
+      EXPECT_LE(s.distance, low - high + (s.feature == Separation::edges ? 1e-12 : 2 * bent)) << s.feature;
+      edges += s.feature == Separation::edges;
+    }
   }
   EXPECT_GT(edges, 0);
 }

@@ -236,6 +236,24 @@ TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
   EXPECT_NE(text.find("block L: is not convex: vertex"), std::string::npos) << text;
 }
 
+// A box whose top has a shallow valley: each far edge stands in front of the other half of the top by about twice the
+// valley's depth. A millionth of the size is what files round by, on either side; more is a shape.
+TEST(Polyhedron, ValleysDeeperThanRoundingAreNotConvex) {
+  const auto with_valley = [](double front) {
+    std::vector<Vector> vertices;
+    for (const double y : {0.0, 1.0}) {
+      for (auto [x, z] : {std::pair{0., 0.}, {1., 0.}, {1., 1.}, {0.5, 1 - front / 2}, {0., 1.}})
+        vertices.push_back({x, y, z});
+    }
+    std::vector<std::vector<int>> faces = {{0, 1, 2, 3, 4}, {9, 8, 7, 6, 5}};
+    for (int i = 0; i < 5; ++i) faces.push_back({(i + 1) % 5, i, 5 + i, 5 + (i + 1) % 5});
+    return from_faces(vertices, faces, "valley");
+  };
+  EXPECT_NO_THROW(with_valley(1.8e-6));
+  const std::string text = refusal([&] { with_valley(2.4e-6); });
+  EXPECT_NE(text.find("block valley: is not convex: vertex"), std::string::npos) << text;
+}
+
 // A tetrahedron is halved along the shortest of its three inner diagonals, whichever vertex comes first. Quality: 12 (3
 // V)^(2/3) over the sum of the squares of the edges, 1 for the regular one (Liu and Joe).
 TEST(Zoning, QualityIsNoMatterOfTheOrderOfVertices) {

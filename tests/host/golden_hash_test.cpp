@@ -38,13 +38,13 @@ const GoldenRun kRuns[] = {
      QUOIN_SCENES "/ferris_tin_loi_2.toml",
      {"stage.2.record_interval=500", "stage.2.ramp_time=0.2", "stage.2.collapse.start=0.6"},
      5000,
-     0x176428d9de8de4c0u},
+     0xccd5b837b15d3efau},
     {"falling_arch",
      QUOIN_SCENES "/arch.toml",
      {"stage.2.record_interval=500", "stage.2.ramp_time=0.2", "stage.2.collapse.start=0.5",
       "stage.2.collapse.displacement=3.0"},
      4000,
-     0xb9f6edc6d7eb0c51u},
+     0x6edee8b288250a8au},
 };
 
 // Stops at the first row of the last stage that lies so many steps in.

@@ -386,6 +386,13 @@ divisions = [3, 1, 2]
 box = { lower = [0, 1, 0], size = [1, 0.5, 1] }
 )"),
               HasSubstr("have zones of 0.5 and 0.3333 m in their joint"));
+  // Side by side along each horizontal axis, from half the height of a zone on.
+  for (const char* lower : {"[1, 0.75, 0]", "[0, 0.75, 1]"}) {
+    EXPECT_THAT(refusal({}, fmt::format("[[block]]\nname = \"beside\"\nmaterial = \"stone\"\n"
+                                        "box = {{ lower = {}, size = [1, 0.5, 1] }}\n",
+                                        lower)),
+                HasSubstr("blocks #2 'soft' and #3 'beside' ends between two gridpoints of #2 'soft'"));
+  }
   // Asked for by settings, but not there.
   EXPECT_THAT(refusal({"solver.kernels=general", "solver.damping=block", "solver.unit_inertia=2"}),
               HasSubstr("solver.unit_inertia is of the lattice"));
@@ -415,6 +422,14 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
   EXPECT_EQ(free.scene.stages[0].controls[1].body, "stone");
   EXPECT_EQ(free.scene.stages[0].controls[1].force, (Vec3{7.0, -3.0, 0.0}));
   EXPECT_TRUE(free.scene.stages[0].controls[1].may_turn);
+
+  // On 0.5 m2 at the ends and 1 m2 at the top; each pushes against the normal of its face.
+  const Motion pressed = choose_motion(
+      read_text(kTwoBlocks, {"stage.1.pressure=[{block=\"stone\",normal=[-1,0,0],pressure=6},{block=\"stone\",normal="
+                             "[0,1,0],pressure=5},{block=\"stone\",normal=[0,0,-1],pressure=8}]"}));
+  ASSERT_EQ(pressed.scene.stages[0].controls.size(), 2u);
+  EXPECT_EQ(pressed.scene.stages[0].controls[1].body, "stone");
+  EXPECT_EQ(pressed.scene.stages[0].controls[1].force, (Vec3{3.0, -5.0, 4.0}));
 }
 
 // The same press on both kinds of kernels. A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on an elastic joint of

@@ -60,6 +60,18 @@ TEST(LargeMotion, SlidingIsOverTheLengthOfTheJoint) {
   joints.look(motion, &turned);
   EXPECT_NEAR(turned.sliding, 0.0, 1e-15);
   EXPECT_NEAR(turned.rotation, 0.02, 1e-15);
+  // Joints across every axis: blocks that turn about the next axis but one, by 0.01 below and 0.03 above, move their
+  // faces along the next one, by that times half of their size, and against each other.
+  const Vec3 size{0.2, 0.1, 0.05};
+  for (std::size_t normal = 0; normal < 3; ++normal) {
+    std::array<int, 3> count{1, 1, 1};
+    count[normal] = 2;
+    std::vector<WholeMotion> both(2);
+    both[0].rotation[(normal + 2) % 3] = 0.01, both[1].rotation[(normal + 2) % 3] = 0.03;
+    MotionSeen slid;
+    JointSliding(brick_grid(count, size, {1, 1, 1})).look(both, &slid);
+    EXPECT_NEAR(slid.sliding, 0.04 * size[normal] / 2 / size[(normal + 1) % 3], 1e-15) << "across axis " << normal;
+  }
 
   MotionBound bound;
   bound.rotation = 0.03, bound.sliding = 0.03;

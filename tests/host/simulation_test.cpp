@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "scene/quality.h"
+#include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "support.h"
 
 namespace quoin {
@@ -284,6 +286,48 @@ TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
     EXPECT_NEAR(p.fraction, done, 1e-9);
     EXPECT_NEAR(p.seconds_left * p.steps_per_second, steps - static_cast<double>(p.step), 1e-6 * steps);
   }
+}
+
+// A stone of 1 x 0.5 x 1 m beside the ground, moved by the general kernels. More: its joint or none, and a stage.
+Scene stone_scene(const std::string& more) {
+  return read_scene_text(
+      "[solver]\nkernels = \"general\"\ndamping = \"none\"\n"
+      "[materials.stone]\nyoung_modulus = 1e10\npoisson_ratio = 0.2\ndensity = 2000\n"
+      "[joints.glue]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 1e9\n"
+      "[[block]]\nname = \"ground\"\nmaterial = \"stone\"\nfixed = true\n"
+      "box = { lower = [0, -1, 0], size = [1, 1, 1] }\n"
+      "[[block]]\nname = \"stone\"\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [1, 0.5, 1] }\n" +
+          more,
+      "stone.toml", {});
+}
+
+// A ton that falls, at rest half a step before the start: m v^2/2 with v = g t of half a step ago.
+TEST(Simulation, KineticEnergyOfAFallingStoneIsThatOfItsVelocity) {
+  Simulation simulation(stone_scene("position = [0, 5, 0]\n[[stage]]\ngravity = [0, -9.81, 0]\nduration = 1\n"));
+  ASSERT_TRUE(simulation.riding());
+  simulation.advance(50);
+  const double mass = 2000 * 0.5, speed = std::abs(simulation.block_velocity(1)[0][1]);
+  EXPECT_NEAR(speed, 9.81 * simulation.time(), 1e-9 * speed);
+  EXPECT_NEAR(simulation.riding()->kinetic_energy(), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
+}
+
+// What is pushed until it collapses and stands ends at the limit: frames divide the way there from the start.
+TEST(Simulation, FramesOfACollapseDivideTheWayToItsLimit) {
+  struct Frames : Observer {
+    std::vector<double> multiplier;
+    void on_frame(const Simulation& simulation, int, int) override {
+      multiplier.push_back(simulation.measure().multiplier);
+    }
+  } frames;
+  Simulation simulation(
+      stone_scene("[output]\nframes = 4\n[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.01\n"
+                  "collapse = { direction = [1, 0, 0], start = 0.2, rate = 10, limit = 0.6 }\n"));
+  simulation.run(frames);
+  EXPECT_FALSE(simulation.outcome().collapse_multiplier.has_value());
+  ASSERT_EQ(frames.multiplier.size(), 5u) << "and one of the start";
+  // The frame is of the state a step after the one that passes its place.
+  const double late = 2 * 10 * simulation.time_step_report().time_step;
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_NEAR(frames.multiplier[i], 0.2 + 0.1 * static_cast<double>(i), late) << i;
 }
 
 TEST(Simulation, StableStepsOnlyAreNotPromisedAboveOne) {

@@ -1,15 +1,19 @@
 // What files and pictures say of joints.
 #include "results/surface.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <map>
 
+#include "results/crushed_out.h"
 #include "scene/read_scene.h"
 #include "support.h"
 
 namespace quoin {
 namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 // A joint that is pulled open for the first time carries (1 - damage) of its tensile strength, whatever the shape of
 // softening.
@@ -56,6 +60,41 @@ TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   for (const Crack crack : moved(30e-6, 0.0)) EXPECT_EQ(crack, Crack::open);
 }
 
+// The sides of a joint between rigid blocks move as the blocks do, also where the joint ends within a block: a half of
+// the upper one hangs over and pulls it round.
+TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
+  const Vec3 size{0.4, 0.2, 0.3};
+  Assembly assembly = brick_grid({1, 2, 1}, size, {1, 1, 1});
+  for (Brick& brick : assembly.bricks) brick.rigid = true;
+  assembly.bricks[0].body = "base";
+  assembly.bricks[1].origin[0] = 0.2;
+  Scene scene = bare_scene(0.8);
+  Stage stage;
+  stage.duration = 1.0;
+  stage.gravity = {3.0, -9.81, 1.0};
+  BodyControl base;
+  base.body = "base";
+  stage.controls = {base};
+  scene.stages = {stage};
+  Simulation simulation(scene, assembly, 1);
+  simulation.advance(100);
+  const std::vector<Vec3> corner = simulation.block_displacement(1);  // x fastest
+  ASSERT_GT(std::abs(corner[1][1] - corner[0][1]), 1e-9) << "it turns";
+  const auto points = Surfaces(simulation).joint_points(simulation);
+  ASSERT_EQ(points.size(), 4u);
+  for (const JointPoint& p : points) {
+    ASSERT_EQ(p.contact.block_b, 1);
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_EQ(p.side_a[c], 0.0);
+      double moved = corner[0][c];  // small rotations: linear along each axis
+      for (std::size_t k = 0; k < 3; ++k)
+        moved += (corner[std::size_t{1} << k][c] - corner[0][c]) *
+                 (p.contact.position[k] - assembly.bricks[1].origin[k]) / size[k];
+      EXPECT_NEAR(p.side_b[c], moved, 1e-12 * std::abs(corner[0][1])) << c;
+    }
+  }
+}
+
 // The arch that is shipped stands with all its joints closed, and falls by four hinges. It is stopped before they gape
 // by more than contact points bridge.
 TEST(Surfaces, ADryArchShowsItsHinges) {
@@ -81,6 +120,16 @@ TEST(Surfaces, ADryArchShowsItsHinges) {
   }
   EXPECT_EQ(open, 4);
   EXPECT_EQ(slipped, 0);
+}
+
+TEST(CrushedOut, WarningCountsItsPoints) {
+  EXPECT_EQ(CrushedOut{}.warning(), "");
+  CrushedOut found;
+  found.points = 1, found.overlap = 1.25e-3;
+  EXPECT_THAT(found.warning(), StartsWith("1 contact point is crushed out: it carries no more than"));
+  EXPECT_THAT(found.warning(), HasSubstr("overlap there by up to 1.25 mm;"));
+  found.points = 2;
+  EXPECT_THAT(found.warning(), StartsWith("2 contact points are crushed out: they carry no more than"));
 }
 
 // The brittle law has lost all at once, or nothing; a law that never fails loses nothing.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "law_case.h"
@@ -124,6 +125,59 @@ TEST_P(Damage, InCompressionIsTheStrengthThatIsNotCarried) {
 INSTANTIATE_TEST_SUITE_P(Shapes, Damage,
                          ::testing::Values(reference::Shape::linear, reference::Shape::exponential,
                                            reference::Shape::table));
+
+// Results that are asked for without the others: the same as all together, whichever they are.
+TEST(Outputs, AskedForAloneAreThoseAskedForTogether) {
+  const Case c = mortar();
+  const auto material = c.material();
+  const quoin_law& law = material->api();
+  const std::vector<double> opening = points(-2e-6, 60e-6), sliding = points(0.0, 200e-6);
+  const std::size_t n = opening.size();
+  std::vector<double> initial(law.state_count), scratch((law.state_count + 3) * n), zero(n, 0.0);
+  ASSERT_EQ(law.initial_state(material->handle(), "bonded", initial.data()), QUOIN_OK);
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::size_t k = 0; k < law.state_count; ++k) {
+    old.push_back({&initial[k], 0});
+    fresh.push_back({scratch.data() + k * n, 1});
+  }
+  constexpr std::size_t kStored = 1, kDissipated = 4, kTangent = 9, kAll = kStored + kDissipated + kTangent;
+  using Columns = std::array<std::vector<double>, kAll>;
+  const auto ask = [&](std::size_t first, std::size_t count) {
+    Columns columns;
+    quoin_batch batch{};
+    batch.struct_size = sizeof batch;
+    batch.count = n;
+    batch.normal_jump = {opening.data(), 1};
+    batch.slip_increment[0] = {sliding.data(), 1};
+    batch.slip_increment[1] = {zero.data(), 1};
+    batch.state_old = old.data();
+    batch.state_new = fresh.data();
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {zero.data(), 1};
+      batch.traction_new[k] = {scratch.data() + (law.state_count + k) * n, 1};
+    }
+    for (std::size_t k = first; k < first + count; ++k) {
+      columns[k].assign(n, NAN);
+      quoin_out& view = k < kStored                 ? batch.energy_stored
+                        : k < kStored + kDissipated ? batch.dissipated[k - kStored]
+                                                    : batch.tangent[k - kStored - kDissipated];
+      view = {columns[k].data(), 1};
+    }
+    EXPECT_EQ(law.evaluate(material->handle(), &batch), QUOIN_OK);
+    return columns;
+  };
+  const Columns all = ask(0, kAll);
+  double lost = 0.0;
+  for (const double energy : all[kStored + QUOIN_DISSIPATED_COHESION]) lost += energy;
+  EXPECT_GT(lost, 0.0);
+  std::vector<std::pair<std::size_t, std::size_t>> some{{kStored, kDissipated}, {kStored + kDissipated, kTangent}};
+  for (std::size_t k = 0; k < kAll; ++k) some.emplace_back(k, 1);
+  for (const auto& [first, count] : some) {
+    const Columns alone = ask(first, count);
+    for (std::size_t k = first; k < first + count; ++k) EXPECT_EQ(alone[k], all[k]) << k << " of " << count;
+  }
+}
 
 }  // namespace
 }  // namespace quoin::test

@@ -126,6 +126,51 @@ TEST(Fit, FixedPropertiesStay) {
   for (const FittedProperty& p : result.properties) EXPECT_NE(p.id, "friction_angle");
 }
 
+// A curve of constant shear: its cohesion is within 1e-4 of the residual, less than which the law refuses. What it
+// brings is then measured on the other side alone; the interval is that of a mean, by Student's t of 39 degrees.
+TEST(Fit, MeasuresAtTheEdgeOfWhatTheLawAdmits) {
+  constexpr double kPressure = 0.4e6, kResidual = 0.3e6, kCohesion = kResidual * (1 + 2e-5), kNoise = 1e3;  // Pa
+  const double plateau = 0.75 * kPressure + kCohesion;
+  MeasuredCurve curve;
+  curve.kind = TestKind::triplet;
+  curve.file = "constant";
+  int constant = 0;
+  for (int i = 1; i <= 40; ++i) {
+    curve.jump.push_back(2e-6 * i);
+    const double elastic = kKs * curve.jump.back();
+    curve.stress.push_back(elastic < plateau ? elastic : plateau + (constant++ % 2 == 0 ? kNoise : -kNoise));
+    curve.normal.push_back(-kPressure);
+  }
+  ASSERT_EQ(constant, 32);
+  std::vector<PropertySetting> given = known();
+  given.pop_back();
+  for (const auto& [id, value] : {std::pair{"friction_angle", std::atan(0.75) * 180 / std::numbers::pi},
+                                  {"cohesion_residual", kResidual},
+                                  {"fracture_energy_shear", 50.0}})
+    given.push_back({id, {value}, {}, {}});
+  const FitResult result = fit_properties(Law::find(law_under_test()), {curve}, given);
+  ASSERT_EQ(result.properties.size(), 1u);
+  const FittedProperty& cohesion = result.properties[0];
+  EXPECT_EQ(cohesion.id, "cohesion");
+  EXPECT_NEAR(cohesion.value, kCohesion, 1e-5 * kCohesion);
+  const double half = 2.0227 * kNoise * std::sqrt(32.0 / 39.0) / std::sqrt(32.0);
+  EXPECT_NEAR(cohesion.high - cohesion.low, 2 * half, 0.01 * half);
+}
+
+// One row that is far out makes the line through the peaks of triplets end below zero. The cohesion starts at a small
+// share of the peaks all the same, and ends where the other rows have it.
+TEST(Fit, StartsWithCohesionWhereTheLineOfPeaksHasNone) {
+  auto curves = synthetic(1, 0.0);
+  curves.erase(curves.begin() + 5), curves.erase(curves.begin(), curves.begin() + 2);  // triplets alone
+  double& far_out = curves[2].stress[40];
+  far_out += 1.25e6;
+  const double slope = (far_out - shear(6e-5, 0.2e6)) / 0.8e6;  // about, of three pressures evenly apart
+  ASSERT_LT(shear(6e-5, 0.2e6), 0.2e6 * slope);
+  const FitResult result = fit_properties(Law::find(law_under_test()), curves, known());
+  for (const FittedProperty& p : result.properties)
+    EXPECT_NEAR(p.value, truth(p.id.c_str()), 0.1 * truth(p.id.c_str())) << p.id << ": one row of 240";
+}
+
 TEST(Fit, CommandReadsFilesAndRefusesBadOnes) {
   const auto folder = std::filesystem::temp_directory_path() / "quoin_fit_test";
   std::filesystem::create_directories(folder);

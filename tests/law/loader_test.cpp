@@ -1,10 +1,15 @@
 // The loader: every way a library can be wrong ends in Error(law_refused) that says what, why and what to do.
+#include <elf.h>
 #include <gtest/gtest.h>
+#include <link.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "base/error.h"
 #include "law/law_library.h"
@@ -80,11 +85,50 @@ TEST(Loader, NamesEverythingThatItTried) {
   expect_words(refusal([] { Law::find(""); }), {"no law was named"});
 }
 
+// A library under another name is found by it, and holds no law that is called so.
+TEST(Loader, NamesTheLawsOfALibraryThatLacksTheOneAskedFor) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::temp_directory_path() / ("quoin_renamed_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  fs::copy_file(LawLibrary::load("elastic")->path(), folder / "renamed_law.so", fs::copy_options::overwrite_existing);
+  setenv("QUOIN_LAW_PATH", folder.c_str(), 1);
+  expect_words(refusal([] { Law::find("renamed_law"); }),
+               {"law 'renamed_law'", "renamed_law.so holds no law of that id, only: elastic; give the library's path"});
+  unsetenv("QUOIN_LAW_PATH");
+  EXPECT_STREQ(Law::find((folder / "renamed_law.so").string()).law->id, "elastic");
+  fs::remove_all(folder);
+}
+
 TEST(Loader, RefusesWhatIsNoLaw) {
   const auto text = std::filesystem::temp_directory_path() / "quoin_loader_test.so";
   std::ofstream(text) << "not a library\n";
   expect_words(refusal([&] { Law::find(text.string()); }), {"dynamic loader", "shared library"});
   std::filesystem::remove(text);
+}
+
+// What the system's loader maps is there to the end, also where no table of sections, which it does not read, says how
+// long the file should be.
+TEST(Loader, RefusesALibraryThatEndsWithinAPart) {
+  std::ifstream from(LawLibrary::load("elastic")->path(), std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(from), {}};
+  ElfW(Ehdr) head;
+  std::memcpy(&head, bytes.data(), sizeof head);
+  head.e_shoff = 0, head.e_shnum = 0, head.e_shstrndx = 0;
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::size_t end = 0;
+  for (std::size_t i = 0; i < head.e_phnum; ++i) {
+    ElfW(Phdr) part;
+    std::memcpy(&part, bytes.data() + head.e_phoff + i * sizeof part, sizeof part);
+    end = std::max<std::size_t>(end, part.p_offset + part.p_filesz);
+  }
+  const auto law = std::filesystem::temp_directory_path() / ("quoin_cut_" + std::to_string(::getpid()) + ".so");
+  std::ofstream(law, std::ios::binary) << bytes.substr(0, end - 1);
+  expect_words(refusal([&] { Law::find(law.string()); }),
+               {("the file has " + std::to_string(end - 1) + " bytes of " + std::to_string(end)).c_str(),
+                "it was not copied or built to its end"});
+  std::ofstream(law, std::ios::binary | std::ios::trunc) << bytes.substr(0, end);
+  EXPECT_STREQ(Law::find(law.string()).law->id, "elastic");
+  std::filesystem::remove(law);
 }
 
 TEST(Loader, UnknownInitialStateNamesTheKnown) {
@@ -100,6 +144,25 @@ TEST(Loader, FaultsCarryTheirSource) {
   expect_words(
       message,
       {"scene.toml:3: joints.mortar.normal_stiffness: ", "scene.toml:4: joints.mortar.shear_stiffness: ", "-1"});
+}
+
+// A line that is about two properties names where both were set, and no other: cohesion is not in cohesion_residual.
+TEST(Loader, FaultsCarryTheSourceOfEveryWholeWord) {
+  auto settings = elastic_properties();
+  const auto set = [&](const char* id, double value, const char* source) {
+    settings.push_back({id, {value}, {}, {source}});
+  };
+  set("tensile_strength", 0.16e6, "scene.toml:5");
+  set("cohesion", 0.2e6, "scene.toml:6");
+  set("friction_angle", 35, "scene.toml:7");
+  set("fracture_energy_tension", 12, "scene.toml:8");
+  set("fracture_energy_shear", 50, "scene.toml:9");
+  set("cohesion_residual", 0.3e6, "scene.toml:10");
+  expect_words(refusal([&] { Material(Law::find("fracture_energy"), settings); }),
+               {"\nscene.toml:6, scene.toml:10: cohesion_residual = ", "must not exceed cohesion = "});
+  settings.back() = {"cohesion_residual", {-1.0}, {}, {"scene.toml:10"}};
+  expect_words(refusal([&] { Material(Law::find("fracture_energy"), settings); }),
+               {"\nscene.toml:10: cohesion_residual"});
 }
 
 TEST(Loader, ALaterSettingReplacesAnEarlierOne) {

@@ -111,7 +111,9 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
   for (const auto& [deed, words] : {std::pair{"state", "gave the state 'count' = -7, outside of [0, 1e+09]"},
                                     {"state nan", "gave the state 'count' = nan"}}) {
     EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3"}), doing(deed)), 0) << error_;
-    EXPECT_THAT(error_, AllOf(HasSubstr("warning: law 'hostile_law'"), HasSubstr(words))) << deed;
+    EXPECT_THAT(error_, AllOf(HasSubstr("warning: law 'hostile_law'"), HasSubstr(words),
+                              HasSubstr("(family 'mortar'), contact point at (0.0000, 0.0000, 0.0000) m")))
+        << deed;
     EXPECT_EQ(summary()["warnings"][0]["about"], "law_states");
   }
 }

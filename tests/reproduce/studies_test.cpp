@@ -304,6 +304,10 @@ TEST_F(Verdicts, BrittleIsLowerAndRougher) {
   EXPECT_NEAR(verdict("brittle is irregular at 0.30").number, rough(50.0, 0.5) / rough(50.0, 0.1), 0.05)
       << "as printed";
   EXPECT_THAT(verdict("brittle is irregular at 0.30").text, HasSubstr("of this quality, at 20 mm/s"));
+  // Waves of the same share of their peaks at both velocities.
+  EXPECT_THAT(verdict("brittle is irregular at 0.30").text,
+              AllOf(HasSubstr("roughness 0.74 against 0.15 % of the peak at 1 mm/s"),
+                    HasSubstr("at 20 mm/s, 0.74 against 0.15 %,")));
   EXPECT_TRUE(verdict("brittle is irregular at 1.21").reproduced);
   EXPECT_FALSE(verdict("brittle is irregular at 2.12").reproduced);
   EXPECT_THAT(report_.differs, Contains(AllOf(HasSubstr("(49.1 against 50.1 kN)"), HasSubstr("reaches 55.0 kN"),
@@ -380,6 +384,13 @@ TEST_F(Verdicts, ContactPointsAreComparedWithTheFinest) {
   EXPECT_EQ(row("B2T4")[2], "3");
   EXPECT_EQ(row("B2T8")[2], "5");
   EXPECT_EQ(row("B2T16")[2], "9");
+  // By more than 5 % of the 50 kN of the finest.
+  run("B2T4").curve = curve_of({52.25, 2.0, 40.0, 5.0});
+  read();
+  EXPECT_FALSE(verdict("few points").reproduced);
+  run("B2T4").curve = curve_of({52.75, 2.0, 40.0, 5.0});
+  read();
+  EXPECT_TRUE(verdict("few points").reproduced);
 }
 
 TEST_F(Verdicts, StiffnessIsATimesThatOfTheMortarJoint) {
@@ -742,6 +753,26 @@ TEST_F(LoopVerdicts, RestrainedDilationIsReadFromPeaksAndThrusts) {
   EXPECT_EQ(row("dilation, cyclic_joint"),
             (std::vector<std::string>{"dilation, cyclic_joint", "40.6 kN", "123 kN", "80 kN",
                                       fmt::format("{:.0f} J", 4 * 40.6 * (3.0 - 40.6 / 80.0))}));
+}
+
+// A loop ends where the next half cycle passes zero; the row after that is of the next loop. Few rows show it: a spring
+// of 10 kN/mm, and 99 kN after the end.
+TEST(Loops, EndWhereTheNextHalfCyclePassesZero) {
+  const quoin::Cycles cycles{{0.001}, {1}, 0.01, 0.0, {}};
+  Curve c;
+  const auto add = [&c](int half, double displacement, double force) {
+    c.stage.push_back(2), c.displacement.push_back(displacement), c.force.push_back(force);
+    c.half_cycle.push_back(half), c.vertical.push_back(99.0), c.unbalanced.push_back(0.01);
+  };
+  for (const double d : {0.0, 0.5, 1.0}) add(0, d, 10 * d);
+  for (const double d : {0.5, 0.0, -0.5, -1.0}) add(1, d, 10 * d);
+  for (const double d : {-0.5, 0.0}) add(2, d, 10 * d);
+  for (const double d : {0.5, 0.9}) add(2, d, 99.0);
+  const std::vector<Loop> loops = loops_of(c, cycles);
+  ASSERT_EQ(loops.size(), 1u);
+  EXPECT_EQ(loops[0].largest, 10.0);
+  EXPECT_EQ(loops[0].lowest, -10.0);
+  EXPECT_NEAR(loops[0].dissipated, 0.0, 1e-12);
 }
 
 // Elastic and perfectly plastic: 40 kN from 0.5 mm on.

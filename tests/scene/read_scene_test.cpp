@@ -267,6 +267,8 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
     return "accepted";
   };
   EXPECT_THAT(fault("building.wall.2.name=B"), HasSubstr("building.wall.2: a second wall 'B'"));
+  EXPECT_THAT(fault("building.floor.1.course=-1"),
+              HasSubstr("building.floor.1.course = -1: allowed: an integer, 0 to 39"));
   EXPECT_THAT(fault("building.floor.2.name=floor_1"),
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
