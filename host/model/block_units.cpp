@@ -60,14 +60,22 @@ double World::rigid_kinetic_energy(const Unit& unit) const {
   return rigid_energy(inertia, {solver_.deformation_inertia, solver_.unit_inertia}, velocity);
 }
 
+std::vector<UnitInertia> World::inertia_of_units() const {
+  std::vector<UnitInertia> inertia(blocks_.size());
+  for (int i = 0; i < block_count(); ++i) {
+    if (blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
+  }
+  return inertia;
+}
+
 // M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
-void World::scale_motion(std::vector<Vector>& y, bool of_forces) const {
+void World::scale_motion(const std::vector<UnitInertia>& inertias, std::vector<Vector>& y, bool of_forces) const {
   const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
   for (int i = 0; i < block_count(); ++i) {
     const Unit unit = unit_of(i);
     if (blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
     const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(solver_.unit_inertia);
-    const UnitInertia inertia = inertia_of(unit);
+    const UnitInertia& inertia = inertias[size_t(i)];
     Rigid sum[2];
     for (int k = 0; k < unit.count; ++k) {
       const ModelBlock& b = blocks_[size_t(unit.block[k])];

@@ -692,6 +692,24 @@ bool World::edge_point(const Contact& c, double area, std::vector<NewPoint>& out
 
 // Ties one side of a point to its block: in the body frame of a rigid block, on the nearest surface triangle of a
 // deformable one.
+namespace {
+
+// A point this close to a gridpoint, as part of an edge, sits on it: far above rounding in the places of points that
+// meet gridpoints, far below anything that a mesh can show.
+constexpr double kAtGridpoint = 1e-9;
+
+// The gridpoint becomes the first of the triangle, with all of the weight.
+void put_on_gridpoint(Facet& facet) {
+  for (int k = 0; k < 3; ++k) {
+    if (facet.weight[k] < 1.0 - kAtGridpoint) continue;
+    std::rotate(facet.node, facet.node + k, facet.node + 3);
+    facet.weight[0] = 1.0, facet.weight[1] = facet.weight[2] = 0.0;
+    return;
+  }
+}
+
+}  // namespace
+
 void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool plane_side) {
   Point& p = made.point;
   const ModelBlock& mb = blocks_[block];
@@ -725,6 +743,7 @@ void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
     // edge contacts of deformable blocks keep the plane of the triangle they sit on
     refresh_facet_frame(p, made.facet_a);
   } else {
+    put_on_gridpoint(facet);
     p.facet_b = 0;
     made.facet_b = facet;
   }
@@ -748,11 +767,9 @@ void World::take_back_facets() {
     Family& f = families_[size_t(chunk.family)];
     for (const FacetLanes& lanes : chunk.facets) {
       for (size_t l = 0; l < lanes.count; ++l) {
-        Point& p = f.point[lanes.first + l];
-        for (int k = 0; k < 3; ++k) {
-          p.n[k] = lanes.n[k][l], p.s[k] = lanes.s[k][l], p.t[k] = lanes.t[k][l];
-          facets_[size_t(lanes.facet_a[l])].weight[k] = lanes.weight_a[k][l];
-        }
+        Facet& facet = facets_[size_t(lanes.facet_a[l])];
+        for (int k = 0; k < 3; ++k) facet.weight[k] = lanes.weight_a[k][l];
+        if (!small_) refresh_facet_frame(f.point[lanes.first + l], facet);
       }
     }
   }

@@ -122,19 +122,26 @@ struct RigidPair {
 struct FacetLanes {
   static constexpr int kCount = 8;
   uint32_t first, count;  // points of the family
-  uint32_t row;           // of the first point in World::facet_rows_
+  uint32_t row;           // of the first point, which has FacetRow::kCount of them, in World::facet_rows_
+  bool on_gridpoints;     // all points sit on the first gridpoint of b's triangle
   int32_t node_a[3][kCount], node_b[3][kCount];
   int32_t facet_a[kCount];  // where the weights go back to
   alignas(64) double weight_b[3][kCount];
   double reference[kCount], area[kCount];  // m, m2
-  // Of the last step, of the triangle that owns the plane:
-  double n[3][kCount], s[3][kCount], t[3][kCount];
-  double slope[3][kCount];     // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
-  double weight_a[3][kCount];  // of the foot of the point on it
+  double weight_a[3][kCount];  // of the foot of the point on the triangle that owns the plane; of the last step
 };
-// What a point does to its six gridpoints, N: a's three, then b's; the fourth number of a row has no meaning.
-struct FacetRows {
-  double force[6][4];
+// Frames of those triangles as they stand. In large motion a step forms them anew: they never leave the cache.
+struct FacetFrames {
+  static constexpr int kCount = FacetLanes::kCount;
+  alignas(64) double n[3][kCount];
+  double s[3][kCount], t[3][kCount];
+  double slope[3][kCount];  // along s of corner 1, along t of corners 1 and 2: gradients of shape functions, 1/m
+};
+// Of what a point does to a, N: all of it, and the parts of corners 1 and 2 of a's triangle. The rest is corner 0's,
+// and b has the opposite of it all by its weights. The fourth number of a row has no meaning.
+struct FacetRow {
+  static constexpr int kCount = 3;
+  double force[4];
 };
 
 // A run of points of one family: one call of its law, one piece of work. At most kChunk points.
@@ -147,6 +154,7 @@ struct Chunk {
   std::vector<quoin_property_column> properties;  // that scatter
   std::vector<RigidPair> pairs;                   // of its points between rigid blocks
   std::vector<FacetLanes> facets;                 // between gridpoints
+  std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
   std::vector<uint32_t> others;                   // with one deformable side
   // of the last step
   quoin_status status = QUOIN_OK;
@@ -164,11 +172,30 @@ struct Touch {
   uint32_t point;
   bool side_a;
 };
-// One side of a point between gridpoints.
-struct FacetTouch {
+// One side of a point between gridpoints, as its block sees it: the one that owns the plane; the one that carries the
+// point on a triangle; the one that carries it on a gridpoint.
+struct OwnerTouch {
   uint32_t row;
-  int32_t node[3];  // of the block
-  bool side_a;
+  int32_t node[3];
+};
+struct CarrierTouch {
+  uint32_t row;
+  int32_t node[3];
+  double weight[3];
+};
+struct GridpointTouch {
+  uint32_t row;
+  int32_t node;
+};
+// Sides of points, block after block.
+template <class Touch>
+struct ByBlock {
+  std::vector<Touch> touch;
+  std::vector<uint32_t> end;  // by block
+  std::span<const Touch> of(int block) const {
+    const uint32_t first = block > 0 ? end[size_t(block) - 1] : 0;
+    return std::span(touch).subspan(first, end[size_t(block)] - first);
+  }
 };
 // One side of a pair of rigid blocks.
 struct PairTouch {
@@ -183,7 +210,25 @@ struct Piece {
   bool halves;
   enum class Kind : uint8_t { rigid, alike, unlike, by_zone } kind;
   int32_t alike = -1;  // into World::alike_, of those alike
+  size_t columns = 0;  // where its FixedColumns begin in World::piece_columns_
   bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
+};
+
+// What steps do not change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
+// numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand where its
+// first one does; lanes without a block repeat the last one.
+template <class Number>
+struct FixedColumns {
+  Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
+  Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
+  FixedColumns(Number* from, int node_count, bool unlike) {
+    const auto lines = size_t(node_count);
+    mass = from, over_mass = mass + lines * kLanes;
+    place = unlike ? over_mass + lines * kLanes : nullptr, anchor = unlike ? place + lines * kLine : nullptr;
+  }
+  static size_t size(int node_count, bool unlike) {
+    return size_t(node_count) * size_t(2 * kLanes + (unlike ? 2 * kLine : 0));
+  }
 };
 
 // The motion that the next looks at a rigid block reckon with (motion_looks.cpp): it moves as it was seen to, but for
@@ -454,6 +499,8 @@ class World {
   void bind_columns();
   void divide_points();
   void divide_blocks();
+  int most_gridpoints(const Piece& piece) const;  // of one of its blocks
+  void fill_columns(Piece& piece);
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
@@ -477,12 +524,14 @@ class World {
   double rigid_kinetic_energy(const Unit& unit) const;
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void put_in_lanes(const ModelBlock& block);  // its zones
-  void put_in_lanes(const Point& p, uint32_t index, std::vector<FacetLanes>& lanes);
+  void put_in_lanes(const Point& p, uint32_t index, Chunk& chunk);
   void find_frames(InternalForces wanted);
   void make_alike(int block);
   void find_units();
   void part_units();
-  void scale_motion(std::vector<Vector>& y, bool of_forces) const;
+  std::vector<UnitInertia> inertia_of_units() const;  // by the first half or single block; others: nothing
+  void scale_motion(const std::vector<UnitInertia>& inertia, std::vector<Vector>& y, bool of_forces) const;
+  void add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vector>& force) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
@@ -567,12 +616,14 @@ class World {
   std::vector<uint32_t> touch_end_;      // by block
   std::vector<PairTouch> pair_touches_;  // the same of pairs of rigid blocks
   std::vector<uint32_t> pair_touch_end_;
-  std::vector<FacetTouch> facet_touches_;  // and of points between gridpoints
-  std::vector<uint32_t> facet_touch_end_;
-  LaneVector<FacetRows> facet_rows_;  // of the step
+  ByBlock<OwnerTouch> owner_touches_;  // and of points between gridpoints
+  ByBlock<CarrierTouch> carrier_touches_;
+  ByBlock<GridpointTouch> gridpoint_touches_;
+  LaneVector<FacetRow> facet_rows_;  // of the step
   std::vector<BlockSums> block_sums_;
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;
+  LaneVector<double> piece_columns_;
   long divisions_ = 0;  // how often the work has been divided anew
   std::function<void()> fetch_ = [] {};
 

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "model/lanczos.h"
 #include "model/world.h"
+#include "model/zone_kernels.h"
 
 namespace quoin::blocks {
 
@@ -44,6 +45,39 @@ double World::local_stiffness_bound() const {
   return bound;
 }
 
+// K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
+// undeformed shape, turned along; of others zone by zone.
+void World::add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vector>& force) const {
+  std::vector<double> rows, product;  // four doubles a gridpoint
+  for (int i = 0; i < block_count(); ++i) {
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (b.body >= 0) continue;
+    if (by_zone_[size_t(i)]) {
+      for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+        const Zone& zone = zones_[size_t(z)];
+        Matrix deformation = Matrix::zero(), h = Matrix::zero();
+        for (int k = 0; k < 4; ++k) {
+          deformation += outer(node_x_[zone.node[k]], zone.gradient[k]);
+          h += outer(velocity[zone.node[k]], zone.gradient[k]);
+        }
+        const Matrix raw = transposed(deformation) * h, strain = 0.5 * (raw + transposed(raw));
+        const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
+        for (int k = 0; k < 4; ++k) force[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
+      }
+      continue;
+    }
+    const Matrix turned = orientation(i);
+    rows.assign(4 * size_t(b.node_count), 0.0), product.resize(rows.size());
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      const Vector v = transposed_times(turned, velocity[size_t(b.first_node) + n]);
+      for (int c = 0; c < 3; ++c) rows[4 * n + size_t(c)] = v[c];
+    }
+    stiffness_times(zones_in_lanes(b), rows, product.data());
+    for (size_t n = 0; n < size_t(b.node_count); ++n)
+      force[size_t(b.first_node) + n] += turned * Vector{product[4 * n], product[4 * n + 1], product[4 * n + 2]};
+  }
+}
+
 double World::highest_frequency() const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
@@ -59,10 +93,11 @@ double World::highest_frequency() const {
     for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
   }
   std::vector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
-  std::vector<Vector> place;  // of all contact points
+  std::vector<Vector> place, normals;  // of all contact points
   for (const Family& family : families_) {
-    for (const Point& p : family.point) place.push_back(place_of(p));
+    for (const Point& p : family.point) place.push_back(place_of(p)), normals.push_back(frame_of(p).row[0]);
   }
+  const std::vector<UnitInertia> inertia = splits_motion() ? inertia_of_units() : std::vector<UnitInertia>{};
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
     LaneVector<double>& y = *result;
     for (size_t i = 0; i < nb; ++i) {
@@ -76,21 +111,12 @@ double World::highest_frequency() const {
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
     }
-    if (splits_motion()) scale_motion(nv, false);
-    for (const Zone& zone : zones_) {
-      // linearised about the present configuration without initial stress: rotated gradients
-      Matrix deformation = Matrix::zero(), h = Matrix::zero();
-      for (int k = 0; k < 4; ++k) {
-        deformation += outer(node_x_[zone.node[k]], zone.gradient[k]);
-        h += outer(nv[zone.node[k]], zone.gradient[k]);
-      }
-      const Matrix raw = transposed(deformation) * h, strain = 0.5 * (raw + transposed(raw));
-      const Matrix stress = deformation * (2 * zone.mu * strain + zone.lambda * trace(strain) * Matrix{});
-      for (int k = 0; k < 4; ++k) nf[zone.node[k]] += zone.volume * (stress * zone.gradient[k]);
-    }
+    if (splits_motion()) scale_motion(inertia, nv, false);
+    add_zone_forces(nv, nf);
     for (size_t next = 0; const Family& family : families_) {
       for (const Point& p : family.point) {
-        const Vector at = place[next++];
+        const Vector at = place[next], normal = normals[next];
+        ++next;
         Vector va, vb;
         if (p.facet_a >= 0) {
           for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
@@ -104,7 +130,6 @@ double World::highest_frequency() const {
           const int i = blocks_[p.b].body;
           vb = v[i] + cross(w[i], at - bodies_[i].x);
         }
-        const Vector normal = frame_of(p).row[0];
         const Vector d = vb - va;
         const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
         if (p.facet_a >= 0) {
@@ -121,7 +146,7 @@ double World::highest_frequency() const {
         }
       }
     }
-    if (splits_motion()) scale_motion(nf, true);
+    if (splits_motion()) scale_motion(inertia, nf, true);
     for (size_t i = 0; i < nb; ++i) {
       const Vector torque = transposed_times(bodies_[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {

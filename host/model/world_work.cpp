@@ -24,6 +24,9 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
   for_each([&](int block, const Side& side) { sides[next[size_t(block)]++] = side; });
 }
 
+// The first one of its triangle: World::anchor.
+bool sits_on_gridpoint(const Facet& f) { return f.weight[0] == 1.0 && f.weight[1] == 0.0 && f.weight[2] == 0.0; }
+
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 }  // namespace
@@ -61,7 +64,7 @@ void World::divide_points() {
       for (uint32_t i = first; i < first + chunk.count; ++i) {
         const Point& p = f.point[i];
         if (p.facet_a >= 0 && p.facet_b >= 0) {
-          put_in_lanes(p, i, chunk.facets);
+          put_in_lanes(p, i, chunk);
           continue;
         }
         if (p.facet_a >= 0 || p.facet_b >= 0) {
@@ -81,14 +84,18 @@ void World::divide_points() {
   }
 }
 
-void World::put_in_lanes(const Point& p, uint32_t i, std::vector<FacetLanes>& all) {
+void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
   constexpr int kCount = FacetLanes::kCount;
+  std::vector<FacetLanes>& all = chunk.facets;
   if (all.empty() || all.back().count == kCount || all.back().first + all.back().count != i) {
     all.emplace_back().first = i;
     all.back().row = uint32_t(facet_rows_.size());
+    all.back().on_gridpoints = true;
+    if (small_) chunk.frames.emplace_back();
   }
   FacetLanes& lanes = all.back();
   const Facet &a = facets_[size_t(p.facet_a)], &b = facets_[size_t(p.facet_b)];
+  lanes.on_gridpoints = lanes.on_gridpoints && sits_on_gridpoint(b);
   const double slope[3] = {a.gradient[1][0], a.gradient[1][1], a.gradient[2][1]};
   for (int l = int(lanes.count); l < kCount; ++l) {
     lanes.facet_a[l] = p.facet_a;
@@ -96,12 +103,14 @@ void World::put_in_lanes(const Point& p, uint32_t i, std::vector<FacetLanes>& al
     for (int k = 0; k < 3; ++k) {
       lanes.node_a[k][l] = a.node[k], lanes.node_b[k][l] = b.node[k];
       lanes.weight_a[k][l] = a.weight[k], lanes.weight_b[k][l] = b.weight[k];
-      lanes.n[k][l] = p.n[k], lanes.s[k][l] = p.s[k], lanes.t[k][l] = p.t[k];
-      lanes.slope[k][l] = slope[k];
+      if (!small_) continue;
+      FacetFrames& frames = chunk.frames.back();
+      frames.n[k][l] = p.n[k], frames.s[k][l] = p.s[k], frames.t[k][l] = p.t[k];
+      frames.slope[k][l] = slope[k];
     }
   }
   ++lanes.count;
-  facet_rows_.emplace_back();
+  facet_rows_.resize(facet_rows_.size() + FacetRow::kCount);
 }
 
 void World::divide_sides() {
@@ -114,20 +123,37 @@ void World::divide_sides() {
       }
     }
   });
-  by_block(blocks_.size(), facet_touches_, facet_touch_end_, [&](const auto& visit) {
+  const auto each_facet_point = [&](const auto& visit) {  // (point, its first row)
     for (const Chunk& chunk : chunks_) {
       for (const FacetLanes& lanes : chunk.facets) {
-        for (uint32_t l = 0; l < lanes.count; ++l) {
-          const Point& p = families_[size_t(chunk.family)].point[lanes.first + l];
-          for (const bool side_a : {true, false}) {
-            const int32_t block = side_a ? p.a : p.b, first = blocks_[size_t(block)].first_node;
-            const auto& node = side_a ? lanes.node_a : lanes.node_b;
-            visit(block,
-                  FacetTouch{lanes.row + l, {node[0][l] - first, node[1][l] - first, node[2][l] - first}, side_a});
-          }
-        }
+        for (uint32_t l = 0; l < lanes.count; ++l)
+          visit(families_[size_t(chunk.family)].point[lanes.first + l], lanes.row + FacetRow::kCount * l);
       }
     }
+  };
+  const auto node_of = [&](const Facet& f, int corner, int block) {
+    return f.node[corner] - blocks_[size_t(block)].first_node;
+  };
+  by_block(blocks_.size(), owner_touches_.touch, owner_touches_.end, [&](const auto& visit) {
+    each_facet_point([&](const Point& p, uint32_t row) {
+      const Facet& f = facets_[size_t(p.facet_a)];
+      visit(p.a, OwnerTouch{row, {node_of(f, 0, p.a), node_of(f, 1, p.a), node_of(f, 2, p.a)}});
+    });
+  });
+  by_block(blocks_.size(), carrier_touches_.touch, carrier_touches_.end, [&](const auto& visit) {
+    each_facet_point([&](const Point& p, uint32_t row) {
+      const Facet& f = facets_[size_t(p.facet_b)];
+      if (sits_on_gridpoint(f)) return;
+      visit(p.b, CarrierTouch{row,
+                              {node_of(f, 0, p.b), node_of(f, 1, p.b), node_of(f, 2, p.b)},
+                              {f.weight[0], f.weight[1], f.weight[2]}});
+    });
+  });
+  by_block(blocks_.size(), gridpoint_touches_.touch, gridpoint_touches_.end, [&](const auto& visit) {
+    each_facet_point([&](const Point& p, uint32_t row) {
+      const Facet& f = facets_[size_t(p.facet_b)];
+      if (sits_on_gridpoint(f)) visit(p.b, GridpointTouch{row, node_of(f, 0, p.b)});
+    });
   });
   by_block(blocks_.size(), pair_touches_, pair_touch_end_, [&](const auto& visit) {
     for (const Chunk& chunk : chunks_) {
@@ -202,6 +228,38 @@ void World::divide_blocks() {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
+  piece_columns_.clear();
+  for (Piece& piece : pieces_) {
+    if (piece.kind != Piece::Kind::rigid) fill_columns(piece);
+  }
+}
+
+int World::most_gridpoints(const Piece& piece) const {
+  int most = 0;
+  for (const int32_t i : blocks_of(piece)) most = std::max(most, blocks_[size_t(i)].node_count);
+  return most;
+}
+
+void World::fill_columns(Piece& piece) {
+  const std::span<const int32_t> blocks = blocks_of(piece);
+  const bool unlike = piece.kind == Piece::Kind::unlike;
+  const int most = most_gridpoints(piece);
+  piece.columns = piece_columns_.size();
+  piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, unlike));
+  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, unlike);
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      const size_t node = size_t(b.first_node) + n;
+      to.mass[n * kLanes + l] = node_mass_[node], to.over_mass[n * kLanes + l] = 1.0 / node_mass_[node];
+      if (!unlike) continue;
+      const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
+      for (int c = 0; c < 3; ++c) {
+        const size_t at = n * kLine + size_t(c) * kLanes + l;
+        to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+      }
+    }
+  }
 }
 
 int World::count_of(Piece::Kind kind) const {
@@ -220,7 +278,8 @@ double World::piece_work(int index) const {
   const Piece& piece = pieces_[size_t(index)];
   double work = 0.0;
   for (const int32_t i : blocks_of(piece)) {
-    work += sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i)) + sides(facet_touch_end_, size_t(i));
+    work += sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i));
+    work += double(owner_touches_.of(i).size() + carrier_touches_.of(i).size() + gridpoint_touches_.of(i).size());
     const int zones = blocks_[size_t(i)].zone_count;
     if (piece.kind == Piece::Kind::rigid) work += kBody;
     if (piece.kind == Piece::Kind::unlike) work += kUnlikeZone * zones;

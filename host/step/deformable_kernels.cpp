@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <limits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/deformable_kernels.cpp"
@@ -20,41 +21,55 @@ using namespace quoin::HWY_NAMESPACE;
 
 constexpr Vector kNothing[2] = {};  // where there is no gridpoint
 
-// Gridpoint n of the lanes `first` on. Where a block has no such one, what moves repeats its first one, without mass.
+// Where a column of each lane begins. Lanes without a block repeat the last one.
+template <class Number>
+struct Begins {
+  Number* of[kLanes];
+  template <class Field>
+  HWY_INLINE Begins(std::span<const LaneBlock> blocks, const Field& field) {
+    for (std::size_t l = 0; l < kLanes; ++l) of[l] = field(blocks[std::min(l, blocks.size() - 1)]);
+  }
+};
+
+struct Begin {
+  Begins<const double> x, v, force, viscous;
+  int node_count[kLanes];
+  Lanes3 acceleration[kParts];
+  HWY_INLINE explicit Begin(std::span<const LaneBlock> blocks)
+      : x(blocks, [](const LaneBlock& b) { return &b.x->x; }),
+        v(blocks, [](const LaneBlock& b) { return &b.v->x; }),
+        force(blocks, [](const LaneBlock& b) { return b.force; }),
+        viscous(blocks, [](const LaneBlock& b) { return b.viscous; }) {
+    const auto block = [&](int l) -> const LaneBlock& {
+      return blocks[std::min(static_cast<std::size_t>(l), blocks.size() - 1)];
+    };
+    for (int l = 0; l < kLanes; ++l) node_count[l] = block(l).node_count;
+    for (int p = 0; p < kParts; ++p)
+      acceleration[p] = load_vectors([&](int l) { return &block(p * kWidth + l).acceleration.x; });
+  }
+};
+
+// Gridpoint n of the lanes `first` on. Where a block has no such one, what moves repeats its first one, without force.
 template <bool kAllHaveIt>
-HWY_INLINE void load_gridpoint(const LaneBlock* const (&lane)[kLanes], int first, int n, const LaneColumns& to) {
-  const auto has_it = [&](int l) { return kAllHaveIt || n < lane[first + l]->node_count; };
-  const auto places = [&](const auto& column_of) HWY_ATTR {
-    return load_vectors([&](int l) { return &column_of(*lane[first + l])[has_it(l) ? n : 0].x; });
-  };
-  const auto vectors = [&](const auto& column_of) HWY_ATTR {
-    return load_vectors([&](int l) { return has_it(l) ? &column_of(*lane[first + l])[n].x : &kNothing[0].x; });
-  };
-  const auto rows = [&](const double* LaneBlock::*field) HWY_ATTR {
-    return load_vectors([&](int l) { return has_it(l) ? lane[first + l]->*field + kFour * n : &kNothing[0].x; });
+HWY_INLINE void load_gridpoint(const Begin& begin, int first, int n, const LaneColumns& to) {
+  constexpr int kVector = 3;
+  const auto has_it = [&](int l) { return kAllHaveIt || n < begin.node_count[first + l]; };
+  const auto vectors = [&](const Begins<const double>& from, int stride) HWY_ATTR {
+    return load_vectors([&](int l) { return has_it(l) ? from.of[first + l] + stride * n : &kNothing[0].x; });
   };
   const int line = n * kLine + first;
-  store_line(places([](const LaneBlock& b) { return b.x; }), to.x + line);
-  store_line(vectors([](const LaneBlock& b) { return b.v; }), to.v + line);
-  store_line(rows(&LaneBlock::force), to.force + line);
-  if (to.viscous) store_line(rows(&LaneBlock::viscous), to.viscous_force + line);
-  if (to.unlike) {
-    const Lanes3 origin = load_vectors([&](int l) { return &lane[first + l]->reference->x; });
-    const Lanes3 reference = places([](const LaneBlock& b) { return b.reference; });
-    store_line(difference_of(reference, origin), to.place + line);
-    store_line(vectors([](const LaneBlock& b) { return b.anchor; }), to.anchor + line);
-  }
-  for (int l = 0; l < kWidth; ++l) to.mass[n * kLanes + first + l] = has_it(l) ? lane[first + l]->mass[n] : 0.0;
+  const V mass = hn::Load(D(), to.mass + n * kLanes + first);
+  store_line(load_vectors([&](int l) { return begin.x.of[first + l] + (has_it(l) ? kVector * n : 0); }), to.x + line);
+  store_line(vectors(begin.v, kVector), to.v + line);
+  store_line(plus_scaled(vectors(begin.force, kFour), mass, begin.acceleration[first / kWidth]), to.force + line);
+  if (to.viscous) store_line(vectors(begin.viscous, kFour), to.viscous_force + line);
 }
 
 void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
-  const LaneBlock* lane[kLanes];  // those without a block repeat the last one
-  for (std::size_t l = 0; l < std::size(lane); ++l) lane[l] = &blocks[std::min(l, blocks.size() - 1)];
-  int fewest = columns->node_count;
-  for (const LaneBlock& block : blocks) fewest = std::min(fewest, block.node_count);
+  const Begin begin(blocks);
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
-    for (int n = 0; n < fewest; ++n) load_gridpoint<true>(lane, first, n, *columns);
-    for (int n = fewest; n < columns->node_count; ++n) load_gridpoint<false>(lane, first, n, *columns);
+    for (int n = 0; n < columns->fewest; ++n) load_gridpoint<true>(begin, first, n, *columns);
+    for (int n = columns->fewest; n < columns->node_count; ++n) load_gridpoint<false>(begin, first, n, *columns);
   }
 }
 
@@ -262,23 +277,36 @@ HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) 
   for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
 }
 
-// Of the lanes of a vector that have gridpoint n, three numbers each. The fourth of a row is what the next gridpoint
-// begins with, which is written after it; behind the last one nothing is touched.
-HWY_INLINE void store_vectors(std::span<const LaneBlock> blocks, int first, int n, const Lanes3& a,
-                              Vector* LaneBlock::*field) {
-  const V column[kFour] = {a.x, a.y, a.z, hn::Zero(D())};
-  for_rows(column, std::min(kWidth, static_cast<int>(blocks.size()) - first), [&](int l, int c, F part) HWY_ATTR {
-    const LaneBlock& block = blocks[static_cast<std::size_t>(first + l)];
-    double* const to = &(block.*field)[n].x;
-    if (n + 1 < block.node_count) {
-      hn::StoreU(part, Four(), to + c);
-    } else if (n < block.node_count) {
+// Where gridpoints of the lanes `first` on are written back to.
+struct Destination {
+  std::span<const LaneBlock> blocks;
+  Begins<double> begin;
+  int first, lanes, fewest;  // lanes that have a block; gridpoints that all blocks have
+  HWY_INLINE Destination(std::span<const LaneBlock> of, Vector* LaneBlock::*field, int first_lane, int all_have)
+      : blocks(of),
+        begin(of, [&](const LaneBlock& b) { return &(b.*field)->x; }),
+        first(first_lane),
+        lanes(std::min(kWidth, static_cast<int>(of.size()) - first_lane)),
+        fewest(all_have) {}
+
+  // Gridpoint n of the lanes that have it, three numbers each. The fourth of a row is what the next gridpoint begins
+  // with, which is written after it; behind the last one nothing is touched.
+  HWY_INLINE void store(int n, const Lanes3& a) const {
+    constexpr int kVector = 3;
+    const V column[kFour] = {a.x, a.y, a.z, hn::Zero(D())};
+    const auto put = [&](int l, int c, F part)
+                         HWY_ATTR { hn::StoreU(part, Four(), begin.of[first + l] + kVector * n + c); };
+    if (n + 1 < fewest && lanes == kWidth) return for_rows(column, kWidth, put);
+    for_rows(column, lanes, [&](int l, int c, F part) HWY_ATTR {
+      const int node_count = blocks[static_cast<std::size_t>(first + l)].node_count;
+      if (n + 1 < node_count) return put(l, c, part);
+      if (n >= node_count) return;
       double last[kPart];
       hn::StoreU(part, Four(), last);
-      for (int i = 0; i < kPart && c + i < 3; ++i) to[c + i] = last[i];
-    }
-  });
-}
+      for (int i = 0; i < kPart && c + i < kVector; ++i) begin.of[first + l][kVector * n + c + i] = last[i];
+    });
+  }
+};
 
 template <bool kEnergies>
 HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
@@ -298,11 +326,13 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   }
   V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // of the first the square
   Lanes3 net = zeros();
+  const Destination to_x(blocks, &LaneBlock::x, first, columns.fewest);
+  const Destination to_v(blocks, &LaneBlock::v, first, columns.fewest);
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
     const Lanes3 x = load_line(columns.x + at), v = load_line(columns.v + at), force = load_line(columns.force + at);
     const V mass = hn::Load(d, columns.mass + n * kLanes + first);
-    const V dt_over_mass = hn::IfThenZeroElse(hn::Eq(mass, zero), hn::Div(dt, mass));
+    const V dt_over_mass = hn::Mul(dt, hn::Load(d, columns.over_mass + n * kLanes + first));
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
     if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
     Lanes3 held_v;
@@ -341,8 +371,8 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
-    store_vectors(blocks, first, n, place, &LaneBlock::x);
-    store_vectors(blocks, first, n, next, &LaneBlock::v);
+    to_x.store(n, place);
+    to_v.store(n, next);
   }
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
@@ -385,26 +415,28 @@ HWY_EXPORT(AdvanceGridpoints);
 
 void LaneColumns::resize(int nodes) {
   node_count = nodes;
-  double** const columns[] = {&x,       &v,       &force, &viscous_force, &u,   &weighted,
-                              &product, &elastic, &place, &anchor,        &held};
+  double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic, &held};
   const auto size = static_cast<std::size_t>(nodes) * kLine;
-  memory_.resize(std::max(memory_.size(), std::size(columns) * size + 2 * size / 3));
+  memory_.resize(std::max(memory_.size(), std::size(columns) * size + size / 3));
   double* from = memory_.data();
   for (double** column : columns) *column = from, from += size;
-  mass = from, rows = from + size / 3;
+  rows = from;
 }
 
-void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
-  int nodes = 0;
+void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns) {
+  int most = 0, fewest = std::numeric_limits<int>::max();
   std::uint8_t held = 0;
   for (const LaneBlock& b : blocks) {
-    nodes = std::max(nodes, b.node_count);
+    most = std::max(most, b.node_count), fewest = std::min(fewest, b.node_count);
     for (int n = 0; n < b.node_count; ++n) held |= b.held[n];
   }
-  columns->resize(nodes);
+  columns->resize(most);
+  columns->fewest = fewest;
+  columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
+  columns->place = fixed.place, columns->anchor = fixed.anchor;
   columns->some_held = held != 0;
   if (held) {
-    std::fill(columns->held, columns->held + nodes * kLine, 0.0);
+    std::fill(columns->held, columns->held + most * kLine, 0.0);
     for (std::size_t l = 0; l < blocks.size(); ++l) {
       for (int n = 0; n < blocks[l].node_count; ++n) {
         for (int k = 0; k < 3; ++k)

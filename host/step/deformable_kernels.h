@@ -18,8 +18,8 @@
 
 #include "model/lanes.h"
 #include "model/world.h"
+#include "model/zone_kernels.h"
 #include "step/rigid_motion_kernels.h"
-#include "step/zone_kernels.h"
 
 namespace quoin::blocks {
 
@@ -28,28 +28,25 @@ struct LaneBlock {
   Vector *x, *v;             // m, m/s at half steps
   const double* force;       // N, four doubles a gridpoint, the last of no meaning
   const double* viscous;     // the viscous part of it, alike; null where it is not wanted, or not yet known
-  const double* mass;        // of inertia, kg
+  Vector acceleration;       // of weight and what is shared by mass, by the mass of inertia, m/s2
   const std::uint8_t* held;  // bits 0..2
   const Vector* held_v;      // m/s
   int node_count;
-  // Of unlike_forces; the shape stands as it did at the start.
-  const Vector *reference, *anchor;  // m; b, 1/m
-  std::span<const ZoneLanes> zones;
+  std::span<const ZoneLanes> zones;  // of unlike_forces; the shape stands as it did at the start
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
 // where its first one is; lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
-  int node_count = 0;  // most of a block
+  int node_count = 0, fewest = 0;  // most and fewest of a block
   bool some_held = false;
   bool viscous = false;                      // viscous_force is wanted: set before load_blocks
-  bool unlike = false;                       // place and anchor are wanted: likewise
   double *x, *v, *force, *viscous_force;     // m, m/s, N
   double *u, *weighted, *product, *elastic;  // of alike_forces and unlike_forces
-  double *place, *anchor;                    // of unlike_forces: X but for a translation, m; b, 1/m
   double* rows;                              // of unlike_forces: of one block
-  double* mass;                              // kg, kLanes a gridpoint
   double* held;                              // not 0: held; where some are
+  // FixedColumns, the last two of unlike_forces.
+  const double *mass, *over_mass, *place, *anchor;
 
   void resize(int nodes);
 
@@ -57,7 +54,7 @@ struct LaneColumns {
   LaneVector<double> memory_;
 };
 
-void load_blocks(std::span<const LaneBlock> blocks, LaneColumns* columns);
+void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns);
 
 // By lane: the largest |u|, m; strain energy, J, when energies are wanted.
 struct FrameSums {

@@ -46,29 +46,37 @@ struct Part {
   }
 };
 
-void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColumns& c, bool fixed) {
+void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* node_x, const FacetColumns& c,
+                bool fixed) {
   const D d;
   const V one = hn::Set(d, 1.0);
   for (FacetLanes& lanes : all) {
+    FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
       const Part part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
-      Lanes3 a[3], b[3];
+      Lanes3 a[3], at;
       corners_of(lanes.node_a, first, node_x, a);
-      corners_of(lanes.node_b, first, node_x, b);
+      if (lanes.on_gridpoints) {
+        at = load_vectors([&](int l) { return &node_x[lanes.node_b[0][first + l]].x; });
+      } else {
+        Lanes3 b[3];
+        corners_of(lanes.node_b, first, node_x, b);
+        at = weighted(columns_of(lanes.weight_b, first), b);
+      }
       const Lanes3 weight_a = columns_of(lanes.weight_a, first);
-      const Lanes3 apart = difference_of(weighted(columns_of(lanes.weight_b, first), b), weighted(weight_a, a));
+      const Lanes3 apart = difference_of(at, weighted(weight_a, a));
       Lanes3 n, s, t, slope;
       if (fixed) {
-        n = columns_of(lanes.n, first), s = columns_of(lanes.s, first), t = columns_of(lanes.t, first);
+        n = columns_of(frame.n, first), s = columns_of(frame.s, first), t = columns_of(frame.t, first);
       } else {
         const Lanes3 e2 = difference_of(a[1], a[0]), e3 = difference_of(a[2], a[0]), across = cross_of(e2, e3);
-        const V over_length = hn::Div(one, hn::Sqrt(dot_of(e2, e2)));
+        const V length = hn::Sqrt(dot_of(e2, e2)), over_length = hn::Div(one, length);
         const V over_area = hn::Div(one, hn::Sqrt(dot_of(across, across)));
         s = scaled(over_length, e2), n = scaled(over_area, across), t = cross_of(n, s);
-        const V over_height = hn::Div(one, dot_of(t, e3));
+        const V over_height = hn::Mul(length, over_area);
         slope = {over_length, hn::Neg(hn::Mul(hn::Mul(dot_of(s, e3), over_length), over_height)), over_height};
-        keep(n, lanes.n, first), keep(s, lanes.s, first), keep(t, lanes.t, first), keep(slope, lanes.slope, first);
+        keep(n, frame.n, first), keep(s, frame.s, first), keep(t, frame.t, first), keep(slope, frame.slope, first);
       }
       part.store(hn::Sub(dot_of(n, apart), hn::Load(d, lanes.reference + first)), c.normal_jump + i);
       const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
@@ -83,9 +91,10 @@ void FacetJumps(std::span<FacetLanes> all, const Vector* node_x, const FacetColu
   }
 }
 
-void FacetForces(std::span<const FacetLanes> all, const FacetColumns& c, FacetRows* rows) {
+void FacetForces(std::span<const FacetLanes> all, const FacetFrames* frames, const FacetColumns& c, FacetRow* rows) {
   const D d;
   for (const FacetLanes& lanes : all) {
+    const FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
       const Part part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
@@ -96,42 +105,58 @@ void FacetForces(std::span<const FacetLanes> all, const FacetColumns& c, FacetRo
         if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
         f[k] = hn::Mul(area, f[k]);
       }
-      const Lanes3 n = columns_of(lanes.n, first);
+      const Lanes3 n = columns_of(frame.n, first);
       const Lanes3 force =
-          plus_scaled(plus_scaled(scaled(f[0], n), f[1], columns_of(lanes.s, first)), f[2], columns_of(lanes.t, first));
+          plus_scaled(plus_scaled(scaled(f[0], n), f[1], columns_of(frame.s, first)), f[2], columns_of(frame.t, first));
       const V gap = hn::Add(part.load(c.normal_jump + i), hn::Load(d, lanes.reference + first));
-      const Lanes3 slope = columns_of(lanes.slope, first);
+      const Lanes3 slope = columns_of(frame.slope, first);
       const V of_1 = hn::Neg(hn::Mul(gap, hn::MulAdd(slope.y, f[2], hn::Mul(slope.x, f[1]))));
       const V of_2 = hn::Neg(hn::Mul(gap, hn::Mul(slope.z, f[2])));
-      const Lanes3 couple = {hn::Neg(hn::Add(of_1, of_2)), of_1, of_2};
-      for (int k = 0; k < 3; ++k) {
-        const Lanes3 on_a = plus_scaled(scaled(hn::Load(d, lanes.weight_a[k] + first), force), couple[k], n);
-        const Lanes3 on_b = scaled(hn::Neg(hn::Load(d, lanes.weight_b[k] + first)), force);
-        const auto put = [&](const Lanes3& on, int row) HWY_ATTR {
-          const V column[kFour] = {on.x, on.y, on.z, hn::Zero(d)};
-          for_rows(column, std::min(kWidth, part.count), [&](int l, int at, F four) HWY_ATTR {
-            hn::StoreU(four, Four(), rows[lanes.row + static_cast<std::uint32_t>(first + l)].force[row] + at);
-          });
-        };
-        put(on_a, k), put(on_b, 3 + k);
-      }
+      FacetRow* const row = rows + lanes.row + FacetRow::kCount * first;
+      const auto put = [&](const Lanes3& on_a, int k) HWY_ATTR {
+        const V column[kFour] = {on_a.x, on_a.y, on_a.z, hn::Zero(d)};
+        for_rows(column, std::min(kWidth, part.count), [&](int l, int at, F four) HWY_ATTR {
+          hn::StoreU(four, Four(), row[FacetRow::kCount * l + k].force + at);
+        });
+      };
+      put(force, 0);
+      put(plus_scaled(scaled(hn::Load(d, lanes.weight_a[1] + first), force), of_1, n), 1);
+      put(plus_scaled(scaled(hn::Load(d, lanes.weight_a[2] + first), force), of_2, n), 2);
     }
   }
 }
 
-Vector AddFacetRows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force) {
+Vector AddFacetRows(const FacetTouches& touches, const FacetRow* rows, double* force) {
   const Four d;
   F sum[kFour / kPart];
   for (F& s : sum) s = hn::Zero(d);
-  for (const FacetTouch& touch : touches) {
-    for (int k = 0; k < 3; ++k) {
-      const double* const row = rows[touch.row].force[touch.side_a ? k : 3 + k];
-      double* const at = force + kFour * touch.node[k];
-      for (int c = 0; c < kFour; c += kPart) {
-        const F f = hn::LoadU(d, row + c);
-        sum[c / kPart] = hn::Add(sum[c / kPart], f);
-        hn::StoreU(hn::Add(hn::LoadU(d, at + c), f), d, at + c);
-      }
+  const auto add = [&](std::int32_t node, int c, F f) HWY_ATTR {
+    double* const at = force + kFour * node + c;
+    hn::StoreU(hn::Add(hn::LoadU(d, at), f), d, at);
+  };
+  for (const OwnerTouch& touch : touches.owner) {
+    const FacetRow* const row = rows + touch.row;
+    for (int c = 0; c < kFour; c += kPart) {
+      const F all = hn::LoadU(d, row[0].force + c), of_1 = hn::LoadU(d, row[1].force + c);
+      const F of_2 = hn::LoadU(d, row[2].force + c);
+      sum[c / kPart] = hn::Add(sum[c / kPart], all);
+      add(touch.node[0], c, hn::Sub(all, hn::Add(of_1, of_2)));
+      add(touch.node[1], c, of_1);
+      add(touch.node[2], c, of_2);
+    }
+  }
+  for (const CarrierTouch& touch : touches.carrier) {
+    for (int c = 0; c < kFour; c += kPart) {
+      const F all = hn::LoadU(d, rows[touch.row].force + c);
+      sum[c / kPart] = hn::Sub(sum[c / kPart], all);
+      for (int k = 0; k < 3; ++k) add(touch.node[k], c, hn::Mul(hn::Set(d, -touch.weight[k]), all));
+    }
+  }
+  for (const GridpointTouch& touch : touches.gridpoint) {
+    for (int c = 0; c < kFour; c += kPart) {
+      const F less = hn::Neg(hn::LoadU(d, rows[touch.row].force + c));
+      sum[c / kPart] = hn::Add(sum[c / kPart], less);
+      add(touch.node, c, less);
     }
   }
   double total[kFour];
@@ -151,15 +176,17 @@ HWY_EXPORT(FacetJumps);
 HWY_EXPORT(FacetForces);
 HWY_EXPORT(AddFacetRows);
 
-void facet_jumps(std::span<FacetLanes> lanes, const Vector* node_x, const FacetColumns& columns, bool fixed) {
-  HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, node_x, columns, fixed);
+void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
+                 bool fixed) {
+  HWY_DYNAMIC_DISPATCH(FacetJumps)(lanes, frames, node_x, columns, fixed);
 }
 
-void facet_forces(std::span<const FacetLanes> lanes, const FacetColumns& columns, FacetRows* rows) {
-  HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, columns, rows);
+void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
+                  FacetRow* rows) {
+  HWY_DYNAMIC_DISPATCH(FacetForces)(lanes, frames, columns, rows);
 }
 
-Vector add_facet_rows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force) {
+Vector add_facet_rows(const FacetTouches& touches, const FacetRow* rows, double* force) {
   return HWY_DYNAMIC_DISPATCH(AddFacetRows)(touches, rows, force);
 }
 

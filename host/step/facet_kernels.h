@@ -18,13 +18,23 @@ struct FacetColumns {
   double *slid[2], *normal_jump, *slip[2];
 };
 
-// Openings and slips of the step. fixed: frames and feet stay those of the start (small displacements).
-void facet_jumps(std::span<FacetLanes> lanes, const Vector* node_x, const FacetColumns& columns, bool fixed);
+// Openings and slips of the step, and the frames that they are in. fixed: these and feet stay those of the start (small
+// displacements).
+void facet_jumps(std::span<FacetLanes> lanes, FacetFrames* frames, const Vector* node_x, const FacetColumns& columns,
+                 bool fixed);
 
-// Forces on gridpoints from the tractions at the jumps of facet_jumps, into the rows of the points.
-void facet_forces(std::span<const FacetLanes> lanes, const FacetColumns& columns, FacetRows* rows);
+// Forces on gridpoints from the tractions at the jumps of facet_jumps, in its frames, into the rows of the points.
+void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, const FacetColumns& columns,
+                  FacetRow* rows);
 
-// Adds what acts on one block to its gridpoints, four doubles each; returns the sum, N.
-Vector add_facet_rows(std::span<const FacetTouch> touches, const FacetRows* rows, double* force);
+// The sides of points that belong to one block.
+struct FacetTouches {
+  std::span<const OwnerTouch> owner;
+  std::span<const CarrierTouch> carrier;
+  std::span<const GridpointTouch> gridpoint;
+};
+
+// Adds what acts on the block to its gridpoints, four doubles each; returns the sum, N.
+Vector add_facet_rows(const FacetTouches& touches, const FacetRow* rows, double* force);
 
 }  // namespace quoin::blocks

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
 #include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
 #include "step/rigid_motion_kernels.h"
-#include "step/zone_kernels.h"
 
 namespace quoin::blocks {
 
@@ -64,11 +64,14 @@ void Model::step() {
 void Model::advance_contacts(int index, PhaseClock* clock) {
   Chunk& chunk = chunks_[size_t(index)];
   Family& f = families_[size_t(chunk.family)];
-  contact_kinematics(f, chunk);  // jumps, in frames that ride on the blocks
+  thread_local std::vector<FacetFrames> formed;
+  formed.resize(std::max(formed.size(), chunk.facets.size()));
+  FacetFrames* const frames = small_ ? chunk.frames.data() : formed.data();
+  contact_kinematics(f, chunk, frames);  // jumps, in frames that ride on the blocks
   lap(clock, Phase::jumps);
   contact_law(f, chunk);  // tractions from jumps: the plug-in
   lap(clock, Phase::law);
-  contact_forces(f, chunk);  // one force a point, which its two blocks fetch
+  contact_forces(f, chunk, frames);  // one force a point, which its two blocks fetch
   lap(clock, Phase::contact_forces);
 }
 
@@ -175,9 +178,9 @@ FacetColumns facet_columns(Family& f) {
 
 }  // namespace
 
-void Model::contact_kinematics(Family& f, Chunk& chunk) {
+void Model::contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames) {
   rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_jumps(chunk.facets, node_x_.data(), facet_columns(f), small_);
+  facet_jumps(chunk.facets, frames, node_x_.data(), facet_columns(f), small_);
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
@@ -238,11 +241,11 @@ void Model::report_failure(const Chunk& chunk) const {
           f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
-void Model::contact_forces(Family& f, Chunk& chunk) {
+void Model::contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames) {
   chunk.damping = 0.0;
   if (viscous_contacts()) viscous_tractions(f, chunk);
   rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_forces(chunk.facets, facet_columns(f), facet_rows_.data());
+  facet_forces(chunk.facets, frames, facet_columns(f), facet_rows_.data());
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     double traction[3];
@@ -284,7 +287,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   thread_local LaneColumns columns;
   thread_local std::vector<double> rows;
   columns.viscous = energy_ && zone_damping() > 0;
-  columns.unlike = piece.kind == Piece::Kind::unlike;
+  const bool unlike = piece.kind == Piece::Kind::unlike;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
   rows.resize(std::max(rows.size(), 2 * size));
@@ -297,7 +300,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
     sums[l] = &block_sums_[size_t(blocks[l])];
     *sums[l] = {};
     if (energy_ && loaded_[size_t(blocks[l])]) power[l] = power_on_gridpoints(blocks[l], 0.0);
-    forces_on_gridpoints(blocks[l], force);
+    const Vector acceleration = forces_on_gridpoints(blocks[l], force);
     lap(clock, Phase::motion);
     if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
     const size_t first = size_t(b.first_node);
@@ -305,20 +308,19 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                 &node_v_[first],
                 force,
                 columns.viscous ? viscous : nullptr,
-                &node_mass_[first],
+                acceleration,
                 &node_held_[first],
                 &node_held_v_[first],
                 b.node_count,
-                &node_reference_[first],
-                columns.unlike ? &node_anchor_[first] : nullptr,
                 zones_in_lanes(b)};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
-  load_blocks({lanes, count}, &columns);
+  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), unlike);
+  load_blocks({lanes, count}, fixed, &columns);
   if (piece.in_frame()) {
     const ZoneStep step{zone_damping(), dt_, energy_};
     FrameSums of_frame;
-    if (columns.unlike)
+    if (unlike)
       unlike_forces({lanes, count}, step, &columns, &of_frame);
     else
       alike_forces(alike_[size_t(piece.alike)], step, &columns, &of_frame);
@@ -368,7 +370,7 @@ void Model::zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, 
   sums.strain += zone_forces(zones_in_lanes(b), step, {u, v, force, viscous});
 }
 
-void Model::forces_on_gridpoints(int block, double* force) {
+Vector Model::forces_on_gridpoints(int block, double* force) {
   const ModelBlock& b = blocks_[size_t(block)];
   const auto add = [&](int32_t node, const Vector& f) {
     double* const row = force + kRow * size_t(node - b.first_node);
@@ -376,14 +378,9 @@ void Model::forces_on_gridpoints(int block, double* force) {
   };
   Vector per_mass = gravity_factor_.at(time_) * gravity_;
   if (loaded_[size_t(block)] && !applied_.empty()) per_mass += applied_[size_t(block)] / mass_of(block);
-  for (size_t i = 0; i < size_t(b.node_count); ++i) {
-    const Vector weight = node_weight_mass_[size_t(b.first_node) + i] * per_mass;
-    double* const row = force + kRow * i;
-    row[0] = weight.x, row[1] = weight.y, row[2] = weight.z, row[3] = 0.0;
-  }
-  const auto begin = [&](const std::vector<uint32_t>& end) { return block > 0 ? end[size_t(block) - 1] : 0; };
-  const uint32_t first = begin(facet_touch_end_);
-  Vector contacts = add_facet_rows(std::span(facet_touches_).subspan(first, facet_touch_end_[size_t(block)] - first),
+  const Vector acceleration = per_mass / solver_.mass_scaling;
+  std::fill(force, force + kRow * size_t(b.node_count), 0.0);
+  Vector contacts = add_facet_rows({owner_touches_.of(block), carrier_touches_.of(block), gridpoint_touches_.of(block)},
                                    facet_rows_.data(), force);
   for (uint32_t k = block > 0 ? touch_end_[size_t(block) - 1] : 0; k < touch_end_[size_t(block)]; ++k) {
     const Touch& touch = touches_[k];
@@ -405,7 +402,7 @@ void Model::forces_on_gridpoints(int block, double* force) {
     }
   }
   block_contact_force_[size_t(block)] = contacts;
-  if (!loaded_[size_t(block)]) return;
+  if (!loaded_[size_t(block)]) return acceleration;
   for (const Load& l : loads_) {
     if (l.block != block) continue;
     const Vector f = l.scale * l.factor.at(time_) * l.force;
@@ -419,6 +416,7 @@ void Model::forces_on_gridpoints(int block, double* force) {
       for (int32_t node : t) add(node, -value / 6 * m);
     }
   }
+  return acceleration;
 }
 
 void Model::forces_on_body(int block) {

@@ -73,13 +73,14 @@ class Model : public World {
   bool has_deformed_too_much(int block) const;
   // phases of the step: contacts chunk by chunk, then blocks piece by piece
   void apply_ground_motion();
-  void contact_kinematics(Family& f, Chunk& chunk);
+  void contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames);
   void contact_law(Family& f, Chunk& chunk);
-  void contact_forces(Family& f, Chunk& chunk);
+  void contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames);
   void viscous_tractions(Family& f, Chunk& chunk);
   void advance_deformable(const Piece& piece, PhaseClock* clock);
-  // By gridpoint of the block, four doubles each: set; added to, viscous part of it apart where that is not null.
-  void forces_on_gridpoints(int block, double* force);
+  // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the
+  // mass of inertia; added to, viscous part of it apart where that is not null.
+  Vector forces_on_gridpoints(int block, double* force);
   void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);
   struct Wrench {

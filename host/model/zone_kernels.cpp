@@ -1,9 +1,11 @@
-#include "step/zone_kernels.h"
+#include "model/zone_kernels.h"
 
 #include <algorithm>
 
+#include "base/fetch_ahead.h"
+
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "step/zone_kernels.cpp"
+#define HWY_TARGET_INCLUDE "model/zone_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -130,11 +132,15 @@ HWY_INLINE void add_forces(const ZoneLanes& zone, int first, const Tensor& h, co
   add_to_corners(zone, first, first_pk, force);
 }
 
+// Zones are read once a step, from far away; eight of them cost about as long as it takes to fetch eight.
+constexpr int kZonesAhead = 2;
+
 void StiffnessTimes(std::span<const ZoneLanes> zones, std::span<const double> w, double* product) {
   const D d;
   const V half = hn::Set(d, 0.5);
   std::fill(product, product + w.size(), 0.0);
   for (const ZoneLanes& zone : zones) {
+    if (zones.data() + zones.size() - &zone > kZonesAhead) fetch_ahead(&zone + kZonesAhead, sizeof zone);
     for (int first = 0; first < zone.count; first += kWidth) {
       const Tensor h = gradient_of(zone, first, w.data());
       const V volume = hn::Load(d, zone.volume + first);
