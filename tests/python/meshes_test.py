@@ -166,7 +166,9 @@ class Gmsh(Folder):
         """Found by mesh_fuzz_test: an endless loop, IndexError, and the last point for -1."""
         head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\n"
         faces = "element face 1\nproperty list uint8 int32 vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
-        for text, words in ((head, "its header has no end"), (head + faces + "3 0 1 3\n", "has the point 3, and there are 3"),
+        many = "element face 12000000000\nend_header\n0 0 0\n"
+        for text, words in ((head, "its header has no end"), (head + many, "tells of 12000000000 elements"),
+                            (head + faces + "3 0 1 3\n", "has the point 3, and there are 3"),
                             (head + faces + "3 0 1 -1\n", "has the point -1"), (head + faces + "0\n", "has 0 corners")):
             with self.subTest(words):
                 with open(self.path("bad.ply"), "w", encoding="utf-8") as file:

@@ -3,6 +3,7 @@ import contextlib
 import importlib.util
 import io
 import os
+import re
 import resource
 
 import numpy as np
@@ -98,12 +99,25 @@ def _little_memory(path):
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def _read(path):
-    """What meshio makes of a file. It waits for ever for the end of a PLY header that is cut off."""
-    import meshio
+def _check_ply(path):
+    """What meshio would wait for: the end of a header that has none, and elements that the file is too short for."""
+    size = os.path.getsize(path)
     with open(path, "rb") as file:
-        if file.read(3) == b"ply" and not any(line.strip() == b"end_header" for line in file):
-            raise ValueError("its header has no end (end_header)")
+        if file.read(3) != b"ply":
+            return
+        for line in map(bytes.strip, file):
+            if line == b"end_header":
+                return
+            count = re.match(rb"element \w+ (\d+)", line)
+            if count and int(count[1]) > size:
+                raise ValueError(f"its header tells of {int(count[1])} elements, and it has {size} bytes")
+    raise ValueError("its header has no end (end_header)")
+
+
+def _read(path):
+    """What meshio makes of a file."""
+    import meshio
+    _check_ply(path)
     said = io.StringIO()  # it prints what is wrong, and ends the program
     try:
         with _little_memory(path), contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
