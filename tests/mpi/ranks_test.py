@@ -105,10 +105,9 @@ def wait_for_checkpoint(out, process):
     raise AssertionError("no checkpoint within 60 s")
 
 
-# Long enough to be stopped in the middle; then the same bits, whoever goes on.
-# Some seconds on a fast machine: long enough to be met in the middle.
+# A second on a fast machine: long enough to be stopped in the middle; then the same bits, whoever goes on.
 long_scene = [root / "tests/cli/small_wall.toml"] + [
-    word for setting in ("stage.shear.velocity=0.0005", "output.frames=2", "output.plots=false")
+    word for setting in ("stage.shear.velocity=0.0002", "output.frames=2", "output.plots=false")
     for word in ("--set", setting)]
 
 
@@ -131,7 +130,7 @@ def killed():
     run(1, [*long_scene, "--out", folder / "whole"])
     for victim, others in ((1, 3), (0, 1)):
         out = folder / f"killed_{victim}"
-        process = start(2, [*long_scene, "--out", out, "--checkpoint-every", "0.2"])
+        process = start(2, [*long_scene, "--out", out, "--checkpoint-every", "0.1"])
         wait_for_checkpoint(out, process)
         pids = ranks_of(process)
         assert len(pids) == 2, pids
