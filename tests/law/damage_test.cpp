@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -12,40 +13,64 @@
 namespace quoin::test {
 namespace {
 
+// One step from the bonded state to each of these jumps; results go where `batch` says, tractions nowhere unless it
+// does.
+class Step {
+ public:
+  Step(const Case& c, const std::vector<double>& opening, const std::vector<double>& sliding)
+      : material_(c.material()), opening_(opening), sliding_(sliding) {
+    const quoin_law& law = material_->api();
+    const std::size_t n = opening.size();
+    initial_.resize(law.state_count), scratch_.resize((law.state_count + 3) * n), zero_.resize(n);
+    EXPECT_EQ(law.initial_state(material_->handle(), "bonded", initial_.data()), QUOIN_OK);
+    for (std::size_t k = 0; k < law.state_count; ++k) {
+      old_.push_back({&initial_[k], 0});
+      fresh_.push_back({scratch_.data() + k * n, 1});
+    }
+    batch.struct_size = sizeof batch;
+    batch.count = n;
+    batch.normal_jump = {opening_.data(), 1};
+    batch.slip_increment[0] = {sliding_.data(), 1};
+    batch.slip_increment[1] = {zero_.data(), 1};
+    batch.state_old = old_.data();
+    batch.state_new = fresh_.data();
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {zero_.data(), 1};
+      batch.traction_new[k] = {scratch_.data() + (law.state_count + k) * n, 1};
+    }
+  }
+  Step(const Step&) = delete;
+  Step& operator=(const Step&) = delete;
+  // The column that a view of the batch is to have.
+  void ask(quoin_out* view, std::vector<double>* column) const {
+    column->assign(opening_.size(), NAN);
+    *view = {column->data(), 1};
+  }
+  void evaluate(quoin_batch* asked) const {
+    EXPECT_EQ(material_->api().evaluate(material_->handle(), asked), QUOIN_OK);
+  }
+  quoin_batch batch{};
+
+ private:
+  std::shared_ptr<const Material> material_;
+  std::vector<double> opening_, sliding_, initial_, scratch_, zero_;
+  std::vector<quoin_in> old_;
+  std::vector<quoin_out> fresh_;
+};
+
 struct Outcome {
   std::array<std::vector<double>, 3> traction, damage;
 };
 
-// One step from the initial state to each of these jumps: of one mode alone, the path does not matter.
+// Of one mode alone, the path does not matter.
 Outcome reach(const Case& c, const std::vector<double>& opening, const std::vector<double>& sliding) {
-  const auto material = c.material();
-  const quoin_law& law = material->api();
-  const std::size_t n = opening.size();
-  std::vector<double> initial(law.state_count), scratch(law.state_count * n), zero(n, 0.0);
-  EXPECT_EQ(law.initial_state(material->handle(), "bonded", initial.data()), QUOIN_OK);
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (std::size_t k = 0; k < law.state_count; ++k) {
-    old.push_back({&initial[k], 0});
-    fresh.push_back({scratch.data() + k * n, 1});
-  }
+  Step step(c, opening, sliding);
   Outcome outcome;
-  quoin_batch batch{};
-  batch.struct_size = sizeof batch;
-  batch.count = n;
-  batch.normal_jump = {opening.data(), 1};
-  batch.slip_increment[0] = {sliding.data(), 1};
-  batch.slip_increment[1] = {zero.data(), 1};
-  batch.state_old = old.data();
-  batch.state_new = fresh.data();
   for (std::size_t k = 0; k < 3; ++k) {
-    outcome.traction[k].assign(n, NAN);
-    outcome.damage[k].assign(n, NAN);
-    batch.traction_old[k] = {zero.data(), 1};
-    batch.traction_new[k] = {outcome.traction[k].data(), 1};
-    batch.damage[k] = {outcome.damage[k].data(), 1};
+    step.ask(&step.batch.traction_new[k], &outcome.traction[k]);
+    step.ask(&step.batch.damage[k], &outcome.damage[k]);
   }
-  EXPECT_EQ(law.evaluate(material->handle(), &batch), QUOIN_OK);
+  step.evaluate(&step.batch);
   return outcome;
 }
 
@@ -128,43 +153,19 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Damage,
 
 // Results that are asked for without the others: the same as all together, whichever they are.
 TEST(Outputs, AskedForAloneAreThoseAskedForTogether) {
-  const Case c = mortar();
-  const auto material = c.material();
-  const quoin_law& law = material->api();
-  const std::vector<double> opening = points(-2e-6, 60e-6), sliding = points(0.0, 200e-6);
-  const std::size_t n = opening.size();
-  std::vector<double> initial(law.state_count), scratch((law.state_count + 3) * n), zero(n, 0.0);
-  ASSERT_EQ(law.initial_state(material->handle(), "bonded", initial.data()), QUOIN_OK);
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (std::size_t k = 0; k < law.state_count; ++k) {
-    old.push_back({&initial[k], 0});
-    fresh.push_back({scratch.data() + k * n, 1});
-  }
+  const Step step(mortar(), points(-2e-6, 60e-6), points(0.0, 200e-6));
   constexpr std::size_t kStored = 1, kDissipated = 4, kTangent = 9, kAll = kStored + kDissipated + kTangent;
   using Columns = std::array<std::vector<double>, kAll>;
   const auto ask = [&](std::size_t first, std::size_t count) {
     Columns columns;
-    quoin_batch batch{};
-    batch.struct_size = sizeof batch;
-    batch.count = n;
-    batch.normal_jump = {opening.data(), 1};
-    batch.slip_increment[0] = {sliding.data(), 1};
-    batch.slip_increment[1] = {zero.data(), 1};
-    batch.state_old = old.data();
-    batch.state_new = fresh.data();
-    for (std::size_t k = 0; k < 3; ++k) {
-      batch.traction_old[k] = {zero.data(), 1};
-      batch.traction_new[k] = {scratch.data() + (law.state_count + k) * n, 1};
-    }
+    quoin_batch batch = step.batch;
     for (std::size_t k = first; k < first + count; ++k) {
-      columns[k].assign(n, NAN);
-      quoin_out& view = k < kStored                 ? batch.energy_stored
-                        : k < kStored + kDissipated ? batch.dissipated[k - kStored]
-                                                    : batch.tangent[k - kStored - kDissipated];
-      view = {columns[k].data(), 1};
+      step.ask(k < kStored                 ? &batch.energy_stored
+               : k < kStored + kDissipated ? &batch.dissipated[k - kStored]
+                                           : &batch.tangent[k - kStored - kDissipated],
+               &columns[k]);
     }
-    EXPECT_EQ(law.evaluate(material->handle(), &batch), QUOIN_OK);
+    step.evaluate(&batch);
     return columns;
   };
   const Columns all = ask(0, kAll);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scene/read_scene.h"
+#include "scene/size.h"
 
 namespace quoin::blocks {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 constexpr double kLength = 0.3, kThickness = 0.2;
 constexpr int kCourses = 7, kUnits = 4;
 
-Assembly wall_with(const std::string& keys) {
+Scene scene_with(const std::string& keys) {
   const auto file = std::filesystem::temp_directory_path() / ("quoin_dry_wall_" + std::to_string(getpid()) + ".toml");
   std::ofstream(file) << R"([materials.stone]
 density = 2000
@@ -38,8 +39,10 @@ unit = [0.3, 0.1, 0.2]
 )" << keys << "[[stage]]\nduration = 0.1\n";
   const Scene scene = read_scene(file.string());
   std::filesystem::remove(file);
-  return assemble(scene);
+  return scene;
 }
+
+Assembly wall_with(const std::string& keys) { return assemble(scene_with(keys)); }
 
 std::vector<Vector> corners(const Assembly& wall, const Block& block) {
   std::vector<Vector> result;
@@ -98,6 +101,18 @@ TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
     }
     std::sort(expected.begin(), expected.end());
     EXPECT_THAT(ends(wall, c), testing::Pointwise(testing::DoubleNear(1e-12), expected)) << "course " << c;
+  }
+}
+
+// What is told before it is made: a course of n units has one more where its bond cuts them at both ends, 7 (4 + 1)
+// units, or 10 halves a course.
+TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
+  const std::string third = "rigid = true\nbond = \"third\"\n";
+  for (const auto& [keys, blocks] : {std::pair{third, 35.0}, {third + "mid_unit_joints = true\n", 70.0}}) {
+    const double told = size_of(scene_with(keys)).blocks, made = double(wall_with(keys).blocks.size());
+    EXPECT_EQ(told, blocks);
+    EXPECT_GE(told, made);
+    EXPECT_LT(told, 1.5 * made);
   }
 }
 

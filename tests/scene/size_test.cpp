@@ -2,12 +2,7 @@
 #include "scene/size.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-
-#include "scene/generate_blocks.h"
 #include "scene/read_scene.h"
 
 namespace quoin {
@@ -46,39 +41,6 @@ TEST(Size, OfBlocksFollowsTheirEdgesAndPoints) {
   EXPECT_EQ(dense.blocks, arch.blocks);
   const SceneSize zoned = size_with("arch", {"arch.arch.rigid=false", "arch.arch.zone_edge=0.01"});
   EXPECT_GT(zoned.zones, 1000);
-}
-
-// A course of n units has one more where its bond cuts them at both ends: 5 (2 + 1) units, or 10 halves a course.
-TEST(Size, OfADryWallCountsTheUnitsThatABondCuts) {
-  const auto file = std::filesystem::temp_directory_path() / ("quoin_size_" + std::to_string(getpid()) + ".toml");
-  std::ofstream(file) << R"([materials.stone]
-density = 2000
-young_modulus = 1e10
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e9
-shear_stiffness = 5e8
-[[dry_wall]]
-material = "stone"
-rigid = true
-bond = "third"
-courses = 5
-units_per_course = 2
-unit = [0.3, 0.1, 0.2]
-[[stage]]
-duration = 0.1
-)";
-  const Scene whole = read_scene(file.string());
-  const Scene halves = read_scene(file.string(), {"dry_wall.1.mid_unit_joints=true"});
-  std::filesystem::remove(file);
-  EXPECT_EQ(size_of(whole).blocks, 15);
-  EXPECT_EQ(size_of(halves).blocks, 30);
-  for (const Scene* scene : {&whole, &halves}) {
-    const auto made = static_cast<double>(blocks::assemble(*scene).blocks.size());
-    EXPECT_GE(size_of(*scene).blocks, made);
-    EXPECT_LT(size_of(*scene).blocks, 1.5 * made);
-  }
 }
 
 }  // namespace
