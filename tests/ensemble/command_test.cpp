@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <sstream>
 #include <thread>
 
@@ -86,6 +88,36 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   for (const auto& o : run["set"]) again.insert(again.end(), {"--set", o.get<std::string>()});
   ASSERT_EQ(finish(start(again)), 0) << error_;
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
+}
+
+// Displacement at which a fifth of the peak is lost, from the history of a sample that goes so far.
+TEST_F(Ensemble, LossOfAFifthIsThatOfTheHistory) {
+  ASSERT_EQ(ensemble("a", {"--samples", "1", "--set", "stage.shear.displacement=0.001"}), 0) << error_;
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> found;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) found.push_back(cell);
+    return found;
+  };
+  const auto column = [&](const std::string& head, const char* name) {
+    const auto names = cells(head);
+    return std::size_t(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  const auto rows = lines_of(read_all(folder_ / "a" / "samples" / "000001" / "history.csv"));
+  const auto samples = lines_of(table("a"));
+  const std::size_t of_force = column(rows[0], "horizontal_force_N"), of_way = column(rows[0], "displacement_m"),
+                    of_loss = column(samples[0], "displacement_at_20_percent_loss_m");
+  ASSERT_LT(of_loss, cells(samples[1]).size());
+  double peak = 0.0, loss = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const auto row = cells(rows[i]);
+    if (row[0] != "2") continue;
+    const double force = std::abs(std::stod(row[of_force]));
+    if (force > peak) peak = force, loss = 0.0;
+    if (loss == 0.0 && force <= 0.8 * peak) loss = std::abs(std::stod(row[of_way]));
+  }
+  EXPECT_GT(loss, 1e-4) << "nothing was lost";
+  EXPECT_DOUBLE_EQ(std::stod(cells(samples[1])[of_loss]), loss);
 }
 
 // Three inputs: rows of five runs, and the means. More rows go on from there.

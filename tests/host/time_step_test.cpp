@@ -103,6 +103,25 @@ TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
   }
 }
 
+// Viscous damping from the velocity of half a step ago: 2/omega (sqrt(1 + xi^2) - xi), xi = alpha/(2 omega) + beta
+// omega/2.
+TEST(TimeStep, ViscousDampingShortensItByItsRatio) {
+  const Assembly assembly = sandwich();
+  const Model model(assembly, make_materials(assembly));
+  Inertia plain;
+  const double omega = 2.0 / choose_time_step(model, {}, &plain).critical.value;
+  for (const auto& [alpha, beta] : {std::pair{0.6 * omega, 0.0}, {0.0, 0.5 / omega}, {0.2 * omega, 0.8 / omega}}) {
+    SolverSettings settings;
+    settings.damping = DampingKind::viscous;
+    settings.mass_damping = alpha, settings.stiffness_damping = beta;
+    Inertia inertia;
+    const double xi = alpha / (2 * omega) + beta * omega / 2;
+    EXPECT_NEAR(choose_time_step(model, settings, &inertia).time_step,
+                settings.time_step_fraction * 2 / omega * (std::sqrt(1 + xi * xi) - xi), 1e-12 / omega)
+        << alpha << " " << beta;
+  }
+}
+
 // Eq. 3 read literally, from the diagonal of K found column by column. Bodies do not set it: theirs is longer.
 TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
   const Assembly assembly = sandwich();

@@ -172,6 +172,11 @@ TEST_F(PathCommand, PathTestsPassAndFail) {
   const PathOutcome outcome = run_path(read_path_file(write("wrong.toml", wrong)));
   EXPECT_EQ(outcome.failures.size(), 4u);
   EXPECT_EQ(run({write("wrong.toml", wrong)}), 5);
+  const std::string good = write("good.toml", kElasticPath);
+  EXPECT_EQ(run({good, write("wrong.toml", wrong)}), 5) << "the first was right";
+  EXPECT_EQ(run({good, good, "--out", out()}), 2);
+  EXPECT_EQ(message_, "path: --out takes one path test");
+  EXPECT_EQ(run({good, "--out", out()}), 0) << message_;
 }
 
 // 2^53 + 1 rounds to 2^53.
