@@ -74,9 +74,9 @@ class Reader {
     }
     for (const toml::node& node : list(root, "plot")) {
       const std::string axes = string(node, "plot");
-      const auto space = axes.find(' ');
-      if (space == std::string::npos) fail(node, fmt::format("plot: '{}': write \"dn sigma\"", axes));
-      path.plots.emplace_back(axes.substr(0, space), axes.substr(axes.find_first_not_of(' ', space)));
+      const auto space = axes.find(' '), second = axes.find_first_not_of(' ', space);
+      if (space == 0 || second == std::string::npos) fail(node, fmt::format("plot: '{}': write \"dn sigma\"", axes));
+      path.plots.emplace_back(axes.substr(0, space), axes.substr(second));
     }
     if (const toml::node* node = root.get("properties")) {
       if (!node->is_table()) fail(*node, "properties is no table");
