@@ -370,6 +370,26 @@ void Model::zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, 
   sums.strain += zone_forces(zones_in_lanes(b), step, {u, v, force, viscous});
 }
 
+template <class Visit>
+void Model::each_load_on_gridpoints(int block, double since, const Visit& visit) const {
+  for (const Load& l : loads_) {
+    if (l.block != block) continue;
+    const Vector f = l.scale * l.factor.at(time_) * l.force;
+    for (const auto& [node, weight] : l.share) visit(node, weight * f);
+  }
+  for (const Pressure& p : pressures_) {
+    if (p.block != block) continue;
+    const double value = p.scale * p.value * p.factor.at(time_);
+    for (const auto& t : p.triangles) {
+      const auto edge = [&](size_t k) {
+        return node_x_[t[k]] - node_x_[t[0]] - since * (node_v_[t[k]] - node_v_[t[0]]);
+      };
+      const Vector m = cross(edge(1), edge(2));
+      for (int32_t node : t) visit(node, -value / 6 * m);
+    }
+  }
+}
+
 Vector Model::forces_on_gridpoints(int block, double* force) {
   const ModelBlock& b = blocks_[size_t(block)];
   const auto add = [&](int32_t node, const Vector& f) {
@@ -403,19 +423,7 @@ Vector Model::forces_on_gridpoints(int block, double* force) {
   }
   block_contact_force_[size_t(block)] = contacts;
   if (!loaded_[size_t(block)]) return acceleration;
-  for (const Load& l : loads_) {
-    if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(time_) * l.force;
-    for (const auto& [node, weight] : l.share) add(node, weight * f);
-  }
-  for (const Pressure& p : pressures_) {
-    if (p.block != block) continue;
-    const double value = p.scale * p.value * p.factor.at(time_);
-    for (const auto& t : p.triangles) {
-      const Vector m = cross(node_x_[t[1]] - node_x_[t[0]], node_x_[t[2]] - node_x_[t[0]]);
-      for (int32_t node : t) add(node, -value / 6 * m);
-    }
-  }
+  each_load_on_gridpoints(block, 0.0, add);
   return acceleration;
 }
 
@@ -467,22 +475,7 @@ Model::Wrench Model::loads_on_body(int block) const {
 
 double Model::power_on_gridpoints(int block, double since) const {
   double power = applied_.empty() ? 0.0 : dot(applied_[size_t(block)], velocity(block));
-  for (const Load& l : loads_) {
-    if (l.block != block) continue;
-    const Vector f = l.scale * l.factor.at(time_) * l.force;
-    for (const auto& [node, weight] : l.share) power += weight * dot(f, node_v_[node]);
-  }
-  for (const Pressure& p : pressures_) {
-    if (p.block != block) continue;
-    const double value = p.scale * p.value * p.factor.at(time_);
-    for (const auto& t : p.triangles) {
-      const auto edge = [&](int k) {
-        return node_x_[t[size_t(k)]] - node_x_[t[0]] - since * (node_v_[t[size_t(k)]] - node_v_[t[0]]);
-      };
-      const Vector m = cross(edge(1), edge(2));
-      for (int32_t node : t) power -= value / 6 * dot(m, node_v_[node]);
-    }
-  }
+  each_load_on_gridpoints(block, since, [&](int32_t node, const Vector& f) { power += dot(f, node_v_[node]); });
   return power;
 }
 

@@ -90,8 +90,11 @@ class Model : public World {
   void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
   // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
   void split(const Piece& piece, const LaneColumns& columns, RigidGains* gains);
-  // Of loads, with the velocities of now and where gridpoints were `since` seconds ago, W. The work of a step is that
-  // of its forces with the mean of the velocities before and after it, as of all other forces.
+  // visit(gridpoint, force of a load or pressure on it, N), where gridpoints were `since` seconds ago.
+  template <class Visit>
+  void each_load_on_gridpoints(int block, double since, const Visit& visit) const;
+  // Of these with the velocities of now, W. The work of a step is that of its forces with the mean of the velocities
+  // before and after it, as of all other forces.
   double power_on_gridpoints(int block, double since) const;
   void sum_up();
   void leave_frames();  // blocks that have deformed too much for theirs
