@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <set>
@@ -42,7 +44,16 @@ void Simulation::use(Ranks* ranks) {
                   "the ranks have different models: the same program, scene and laws must be found by all of them");
   }
   s.ranks = ranks;
+  if (const char* dear = std::getenv("QUOIN_DEAR_BLOCKS")) {
+    s.dear_blocks.emplace();
+    if (std::sscanf(dear, "%dx%lf", &s.dear_blocks->count, &s.dear_blocks->times) != 2)
+      throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
+  }
+  const auto before = Clock::now();
   s.partition_work();
+  double took[] = {seconds_since(before)};
+  ranks->largest(took);
+  if (!s.dear_blocks) s.balance.costs(took[0]);
 }
 
 bool Simulation::ranks_together() const { return impl_->together; }
@@ -99,12 +110,23 @@ long Simulation::Impl::points_between(const std::vector<int>& rank_of_item) cons
   return again;
 }
 
+std::vector<double> Simulation::Impl::estimated_costs() const {
+  std::vector<double> cost = item_cost;
+  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
+    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+  }
+  return cost;
+}
+
 RankShare Simulation::Impl::share_of_this_rank() const {
   const int chunks = static_cast<int>(chunk_cost.size()), items = static_cast<int>(item_cost.size());
   if (!ranks) return whole_share(chunks, items);
-  std::vector<double> cost = item_cost;
-  for (int c = 0; c < chunks; ++c) {
-    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+  std::vector<double> cost = estimated_costs();
+  for (int i = 0; i < items && !measured_over_estimated.empty(); ++i) {
+    const std::vector<int> blocks = blocks_of_item(i);
+    double sum = 0.0;
+    for (const int b : blocks) sum += measured_over_estimated[at(b)];
+    cost[at(i)] *= sum / static_cast<double>(blocks.size());
   }
   // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
   // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
@@ -134,6 +156,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
       of_rank.rank_of_item = std::move(ranks_so);
     }
   }
+  of_rank.cost_of_rank.assign(at(ranks->count()), 0.0);
   of_rank.rank_of_chunk.assign(at(chunks), -1);
   for (int c = 0; c < chunks; ++c) {
     bool own = false;
@@ -146,6 +169,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   }
   for (int i = 0; i < items; ++i) {
     if (of_rank.owns_item(i, ranks->rank())) of_rank.items.push_back(i);
+    of_rank.cost_of_rank[at(of_rank.rank_of_item[at(i)])] += cost[at(i)];
   }
   return of_rank;
 }
@@ -274,6 +298,8 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   traffic.steps += 1.0;
   traffic.halo_bytes += static_cast<double>(halo.bytes());
   traffic.halo_messages += static_cast<double>(halo.messages());
+  window.estimated.resize(share.cost_of_rank.size(), 0.0);
+  for (std::size_t r = 0; r < share.cost_of_rank.size(); ++r) window.estimated[r] += share.cost_of_rank[r];
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
@@ -303,6 +329,54 @@ bool Simulation::Impl::any_rank(bool here) {
   double wanted[] = {here ? 1.0 : 0.0};
   ranks->largest(wanted);
   return wanted[0] > 0.0;
+}
+
+// ---- Who does what, by what it has taken ---------------------------------------------------------------------------
+
+void Simulation::Impl::balance_ranks() {
+  if (!ranks || ++window.steps < RankBalance::kWindow) return;
+  const double own = dear_blocks ? pretended_seconds() : traffic.own_seconds - window.seconds_before;
+  std::vector<double> seconds(at(ranks->count()));
+  const std::vector<std::size_t> sizes(seconds.size(), sizeof own);
+  ranks->gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(seconds)));
+  const bool worth = balance.is_worth_dividing(seconds, window.estimated);
+  traffic.uneven = most_over_mean(seconds);
+  if (worth) divide_anew();
+  window = {0, traffic.own_seconds, {}};
+}
+
+// What blocks cost is what their rank has taken for them, whichever of them it was that took more than estimated.
+void Simulation::Impl::divide_anew() {
+  const auto before = Clock::now();
+  gather(Part::all);
+  const std::vector<double> of_rank = balance.measured_over_estimated();
+  measured_over_estimated.resize(riding ? at(riding->block_count()) : model.assembly.bricks.size(), 1.0);
+  for (int item = 0; item < static_cast<int>(share.rank_of_item.size()); ++item) {
+    for (const int b : blocks_of_item(item))
+      measured_over_estimated[at(b)] *= of_rank[at(share.rank_of_item[at(item)])];
+  }
+  const std::vector<int> before_it = share.rank_of_item;
+  partition_work();
+  rest_known = false;                     // of the bodies of others it was not
+  if (share.rank_of_item != before_it) {  // else items are too large for anything better
+    if (traffic.divided_anew == 0.0) traffic.uneven_before = traffic.uneven;
+    traffic.divided_anew += 1.0;
+  }
+  double took[] = {seconds_since(before)};
+  ranks->largest(took);
+  balance.divided(dear_blocks ? 0.0 : took[0]);
+}
+
+double Simulation::Impl::pretended_seconds() const {
+  const std::vector<double> cost = estimated_costs();
+  double sum = 0.0;
+  for (const int item : share.items) {
+    const std::vector<int> blocks = blocks_of_item(item);
+    const auto dear = std::count_if(blocks.begin(), blocks.end(), [&](int b) { return b < dear_blocks->count; });
+    const double part = static_cast<double>(dear) / static_cast<double>(blocks.size());
+    sum += cost[at(item)] * (1.0 + (dear_blocks->times - 1.0) * part);
+  }
+  return sum * static_cast<double>(window.steps);
 }
 
 // ---- All of it -----------------------------------------------------------------------------------------------------

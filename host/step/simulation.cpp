@@ -144,6 +144,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
     }
     if (!done && s.stage_step % kPauseInterval == 0) pause(false);
+    if (!done) s.balance_ranks();
     if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
       const double seconds = seconds_since(last_progress);
       Progress progress;

@@ -15,6 +15,7 @@
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
+#include "step/rank_balance.h"
 #include "step/rank_share.h"
 #include "step/simulation.h"
 
@@ -53,6 +54,20 @@ struct BodyRamp {
 struct LoadedBlock {
   int block = -1;
   double mass = 0.0;  // kg, without scaling
+};
+
+// Steps of this rank since the last look at how even the ranks are.
+struct RankWindow {
+  long steps = 0;
+  double seconds_before = 0.0;    // RankTraffic::own_seconds when it began
+  std::vector<double> estimated;  // by rank, the costs of its steps
+};
+
+// Tests cannot wait for costs that differ. QUOIN_DEAR_BLOCKS=20x4: clocks say that each of the first 20 blocks costs
+// four times as much as it is estimated to, and that dividing is free.
+struct DearBlocks {
+  int count = 0;
+  double times = 1.0;
 };
 
 // Force on it through a stage: from what was to what shall be, over the ramp.
@@ -219,9 +234,10 @@ struct Simulation::Impl {
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
   long points_between(const std::vector<int>& rank_of_item) const;
-  RankShare share_of_this_rank() const;  // once all has been gathered: others may have had other shares
-  void bind_halo();                      // what neighbours ask for in every step, and all ranks of what stages watch
-  void gather(Part part);                // afterwards all ranks have it as one process alone has it
+  std::vector<double> estimated_costs() const;  // by item, its contact points included; any unit
+  RankShare share_of_this_rank() const;         // once all has been gathered: others may have had other shares
+  void bind_halo();        // what neighbours ask for in every step, and all ranks of what stages watch
+  void gather(Part part);  // afterwards all ranks have it as one process alone has it
   void each_memory(Part part, int rank, const VisitMemory& visit);  // that this rank has to give
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
@@ -232,6 +248,9 @@ struct Simulation::Impl {
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
   void collect_traffic();
+  void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
+  void divide_anew();
+  double pretended_seconds() const;  // of dear_blocks, own work in the window, any unit
   // Sides of contact points: visit(item, key); numbers_of says where the motion that a key stands for lies.
   void each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const;
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);
@@ -354,6 +373,10 @@ struct Simulation::Impl {
   bool gathered = true;                           // all of it, since the last step
   bool stop_wanted = false, stop_agreed = false;  // here; by any rank
   RankTraffic traffic;                            // of this rank
+  RankBalance balance;
+  RankWindow window;
+  std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
+  std::optional<DearBlocks> dear_blocks;        // for tests
   std::vector<RankTraffic> traffic_of_all;
   bool together = true;  // all ranks end alike
 

@@ -42,7 +42,9 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     contact_forces(model, chunk, data);
     lap(clock, Phase::contact_forces);
   };
+  const auto evaluating = now_if(ranks != nullptr);
   pool.for_each(chunk_end, contacts);
+  if (ranks) traffic.own_seconds += seconds_since(evaluating);
   const bool failed = law_failed.load(std::memory_order_relaxed);
   if (ranks && !riding ? agree(failed) : failed) report_failed_points();
   if (timed) book_time(seconds_since(before), weight), before = Clock::now();
@@ -58,11 +60,15 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   auto inner = [&](int thread, int k) {
     advance(thread, share.items[share.border_items + static_cast<std::size_t>(k)]);
   };
+  const auto moving = now_if(ranks != nullptr);
   if (share.border_items > 0) pool.for_each(border_end, on_border);
   if (ranks) send_motion();
   pool.for_each(item_end, inner);
   if (timed) book_time(seconds_since(before), weight);
-  if (ranks) hear_of_motion(measure_step);
+  if (ranks) {
+    traffic.own_seconds += seconds_since(moving);
+    hear_of_motion(measure_step);
+  }
   if (riding) end_riding_step(timed ? weight : 0.0);
   if (measure_step) {
     before = now_if(true);
