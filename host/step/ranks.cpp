@@ -56,6 +56,11 @@ void Simulation::use(Ranks* ranks) {
   if (!s.dear_blocks) s.balance.costs(took[0]);
 }
 
+bool Simulation::owns_block(int block) const {
+  const Impl& s = *impl_;
+  if (!s.ranks) return true;
+  return s.share.owns_item(s.riding ? s.item_of_riding_block[at(block)] : s.item_of_block(block), s.ranks->rank());
+}
 bool Simulation::ranks_together() const { return impl_->together; }
 const std::vector<RankTraffic>& Simulation::rank_traffic() const { return impl_->traffic_of_all; }
 
@@ -176,10 +181,11 @@ RankShare Simulation::Impl::share_of_this_rank() const {
 
 // Every rank finds out for all others what they need, so that nobody has to ask.
 void Simulation::Impl::bind_halo() {
-  halo.clear();
+  halo.clear(), frame_halo.clear();
   if (!ranks) return;
   const int here = ranks->rank();
   std::map<int, std::set<std::int64_t>> to, from;
+  std::map<int, std::set<int>> items_to, items_from;
   std::set<int> on_border;
   traffic.points = traffic.shared_points = 0.0;
   for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
@@ -192,12 +198,12 @@ void Simulation::Impl::bind_halo() {
     each_side(c, [&](int item, std::int64_t key) {
       const int owner = share.rank_of_item[at(item)];
       if (owner != here) {
-        from[owner].insert(key);
+        from[owner].insert(key), items_from[owner].insert(item);
         return;
       }
       on_border.insert(item);
       for (const int r : evaluate) {
-        if (r != here) to[r].insert(key);
+        if (r != here) to[r].insert(key), items_to[r].insert(item);
       }
     });
   }
@@ -221,6 +227,12 @@ void Simulation::Impl::bind_halo() {
     }
   });
   for (auto& [rank, border] : borders) halo.add(std::move(border));
+  for (int r = 0; r < ranks->count() && scene.output.pieces && !riding; ++r) {
+    Border border{r, {}, {}, {}, {}};
+    for (const int item : items_to[r]) motion_of_item(item, border.send);
+    for (const int item : items_from[r]) motion_of_item(item, border.receive);
+    frame_halo.add(std::move(border));
+  }
   share.border_items = on_border.size();
   std::stable_partition(share.items.begin(), share.items.end(), [&](int item) { return on_border.contains(item); });
   traffic.blocks = 0.0;
@@ -414,6 +426,35 @@ void Simulation::Impl::gather(Part part) {
   const double seconds = seconds_since(before);
   traffic.gathering_seconds += seconds;
   times[Phase::ranks] += seconds;
+}
+
+void Simulation::Impl::fetch_for_frame() {
+  if (!ranks || !scene.output.pieces) return gather(Part::all);
+  const auto before = Clock::now();
+  frame_halo.send(*ranks);
+  frame_halo.receive(*ranks);
+  const double seconds = seconds_since(before);
+  traffic.waiting_seconds += seconds;
+  times[Phase::ranks] += seconds;
+}
+
+void Simulation::Impl::motion_of_item(int item, std::vector<double*>& numbers) {
+  const auto add = [&](double* first, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) numbers.push_back(first + k);
+  };
+  if (at(item) >= model.unit_groups.size()) {
+    BodyLanes& lanes = body_lanes[at(item) - model.unit_groups.size()];
+    for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+      add(&(*quantity)[0][0], 3 * kLanes);
+    return;
+  }
+  const UnitGroup& unit = model.unit_groups[at(item)];
+  for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+    const BlockGroup& group = model.groups[at(g)];
+    const std::size_t first = at(group.first_line) * kLine;
+    const std::size_t count = at(model.templates[at(group.brick_template)].node_count) * kLine;
+    add(displacement.data() + first, count), add(velocity.data() + first, count);
+  }
 }
 
 void Simulation::Impl::each_memory(Part part, int rank, const VisitMemory& visit) {

@@ -176,7 +176,10 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
 void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
   if (riding) return ask_riding_at_rest(capability, outputs);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
-  for (std::size_t c = 0; c < model.chunks.size(); ++c) {
+  // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
+  const int chunks = static_cast<int>(model.chunks.size());
+  for (const int index : gathered ? whole_share(chunks, 0).chunks : share.chunks) {
+    const std::size_t c = at(index);
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & capability)) continue;
@@ -259,6 +262,19 @@ std::vector<double> Simulation::state(const std::string& id) const {
       result[at(family.first_point + i)] = impl_->law_state[f][at(k * family.point_count + i)];
   }
   return result;
+}
+
+bool Simulation::keeps_state(const std::string& id) const {
+  const auto& families = impl_->model.families;
+  for (std::size_t f = 0; f < families.size(); ++f) {
+    const int k = families[f].material->law().state_index(id);
+    if (k < 0) continue;
+    const bool diagnostic = families[f].material->api().states[k]->role == QUOIN_ROLE_DIAGNOSTIC;
+    if (impl_->riding ? impl_->riding->families()[f].size() > 0
+                      : families[f].point_count > 0 && (!diagnostic || impl_->keep_diagnostics))
+      return true;
+  }
+  return false;
 }
 
 std::array<long, kConditionCount> Simulation::condition_counts() const {

@@ -140,8 +140,9 @@ struct Observer {
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {
-  }  // OutputSettings::frames over the last stage
+  // OutputSettings::frames over the last stage. With ranks and OutputSettings::pieces a rank then knows of its own
+  // blocks alone, and of the joints that touch them.
+  virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };
 
@@ -243,6 +244,7 @@ class Simulation {
   std::vector<ContactPoint> contact_points() const;
   // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id) const;
+  bool keeps_state(const std::string& id) const;  // the law of some point
   // Share of what tensile strength, cohesion and compressive strength can lose that is lost, over all points; NaN where
   // the law of a point does not tell. Cold, as contact_points.
   std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage() const;
@@ -278,6 +280,7 @@ class Simulation {
   // with the whole state at hand; what results are read from is whole on every rank after run() too. Only run() may be
   // used to step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation.
   void use(Ranks* ranks);
+  bool owns_block(int block) const;                      // advances it; true: one process
   const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
   bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
 

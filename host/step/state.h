@@ -241,7 +241,9 @@ struct Simulation::Impl {
   void each_memory(Part part, int rank, const VisitMemory& visit);  // that this rank has to give
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
-  void prepare_row();  // what a row has of the blocks of this rank
+  void fetch_for_frame();  // all of it, or with pieces what joints of this rank show of the blocks of others
+  void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
+  void prepare_row();                                            // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
   bool agree(bool trouble, bool* startled = nullptr);
   void send_motion();
@@ -366,6 +368,7 @@ struct Simulation::Impl {
 
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
+  Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
   std::vector<int> unit_of_group;         // by block group: its item
   std::vector<int> item_of_riding_block;  // with ranks
   Clock::time_point run_start = Clock::now();
