@@ -154,6 +154,7 @@ Json ranks_of(const std::vector<RankTraffic>& ranks) {
                     {"contact_points_on_borders", r.shared_points},
                     {"bytes_a_step", r.halo_bytes / steps},
                     {"messages_a_step", r.halo_messages / steps},
+                    {"peak_memory_bytes", r.peak_memory},
                     {"own_work_s", r.own_seconds},
                     {"waiting_s", r.waiting_seconds},
                     {"gathering_s", r.gathering_seconds},

@@ -3,6 +3,7 @@
 #include "base/ranks.h"
 
 #include <fmt/core.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -25,6 +26,36 @@ constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 // Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
+
+// Of all ranks together, that are on their way at a time: what is gathered may be most of the model.
+constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
+
+// Memories one after the other, gone through some bytes at a time.
+class MemoryRow {
+ public:
+  void add(void* first, std::size_t bytes) {
+    parts_.push_back({static_cast<std::byte*>(first), bytes});
+    rest_ += bytes;
+  }
+  std::size_t rest() const { return rest_; }
+  // The next bytes of the rest, part by part: visit(first, bytes).
+  template <class Visit>
+  void each(std::size_t bytes, Visit visit) {
+    rest_ -= bytes;
+    while (bytes > 0) {
+      std::span<std::byte>& part = parts_[next_];
+      const std::size_t count = std::min(bytes, part.size());
+      visit(part.data(), count);
+      part = part.subspan(count);
+      bytes -= count;
+      if (part.empty()) ++next_;
+    }
+  }
+
+ private:
+  std::vector<std::span<std::byte>> parts_;
+  std::size_t next_ = 0, rest_ = 0;
+};
 
 template <class T>
 void visit_value(T& value, const VisitMemory& visit) {
@@ -397,28 +428,34 @@ void Simulation::Impl::gather(Part part) {
   if (gathered) return;
   const auto before = Clock::now();
   if (part == Part::row || part == Part::all) prepare_row();
-  std::vector<std::size_t> sizes(at(ranks->count()), 0);
-  for (int r = 0; r < ranks->count(); ++r)
-    each_memory(part, r, [&](void*, std::size_t bytes) { sizes[at(r)] += bytes; });
-  std::size_t whole = 0;
-  for (const std::size_t size : sizes) whole += size;
-  std::vector<std::byte> own(sizes[at(ranks->rank())]), all(whole);
-  std::byte* to = own.data();
-  each_memory(part, ranks->rank(), [&](const void* from, std::size_t bytes) {
-    std::memcpy(to, from, bytes);
-    to += bytes;
-  });
-  ranks->gather(own, sizes, all);
-  const std::byte* from = all.data();
+  std::vector<MemoryRow> of_rank(at(ranks->count()));
+  std::size_t whole = 0, longest = 0;
   for (int r = 0; r < ranks->count(); ++r) {
-    if (r == ranks->rank()) {
-      from += sizes[at(r)];
-      continue;
-    }
-    each_memory(part, r, [&](void* place, std::size_t bytes) {
-      std::memcpy(place, from, bytes);
-      from += bytes;
+    MemoryRow& row = of_rank[at(r)];
+    each_memory(part, r, [&](void* first, std::size_t bytes) { row.add(first, bytes); });
+    whole += row.rest(), longest = std::max(longest, row.rest());
+  }
+  const std::size_t most = std::max(kGatherBuffer / of_rank.size(), std::size_t{1});
+  std::vector<std::size_t> sizes(of_rank.size());
+  std::vector<std::byte> own, all;
+  for (std::size_t done = 0; done < longest; done += most) {
+    std::size_t on_their_way = 0;
+    for (std::size_t r = 0; r < of_rank.size(); ++r) on_their_way += sizes[r] = std::min(most, of_rank[r].rest());
+    own.resize(sizes[at(ranks->rank())]), all.resize(on_their_way);
+    MemoryRow& row = of_rank[at(ranks->rank())];
+    row.each(own.size(), [to = own.data()](const std::byte* place, std::size_t bytes) mutable {
+      std::memcpy(to, place, bytes);
+      to += bytes;
     });
+    ranks->gather(own, sizes, all);
+    const std::byte* from = all.data();
+    for (std::size_t r = 0; r < of_rank.size(); from += sizes[r++]) {
+      if (r == at(ranks->rank())) continue;
+      of_rank[r].each(sizes[r], [next = from](std::byte* place, std::size_t bytes) mutable {
+        std::memcpy(place, next, bytes);
+        next += bytes;
+      });
+    }
   }
   gathered = part == Part::all;
   traffic.gathers += 1.0;
@@ -539,6 +576,9 @@ void Simulation::Impl::prepare_row() {
 void Simulation::Impl::collect_traffic() {
   if (!ranks) return;
   traffic.step_seconds = seconds_since(run_start);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  traffic.peak_memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
   traffic_of_all.resize(at(ranks->count()));
   const std::vector<std::size_t> sizes(at(ranks->count()), sizeof traffic);
   ranks->gather(std::as_bytes(std::span(&traffic, 1)), sizes, std::as_writable_bytes(std::span(traffic_of_all)));

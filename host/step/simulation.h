@@ -117,12 +117,13 @@ struct LawSwap {
 struct RankTraffic {
   double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
   double halo_bytes = 0.0, halo_messages = 0.0;
-  double own_seconds = 0.0;                    // of contacts and motion, without any waiting
+  double own_seconds = 0.0;                    // of contacts and motion, without any waiting: processor time
   double waiting_seconds = 0.0;                // for the halo of others, and to agree
   double gathers = 0.0, gathered_bytes = 0.0;  // of all ranks to all: rows, detection, checkpoints
   double gathering_seconds = 0.0;
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
+  double peak_memory = 0.0;                  // bytes of its process until the end of run(), set-up included
   double divided_anew = 0.0;                 // times, because the ranks' own work was uneven
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
