@@ -117,9 +117,7 @@ std::set<std::string> state_ids(const Simulation& simulation) {
 
 // A joint goes with the first of its blocks, whose rank evaluates all of its points.
 Filled fill_joints(const Simulation& simulation, const Surfaces& surfaces, bool compressed, bool own_alone) {
-  auto joint_points = surfaces.joint_points(simulation);
-  if (own_alone)
-    std::erase_if(joint_points, [&](const JointPoint& p) { return !simulation.owns_block(p.contact.block_a); });
+  const auto joint_points = surfaces.joint_points(simulation, own_alone);
   std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
   std::vector<std::int32_t> block_a, block_b, family, condition, crack;
   for (const JointPoint& p : joint_points) {

@@ -222,15 +222,19 @@ std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> Simulation::damage() const {
   return result;
 }
 
-std::vector<ContactPoint> Simulation::contact_points() const {
-  if (impl_->riding) return impl_->riding_points();
+std::vector<ContactPoint> Simulation::contact_points(bool own_alone) const {
+  const auto wanted = [&](int block_a) { return !own_alone || owns_block(block_a); };
+  if (impl_->riding) return impl_->riding_points(wanted);
   const Model& model = impl_->model;
   const std::vector<std::uint32_t> flags = impl_->current_flags();
   std::vector<ContactPoint> result;
-  result.reserve(at(model.point_count));
+  if (!own_alone) result.reserve(at(model.point_count));
   for (std::int32_t i = 0; i < model.point_count; ++i) {
     const std::size_t p = at(i), n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
     const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
+    // Normals point along +axis: joints given the other way round have changed sides.
+    const bool in_order = joint.face_a % 2 == 1;
+    if (!wanted(in_order ? joint.block_a : joint.block_b)) continue;
     ContactPoint point{};
     point.index = i;
     point.position = model.point_position[p];
@@ -238,9 +242,8 @@ std::vector<ContactPoint> Simulation::contact_points() const {
     point.area = model.area[p];
     point.joint = model.point_joint[p];
     point.family = joint.family;
-    // Normals point along +axis: joints given the other way round have changed sides.
-    point.block_a = joint.face_a % 2 == 1 ? joint.block_a : joint.block_b;
-    point.block_b = joint.face_a % 2 == 1 ? joint.block_b : joint.block_a;
+    point.block_a = in_order ? joint.block_a : joint.block_b;
+    point.block_b = in_order ? joint.block_b : joint.block_a;
     point.jump = impl_->jump_at_traction(i);
     point.traction = {impl_->traction[0][p], impl_->traction[1][p], impl_->traction[2][p]};
     point.flags = flags[p];

@@ -242,7 +242,8 @@ class Simulation {
   std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
 
   // Results by contact point. Cold: flags come from a batch with zero increments, into scratch.
-  std::vector<ContactPoint> contact_points() const;
+  // own_alone: of joints that begin at a block of this rank (owns_block).
+  std::vector<ContactPoint> contact_points(bool own_alone = false) const;
   // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id) const;
   bool keeps_state(const std::string& id) const;  // the law of some point

@@ -215,7 +215,7 @@ struct Simulation::Impl {
   std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
   std::vector<Vec3> riding_velocities(int block) const;
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
-  std::vector<ContactPoint> riding_points() const;
+  std::vector<ContactPoint> riding_points(const std::function<bool(int block)>& wanted) const;
   std::vector<double> riding_state(const std::string& id) const;
   void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
