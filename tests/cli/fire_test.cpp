@@ -49,7 +49,7 @@ class Fire : public Cli {
   // A run that would take minutes, at work in its last stage.
   pid_t start_long(const std::function<void()>& before = {}) {
     const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                               "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                               "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                               -1, [before] {
                                 in_time(120);
                                 if (before) before();
@@ -272,7 +272,7 @@ TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                             "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                             "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                             ends[1], [&] {
                               in_time(120);
                               close(ends[0]);
@@ -373,7 +373,7 @@ TEST_F(Fire, LawsMayBeOverwrittenWhileTheyRun) {
   ASSERT_EQ(quoin(short_run(small_, {"--law", law.string()})), 0) << error_;
   const std::string undisturbed = read_all(out() + "/history.csv");
   const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--law", law.string(),
-                             "--set", "stage.2.displacement=0.5", "--set", "output.plots=false"},
+                             "--set", "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                             -1, [] { in_time(120); });
   while (read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos && waitpid(child, nullptr, WNOHANG) == 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
