@@ -350,7 +350,7 @@ TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
                                     {"exit at load", "bad_law +cannot be used: it ends the program"},
                                     {"wait at load", "bad_law +cannot be used: it was not loaded within 10 s"}}) {
     EXPECT_EQ(quoin({"models"},
-                    [&] {
+                    [&, what = what] {  // clang 14 captures no structured binding by itself
                       in_time();
                       setenv("QUOIN_LAW_PATH", laws.c_str(), 1);
                       setenv("QUOIN_BAD_LAW", what, 1);
