@@ -103,7 +103,8 @@ class WholeOutput : public Cli {
     for (const char* key : {"wall_clock_s", "instruction_set", "version"}) json.erase(key);
     for (auto& law : json["laws"]) law.erase("version");
     auto& provenance = json["provenance"];
-    for (const char* key : {"program", "machine", "laws", "instruction_set"}) provenance.erase(key);
+    for (const char* key : {"program", "machine", "laws", "instruction_set", "working_directory"})
+      provenance.erase(key);
     for (const char* key : {"text", "sha256"}) provenance["scene"].erase(key);
     provenance.erase("results");
     return json.dump(1) + "\n";
