@@ -25,10 +25,13 @@ std::string inline_toml(const toml::node& node) {
     for (auto&& [key, value] : *table) add(line(key, value));
     return items.empty() ? "{}" : "{ " + items + " }";
   }
+  if (const auto* number = node.as_floating_point()) {
+    std::string text = fmt::format("{}", number->get());
+    if (text.find_first_not_of("-0123456789") == std::string::npos) text += ".0";  // not an integer
+    return text;
+  }
   std::ostringstream out;
-  node.visit([&out](const auto& value) {
-    if constexpr (toml::is_value<decltype(value)>) out << value;
-  });
+  out << toml::toml_formatter(node, toml::format_flags::allow_literal_strings);  // no text of several lines
   return out.str();
 }
 
