@@ -376,9 +376,9 @@ def pieces():
         assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
         print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
     # Frames gather nothing: the same run without pieces gathers more often.
-    run(2, [*scene_of("building"), "--out", folder / "whole"])
+    run(3, [*scene_of("wall"), "--out", folder / "whole"])
     gathers = [json.loads((folder / place / "summary.json").read_text())["ranks"]["gathers"]
-               for place in ("whole", "building_2")]
+               for place in ("whole", "wall_3")]
     assert gathers[0] > gathers[1], gathers
     # Fewer ranks in the same folder leave nothing of the pieces of more; what we did not write stays.
     (folder / "wall_3" / "notes.txt").write_text("mine")
