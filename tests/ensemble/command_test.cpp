@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
+#include <map>
 #include <sstream>
 #include <thread>
 
+#include "ensemble/sensitivity.h"
 #include "program.h"
 
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -135,6 +139,66 @@ TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
   ASSERT_EQ(sobol("9"), 0) << error_;
   EXPECT_EQ(finished("s"), 9 * 5 + 1);
   EXPECT_EQ(sobol("7"), 2);
+}
+
+// One input at a time: numbers of samples that are given here, not run. The pressure is uniform from 0.2 to 0.4 MPa,
+// the strength lognormal of mean 0.2 MPa and a coefficient of variation of 0.3.
+TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
+  quoin::ensemble::Study study = quoin::ensemble::read_study(study_);
+  study.trials = quoin::ensemble::Trials::one_at_a_time;
+  const quoin::ensemble::StudyFolder folder(folder_ / "s", study, {});
+  const auto give = [&](int number, const char* status, double peak) {
+    fs::create_directories(folder.sample(std::uint64_t(number)));
+    std::ofstream(folder.sample(std::uint64_t(number)) / "sample.json") << nlohmann::json{
+        {"status", status}, {"inputs", nlohmann::json::object()}, {"outputs", {{"peak_force_N", peak}}}};
+  };
+  ASSERT_EQ(study.inputs().size(), 3u);
+  give(0, "done", 50.0);
+  give(1, "done", 44.0), give(2, "done", 54.0);
+  for (int k = 1; k < 3; ++k) {
+    if (study.inputs()[std::size_t(k)].name == "joints.mortar.cohesion")
+      give(2 * k + 1, "failed", 1.0), give(2 * k + 2, "done", 99.0);
+    else
+      give(2 * k + 1, "done", 51.0), give(2 * k + 2, "done", 48.0);
+  }
+  const std::string words = quoin::ensemble::write_sensitivity(folder, study, false);
+
+  std::map<std::string, std::vector<std::string>> rows;
+  for (const std::string& line : lines_of(read_all(folder_ / "s" / "sensitivity.csv"))) {
+    std::vector<std::string> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    rows[cells.at(0)] = cells;
+  }
+  ASSERT_EQ(rows.size(), 4u) << "a head and three inputs of one output";
+  const auto expect = [&](const char* input, const std::vector<double>& values) {
+    const auto& cells = rows["\"" + std::string(input) + "\""];
+    ASSERT_EQ(cells.size(), 11u) << input;
+    EXPECT_EQ(cells[1], "peak_force_N");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_NEAR(std::stod(cells[2 + i]), values[i], 1e-9 * std::abs(values[i]) + 1e-12)
+          << input << ", " << rows["input"][2 + i];
+  };
+  const double quantile = 0.5 * std::erfc(-1.0 / std::sqrt(2.0)),
+               half = 0.2e6 * (quantile - 0.5);  // of a normal + 1 sd
+  const double all = 5.0 * 5.0 + 1.5 * 1.5;
+  expect("pressure",
+         {0.3e6 - half, 0.3e6, 0.3e6 + half, 44, 50, 54, 10.0 / 50.0 * 0.3e6 / (2 * half), 25.0 / all, 0.1});
+  const double sigma = std::sqrt(std::log(1.09)), median = 0.2e6 / std::sqrt(1.09);
+  const double low = median * std::exp(-sigma), high = median * std::exp(sigma);
+  const double straight = 51 - 3 * (0.2e6 - low) / (high - low);
+  expect("joints.mortar.tensile_strength",
+         {low, 0.2e6, high, 51, 50, 48, -3.0 / 50.0 * 0.2e6 / (high - low), 2.25 / all, std::abs(50 - straight) / 3});
+  EXPECT_EQ(rows["\"joints.mortar.cohesion\""][5], "") << "of a sample that failed";
+
+  // In words, what matters most first, and what is not known last.
+  const auto lines = lines_of(words);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[0], testing::StartsWith("peak_force_N"));
+  EXPECT_THAT(lines[1],
+              AllOf(testing::StartsWith("pressure "), HasSubstr(" 44 "), HasSubstr(" 54 "), HasSubstr("91.7 %")));
+  EXPECT_THAT(lines[2], AllOf(testing::StartsWith("joints.mortar.tensile_strength "), HasSubstr("8.3 %")));
+  EXPECT_THAT(lines[3], testing::StartsWith("joints.mortar.cohesion "));
 }
 
 TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {

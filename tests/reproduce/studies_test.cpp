@@ -167,6 +167,10 @@ TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
     EXPECT_THAT(v.text, HasSubstr(pressure != 1.21 ? "+10 %" : "+16 %"));
     EXPECT_THAT(row(name)[4], HasSubstr("1.00 MPa")) << "99 kN on 0.099 m2";
   }
+  // REFERENCE_DATA.md, mean vertical stress at the peak.
+  EXPECT_THAT(row("0.30 MPa")[4], HasSubstr("tests 0.76 [D]"));
+  EXPECT_THAT(row("1.21 MPa")[4], HasSubstr("tests 1.36 [D]"));
+  EXPECT_THAT(row("2.12 MPa")[4], HasSubstr("tests 1.97 [D]"));
   EXPECT_THAT(row("0.30 MPa")[7], "51 kN");  // raw tests: 50 to 52, about 72, about 97
   EXPECT_THAT(row("1.21 MPa")[7], "72 kN");
   EXPECT_THAT(row("2.12 MPa")[7], "97 kN");
@@ -214,6 +218,22 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   }
   EXPECT_TRUE(verdict("cohesion of the wall, initial").reproduced);   // 11 % off
   EXPECT_FALSE(verdict("friction of the wall, initial").reproduced);  // 25 % off
+
+  // Off the line: R2 is 1 - (squares that are left)/(squares about the mean), which least squares makes the square of
+  // the correlation.
+  run("1.21 MPa").curve.force.assign(run("1.21 MPa").curve.size(), 99.0 * 1.0);
+  read();
+  const double x[] = {1.5 * 0.30, 1.5 * 1.21, 1.5 * 2.12}, y[] = {0.40 + 0.30 * 0.30, 1.0, 0.40 + 0.30 * 2.12};
+  const double xm = (x[0] + x[1] + x[2]) / 3, ym = (y[0] + y[1] + y[2]) / 3;
+  double xx = 0.0, xy = 0.0, yy = 0.0, left = 0.0;
+  for (int i = 0; i < 3; ++i) xx += (x[i] - xm) * (x[i] - xm), xy += (x[i] - xm) * (y[i] - ym);
+  for (int i = 0; i < 3; ++i) {
+    const double off = y[i] - ym - xy / xx * (x[i] - xm);
+    yy += (y[i] - ym) * (y[i] - ym), left += off * off;
+  }
+  EXPECT_NEAR(verdict("linear regressions").number, 1 - left / yy, 1e-9);
+  EXPECT_LT(verdict("linear regressions").number, 0.8);
+  EXPECT_FALSE(verdict("linear regressions").reproduced);
 }
 
 // Falls of the force of 5 % of the peak before 1.2 mm are an oscillation; 1 % is none.
@@ -345,6 +365,9 @@ TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
         << name;
   }
   EXPECT_EQ(openings, 8);
+  // An even one stands half a half brick beside the middle, and its neighbour on the other side of it.
+  EXPECT_EQ(set("2 half bricks", "wall.opening.1.first_half_unit"), "4");
+  EXPECT_EQ(set("2 half bricks, the other way", "wall.opening.1.first_half_unit"), "3");
 
   run("2 half bricks").curve = curve_of({45.0, 3.0, 30.0, 20.0});
   run("1 half brick").curve = curve_of({60.0, 3.0, 30.0, 6.0});
