@@ -12,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/duration_text.h"
 #include "cli/progress.h"
 #include "program.h"
 
@@ -251,6 +252,22 @@ TEST(ProgressLine, TellsWhatRanksSend) {
   EXPECT_EQ(quoin::ranks_text({one, other}),
             "ranks: 2; at most 5.00 kB in 4 messages a rank and step; waiting 20.0 %, gathering 5.0 % (10 times 3 MB); "
             "at most 1.5 times the mean of blocks, 25 % of contact points on borders");
+}
+
+TEST(DurationText, HasAUnitOfItsSize) {
+  for (const auto& [seconds, text] : std::vector<std::pair<double, const char*>>{{0.0, "0.00 s"},
+                                                                                 {0.994, "0.99 s"},
+                                                                                 {1.0, "1.0 s"},
+                                                                                 {9.94, "9.9 s"},
+                                                                                 {10.0, "10 s"},
+                                                                                 {119.4, "119 s"},
+                                                                                 {120.0, "2 min"},
+                                                                                 {7169.0, "119 min"},
+                                                                                 {7200.0, "2.0 h"},
+                                                                                 {172799.0, "48.0 h"},
+                                                                                 {172800.0, "2.0 days"},
+                                                                                 {30 * 86400.0, "30.0 days"}})
+    EXPECT_EQ(quoin::duration_text(seconds), text);
 }
 
 TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
