@@ -225,16 +225,17 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
 TEST(ProgressLine, TellsATimeThatIsKnown) {
   quoin::ProgressLine line;
   quoin::Progress progress;
-  progress.stage_count = 5;
+  progress.stage_count = 8;
   testing::internal::CaptureStderr();
-  for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan("")}) {
+  for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan(""), 60.0, 3599.0, 3661.0}) {
     progress.seconds_left = left;
     line.show(progress, 0.0, 0.0);
     ++progress.stage;  // a new stage is told at once
   }
   const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(told, ContainsRegex("1/5.* left 0:59 .*\n.*2/5.* left 1:40:01 .*\n.*3/5.* left --:-- .*\n"
-                                  ".*4/5.* left --:-- .*\n.*5/5.* left --:-- "));
+  EXPECT_THAT(told, ContainsRegex("1/8.* left 0:59 .*\n.*2/8.* left 1:40:01 .*\n.*3/8.* left --:-- .*\n"
+                                  ".*4/8.* left --:-- .*\n.*5/8.* left --:-- .*\n.*6/8.* left 1:00 .*\n"
+                                  ".*7/8.* left 59:59 .*\n.*8/8.* left 1:01:01 "));
 }
 
 // Of two ranks in 1000 steps: the most that one sent a step, shares of the time of both, and of all blocks and points.
