@@ -253,6 +253,8 @@ TEST(ProgressLine, TellsWhatRanksSend) {
   EXPECT_EQ(quoin::ranks_text({one, other}),
             "ranks: 2; at most 5.00 kB in 4 messages a rank and step; waiting 20.0 %, gathering 5.0 % (10 times 3 MB); "
             "at most 1.5 times the mean of blocks, 25 % of contact points on borders");
+  one.gathers = other.gathers = one.gathered_bytes = other.gathered_bytes = 0;
+  EXPECT_THAT(quoin::ranks_text({one, other}), HasSubstr("(0 times 0 MB)"));
 }
 
 TEST(DurationText, HasAUnitOfItsSize) {

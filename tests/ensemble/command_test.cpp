@@ -11,6 +11,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/error.h"
 #include "ensemble/sensitivity.h"
 #include "program.h"
 
@@ -92,6 +93,111 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   for (const auto& o : run["set"]) again.insert(again.end(), {"--set", o.get<std::string>()});
   ASSERT_EQ(finish(start(again)), 0) << error_;
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
+}
+
+// Numbers behind the pictures of a study: kN and mm, from the rows of its samples.
+TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", study_, "--out", (folder_ / "p").string()})), 0) << error_;
+  const auto cells = [](const std::string& line, char by) {
+    std::vector<std::string> found;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, by);) found.push_back(cell);
+    return found;
+  };
+  const auto samples = lines_of(table("p"));
+  const auto names = cells(samples[0], ',');
+  const auto column = [&](const std::string& name) {
+    const auto at = std::size_t(std::find(names.begin(), names.end(), name) - names.begin());
+    std::vector<double> values;
+    for (std::size_t i = 1; i < samples.size(); ++i) values.push_back(std::stod(cells(samples[i], ',').at(at)));
+    return values;
+  };
+  const auto rows_of = [&](const char* file) {
+    std::vector<std::vector<double>> rows;
+    for (const std::string& line : lines_of(read_all(folder_ / "p" / "plots" / file))) {
+      if (line.empty()) continue;
+      rows.emplace_back();
+      for (const std::string& cell : cells(line.substr(0, line.find(" \"")), ' '))
+        rows.back().push_back(std::stod(cell));
+    }
+    return rows;
+  };
+  const std::vector<double> peaks = column("peak_force_N");
+  ASSERT_EQ(peaks.size(), 6u);
+  const auto convergence = rows_of("convergence.dat");
+  ASSERT_EQ(convergence.size(), 4u);
+  const double student[] = {4.302653, 3.182446, 2.776445, 2.570582};  // 97.5 %, of 2 to 5 degrees of freedom
+  for (std::size_t n = 3; n <= 6; ++n) {
+    double mean = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < n; ++i) mean += peaks[i] / 1e3 / double(n);
+    for (std::size_t i = 0; i < n; ++i) squares += (peaks[i] / 1e3 - mean) * (peaks[i] / 1e3 - mean);
+    const double half = student[n - 3] * std::sqrt(squares / double(n - 1) / double(n));
+    const auto& row = convergence[n - 3];
+    EXPECT_EQ(row[0], double(n));
+    EXPECT_NEAR(row[1], mean, 1e-6 * mean);
+    EXPECT_NEAR(row[2], mean - half, 1e-5 * mean);
+    EXPECT_NEAR(row[3], mean + half, 1e-5 * mean);
+  }
+  // Force at each displacement, up to the 0.2 mm of the stage; of all means; at 5, 16, 50, 84, 95 %.
+  const auto bands = rows_of("bands.dat");
+  ASSERT_GT(bands.size(), 50u);
+  EXPECT_EQ(bands.front()[0], 0.0);
+  EXPECT_NEAR(bands.back()[0], 0.2, 2e-3);
+  const double least = *std::min_element(peaks.begin(), peaks.end()) / 1e3,
+               most = *std::max_element(peaks.begin(), peaks.end()) / 1e3;
+  double highest = 0.0, of_means = 0.0;
+  for (const auto& row : bands) {
+    ASSERT_EQ(row.size(), 8u);
+    EXPECT_TRUE(std::is_sorted(row.begin() + 3, row.end()));
+    EXPECT_TRUE(row[1] >= row[3] - 1e-9 && row[1] <= row[7] + 1e-9);
+    highest = std::max(highest, row[7]), of_means = std::max(of_means, row[2]);
+  }
+  EXPECT_LE(highest, most * (1 + 1e-6));
+  EXPECT_GE(highest, least);
+  const auto results = nlohmann::json::parse(read_all(folder_ / "p" / "summary.json"));
+  EXPECT_NEAR(of_means, results["outputs"]["peak_force_N"]["of_means"].get<double>() / 1e3, 0.02 * most);
+  // Displacements at the peak in order, each at the middle of its step of probability, beside a distribution.
+  std::vector<double> at_peak = column("displacement_at_peak_m");
+  std::sort(at_peak.begin(), at_peak.end());
+  const auto fragility = rows_of("fragility.dat");
+  ASSERT_GE(fragility.size(), at_peak.size());
+  for (std::size_t i = 0; i < at_peak.size(); ++i) {
+    EXPECT_NEAR(fragility[i][0], at_peak[i], 1e-7 * at_peak[i]);
+    EXPECT_NEAR(fragility[i][1], (double(i) + 0.5) / 6, 1e-7);
+    EXPECT_TRUE(fragility[i][2] >= 0.0 && fragility[i][2] <= 1.0);
+  }
+  for (const char* picture : {"bands", "convergence", "fragility"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "p" / (std::string(picture) + ".png"))) << picture;
+    EXPECT_THAT(read_all(folder_ / "p" / "index.html"), HasSubstr(std::string("src=\"") + picture + ".png\""));
+  }
+  const std::string script = read_all(folder_ / "p" / "plots" / "bands.gp");
+  EXPECT_THAT(script, AllOf(HasSubstr("\"displacement, mm\""), HasSubstr("\"horizontal force, kN\"")));
+}
+
+// Quantities of a study that go together: the second has 0.6 of the first's normal variable, and 0.8 of its own.
+TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
+  const fs::path file = folder_ / "together.toml";
+  const auto write = [&](const std::string& correlation) {
+    std::ofstream(file) << "scene = \"" << small_ << "\"\nsamples = 400\ncorrelation = " << correlation << '\n'
+                        << "[[quantity]]\nname = \"E\"\nkey = \"materials.brick.young_modulus\"\ndistribution = "
+                           "\"normal\"\nmean = 10e9\nsd = 1e9\n"
+                        << "[[quantity]]\nname = \"p\"\nkey = \"stage.precompression.pressure\"\ndistribution = "
+                           "\"normal\"\nmean = 1e6\nsd = 1e4\n";
+  };
+  write("[[\"E\", \"p\", 0.6]]");
+  const auto study = quoin::ensemble::read_study(file.string());
+  EXPECT_THAT(study.mix, testing::Pointwise(testing::DoubleNear(1e-12), {1.0, 0.0, 0.6, 0.8}));
+  double products = 0.0;
+  for (std::uint64_t i = 1; i <= 400; ++i) {
+    const auto values = study.values(i);
+    products += (values[0] / 1e9 - 10.0) * (values[1] / 1e4 - 100.0) / 400;
+  }
+  EXPECT_NEAR(products, 0.6, 5 * std::sqrt(1.36 / 400)) << "variance of a product: 1 + 0.6^2";
+  for (const char* wrong :
+       {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]", "[[\"E\", \"p\", 1.0]]"}) {
+    write(wrong);
+    EXPECT_THROW(quoin::ensemble::read_study(file.string()), quoin::Error) << wrong;
+  }
 }
 
 // Displacement at which a fifth of the peak is lost, from the history of a sample that goes so far.

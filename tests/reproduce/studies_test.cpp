@@ -591,6 +591,27 @@ TEST(LayoutRules, AreGeometry) {
   EXPECT_NEAR((WindowLayout{28, 19, 6, false}.depth()), 4.0, 1e-12);
 }
 
+// Windows of 5 half units on two floors: outer piers equal, the others within one column of them and of each other.
+TEST(LayoutRules, PiersBetweenWindowsAreAlike) {
+  for (int columns = 24; columns <= 32; ++columns) {
+    const auto settings = WindowLayout{columns, 19, 6, false}.overrides();
+    const auto first = [&](int opening) {
+      const std::string key = fmt::format("building.wall.1.opening.{}.first_half_unit=", opening);
+      for (const std::string& s : settings)
+        if (s.starts_with(key)) return std::stoi(s.substr(key.size()));
+      return -1;
+    };
+    const int pier[4] = {first(1), first(2) - first(1) - 5, first(3) - first(2) - 5, columns - first(3) - 5};
+    EXPECT_EQ(pier[0], pier[3]) << columns;
+    for (const int p : pier) {
+      EXPECT_GE(p, pier[0]) << columns;
+      EXPECT_LE(p, pier[0] + 2) << columns;
+    }
+    EXPECT_LE(std::abs(pier[1] - pier[2]), 1) << columns;
+    for (const int i : {1, 2, 3}) EXPECT_EQ(first(i + 3), first(i)) << "above each other";
+  }
+}
+
 TEST_F(Verdicts, PiersAreBetweenTheirTwoDirections) {
   start("blind");
   run("ISP1").curve = curve_of({1.14 * 82.8, 3.0, 40.0, 5.0});

@@ -269,6 +269,9 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
   EXPECT_THAT(fault("building.wall.2.name=B"), HasSubstr("building.wall.2: a second wall 'B'"));
   EXPECT_THAT(fault("building.floor.1.course=-1"),
               HasSubstr("building.floor.1.course = -1: allowed: an integer, 0 to 39"));
+  // Wall B has 28 half units.
+  for (const char* list : {"[28]", "[-1]"})
+    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list), HasSubstr("a list of integers, 0 to 27"));
   EXPECT_THAT(fault("building.floor.2.name=floor_1"),
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
@@ -364,6 +367,18 @@ TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
   EXPECT_EQ(s.building->beam_density, 7850.0);
   for (const BuildingSpec::Floor& floor : s.building->floors) EXPECT_TRUE(floor.rigid);
   for (const Stage& stage : s.stages) EXPECT_EQ(stage.gravity, (Vec3{0, -9.81, 0})) << stage.name;
+}
+
+// Of 2 courses of 1.5 units: 3 half units.
+TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
+  const auto changed = [](int course, int half_unit) {
+    return std::string(kScene) +
+           fmt::format("[[wall.changed]]\ncourse = {}\nhalf_unit = {}\nmissing = true\n", course, half_unit);
+  };
+  EXPECT_EQ(read(changed(1, 2)).wall->changed.at(0).half_unit, 2);
+  EXPECT_THAT(message(changed(0, 3)),
+              AllOf(HasSubstr("wall.changed.1.half_unit = 3"), HasSubstr("an integer, 0 to 2")));
+  EXPECT_THAT(message(changed(2, 0)), AllOf(HasSubstr("wall.changed.1.course = 2"), HasSubstr("an integer, 0 to 1")));
 }
 
 TEST_F(ReadScene, CracksRunAlongXOrZ) {
