@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/duration_text.h"
 #include "cli/prepare.h"
 #include "files/memory.h"
 #include "model/motion.h"
@@ -69,12 +70,6 @@ double print_stages(const Scene& scene, double time_step) {
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
   }
   return steps;
-}
-
-std::string duration_text(double seconds) {
-  if (seconds < 120.0) return fmt::format("{:.{}f} s", seconds, seconds < 1.0 ? 2 : seconds < 10.0 ? 1 : 0);
-  if (seconds < 7200.0) return fmt::format("{:.0f} min", seconds / 60.0);
-  return seconds < 172800.0 ? fmt::format("{:.1f} h", seconds / 3600.0) : fmt::format("{:.1f} days", seconds / 86400.0);
 }
 
 // What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where nobody would wait.

@@ -20,6 +20,7 @@
 #include <map>
 #include <vector>
 
+#include "base/duration_text.h"
 #include "base/error.h"
 #include "files/file.h"
 #include "files/notice.h"
@@ -72,12 +73,6 @@ bool is_crash(int signal) {
     if (signal == of_crash) return true;
   }
   return false;
-}
-
-std::string duration_text(double seconds) {
-  const long s = std::lround(seconds);
-  if (s < 120) return fmt::format("{} s", s);
-  return s < 7200 ? fmt::format("{} min", (s + 30) / 60) : fmt::format("{:.1f} h", static_cast<double>(s) / 3600);
 }
 
 class Pool {

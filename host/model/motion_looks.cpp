@@ -89,8 +89,9 @@ void World::see(int i) {
 
 // A step before which nothing this fast can have gone all of the way. Distant ones are rounded down, so that many looks
 // fall into one step.
-long World::step_after(double way, double speed) const {
-  const double steps = way / (speed * dt_);
+long World::step_after(double way, double speed, double acceleration) const {
+  // speed t + acceleration t^2/2 = way
+  const double steps = 2 * way / ((speed + std::sqrt(speed * speed + 2 * acceleration * way)) * dt_);
   if (!(steps >= 2.0)) return step_count_ + 1;
   const long last = step_count_ + long(std::min(steps, double(kMostSteps)));
   const long round = long(std::bit_floor(std::uint64_t(last - step_count_) / 4 + 1));
@@ -147,7 +148,9 @@ bool World::look_at_pair(const Contact& c, PairLook& look) const {
     const double seen = norm(of_b.v - of_a.v - cross(of_a.omega, apart)) + lever * norm(of_b.omega - of_a.omega);
     const double unnoticed = of_a.unnoticed * std::max(1.0, (distance + lever) / a.radius) +
                              of_b.unnoticed * std::max(1.0, lever / b.radius);
-    look.step = step_after((look.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed);
+    // a turns away below b, which flies straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
+    const double spin = norm(of_a.omega) + of_a.unnoticed / a.radius;
+    look.step = step_after((look.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
   }
   return moved > way;
 }

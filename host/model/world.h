@@ -490,7 +490,7 @@ class World {
   bool look_at_block(int block, long& step) const;
   bool look_at_pair(const Contact& c, PairLook& look) const;
   bool is_ripe(const Contact& c, const PairLook& look) const;  // to be looked at closely when others are
-  long step_after(double way, double speed) const;
+  long step_after(double way, double speed, double acceleration = 0.0) const;
   long steps_of_gridpoints() const;
   void detect_contacts(bool everything = false);
   void draw_columns();  // of properties that scatter, for the points of the start

@@ -1,4 +1,5 @@
 // The program as a process: exit codes, messages, files, interruption.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <pty.h>
 
@@ -11,6 +12,7 @@
 #include <sstream>
 #include <thread>
 
+#include "base/duration_text.h"
 #include "cli/progress.h"
 #include "program.h"
 
@@ -130,6 +132,26 @@ TEST_F(Cli, Models) {
   EXPECT_EQ(row("friction_angle_residual")[3] + row("friction_angle_residual")[4], "=friction_angle");
   EXPECT_THAT(out_, ::testing::ContainsRegex("linear +linear \\| exponential \\| table +shape"));
   EXPECT_THAT(out_, ::testing::ContainsRegex("softening_table .* pairs x, y"));
+
+  // Columns stand under their names, two blanks or more apart.
+  for (const char* law : {"fracture_energy", "coulomb_slip", "elastic", "cyclic_joint"}) {
+    ASSERT_EQ(quoin({"models", law}), 0) << error_;
+    std::istringstream text(out_.substr(out_.find("properties\n") + 11));
+    std::string head;
+    std::getline(text, head);
+    for (std::string line; std::getline(text, line) && !line.empty();) {
+      for (const char* name : {"symbol", "unit", "default", "allowed"}) {
+        const size_t at = head.find(name);
+        EXPECT_EQ(line.substr(at - 2, 2), "  ") << law << ", " << name << ": " << line;
+      }
+      // Every property has a symbol and a unit, and says what it is.
+      EXPECT_NE(line[head.find("symbol")], ' ') << line;
+      EXPECT_NE(line[head.find("unit")], ' ') << line;
+      EXPECT_GT(line.size(), head.find("allowed")) << line;
+    }
+    EXPECT_EQ(head.find("id"), 2u);
+    EXPECT_EQ(head.substr(head.find("allowed") - 2, 2), "  ");
+  }
 }
 
 // On a terminal a bar of 40 cells, as full as the percentage says; elsewhere a line when a stage begins, and then one
@@ -203,16 +225,17 @@ TEST_F(Cli, ProgressIsABarOnATerminalAndLinesElsewhere) {
 TEST(ProgressLine, TellsATimeThatIsKnown) {
   quoin::ProgressLine line;
   quoin::Progress progress;
-  progress.stage_count = 5;
+  progress.stage_count = 8;
   testing::internal::CaptureStderr();
-  for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan("")}) {
+  for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan(""), 60.0, 3599.0, 3661.0}) {
     progress.seconds_left = left;
     line.show(progress, 0.0, 0.0);
     ++progress.stage;  // a new stage is told at once
   }
   const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(told, ContainsRegex("1/5.* left 0:59 .*\n.*2/5.* left 1:40:01 .*\n.*3/5.* left --:-- .*\n"
-                                  ".*4/5.* left --:-- .*\n.*5/5.* left --:-- "));
+  EXPECT_THAT(told, ContainsRegex("1/8.* left 0:59 .*\n.*2/8.* left 1:40:01 .*\n.*3/8.* left --:-- .*\n"
+                                  ".*4/8.* left --:-- .*\n.*5/8.* left --:-- .*\n.*6/8.* left 1:00 .*\n"
+                                  ".*7/8.* left 59:59 .*\n.*8/8.* left 1:01:01 "));
 }
 
 // Of two ranks in 1000 steps: the most that one sent a step, shares of the time of both, and of all blocks and points.
@@ -230,6 +253,24 @@ TEST(ProgressLine, TellsWhatRanksSend) {
   EXPECT_EQ(quoin::ranks_text({one, other}),
             "ranks: 2; at most 5.00 kB in 4 messages a rank and step; waiting 20.0 %, gathering 5.0 % (10 times 3 MB); "
             "at most 1.5 times the mean of blocks, 25 % of contact points on borders");
+  one.gathers = other.gathers = one.gathered_bytes = other.gathered_bytes = 0;
+  EXPECT_THAT(quoin::ranks_text({one, other}), HasSubstr("(0 times 0 MB)"));
+}
+
+TEST(DurationText, HasAUnitOfItsSize) {
+  for (const auto& [seconds, text] : std::vector<std::pair<double, const char*>>{{0.0, "0.00 s"},
+                                                                                 {0.994, "0.99 s"},
+                                                                                 {1.0, "1.0 s"},
+                                                                                 {9.94, "9.9 s"},
+                                                                                 {10.0, "10 s"},
+                                                                                 {119.4, "119 s"},
+                                                                                 {120.0, "2 min"},
+                                                                                 {7169.0, "119 min"},
+                                                                                 {7200.0, "2.0 h"},
+                                                                                 {172799.0, "48.0 h"},
+                                                                                 {172800.0, "2.0 days"},
+                                                                                 {30 * 86400.0, "30.0 days"}})
+    EXPECT_EQ(quoin::duration_text(seconds), text);
 }
 
 TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
@@ -240,6 +281,47 @@ TEST_F(Cli, CheckPrintsSizesAndTimeSteps) {
   EXPECT_THAT(out_, AllOf(HasSubstr("blocks"), HasSubstr("contact points"), HasSubstr("2/omega_max")));
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0);  // and one that is no bricks
   EXPECT_THAT(out_, AllOf(HasSubstr("memory of the model about 1 MB"), ContainsRegex("[0-9.]+ s, about [0-9]+ steps")));
+}
+
+// Numbers of the screen for scenes that a hand can count.
+TEST_F(Cli, CheckCountsAWallAndAnArch) {
+  const auto number = [&](const std::string& before) {
+    const size_t at = out_.find(before);
+    EXPECT_NE(at, std::string::npos) << before << "\n" << out_;
+    return at == std::string::npos ? 0.0 : std::strtod(out_.c_str() + at + before.size(), nullptr);
+  };
+  ASSERT_EQ(quoin({"check", small_}), 0) << error_;
+  // 2 units, and half, whole, half; 2 x 1 x 1 hexahedra of 5 zones a half. Gridpoints of faces that meet: below 10 +
+  // 10, above 6 + 10 + 6, between 4 times 6, at 3 head joints 4. Bricks of 1900 and two beams of 7850 kg/m3.
+  EXPECT_THAT(out_, HasSubstr("blocks 5  beams 2  zones 80  contact points 78  joints 12  mass 79.53 kg\n"));
+  EXPECT_THAT(out_, HasSubstr(" 78 contact points, stiffness at most 8.2e+10 and 3.6e+10 Pa/m\n"));
+  EXPECT_THAT(out_, AllOf(HasSubstr("5 deformable on the lattice ("), HasSubstr(", 2 rigid one by one\n")));
+  const double critical = number("2/omega_max of the assembled system"), in_use = number("  in use ");
+  EXPECT_THAT(out_, ContainsRegex("assembled system +[0-9.e-]+ s  \\(1.00 of 2/omega_max\\)"));
+  EXPECT_THAT(out_, ContainsRegex("in use +[0-9.e-]+ s  \\(0.71 of 2/omega_max\\)"));
+  // 0.86 of what damping of 0.2 at omega_max leaves; printed to 4 digits.
+  EXPECT_NEAR(in_use / critical, 0.86 * (std::sqrt(1.04) - 0.2), 2e-4);
+  for (const char* other : {"Gershgorin row sums (guaranteed)", "eq. 3 (not safe)"}) {
+    const double limit = number(other);
+    EXPECT_LT(limit, critical) << other;
+    EXPECT_THAT(out_.substr(out_.find(other)), HasSubstr(fmt::format("({:.2f} of 2/omega_max)", limit / critical)));
+  }
+  EXPECT_THAT(out_, HasSubstr("until largest unbalanced force <= 0.001 of the mean contact force\n"));
+  const double steps = (0.0005 / 0.05 + 0.05 / 2) / in_use;  // half of the ramp is lost
+  EXPECT_NEAR(number("until displacement 0.5 mm, about "), steps, 2e-4 * steps);
+  EXPECT_THAT(out_, HasSubstr(", and what stages take to come to rest ("));
+
+  ASSERT_EQ(quoin({"check", QUOIN_SCENES "/arch.toml"}), 0) << error_;
+  // 9 voussoirs of 22.5 degrees between radii of 9.25 and 10.75 m, their ends and 4 corners of 8 joints.
+  EXPECT_THAT(out_, HasSubstr("blocks 9  zones 0  contact points 32  mass "));
+  EXPECT_NEAR(number("contact points 32  mass "), 9 * 2000 * 15 * std::sin(M_PI / 8), 50);
+  EXPECT_THAT(out_,
+              HasSubstr("9 rigid, 0 alike by one stiffness a shape, 0 in a frame of their own, 0 zone by zone\n"));
+  const double step = number("\ntime step ");
+  EXPECT_NEAR(number("of 2/omega_max ("), step / number(fmt::format("time step {:.4g} s, ", step)), 0.02 * step);
+  EXPECT_NEAR(number("until 1 s, about "), 1.0 / step, 2e-4 / step);
+  EXPECT_NEAR(number("until some block has moved by 600 mm, multiplier at most 0.6, about "), 252 / step, 0.05 / step);
+  EXPECT_THAT(out_, Not(HasSubstr("come to rest")));
 }
 
 TEST_F(Cli, CheckTellsWhatScattersAndWhereStagesEnd) {

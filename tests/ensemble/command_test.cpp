@@ -6,13 +6,18 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
+#include <map>
 #include <sstream>
 #include <thread>
 
+#include "base/error.h"
+#include "ensemble/sensitivity.h"
 #include "program.h"
 
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -90,6 +95,111 @@ TEST_F(Ensemble, WritesOneRowASampleAndWhatTheyAddUpTo) {
   EXPECT_EQ(summary()["peak_horizontal_force_N"], run["peak_horizontal_force_N"]);
 }
 
+// Numbers behind the pictures of a study: kN and mm, from the rows of its samples.
+TEST_F(Ensemble, PicturesAreDrawnFromTheTable) {
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "ensemble", study_, "--out", (folder_ / "p").string()})), 0) << error_;
+  const auto cells = [](const std::string& line, char by) {
+    std::vector<std::string> found;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, by);) found.push_back(cell);
+    return found;
+  };
+  const auto samples = lines_of(table("p"));
+  const auto names = cells(samples[0], ',');
+  const auto column = [&](const std::string& name) {
+    const auto at = std::size_t(std::find(names.begin(), names.end(), name) - names.begin());
+    std::vector<double> values;
+    for (std::size_t i = 1; i < samples.size(); ++i) values.push_back(std::stod(cells(samples[i], ',').at(at)));
+    return values;
+  };
+  const auto rows_of = [&](const char* file) {
+    std::vector<std::vector<double>> rows;
+    for (const std::string& line : lines_of(read_all(folder_ / "p" / "plots" / file))) {
+      if (line.empty()) continue;
+      rows.emplace_back();
+      for (const std::string& cell : cells(line.substr(0, line.find(" \"")), ' '))
+        rows.back().push_back(std::stod(cell));
+    }
+    return rows;
+  };
+  const std::vector<double> peaks = column("peak_force_N");
+  ASSERT_EQ(peaks.size(), 6u);
+  const auto convergence = rows_of("convergence.dat");
+  ASSERT_EQ(convergence.size(), 4u);
+  const double student[] = {4.302653, 3.182446, 2.776445, 2.570582};  // 97.5 %, of 2 to 5 degrees of freedom
+  for (std::size_t n = 3; n <= 6; ++n) {
+    double mean = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < n; ++i) mean += peaks[i] / 1e3 / double(n);
+    for (std::size_t i = 0; i < n; ++i) squares += (peaks[i] / 1e3 - mean) * (peaks[i] / 1e3 - mean);
+    const double half = student[n - 3] * std::sqrt(squares / double(n - 1) / double(n));
+    const auto& row = convergence[n - 3];
+    EXPECT_EQ(row[0], double(n));
+    EXPECT_NEAR(row[1], mean, 1e-6 * mean);
+    EXPECT_NEAR(row[2], mean - half, 1e-5 * mean);
+    EXPECT_NEAR(row[3], mean + half, 1e-5 * mean);
+  }
+  // Force at each displacement, up to the 0.2 mm of the stage; of all means; at 5, 16, 50, 84, 95 %.
+  const auto bands = rows_of("bands.dat");
+  ASSERT_GT(bands.size(), 50u);
+  EXPECT_EQ(bands.front()[0], 0.0);
+  EXPECT_NEAR(bands.back()[0], 0.2, 2e-3);
+  const double least = *std::min_element(peaks.begin(), peaks.end()) / 1e3,
+               most = *std::max_element(peaks.begin(), peaks.end()) / 1e3;
+  double highest = 0.0, of_means = 0.0;
+  for (const auto& row : bands) {
+    ASSERT_EQ(row.size(), 8u);
+    EXPECT_TRUE(std::is_sorted(row.begin() + 3, row.end()));
+    EXPECT_TRUE(row[1] >= row[3] - 1e-9 && row[1] <= row[7] + 1e-9);
+    highest = std::max(highest, row[7]), of_means = std::max(of_means, row[2]);
+  }
+  EXPECT_LE(highest, most * (1 + 1e-6));
+  EXPECT_GE(highest, least);
+  const auto results = nlohmann::json::parse(read_all(folder_ / "p" / "summary.json"));
+  EXPECT_NEAR(of_means, results["outputs"]["peak_force_N"]["of_means"].get<double>() / 1e3, 0.02 * most);
+  // Displacements at the peak in order, each at the middle of its step of probability, beside a distribution.
+  std::vector<double> at_peak = column("displacement_at_peak_m");
+  std::sort(at_peak.begin(), at_peak.end());
+  const auto fragility = rows_of("fragility.dat");
+  ASSERT_GE(fragility.size(), at_peak.size());
+  for (std::size_t i = 0; i < at_peak.size(); ++i) {
+    EXPECT_NEAR(fragility[i][0], at_peak[i], 1e-7 * at_peak[i]);
+    EXPECT_NEAR(fragility[i][1], (double(i) + 0.5) / 6, 1e-7);
+    EXPECT_TRUE(fragility[i][2] >= 0.0 && fragility[i][2] <= 1.0);
+  }
+  for (const char* picture : {"bands", "convergence", "fragility"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "p" / (std::string(picture) + ".png"))) << picture;
+    EXPECT_THAT(read_all(folder_ / "p" / "index.html"), HasSubstr(std::string("src=\"") + picture + ".png\""));
+  }
+  const std::string script = read_all(folder_ / "p" / "plots" / "bands.gp");
+  EXPECT_THAT(script, AllOf(HasSubstr("\"displacement, mm\""), HasSubstr("\"horizontal force, kN\"")));
+}
+
+// Quantities of a study that go together: the second has 0.6 of the first's normal variable, and 0.8 of its own.
+TEST_F(Ensemble, QuantitiesGoTogetherAsGiven) {
+  const fs::path file = folder_ / "together.toml";
+  const auto write = [&](const std::string& correlation) {
+    std::ofstream(file) << "scene = \"" << small_ << "\"\nsamples = 400\ncorrelation = " << correlation << '\n'
+                        << "[[quantity]]\nname = \"E\"\nkey = \"materials.brick.young_modulus\"\ndistribution = "
+                           "\"normal\"\nmean = 10e9\nsd = 1e9\n"
+                        << "[[quantity]]\nname = \"p\"\nkey = \"stage.precompression.pressure\"\ndistribution = "
+                           "\"normal\"\nmean = 1e6\nsd = 1e4\n";
+  };
+  write("[[\"E\", \"p\", 0.6]]");
+  const auto study = quoin::ensemble::read_study(file.string());
+  EXPECT_THAT(study.mix, testing::Pointwise(testing::DoubleNear(1e-12), {1.0, 0.0, 0.6, 0.8}));
+  double products = 0.0;
+  for (std::uint64_t i = 1; i <= 400; ++i) {
+    const auto values = study.values(i);
+    products += (values[0] / 1e9 - 10.0) * (values[1] / 1e4 - 100.0) / 400;
+  }
+  EXPECT_NEAR(products, 0.6, 5 * std::sqrt(1.36 / 400)) << "variance of a product: 1 + 0.6^2";
+  for (const char* wrong :
+       {"[[\"E\", \"q\", 0.6]]", "[[\"q\", \"p\", 0.6]]", "[[\"E\", \"E\", 0.6]]", "[[\"E\", \"p\", 1.0]]"}) {
+    write(wrong);
+    EXPECT_THROW(quoin::ensemble::read_study(file.string()), quoin::Error) << wrong;
+  }
+}
+
 // Displacement at which a fifth of the peak is lost, from the history of a sample that goes so far.
 TEST_F(Ensemble, LossOfAFifthIsThatOfTheHistory) {
   ASSERT_EQ(ensemble("a", {"--samples", "1", "--set", "stage.shear.displacement=0.001"}), 0) << error_;
@@ -135,6 +245,66 @@ TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
   ASSERT_EQ(sobol("9"), 0) << error_;
   EXPECT_EQ(finished("s"), 9 * 5 + 1);
   EXPECT_EQ(sobol("7"), 2);
+}
+
+// One input at a time: numbers of samples that are given here, not run. The pressure is uniform from 0.2 to 0.4 MPa,
+// the strength lognormal of mean 0.2 MPa and a coefficient of variation of 0.3.
+TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
+  quoin::ensemble::Study study = quoin::ensemble::read_study(study_);
+  study.trials = quoin::ensemble::Trials::one_at_a_time;
+  const quoin::ensemble::StudyFolder folder(folder_ / "s", study, {});
+  const auto give = [&](int number, const char* status, double peak) {
+    fs::create_directories(folder.sample(std::uint64_t(number)));
+    std::ofstream(folder.sample(std::uint64_t(number)) / "sample.json") << nlohmann::json{
+        {"status", status}, {"inputs", nlohmann::json::object()}, {"outputs", {{"peak_force_N", peak}}}};
+  };
+  ASSERT_EQ(study.inputs().size(), 3u);
+  give(0, "done", 50.0);
+  give(1, "done", 44.0), give(2, "done", 54.0);
+  for (int k = 1; k < 3; ++k) {
+    if (study.inputs()[std::size_t(k)].name == "joints.mortar.cohesion")
+      give(2 * k + 1, "failed", 1.0), give(2 * k + 2, "done", 99.0);
+    else
+      give(2 * k + 1, "done", 51.0), give(2 * k + 2, "done", 48.0);
+  }
+  const std::string words = quoin::ensemble::write_sensitivity(folder, study, false);
+
+  std::map<std::string, std::vector<std::string>> rows;
+  for (const std::string& line : lines_of(read_all(folder_ / "s" / "sensitivity.csv"))) {
+    std::vector<std::string> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    rows[cells.at(0)] = cells;
+  }
+  ASSERT_EQ(rows.size(), 4u) << "a head and three inputs of one output";
+  const auto expect = [&](const char* input, const std::vector<double>& values) {
+    const auto& cells = rows["\"" + std::string(input) + "\""];
+    ASSERT_EQ(cells.size(), 11u) << input;
+    EXPECT_EQ(cells[1], "peak_force_N");
+    for (std::size_t i = 0; i < values.size(); ++i)
+      EXPECT_NEAR(std::stod(cells[2 + i]), values[i], 1e-9 * std::abs(values[i]) + 1e-12)
+          << input << ", " << rows["input"][2 + i];
+  };
+  const double quantile = 0.5 * std::erfc(-1.0 / std::sqrt(2.0)),
+               half = 0.2e6 * (quantile - 0.5);  // of a normal + 1 sd
+  const double all = 5.0 * 5.0 + 1.5 * 1.5;
+  expect("pressure",
+         {0.3e6 - half, 0.3e6, 0.3e6 + half, 44, 50, 54, 10.0 / 50.0 * 0.3e6 / (2 * half), 25.0 / all, 0.1});
+  const double sigma = std::sqrt(std::log(1.09)), median = 0.2e6 / std::sqrt(1.09);
+  const double low = median * std::exp(-sigma), high = median * std::exp(sigma);
+  const double straight = 51 - 3 * (0.2e6 - low) / (high - low);
+  expect("joints.mortar.tensile_strength",
+         {low, 0.2e6, high, 51, 50, 48, -3.0 / 50.0 * 0.2e6 / (high - low), 2.25 / all, std::abs(50 - straight) / 3});
+  EXPECT_EQ(rows["\"joints.mortar.cohesion\""][5], "") << "of a sample that failed";
+
+  // In words, what matters most first, and what is not known last.
+  const auto lines = lines_of(words);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_THAT(lines[0], testing::StartsWith("peak_force_N"));
+  EXPECT_THAT(lines[1],
+              AllOf(testing::StartsWith("pressure "), HasSubstr(" 44 "), HasSubstr(" 54 "), HasSubstr("91.7 %")));
+  EXPECT_THAT(lines[2], AllOf(testing::StartsWith("joints.mortar.tensile_strength "), HasSubstr("8.3 %")));
+  EXPECT_THAT(lines[3], testing::StartsWith("joints.mortar.cohesion "));
 }
 
 TEST_F(Ensemble, RecordsSamplesThatFailAndGoesOn) {

@@ -134,6 +134,27 @@ TEST(Separation, KeepsTheReferenceBetweenEqualAxes) {
   EXPECT_EQ(first.index_a, second.index_a);
 }
 
+// Of faces that look the same way to rounding the first one: on each of the 8 corners and 12 edges of a cube.
+TEST(Separation, FacingIsTheFirstOfFacesAlikeWhateverTheirRounding) {
+  const auto cube_at_rest = cube(1);
+  const Placed p = placed(cube_at_rest, {});
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const Vector towards{double(x), double(y), double(z)};
+        if (norm(towards) == 0) continue;
+        const auto ahead = [&](const Vector& normal) { return dot(normal, towards) > 0.5; };
+        const int first = int(std::find_if(p.normals, p.normals + 6, ahead) - p.normals);
+        for (const Vector& rounding : {Vector{}, Vector{1e-12, 0, 0}, Vector{0, 1e-12, 0}, Vector{0, 0, 1e-12}}) {
+          EXPECT_EQ(facing(p, normalized(towards + rounding)), first) << x << y << z;
+          EXPECT_EQ(facing(p, normalized(towards - rounding)), first) << x << y << z;
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(p.normals[size_t(facing(p, {0.3, -1.0, 0.2}))].y, -1.0, 1e-15);
+}
+
 double integral(const std::vector<QuadraturePoint>& points, int i, int j) {
   double sum = 0;
   for (const auto& q : points) sum += q.area * std::pow(q.at.x, i) * std::pow(q.at.y, j);

@@ -16,6 +16,7 @@ namespace quoin::geometry {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 const char* const kOff = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
@@ -93,6 +94,25 @@ TEST_F(BadMeshFile, TheGoodOnesAreGood) {
     EXPECT_DOUBLE_EQ(mass_properties(shapes[0].shape).volume, 1.0 / 6);
   }
   EXPECT_EQ(read("stl", ascii_stl())[0].name, "wedge#1");
+}
+
+// An object without a name has that of the file and its place in it, from 0.
+TEST_F(BadMeshFile, ObjectsAreCalledAsTheFileSaysOrByTheirPlace) {
+  const auto names = [&](const std::string& ending, const std::string& bytes) {
+    std::vector<std::string> list;
+    for (const NamedShape& shape : read(ending, bytes)) list.push_back(shape.name);
+    return list;
+  };
+  const std::string body = std::string(kObj).substr(8), file = (folder_ / "m.").string();
+  const std::string faces = "f -4 -2 -3\nf -4 -3 -1\nf -3 -2 -1\nf -4 -1 -2\n";
+  const std::string next = "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n" + faces;
+  EXPECT_THAT(names("obj", "o\n" + body + "g post\n" + next + "o\n" + next),
+              ElementsAre(file + "obj#0", "post", file + "obj#2"));
+  EXPECT_THAT(names("obj", body), ElementsAre(file + "obj"));
+  const std::string named = ascii_stl();
+  const std::string nameless = "solid" + named.substr(named.find('\n'));
+  EXPECT_THAT(names("stl", nameless + named + nameless), ElementsAre(file + "stl#0", "wedge#1", file + "stl#2"));
+  EXPECT_THAT(names("off", kOff), ElementsAre(file + "off"));
 }
 
 TEST_F(BadMeshFile, NumbersOfCornersAreWholeAndInRange) {

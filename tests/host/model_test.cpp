@@ -109,6 +109,33 @@ TEST(Model, RigidFacesMeetAtTheirCorners) {
   }
 }
 
+// With zones, at the corners of theirs in the common part: 0.2 by 0.3 m, 2 by 3 of them, and the weights of trapezia.
+TEST(Model, RigidFacesOfZonesMeetOnAGrid) {
+  for (const std::size_t axis : {0u, 1u, 2u}) {
+    const std::size_t s = (axis + 1) % 3, t = (axis + 2) % 3;
+    std::array<int, 3> count{1, 1, 1}, zones{1, 1, 1};
+    Vec3 size{0.1, 0.1, 0.1};
+    count[axis] = 2, size[s] = 0.4, zones[s] = 4, size[t] = 0.3, zones[t] = 3;
+    Assembly assembly = brick_grid(count, size, zones);
+    for (Brick& brick : assembly.bricks) brick.rigid = true;
+    assembly.bricks[1].origin[s] += 0.2;
+    const Model model = make_model(assembly);
+    ASSERT_EQ(model.point_count, 3 * 4);
+    double area = 0.0;
+    for (std::size_t p = 0; p < 12; ++p) {
+      const double i = (model.point_position[p][s] - 0.2) / 0.1, j = model.point_position[p][t] / 0.1;
+      EXPECT_NEAR(i, std::round(i), 1e-9);
+      EXPECT_NEAR(j, std::round(j), 1e-9);
+      EXPECT_TRUE(i > -0.1 && i < 2.1 && j > -0.1 && j < 3.1);
+      EXPECT_NEAR(model.point_position[p][axis], 0.1, 1e-12);
+      const bool end_i = std::abs(i - 1) > 0.5, end_j = std::abs(j - 1.5) > 1;
+      EXPECT_NEAR(model.area[p], 0.01 * (end_i ? 0.5 : 1.0) * (end_j ? 0.5 : 1.0), 1e-15);
+      area += model.area[p];
+    }
+    EXPECT_NEAR(area, 0.2 * 0.3, 1e-15);
+  }
+}
+
 TEST(Model, RefusesWhatDoesNotFit) {
   Assembly apart = brick_grid({2, 1, 1}, {0.1, 0.1, 0.1}, {1, 1, 1});
   apart.bricks[1].origin[0] += 0.001;

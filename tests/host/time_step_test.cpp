@@ -89,6 +89,39 @@ TEST(TimeStep, StableJustBelowTheLimitUnstableJustAbove) {
   EXPECT_GT(largest_after(bare_scene(1.02), sandwich(), 3000), 1e3);
 }
 
+// "rigid block 5 ..." or "block 3, gridpoint 7 ...": where a limit is set, by the number of the block in its words.
+TEST(TimeStep, PlacesOfLimitsAreThoseOfTheBlocksTheyName) {
+  Assembly rigid = brick_grid({3, 2, 1}, {0.2, 0.1, 0.15}, {1, 1, 1});
+  for (Brick& brick : rigid.bricks) brick.rigid = true;
+  rigid.bricks.back().body = "named";
+  int bodies = 0, blocks = 0;
+  for (const Assembly& assembly : {rigid, sandwich(), brick_grid({2, 3, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1})}) {
+    const Model model(assembly, make_materials(assembly));
+    Inertia inertia;
+    const TimeStepReport report = choose_time_step(model, {}, &inertia, Limits::all);
+    for (const TimeStepLimit* limit : {&report.critical, &report.gershgorin, &report.nodal}) {
+      int block = -1, gridpoint = -1;
+      if (std::sscanf(limit->where.c_str(), "rigid block %d", &block) == 1) {
+        const Brick& b = assembly.bricks.at(static_cast<std::size_t>(block));
+        EXPECT_TRUE(b.rigid);
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(limit->position[c], b.origin[c] + b.size[c] / 2, 1e-12);
+        EXPECT_NE(limit->where.find("joint family '"), std::string::npos) << limit->where;
+        ++bodies;
+      } else {
+        ASSERT_EQ(std::sscanf(limit->where.c_str(), "block %d, gridpoint %d", &block, &gridpoint), 2) << limit->where;
+        const Brick& b = assembly.bricks.at(static_cast<std::size_t>(block));
+        const int nx = b.zones[0] + 1, ny = b.zones[1] + 1;
+        const int place[3] = {gridpoint % nx, gridpoint / nx % ny, gridpoint / (nx * ny)};
+        for (std::size_t c = 0; c < 3; ++c)
+          EXPECT_NEAR(limit->position[c], b.origin[c] + b.size[c] * place[c] / b.zones[c], 1e-12) << limit->where;
+        ++blocks;
+      }
+    }
+  }
+  EXPECT_GE(bodies, 3);
+  EXPECT_GE(blocks, 3);
+}
+
 // F against v all the time makes a mode (1 + gamma) times as stiff: its limit is 1/sqrt(1 + gamma) of the undamped one.
 TEST(TimeStep, WarnsAboveTheQuietStepOfLocalDamping) {
   const Assembly assembly = sandwich();

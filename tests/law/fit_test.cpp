@@ -126,6 +126,18 @@ TEST(Fit, FixedPropertiesStay) {
   for (const FittedProperty& p : result.properties) EXPECT_NE(p.id, "friction_angle");
 }
 
+// One confinement: friction is guessed from the end of the curve, where the cohesion is gone, and then found.
+TEST(Fit, OneTripletShowsFrictionAtItsEnd) {
+  const Law law = Law::find(law_under_test());
+  auto curves = synthetic(1, 0.0);
+  curves = {curves[3]};
+  ASSERT_EQ(curves[0].kind, TestKind::triplet);
+  const FitResult result = fit_properties(law, curves, known());
+  ASSERT_EQ(result.properties.size(), 3u);
+  for (const FittedProperty& p : result.properties)
+    EXPECT_NEAR(p.value, kTruth.at(p.id), 1e-4 * kTruth.at(p.id)) << p.id;
+}
+
 // A curve of constant shear: its cohesion is within 1e-4 of the residual, less than which the law refuses. What it
 // brings is then measured on the other side alone; the interval is that of a mean, by Student's t of 39 degrees.
 TEST(Fit, MeasuresAtTheEdgeOfWhatTheLawAdmits) {

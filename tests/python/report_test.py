@@ -86,6 +86,19 @@ class Report(Folder):
         done = self.command("run", scene, "--out", name, "--set", "output.plots=false", *options)
         self.assertEqual(done.returncode, 0, done.stderr)
 
+    def page_of(self, name):
+        """Head of the page of a run, and what gives its arrays."""
+        with open(self.path(name + "/report.html"), encoding="utf-8") as file:
+            html = file.read()
+        head = json.loads(re.search(r'class="head">(.*?)</script>', html, re.S)[1])
+        data = zlib.decompress(base64.b64decode(re.search(r'class="data">(.*?)</script>', html, re.S)[1]))
+
+        def array(name, columns=3):
+            at = head["arrays"][name]
+            kind = {"Float32Array": "<f4", "Int16Array": "<i2", "Uint8Array": "u1"}[at["type"]]
+            return np.frombuffer(data, kind, at["count"], at["offset"]).reshape(-1, columns)
+        return head, array
+
     def assert_works(self, told, runs=1, cracks=True):
         self.assertEqual(told["ready"], "yes", told)
         self.assertEqual(told["faults"], [])
@@ -114,15 +127,7 @@ class Report(Folder):
 
     def test_displacements_are_those_of_the_run(self):
         self.run_scene("wall", SMALL_WALL, "--report")
-        with open(self.path("wall/report.html"), encoding="utf-8") as file:
-            html = file.read()
-        head = json.loads(re.search(r'class="head">(.*?)</script>', html, re.S)[1])
-        data = zlib.decompress(base64.b64decode(re.search(r'class="data">(.*?)</script>', html, re.S)[1]))
-
-        def array(name):
-            at = head["arrays"][name]
-            kind = {"Float32Array": "<f4", "Int16Array": "<i2"}[at["type"]]
-            return np.frombuffer(data, kind, at["count"], at["offset"]).reshape(-1, 3)
+        head, array = self.page_of("wall")
         # The beam on top goes by what the stage asks for, 0.5 mm; two steps of 30 us at 50 mm/s more, and
         # what 16 bits round by.
         top = array("position")[:, 1].argmax()
@@ -145,6 +150,32 @@ class Report(Folder):
         self.run_scene("arch", arch)
         self.assertEqual(self.command("report", "arch").returncode, 0)
         self.assert_works(told_by(self.path("arch/report.html")))
+
+    def test_cracks_of_an_arch_lie_on_its_joints(self):
+        arch = quoin.Scene.load(SCENES + "/arch.toml")
+        arch.stage[1].collapse.rate = 0.2
+        arch.output.frames = 4
+        self.run_scene("arch", arch, "--report")
+        head, array = self.page_of("arch")
+        cracks = 0
+        for f in range(len(head["times"])):
+            # At the start, where they are drawn from: corners of voussoirs of 22.5 degrees, at 9.25 and 10.75 m.
+            start, moved, crack = array(f"points{f}"), array(f"points_moved{f}"), array(f"point_crack{f}", 1)
+            self.assertEqual(len(start), len(moved))
+            self.assertEqual(len(start), len(crack))
+            cracks += len(start)
+            radius, turn = np.hypot(start[:, 0], start[:, 1]), np.degrees(np.arctan2(start[:, 1], start[:, 0]))
+            # But for the gap of a joint, since a point stands on one side and may be drawn with the other.
+            gap = 0.3  # m, of joints that open by 0.2 m while blocks move by 0.6 m
+            self.assertLess(np.minimum(abs(radius - 9.25), abs(radius - 10.75)).max(initial=0.0), gap)
+            off = (turn - 11.25) / 22.5
+            self.assertLess(abs(off - off.round()).max(initial=0.0) * np.radians(22.5) * 10.75, gap)
+            self.assertLessEqual(abs(moved).max(initial=0.0), head["range"]["moved"])
+        self.assertGreater(cracks, 4)
+        self.assertLess(head["range"]["opening"][1], gap)
+        # The collapse ends when the centre of a block has moved by 0.6 m; its corners turn about it.
+        self.assertGreater(head["range"]["moved"], 0.6)
+        self.assertLess(head["range"]["moved"], 0.8)
 
     def test_what_is_missing_is_told(self):
         def fails(words, *arguments, **environment):

@@ -210,6 +210,11 @@ TEST(Curve, ReadsWhatPeopleRead) {
   EXPECT_DOUBLE_EQ(curve.largest_fall(2.0), 0.0);
   EXPECT_NEAR(curve.largest_fall(3.0), 0.25, 1e-9);
   EXPECT_LT(curve.roughness(0.05, 0.1, 1.9), 1e-12);
+  // 0.1 to 1 mm, 0.3 from there to 2 mm, with one row before anything bears: 50 and 100 rows, both ends counted.
+  for (std::size_t i = 101; i <= 200; ++i) curve.unbalanced[i] = 0.3;
+  curve.unbalanced[60] = HUGE_VAL;
+  EXPECT_NEAR(curve.mean_unbalanced(0.505, 2.005), (49 * 0.1 + 100 * 0.3) / 149, 1e-12);
+  EXPECT_EQ(curve.mean_unbalanced(5.0, 6.0), 0.0);
   // A wave of amplitude a, much shorter than the window, is what is left: a / sqrt(2).
   for (std::size_t i = 0; i < curve.size(); ++i)
     curve.force[i] += 0.2 * std::sin(2 * M_PI * curve.displacement[i] / 0.05);

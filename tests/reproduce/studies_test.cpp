@@ -169,6 +169,10 @@ TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
   }
   EXPECT_THAT(report_.agrees, Not(Contains(HasSubstr("within 15 %"))));
   EXPECT_THAT(report_.differs, Contains(HasSubstr("by +10 to +16 %: not all within 15 %")));
+  // REFERENCE_DATA.md, mean vertical stress at the peak.
+  EXPECT_THAT(row("0.30 MPa")[4], HasSubstr("tests 0.76 [D]"));
+  EXPECT_THAT(row("1.21 MPa")[4], HasSubstr("tests 1.36 [D]"));
+  EXPECT_THAT(row("2.12 MPa")[4], HasSubstr("tests 1.97 [D]"));
   EXPECT_THAT(row("0.30 MPa")[7], "51 kN");  // raw tests: 50 to 52, about 72, about 97
   EXPECT_THAT(row("1.21 MPa")[7], "72 kN");
   EXPECT_THAT(row("2.12 MPa")[7], "97 kN");
@@ -216,6 +220,22 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   }
   EXPECT_TRUE(verdict("cohesion of the wall, initial").reproduced);   // 11 % off
   EXPECT_FALSE(verdict("friction of the wall, initial").reproduced);  // 25 % off
+
+  // Off the line: R2 is 1 - (squares that are left)/(squares about the mean), which least squares makes the square of
+  // the correlation.
+  run("1.21 MPa").curve.force.assign(run("1.21 MPa").curve.size(), 99.0 * 1.0);
+  read();
+  const double x[] = {1.5 * 0.30, 1.5 * 1.21, 1.5 * 2.12}, y[] = {0.40 + 0.30 * 0.30, 1.0, 0.40 + 0.30 * 2.12};
+  const double xm = (x[0] + x[1] + x[2]) / 3, ym = (y[0] + y[1] + y[2]) / 3;
+  double xx = 0.0, xy = 0.0, yy = 0.0, left = 0.0;
+  for (int i = 0; i < 3; ++i) xx += (x[i] - xm) * (x[i] - xm), xy += (x[i] - xm) * (y[i] - ym);
+  for (int i = 0; i < 3; ++i) {
+    const double off = y[i] - ym - xy / xx * (x[i] - xm);
+    yy += (y[i] - ym) * (y[i] - ym), left += off * off;
+  }
+  EXPECT_NEAR(verdict("linear regressions").number, 1 - left / yy, 1e-9);
+  EXPECT_LT(verdict("linear regressions").number, 0.8);
+  EXPECT_FALSE(verdict("linear regressions").reproduced);
 }
 
 // Falls of the force of 5 % of the peak before 1.2 mm are an oscillation; 1 % is none.
@@ -347,6 +367,9 @@ TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
         << name;
   }
   EXPECT_EQ(openings, 8);
+  // An even one stands half a half brick beside the middle, and its neighbour on the other side of it.
+  EXPECT_EQ(set("2 half bricks", "wall.opening.1.first_half_unit"), "4");
+  EXPECT_EQ(set("2 half bricks, the other way", "wall.opening.1.first_half_unit"), "3");
 
   run("2 half bricks").curve = curve_of({45.0, 3.0, 30.0, 20.0});
   run("1 half brick").curve = curve_of({60.0, 3.0, 30.0, 6.0});
@@ -568,6 +591,27 @@ TEST(LayoutRules, AreGeometry) {
   EXPECT_THAT(why_not(WindowLayout{26, 19, 6, false}), HasSubstr("half units of 0.212 m"));
   EXPECT_THAT(why_not(WindowLayout{28, 17, 6, false}), HasSubstr("half units of 0.221 m"));
   EXPECT_NEAR((WindowLayout{28, 19, 6, false}.depth()), 4.0, 1e-12);
+}
+
+// Windows of 5 half units on two floors: outer piers equal, the others within one column of them and of each other.
+TEST(LayoutRules, PiersBetweenWindowsAreAlike) {
+  for (int columns = 24; columns <= 32; ++columns) {
+    const auto settings = WindowLayout{columns, 19, 6, false}.overrides();
+    const auto first = [&](int opening) {
+      const std::string key = fmt::format("building.wall.1.opening.{}.first_half_unit=", opening);
+      for (const std::string& s : settings)
+        if (s.starts_with(key)) return std::stoi(s.substr(key.size()));
+      return -1;
+    };
+    const int pier[4] = {first(1), first(2) - first(1) - 5, first(3) - first(2) - 5, columns - first(3) - 5};
+    EXPECT_EQ(pier[0], pier[3]) << columns;
+    for (const int p : pier) {
+      EXPECT_GE(p, pier[0]) << columns;
+      EXPECT_LE(p, pier[0] + 2) << columns;
+    }
+    EXPECT_LE(std::abs(pier[1] - pier[2]), 1) << columns;
+    for (const int i : {1, 2, 3}) EXPECT_EQ(first(i + 3), first(i)) << "above each other";
+  }
 }
 
 TEST_F(Verdicts, PiersAreBetweenTheirTwoDirections) {

@@ -116,6 +116,30 @@ TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
   }
 }
 
+// An end that is trimmed and the edge of an opening stay where they are, however close; other cuts give way. In units.
+TEST(DryWall, SliversBetweenGivenEndsStay) {
+  const Assembly wall = wall_with(
+      "trim_start = [0.285, 0.0]\ntrim_end = [0.0, 0.29]\nopening = [{ from = 0.306, to = 0.606, sill = 0.0, head = "
+      "0.1 }, "
+      "{ from = 0.6, to = 0.9, sill = 0.1, head = 0.2 }]\n");
+  const auto pieces = [&](int course) {
+    std::vector<double> list;
+    for (const Block& block : wall.blocks) {
+      if (block.course != course) continue;
+      double left = 1e9, right = -1e9;
+      for (const Vector& p : corners(wall, block)) left = std::min(left, p.x), right = std::max(right, p.x);
+      list.insert(list.end(), {left / kLength, right / kLength});
+    }
+    return list;
+  };
+  const auto are = [](std::vector<double> expected) {
+    return testing::Pointwise(testing::DoubleNear(1e-12), std::move(expected));
+  };
+  EXPECT_THAT(pieces(0), are({0.95, 1.02, 2.02, 3.0, 3.0, 4.0}));
+  EXPECT_THAT(pieces(1), are({0.0, 0.5, 0.5, 1.5, 1.5, 2.0, 3.0, 0.91 / 0.3}));
+  EXPECT_THAT(pieces(2), are({0.95, 2.0, 2.0, 3.0, 3.0, 4.0}));
+}
+
 TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
   const double angle = 30 * std::numbers::pi / 180;
   const Assembly wall = wall_with("direction = 30\norigin = [1, 2, 3]\n");

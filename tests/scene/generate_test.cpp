@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "scene/masonry_place.h"
 #include "scene/read_scene.h"
 
 namespace quoin {
@@ -256,6 +257,16 @@ TEST(GenerateWall, PatternsOfFacingBlocksConform) {
       }
     }
   }
+}
+
+TEST(MasonryPlace, HalvesOfAUnitHaveOneNumberAndLooseBlocksTheirOwn) {
+  EXPECT_EQ(unit_key(4, {0, 0}), unit_key(5, {0, 0}));
+  EXPECT_EQ(unit_key(9, {3, 1}), unit_key(2, {3, 7}));
+  std::set<std::uint64_t> keys;
+  for (int i = 0; i < 5; ++i) keys.insert({unit_key(10 + i, {i, 0}), unit_key(i, {-1, -1})});
+  EXPECT_EQ(keys.size(), 10u);
+  EXPECT_EQ(joint_key(3, 5), joint_key(5, 3));
+  EXPECT_NE(joint_key(3, 5), joint_key(3, 6));
 }
 
 // Half units of transverse walls lie along z: their zones turn with them, and none stands beside its corner.

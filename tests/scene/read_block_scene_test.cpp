@@ -316,6 +316,26 @@ mesh = "stone.off"
   EXPECT_EQ(blocks.default_joint, "dry");
 }
 
+TEST_F(ReadBlockScene, SettingsAndStagesThatAreLeftOutAreAsThePageSays) {
+  const Scene s = read_scene(write("stages.toml", std::string(kScene) + "[[stage]]\ncollapse = {}\n"), {});
+  EXPECT_EQ(s.solver.damping, DampingKind::local);
+  EXPECT_EQ(s.solver.local_damping, 0.8);
+  EXPECT_EQ(s.solver.time_step_fraction, 0.6);
+  EXPECT_EQ(s.solver.deformation_inertia, 1.0);
+  EXPECT_EQ(s.solver.unit_inertia, 1.0);
+  const Stage &first = s.stages.at(0), &last = s.stages.at(1);
+  EXPECT_EQ(first.kind, "custom");
+  EXPECT_EQ(first.ramp_time, 0.0);
+  EXPECT_EQ(first.duration, 0.1);
+  EXPECT_FALSE(first.equilibrium_ratio || first.displacement || first.collapse || first.ground);
+  ASSERT_TRUE(last.collapse);
+  EXPECT_EQ(last.collapse->direction, (Vec3{1, 0, 0}));
+  EXPECT_EQ(last.collapse->start, 0.0);
+  EXPECT_EQ(last.collapse->rate, 0.01);
+  EXPECT_EQ(last.collapse->displacement, 0.01);
+  EXPECT_EQ(last.collapse->limit, 2.0);
+}
+
 TEST_F(ReadBlockScene, AMeshInMillimetresIsScaled) {
   const auto scale = [&](const char* value) {
     return read_scene(write("scale.toml", std::string(kScene) + "[[block]]\nmaterial = \"stone\"\nmesh = " +

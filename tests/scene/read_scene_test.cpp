@@ -269,8 +269,124 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
   EXPECT_THAT(fault("building.wall.2.name=B"), HasSubstr("building.wall.2: a second wall 'B'"));
   EXPECT_THAT(fault("building.floor.1.course=-1"),
               HasSubstr("building.floor.1.course = -1: allowed: an integer, 0 to 39"));
+  // Wall B has 28 half units.
+  for (const char* list : {"[28]", "[-1]"})
+    EXPECT_THAT(fault(std::string("building.floor.1.half_units=") + list), HasSubstr("a list of integers, 0 to 27"));
   EXPECT_THAT(fault("building.floor.2.name=floor_1"),
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
+}
+
+// The page's column of defaults, host/scenes/README.md.
+TEST_F(ReadScene, WhatIsLeftOutIsAsThePageSays) {
+  const Scene s = read(std::string(kScene) +
+                       "[[wall.opening]]\nfirst_half_unit = 1\nhalf_units = 1\nfirst_course = 0\n"
+                       "courses = 1\n[[damage]]\ncrack = [[0, 0], [0.1, 0.1]]\n");
+  const SolverSettings& solver = s.solver;
+  EXPECT_EQ(solver.time_step_fraction, 0.86);
+  EXPECT_EQ(solver.critical_time_step, CriticalTimeStep::assembled);
+  EXPECT_EQ(solver.mass_scaling, 1.0);
+  EXPECT_EQ(solver.selective_time_step, 0.0);
+  EXPECT_EQ(solver.internal_forces, InternalForces::automatic);
+  EXPECT_TRUE(solver.skip_resting_bodies);
+  EXPECT_EQ(solver.damping, DampingKind::block);
+  EXPECT_EQ(solver.local_damping, 0.3);
+  EXPECT_EQ(solver.deformation_damping, 0.2);
+  EXPECT_EQ(solver.mass_damping, 0.0);
+  EXPECT_EQ(solver.stiffness_damping, 0.0);
+  EXPECT_EQ(solver.large_motion, LargeMotion::automatic);
+  EXPECT_EQ(solver.kernels, Kernels::automatic);
+  EXPECT_EQ(solver.motion_bound.rotation, 0.013);
+  EXPECT_EQ(solver.motion_bound.sliding, 0.03);
+  EXPECT_TRUE(solver.motion_bound.stop);
+  const SolverSettings viscous = read(kScene, {"solver.damping=viscous"}).solver;  // the brackets
+  EXPECT_EQ(viscous.time_step_fraction, 0.6);
+  EXPECT_EQ(viscous.deformation_inertia, 1.0);
+  EXPECT_EQ(viscous.unit_inertia, 1.0);
+  EXPECT_EQ(viscous.local_damping, 0.8);
+  EXPECT_FALSE(viscous.settling_damping);
+
+  const WallSpec& wall = *s.wall;
+  EXPECT_EQ(wall.bond, "running");
+  EXPECT_EQ(wall.first_course, "whole");
+  EXPECT_FALSE(wall.rigid_units);
+  EXPECT_TRUE(wall.bottom_beam && wall.top_beam);
+  EXPECT_TRUE(wall.bottom_beam_cuts.empty());
+  EXPECT_EQ(wall.beam_height, 0.1);
+  EXPECT_EQ(wall.beam_density, 7850.0);
+  EXPECT_FALSE(wall.half_thickness);
+  EXPECT_EQ(wall.openings.at(0).bearing, 0);
+  EXPECT_EQ(wall.openings.at(0).lintel_material, "");
+  EXPECT_TRUE(WallSpec{}.mid_unit_joints);
+
+  EXPECT_EQ(s.random.seed, 1u);
+  EXPECT_EQ(s.random.sample, 1u);
+  const Damage& damage = s.damage.at(0);
+  EXPECT_TRUE(damage.joints.empty());
+  EXPECT_LT(damage.from[0], -1e9);
+  EXPECT_GT(damage.to[2], 1e9);
+  EXPECT_EQ(damage.crack_along, 0);
+  EXPECT_FALSE(damage.through_units || damage.xi);
+  EXPECT_EQ(damage.slip, 0.0);
+  EXPECT_EQ(damage.opening, 0.0);
+
+  for (const Stage& stage : s.stages) {
+    EXPECT_EQ(stage.gravity, (Vec3{0, 0, 0}));
+    EXPECT_EQ(stage.record_interval, 0);
+    EXPECT_FALSE(stage.duration);
+    EXPECT_TRUE(stage.law_swaps.empty());
+  }
+  const Stage &press = s.stages[0], &shear = s.stages[1];
+  EXPECT_EQ(press.ramp_time, 0.005);
+  EXPECT_EQ(press.equilibrium_ratio, 1e-3);
+  EXPECT_EQ(press.max_steps, 1000000);
+  EXPECT_EQ(shear.ramp_time, 0.05);
+  EXPECT_FALSE(shear.equilibrium_ratio);
+  EXPECT_EQ(shear.max_steps, std::numeric_limits<long>::max());
+  EXPECT_EQ(shear.monitor, "top_beam");
+  EXPECT_EQ(shear.direction, 0);
+  EXPECT_EQ(shear.name, "shear");
+
+  EXPECT_EQ(s.output.frames, 20);
+  EXPECT_TRUE(s.output.plots);
+  EXPECT_FALSE(s.output.energy || s.output.end_state);
+  EXPECT_EQ(s.start, "");
+}
+
+TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
+  const std::string scene = QUOIN_SCENES "/pavia_door.toml";
+  std::ifstream file(scene);
+  std::string text, line;
+  for (; std::getline(file, line); text += line + "\n") {
+    for (const char* key : {"zones", "beam_height", "beam_density", "rigid_beams", "gravity", "equilibrium_ratio"}) {
+      if (line.starts_with(key)) line.clear();
+    }
+  }
+  const Scene s = read_scene_text(text, scene, {});
+  EXPECT_EQ(s.building->zones, (std::array<int, 3>{4, 2, 2}));
+  EXPECT_EQ(s.building->beam_height, 0.1);
+  EXPECT_EQ(s.building->beam_density, 7850.0);
+  for (const BuildingSpec::Floor& floor : s.building->floors) EXPECT_TRUE(floor.rigid);
+  for (const Stage& stage : s.stages) EXPECT_EQ(stage.gravity, (Vec3{0, -9.81, 0})) << stage.name;
+}
+
+// Of 2 courses of 1.5 units: 3 half units.
+TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
+  const auto changed = [](int course, int half_unit) {
+    return std::string(kScene) +
+           fmt::format("[[wall.changed]]\ncourse = {}\nhalf_unit = {}\nmissing = true\n", course, half_unit);
+  };
+  EXPECT_EQ(read(changed(1, 2)).wall->changed.at(0).half_unit, 2);
+  EXPECT_THAT(message(changed(0, 3)),
+              AllOf(HasSubstr("wall.changed.1.half_unit = 3"), HasSubstr("an integer, 0 to 2")));
+  EXPECT_THAT(message(changed(2, 0)), AllOf(HasSubstr("wall.changed.1.course = 2"), HasSubstr("an integer, 0 to 1")));
+}
+
+TEST_F(ReadScene, CracksRunAlongXOrZ) {
+  const auto along = [&](const std::string& key) {
+    return read(std::string(kScene) + "[[damage]]\ncrack = [[0, 0], [0.1, 0.1]]\n" + key).damage.at(0).crack_along;
+  };
+  EXPECT_EQ(along("along = \"x\"\n"), 0);
+  EXPECT_EQ(along("along = \"z\"\n"), 2);
 }
 
 TEST_F(ReadScene, MissingKeysAndNames) {

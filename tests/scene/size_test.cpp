@@ -40,7 +40,43 @@ TEST(Size, OfBlocksFollowsTheirEdgesAndPoints) {
   EXPECT_GT(dense.points, 100 * arch.points);
   EXPECT_EQ(dense.blocks, arch.blocks);
   const SceneSize zoned = size_with("arch", {"arch.arch.rigid=false", "arch.arch.zone_edge=0.01"});
-  EXPECT_GT(zoned.zones, 1000);
+  // 157.5 degrees at 10.75 m in 7, 1.5 m, 1 m: 422, 150 and 100 hexahedra of 5 zones.
+  EXPECT_EQ(zoned.blocks, 7);
+  EXPECT_EQ(zoned.zones, 7.0 * 5 * 423 * 150 * 100);
+}
+
+// Hexahedra by hand: a dry wall of halves and whole units, blocks with extents given in each way.
+TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
+  const std::string begin =
+      "[materials.stone]\ndensity = 2000\nyoung_modulus = 1e10\npoisson_ratio = 0.2\n[joints.dry]\nlaw = "
+      "\"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 5e8\n";
+  const std::string end = "[[stage]]\nduration = 0.1\n";
+  const auto size = [&](const std::string& blocks) { return size_of(read_scene_text(begin + blocks + end, "s", {})); };
+  const auto expect = [](const SceneSize& s, double blocks, double zones, double points) {
+    EXPECT_EQ(s.blocks, blocks);
+    EXPECT_EQ(s.zones, zones);
+    EXPECT_EQ(s.points, points);
+  };
+  const auto faces = [](double x, double y, double z) {
+    return (x + 1) * (y + 1) + (y + 1) * (z + 1) + (z + 1) * (x + 1);
+  };
+  const std::string wall =
+      "[[dry_wall]]\nmaterial = \"stone\"\ncourses = 3\nunits_per_course = 4\nunit = [0.4, 0.2, 0.3]\n";
+  // A course of 4 units is cut into 5 at most.
+  expect(size(wall), 15, 0, 15 * 12);
+  expect(size(wall + "rigid = false\nzones = [2, 3, 4]\n"), 15, 15 * 5 * 4 * 3 * 4, 15 * faces(4, 3, 4));
+  expect(size(wall + "rigid = false\nzones = [2, 3, 4]\nmid_unit_joints = true\n"), 30, 30 * 5 * 2 * 3 * 4,
+         30 * faces(2, 3, 4));
+  expect(size(wall + "rigid = false\nzone_edge = 0.15\nmid_unit_joints = true\n"), 30, 30 * 5 * 2 * 2 * 2,
+         30 * faces(2, 2, 2));
+  const std::string block = "[[block]]\nmaterial = \"stone\"\n", soft = "rigid = false\n";
+  const std::string box = "box = { lower = [7, 8, 9], size = [0.6, 0.3, 0.2] }\n";
+  expect(size(block + box + soft + "zone_edge = 0.15\n"), 1, 5 * 4 * 2 * 2, faces(4, 2, 2));
+  expect(size(block + box + soft + "divisions = [3, 1, 2]\n"), 1, 5 * 3 * 1 * 2, faces(3, 1, 2));
+  expect(size(block + box + end + "[contact]\npoint_spacing = 0.2\n"), 1, 0, faces(3, 2, 1));
+  const std::string corners = "vertices = [[-0.2, 1, 0], [0.4, 1, 0], [-0.2, 1.3, 0], [-0.2, 1, 0.2]]\n";
+  expect(size(block + corners + soft + "zone_edge = 0.16\n"), 1, 5 * 4 * 2 * 2, faces(4, 2, 2));
+  expect(size(block + corners + soft + "tetrahedra = [[0, 1, 2, 3]]\n"), 1, 1, 4);
 }
 
 }  // namespace

@@ -52,5 +52,39 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   EXPECT_LE(furthest, 1.0 + 1e-12);
 }
 
+// Two neighbours alone, 4 mm apart: towards each other, past each other, turning the same way and against each other,
+// one round the other. Their way to each other follows from both motions, whose parts may cancel: the last two blocks
+// turn as one body until, each flying straight on, they are apart by what turns of second order.
+TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
+  const struct {
+    Vector va, wa, vb, wb;
+  } motions[] = {{{0, 0.5, 0}, {}, {0, -0.5, 0}, {}},
+                 {{0.5, 0, 0}, {}, {-0.5, 0, 0}, {}},
+                 {{0, -0.5, 0}, {}, {0, 0.5, 0}, {}},
+                 {{}, {0, 0, 5}, {}, {0, 0, -5}},
+                 {{}, {0, 5, 0}, {}, {0, -5, 0}},
+                 {{}, {0, 0, 5}, {-0.52, 0, 0}, {}},
+                 {{}, {0, 0, 5}, {0.52, 0, 0}, {}},
+                 {{0.5, 0.5, 0}, {}, {0.5, 0.4, 0}, {0, 0, 3}},
+                 {{0.26, 0, 0}, {0, 0, 5}, {-0.26, 0, 0}, {0, 0, 5}}};
+  for (const auto& motion : motions) {
+    Scene scene(dry_joint(2e9, 1e9, 33));
+    const int a = scene.brick({0, 0, 0}, {0.2, 0.1, 0.2}), b = scene.brick({0, 0.104, 0}, {0.2, 0.1, 0.2});
+    Watched m(scene.assembly, viscous(0, 4e-5));
+    m.run_steps(1);
+    m.set_velocity(a, motion.va, motion.wa);
+    m.set_velocity(b, motion.vb, motion.wb);
+    double furthest = 0.0;
+    int looks = 0, steps = 0;
+    for (; m.time() < 0.05; ++steps) {
+      looks += m.looks_at_motion();
+      m.step();
+      furthest = std::max(furthest, m.furthest());
+    }
+    EXPECT_LT(looks, 0.7 * steps) << "looked at all the time: nothing is tested";
+    EXPECT_LE(furthest, 1.0 + 1e-12) << motion.va.x << ' ' << motion.va.y << ' ' << motion.wa.y << ' ' << motion.wa.z;
+  }
+}
+
 }  // namespace
 }  // namespace quoin::verification

@@ -177,6 +177,36 @@ TEST(Bouncing, HeightAndContactTime) {
   }
 }
 
+// A spike so steep that no face of it overlaps the floor: its tip alone bears, at 5 m, with the area of a corner, a
+// third of the surface over the corners. It sinks in by x with m g (h + x) = k x^2/2, and some of a step of contact
+// search more; then it flies back.
+TEST(Bouncing, ATipBetweenSteepFacesBears) {
+  Scene scene(dry_joint(1e7, 1e7, 30));
+  scene.brick({-1, 4, -1}, {2, 1, 2}, true);
+  const double drop = 0.05, wide = 0.02, tall = 1.0;  // m; faces 1.1 degrees from upright
+  std::vector<Vector> corners{{0.3, 5 + drop, 0.2}};
+  for (const auto& [x, z] : {std::pair{-wide, -wide}, {wide, -wide}, {wide, wide}, {-wide, wide}})
+    corners.push_back({0.3 + x, 5 + drop + tall, 0.2 + z});
+  const int b = scene.block(geometry::from_vertices(corners, "spike"));
+  auto m = scene.model(undamped(0.1));
+  m->set_gravity({0, -gravity, 0});
+  const double start = m->position(b).y;
+  double lowest = 0.0, most = 0.0, highest = -drop;
+  while (m->time() < 0.2) {
+    m->step();
+    const double way = m->position(b).y - start;
+    most = std::max(most, m->contact_force(b).y);
+    highest = way > lowest ? std::max(highest, way) : -drop;
+    lowest = std::min(lowest, way);
+  }
+  const double surface = 4 * wide * wide + 4 * wide * std::hypot(tall, wide), k = 1e7 * surface / (3 * 5),
+               weight = 2000 * 4 * wide * wide * tall / 3 * gravity;
+  const double sinks = (weight + std::sqrt(weight * weight + 2 * k * weight * drop)) / k;
+  check("spike on its tip: sinks in by", sinks, -lowest - drop, 0.05, "m", "energy of a spring");
+  check("spike on its tip: largest force", k * sinks, most, 0.05, "N", "energy of a spring");
+  check_error("spike on its tip: height not regained, relative", -highest / drop, 0.05, "-");
+}
+
 // A tower of ten blocks comes to rest: each joint carries the weight above it.
 TEST(Stacking, JointForcesAreWeightsAbove) {
   Scene scene(dry_joint(1e10, 5e9, 35));

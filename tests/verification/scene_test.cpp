@@ -267,7 +267,15 @@ TEST(BlockScenes, ModelsStartSomewhere) {
                  a.materials[0].density = 1.7e308, a.shapes[0] = geometry::box({}, {9, 9, 9});
                }),
                {"block #0 'here'", "mass inf kg"});
+  expect_words(refused([](blocks::Assembly& a) { a.materials[0].density = 0.0; }), {"density 0 kg/m3", "must be > 0"});
   EXPECT_EQ(refused([](blocks::Assembly&) {}), "no failure");
+  blocks::Model m(blocks::assemble(scene), scene.solver);
+  for (const int face : {-1, 6}) {
+    blocks::Pressure pressure;
+    pressure.block = 1, pressure.face = face;
+    expect_words(failure([&] { m.add(pressure); }, Exit::bad_input),
+                 {"block #1 'there'", "does not exist; there are faces 0 to 5"});
+  }
 }
 
 TEST(BlockScenes, ALoadOnOneOfTwoBlocksOfTheSameNameIsRefused) {

@@ -1,0 +1,18 @@
+// Durations for people: digits that they can use, in the unit that they would take.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+
+namespace quoin {
+
+// "0.25 s", "7.5 s", "95 s", "12 min", "3.4 h", "5.1 days".
+inline std::string duration_text(double seconds) {
+  constexpr double kMinute = 60.0, kHour = 3600.0, kDay = 86400.0;
+  if (seconds < 2 * kMinute) return fmt::format("{:.{}f} s", seconds, seconds < 1.0 ? 2 : seconds < 10.0 ? 1 : 0);
+  if (seconds < 2 * kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+  return seconds < 2 * kDay ? fmt::format("{:.1f} h", seconds / kHour) : fmt::format("{:.1f} days", seconds / kDay);
+}
+
+}  // namespace quoin
