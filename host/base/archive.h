@@ -52,7 +52,14 @@ struct ArchiveReader {
   template <class T>
   void value(T& x) {
     static_assert(std::is_trivially_copyable_v<T>);
-    take(&x, sizeof x);
+    if constexpr (std::is_same_v<T, bool>) {
+      std::uint8_t byte = 0;
+      take(&byte, sizeof byte);
+      if (byte > 1) throw Error(Exit::bad_input, "checkpoint: a flag is neither true nor false");
+      x = byte == 1;
+    } else {
+      take(&x, sizeof x);
+    }
   }
   template <class Array>
   void array(Array& x) {

@@ -118,15 +118,32 @@ void print_scatter(const JointFamily& family, const std::vector<PropertyColumn>&
     fmt::print("    {:.1f} % of the joints without mortar, at random\n", 100 * family.missing_mortar);
 }
 
+// One family of joints: its law, and what of it scatters. Stiffness: upper bounds, Pa/m.
+void print_family(const JointFamily& family, const Material& material, long points, double normal_stiffness,
+                  double shear_stiffness, const std::vector<PropertyColumn>& columns) {
+  fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
+             material.api().id, law_text(material.api().version), points, normal_stiffness, shear_stiffness);
+  if (!material.warnings().empty()) fmt::print("    warning: {}\n", material.warnings());
+  print_scatter(family, columns);
+}
+
+void print_notes(const TimeStepReport& report) {
+  if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
+  if (report.added_mass != 0.0)
+    fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
+               100 * report.added_mass / report.model_mass);
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
-  const auto& assembly = simulation.riding()->assembly();
-  for (std::size_t f = 0; f < assembly.families.size(); ++f)
-    print_scatter(assembly.families[f], simulation.riding()->families()[f].columns);
+  const auto& families = simulation.riding()->families();
+  for (std::size_t f = 0; f < families.size(); ++f)
+    print_family(simulation.riding()->assembly().families[f], *families[f].material,
+                 static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
   const auto count_of = [&](Kind kind) { return simulation.riding()->count_of(kind); };
@@ -138,6 +155,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
+  print_notes(step);
   print_time(simulation, print_stages(scene, step.time_step), options.force);
 }
 
@@ -157,12 +175,10 @@ void check(const SceneOptions& options) {
   fmt::print("  blocks {}  beams {}  zones {}  contact points {}  joints {}  mass {:.4g} kg\n",
              static_cast<long>(bricks.size()) - beams, beams, model.zone_count(), model.point_count,
              model.assembly.joints.size(), report.model_mass);
-  for (const ContactFamily& family : model.families) {
-    fmt::print("  joints.{:<10} law {} {}, {} contact points, stiffness at most {:.4g} and {:.4g} Pa/m\n", family.name,
-               family.material->api().id, law_text(family.material->api().version), family.point_count,
-               family.normal_stiffness, family.shear_stiffness);
-    if (!family.material->warnings().empty()) fmt::print("    warning: {}\n", family.material->warnings());
-    print_scatter(model.assembly.families[static_cast<std::size_t>(&family - model.families.data())], family.columns);
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    print_family(model.assembly.families[f], *family.material, family.point_count, family.normal_stiffness,
+                 family.shear_stiffness, family.columns);
   }
   if (!model.assembly.apart.empty()) fmt::print("  {} joints without mortar\n", model.assembly.apart.size());
   print_memory(scene_size);
@@ -173,10 +189,7 @@ void check(const SceneOptions& options) {
   print_limit("nodal 2 sqrt(m/k), eq. 3 (not safe)", report.nodal, report);
   fmt::print("  {:<44} {:.4g} s  ({:.2f} of 2/omega_max)\n", "in use", report.time_step,
              report.time_step / report.critical.value);
-  if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
-  if (report.added_mass != 0.0)
-    fmt::print("  inertia added by scaling {:.4g} kg, {:.1f} % of the model\n", report.added_mass,
-               100 * report.added_mass / report.model_mass);
+  print_notes(report);
   Simulation simulation(scene, 0);
   print_time(simulation, print_stages(scene, report.time_step), options.force);
 }

@@ -156,6 +156,12 @@ class Recorder : public Observer {
     try {
       write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), simulation.save()});
     } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
+      std::error_code unknown;
+      if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)
+        throw Error(Exit::bad_input,
+                    fmt::format("{}: the folder has gone, and with it what was computed: nothing can be kept, so the "
+                                "run ends here; run it again, with --out where nobody removes it",
+                                folder.string()));
       progress_.message(fmt::format("quoin: warning: no checkpoint: {}", error.what()));
     }
     clock_.taken();

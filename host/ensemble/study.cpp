@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <sstream>
 
 #include "base/input_file.h"
 #include "random/correlation.h"
+#include "scene/inline_toml.h"
 #include "scene/read_scatter.h"
 
 namespace quoin::ensemble {
@@ -14,19 +14,6 @@ namespace quoin::ensemble {
 using namespace reader;
 
 namespace {
-
-// A node as one value of TOML.
-std::string value_text(const toml::node& node) {
-  toml::table holder;
-  node.visit([&](const auto& n) {
-    holder.insert("value", n);
-    if constexpr (toml::is_table<decltype(n)>) holder.get_as<toml::table>("value")->is_inline(true);
-  });
-  std::ostringstream out;
-  out << toml::toml_formatter(holder, toml::format_flags::none);
-  const std::string text = out.str();
-  return text.substr(text.find('=') + 1);
-}
 
 // Every leaf of the tables below [set] as one --set.
 void add_overrides(Context& context, const toml::table& table, const std::string& path, Study& study) {
@@ -36,7 +23,7 @@ void add_overrides(Context& context, const toml::table& table, const std::string
     if (below && !below->contains("distribution"))
       add_overrides(context, *below, name, study);
     else
-      study.overrides.push_back(name + "=" + value_text(node));
+      study.overrides.push_back(name + "=" + inline_toml(node));
     if (!below || !below->contains("distribution")) continue;
     const Scatter scatter = read_scatter(Table(context, *below, "set." + name));
     study.scattered.push_back({name, name, scatter.distribution});

@@ -27,8 +27,10 @@ quoin::Scene scene_of(const py::object& document, const std::string& path) {
   quoin::SceneOptions options;
   options.scene = path;
   if (document.is_none()) return quoin::prepare_scene(options);
-  return quoin::prepare_scene(quoin::reader::read_scene(quoin::python::table_of(document.cast<py::dict>()), path),
-                              options);
+  const toml::table table = quoin::python::table_of(document.cast<py::dict>());
+  quoin::Scene scene = quoin::reader::read_scene(table, path);
+  scene.text = quoin::python::text_of(table);
+  return quoin::prepare_scene(std::move(scene), options);
 }
 
 py::dict dict_of(const quoin::LawSwap& swap) {

@@ -74,7 +74,7 @@ void write_section(const fs::path& root, const Study& study, const Quality& qual
                                 escaped(study.title), escaped(study.figures));
   out += fmt::format("<p class=\"claim\"><b>{}:</b> {}</p>\n", study.beyond ? "Asked" : "The paper says",
                      escaped(study.claim));
-  out += fmt::format("<p class=\"small\">Quality {}: {:g} mm/s for a wall of 1 m; expected error of peaks {}.</p>\n",
+  out += fmt::format("<p class=\"small\">Quality {}: {:g} mm/s for a wall of 1 m; expected error {}.</p>\n",
                      quality.name, quality.velocity * 1e3, escaped(quality.error));
   for (const Verdict& v : report.verdicts)
     out += fmt::format("<p><span class=\"{}\">{}</span> {}: {}</p>\n", v.reproduced ? "yes" : "no",
@@ -99,6 +99,7 @@ void write_section(const fs::path& root, const Study& study, const Quality& qual
   }
   out += list("What agrees", report.agrees);
   out += list("What does not, and why", report.differs);
+  out += list("Seen by people in runs of standard quality, November 2026", report.seen);
   out += list("Notes", report.notes);
   out += list("Not done", report.notices);
   write_file(root / study.id / "section.html", out);

@@ -145,7 +145,7 @@ StudyReport report_cyclic(const Findings& findings) {
   }
   report.tables.push_back(std::move(table));
   write_file(findings.folder() / "curves.csv", curves_csv(curves));
-  report.agrees = {
+  report.notes = {
       "What the law can do: unload tension along the secant, close again with full stiffness, keep damage and crushing "
       "in both directions, and lose work by friction: "
       "loops, falling strength from cycle to cycle, and the rising of a wall whose height is held."};

@@ -73,6 +73,7 @@ struct StudyReport {
   std::vector<Picture> pictures;
   std::vector<Table> tables;
   std::vector<std::string> agrees, differs, notes;
+  std::vector<std::string> seen;     // by people, in pictures and curves of runs of standard quality: nothing computed
   std::vector<std::string> notices;  // pictures that could not be drawn, runs that failed
 };
 
@@ -142,6 +143,9 @@ std::vector<RunSpec> cyclic_building_runs(const Quality&);
 StudyReport report_cyclic_building(const Findings&);
 std::vector<RunSpec> restrained_runs(const Quality&);
 StudyReport report_restrained(const Findings&);
+
+// That every verdict so far came out as the paper's, or as the test's.
+bool all_reproduced(const StudyReport& report);
 
 // A run of one of the single walls at the quality.
 RunSpec shear_run(const Quality& quality, const std::string& name, const std::string& scene,

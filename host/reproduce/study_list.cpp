@@ -97,6 +97,10 @@ const char* kind_tag(Kind kind) {
   return tags[static_cast<std::size_t>(kind)];
 }
 
+bool all_reproduced(const StudyReport& report) {
+  return std::all_of(report.verdicts.begin(), report.verdicts.end(), [](const Verdict& v) { return v.reproduced; });
+}
+
 const char* kind_word(Kind kind) {
   static constexpr const char* words[] = {"printed", "derived", "seen", "recalled"};
   return words[static_cast<std::size_t>(kind)];

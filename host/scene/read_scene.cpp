@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "base/error.h"
@@ -562,8 +561,6 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
-  std::ostringstream written;
-  written << root;
   for (const std::string& setting : overrides) apply_override(root, setting, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
@@ -571,7 +568,6 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
 
   Scene scene;
   scene.file = path;
-  scene.text = written.str();
   Table t(context, root, "");
   t.text("title", scene.title, "text");
   const Quality* quality = of_blocks ? nullptr : &quality_named("standard");

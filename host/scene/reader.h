@@ -9,12 +9,12 @@
 #include <cmath>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "scene/inline_toml.h"
 #include "scene/quality.h"
 #include "scene/read_scene.h"
 #include "scene/scene.h"
@@ -42,21 +42,7 @@ inline constexpr Range kAny{}, kPositive{0.0, HUGE_VAL, true}, kNotNegative{0.0,
 inline Range between(double lower, double upper) { return {lower, upper, false}; }
 inline Range above_to(double lower, double upper) { return {lower, upper, true}; }
 
-inline std::string text_of(const toml::node& node) {
-  std::ostringstream out;
-  node.visit([&](const auto& n) {
-    if constexpr (toml::is_table<decltype(n)>)
-      out << "a table";
-    else
-      out << n;
-  });
-  // Lists come on several lines, but a fault has one.
-  std::string text;
-  for (const char c : out.str()) {
-    if (c != '\n' && !(c == ' ' && text.ends_with(' '))) text += c;
-  }
-  return text;
-}
+inline std::string text_of(const toml::node& node) { return node.is_table() ? "a table" : inline_toml(node); }
 
 inline const char* type_name(const toml::node& node) {
   switch (node.type()) {
@@ -306,6 +292,7 @@ void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 // path: what messages call the text. Throws Error(bad_input): it is not TOML.
 toml::table parse(const std::string& text, const std::string& path);
 // The scene that these tables are. path: what messages call them, and from whose folder the files that they name count.
+// scene.text is left to whoever knows what was read.
 Scene read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides = {});
 // Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.
 void apply_override(toml::table& root, const std::string& setting, Context& context);

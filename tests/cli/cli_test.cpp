@@ -497,7 +497,7 @@ TEST_F(Cli, OtherLawLeavesOutWhatItDoesNotHave) {
 
 TEST_F(Cli, InterruptKeepsWhatWasComputed) {
   const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                             "stage.shear.velocity=1e-4", "--set", "output.plots=false"});
+                             "stage.shear.velocity=1e-6", "--set", "output.plots=false"});
   for (int i = 0; i < 600 && read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::this_thread::sleep_for(std::chrono::milliseconds(200));

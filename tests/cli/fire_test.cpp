@@ -49,7 +49,7 @@ class Fire : public Cli {
   // A run that would take minutes, at work in its last stage.
   pid_t start_long(const std::function<void()>& before = {}) {
     const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                               "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                               "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                               -1, [before] {
                                 in_time(120);
                                 if (before) before();
@@ -272,7 +272,7 @@ TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
   int ends[2];
   ASSERT_EQ(pipe(ends), 0);
   const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                             "stage.shear.velocity=1e-5", "--set", "output.plots=false"},
+                             "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                             ends[1], [&] {
                               in_time(120);
                               close(ends[0]);
@@ -285,8 +285,10 @@ TEST_F(Fire, AReaderThatLeavesStopsTheRunAsCtrlCDoes) {
   EXPECT_TRUE(summary()["interrupted"]);
 }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which want to be the first library
 TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
+#ifdef QUOIN_SANITIZED
+  GTEST_SKIP() << "a sanitizer wants to be the first library";
+#endif
   EXPECT_EQ(quoin({"run", small_, "--out", out(), "--threads", "600", "--set", "stage.2.displacement=1e-6", "--set",
                    "output.frames=0"},
                   [] {
@@ -299,7 +301,6 @@ TEST_F(Fire, ThreadsThatDoNotStartAreToldAndDoneWithout) {
   EXPECT_EQ(summary()["threads"], 3);
   EXPECT_TRUE(fs::exists(out() + "/plots/curve.gp")) << "written without a thread of its own";
 }
-#endif
 
 // Every law that ends the program is named, and the end does not look like success.
 TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
@@ -310,6 +311,7 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
       const rlimit none{0, 0};
       setrlimit(RLIMIT_CORE, &none);
       setenv("QUOIN_BAD_LAW", what, 1);
+      setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // a sanitizer would tell of the crash in our place
     };
   };
   for (const auto& [what, words] : {std::pair{"crash", "crashed (SIGSEGV)"},
@@ -350,7 +352,7 @@ TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
                                     {"exit at load", "bad_law +cannot be used: it ends the program"},
                                     {"wait at load", "bad_law +cannot be used: it was not loaded within 10 s"}}) {
     EXPECT_EQ(quoin({"models"},
-                    [&] {
+                    [&, what = what] {  // clang 14 captures no structured binding by itself
                       in_time();
                       setenv("QUOIN_LAW_PATH", laws.c_str(), 1);
                       setenv("QUOIN_BAD_LAW", what, 1);
@@ -373,7 +375,7 @@ TEST_F(Fire, LawsMayBeOverwrittenWhileTheyRun) {
   ASSERT_EQ(quoin(short_run(small_, {"--law", law.string()})), 0) << error_;
   const std::string undisturbed = read_all(out() + "/history.csv");
   const pid_t child = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--law", law.string(),
-                             "--set", "stage.2.displacement=0.5", "--set", "output.plots=false"},
+                             "--set", "stage.shear.velocity=1e-6", "--set", "output.plots=false"},
                             -1, [] { in_time(120); });
   while (read_all(folder_ / "stderr").find("2/2 shear") == std::string::npos && waitpid(child, nullptr, WNOHANG) == 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -412,7 +414,7 @@ duration = 1
       setrlimit(RLIMIT_AS, &limit);
     };
   };
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef QUOIN_SANITIZED
   GTEST_SKIP() << "sanitizers take all addresses";
 #endif
   for (const std::vector<std::string>& words :

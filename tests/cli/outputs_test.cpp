@@ -173,7 +173,7 @@ TEST_F(Outputs, RefusesAFolderWithOtherThingsOfThoseNames) {
 
 TEST_F(Outputs, TwoRunsDoNotShareAFolder) {
   const pid_t first = start({QUOIN_PROGRAM, "run", small_, "--out", out(), "--threads", "1", "--set",
-                             "stage.shear.velocity=1e-4", "--set", "output.plots=false", "--set", "output.frames=0"});
+                             "stage.shear.velocity=1e-6", "--set", "output.plots=false", "--set", "output.frames=0"});
   const auto begun = [&] { return fs::exists(out() + "/.quoin-manifest"); };
   for (int i = 0; i < 1200 && !begun(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   std::this_thread::sleep_for(std::chrono::milliseconds(200));

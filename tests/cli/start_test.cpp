@@ -64,11 +64,12 @@ TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
 }
 
 TEST_F(Start, KilledRunsGoOn) {
-  ASSERT_EQ(run(second_, "second"), 0) << error_;
+  const std::vector<std::string> slowly{"--set", "stage.shear.velocity=0.002"};  // long enough to be killed within
+  ASSERT_EQ(run(second_, "second", slowly), 0) << error_;
   // Before the first checkpoint, and after it.
   for (const char* every : {"0", "0.005"}) {
     fs::remove_all(folder_ / "killed");
-    const pid_t child = start(words(second_, "killed", {"--checkpoint-every", every}));
+    const pid_t child = start(words(second_, "killed", {slowly[0], slowly[1], "--checkpoint-every", every}));
     const fs::path sign = folder_ / "killed" / (every[1] ? "checkpoint.bin" : "run.json");
     while (!fs::exists(sign) && waitpid(child, nullptr, WNOHANG) == 0)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -50,8 +50,8 @@ Real Joint::area(Real from, Real to) const {
   if (shape == Shape::exponential) return std::exp(-from) * -std::expm1(from - to);
   Real sum = 0;
   for (std::size_t k = 1; k < table.size(); ++k) {
-    const auto [x0, f0] = table[k - 1];
-    const auto [x1, f1] = table[k];
+    // Named one by one: clang 14 captures no structured binding.
+    const Real x0 = table[k - 1].first, f0 = table[k - 1].second, x1 = table[k].first, f1 = table[k].second;
     const Real a = std::max(from, x0), b = std::min(to, x1);
     const auto line = [&](Real x) { return f0 + (f1 - f0) * (x - x0) / (x1 - x0); };
     if (a < b) sum += (b - a) * (line(a) + line(b)) / 2;

@@ -346,8 +346,8 @@ TEST_F(Ensemble, ThirtyTwoProcessesShareAFolder) {
 }
 
 TEST_F(Ensemble, DiesAsAWholeAndGoesOnToTheSameTable) {
-  ASSERT_EQ(ensemble("whole", {"--samples", "30", "--jobs", "2"}), 0) << error_;
-  const pid_t driver = start(words("killed", {"--samples", "30", "--jobs", "2"}));
+  ASSERT_EQ(ensemble("whole", {"--samples", "60", "--jobs", "2"}), 0) << error_;
+  const pid_t driver = start(words("killed", {"--samples", "60", "--jobs", "2"}));
   wait_until_finished("killed", 5);
   kill(driver, SIGKILL);
   EXPECT_EQ(finish(driver), 128 + SIGKILL);
@@ -356,10 +356,10 @@ TEST_F(Ensemble, DiesAsAWholeAndGoesOnToTheSameTable) {
   EXPECT_TRUE(processes("killed").empty());  // its workers have died with it
   const int kept = finished("killed");
   EXPECT_GE(kept, 5);
-  EXPECT_LT(kept, 31);
+  EXPECT_LT(kept, 61);
 
   // Then one worker; the driver sees to its sample.
-  const pid_t second = start(words("killed", {"--samples", "30", "--jobs", "1"}));
+  const pid_t second = start(words("killed", {"--samples", "60", "--jobs", "1"}));
   bool killed = false;
   for (int i = 0; i < 1000 && !killed; ++i) {
     for (const pid_t process : processes("killed"))

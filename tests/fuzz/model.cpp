@@ -51,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Peak peak;
     Simulation simulation(std::move(scene), 1);
     simulation.advance(2);
-#if !defined(__SANITIZE_ADDRESS__)
+#ifndef QUOIN_SANITIZED
     if (peak.grown() > 2.0 * bytes + kOfAProgram) {
       std::fprintf(stderr, "%g bytes were told, %g were taken\n", bytes, peak.grown());
       std::abort();

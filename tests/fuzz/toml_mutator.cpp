@@ -4,10 +4,9 @@
 #include <cstring>
 #include <limits>
 #include <random>
-#include <sstream>
 #include <vector>
 
-#include "scene/toml.h"
+#include "scene/inline_toml.h"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
@@ -151,9 +150,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
     else
       change_list(random, *lists[at - tables.size()]);
   }
-  std::ostringstream text;
-  text << all;
-  const std::string bytes = text.str();
+  const std::string bytes = quoin::toml_lines(all);
   const std::size_t length = std::min(bytes.size(), most);
   std::memcpy(data, bytes.data(), length);
   return length;

@@ -101,7 +101,8 @@ TEST_F(Reproduce, TextIsNeitherMarkupNorCommand) {
   const std::string hostile =
       "<script>alert('x')</script> \"onload=\"x\" & `touch " + (folder_ / "canary").string() + "`";
   StudyReport report;
-  for (auto* list : {&report.agrees, &report.differs, &report.notes, &report.notices}) list->push_back(hostile);
+  for (auto* list : {&report.agrees, &report.differs, &report.seen, &report.notes, &report.notices})
+    list->push_back(hostile);
   report.verdicts.push_back({hostile, 1.0, 2.0, hostile, Kind::printed, false, hostile});
   report.tables.push_back({hostile, {hostile}, {{hostile}}});
   const Study study{"law", hostile, hostile, hostile, nullptr, nullptr};
