@@ -110,13 +110,18 @@ std::string ranks_text(const std::vector<RankTraffic>& ranks) {
   }
   const RankTraffic& first = ranks.front();
   const double steps = std::max(1.0, first.steps), count = static_cast<double>(ranks.size());
+  const std::string divided =
+      first.divided_anew > 0.0
+          ? fmt::format("; divided anew {:.0f} times by measured cost, most / mean of it {:.2f} before, {:.2f} at last",
+                        first.divided_anew, first.uneven_before, first.uneven)
+          : "";
   return fmt::format(
       "ranks: {}; at most {:.2f} kB in {:.3g} messages a rank and step; waiting {:.1f} %, gathering {:.1f} % ({:.0f} "
-      "times {:.3g} MB); at most {:.3g} times the mean of blocks, {:.0f} % of contact points on borders",
+      "times {:.3g} MB); at most {:.3g} times the mean of blocks, {:.0f} % of contact points on borders{}",
       ranks.size(), most.halo_bytes / steps / 1e3, most.halo_messages / steps,
       100.0 * sum.waiting_seconds / sum.step_seconds, 100.0 * sum.gathering_seconds / sum.step_seconds, first.gathers,
       first.gathers > 0.0 ? first.gathered_bytes / first.gathers / 1e6 : 0.0, count * most.blocks / sum.blocks,
-      100.0 * sum.shared_points / sum.points);
+      100.0 * sum.shared_points / sum.points, divided);
 }
 
 }  // namespace quoin

@@ -68,8 +68,9 @@ bool is_done(const fs::path& folder) {
 bool is_kept(const std::string& name, std::size_t frames) {
   if (name == kRecord || name == "checkpoint.bin") return true;
   for (std::size_t i = 0; i < frames; ++i) {
-    for (const char* kind : {"blocks_{:04}.vtu", "joints_{:04}.vtu"}) {
-      if (name == fmt::format(fmt::runtime(kind), i)) return true;
+    for (const char* kind : {"blocks", "joints"}) {
+      const std::string frame = fmt::format("{}_{:04}", kind, i);
+      if (name == frame + ".vtu" || name == frame + ".pvtu" || name.starts_with(frame + "_r")) return true;
     }
   }
   return false;

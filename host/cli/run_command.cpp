@@ -114,11 +114,11 @@ class Recorder : public Observer {
  public:
   // before: what the run that goes on has recorded.
   Recorder(const fs::path& folder, const Scene& scene, Surfaces& surfaces, Identity identity, double checkpoint_every,
-           const Checkpoint& before, bool compressed)
+           const Checkpoint& before, bool compressed, Pieces pieces)
       : scene_(scene),
         surfaces_(surfaces),
         history_(folder / "history.csv", scene, before.rows),
-        frames_(folder, surfaces, before.frame_times, compressed),
+        frames_(folder, surfaces, before.frame_times, compressed, pieces),
         checkpoint_(folder / "checkpoint.bin"),
         identity_(std::move(identity)),
         clock_(checkpoint_every) {}
@@ -172,7 +172,7 @@ class Recorder : public Observer {
   void on_frame(const Simulation& simulation, int, int) override {
     if (frames_fault_) return;
     try {
-      frames_.add_frame(simulation);
+      frames_.add_piece(simulation);
     } catch (const Error& error) {  // the run goes on without
       frames_fault_ = error;
       progress_.message(fmt::format("quoin: warning: no more frames for ParaView: {}", error.what()));
@@ -277,18 +277,67 @@ int threads_of(const RunOptions& options, const Ranks* ranks) {
   return std::max(1, ranks ? here / ranks->count_on_this_machine() : here);
 }
 
-// The checkpoint that rank 0 goes on from, at all others; empty: none.
-void share_state(Ranks& ranks, std::vector<std::uint8_t>& state) {
-  std::uint64_t size = state.size();
+// Of rank 0, to all others. Bytes: a vector of them, or text.
+template <class Bytes>
+void share_bytes(Ranks& ranks, Bytes& bytes) {
+  std::uint64_t size = bytes.size();
   ranks.share(std::as_writable_bytes(std::span(&size, 1)));
-  state.resize(size);
-  ranks.share(std::as_writable_bytes(std::span(state)));
+  bytes.resize(size);
+  ranks.share(std::as_writable_bytes(std::span(bytes)));
 }
 
-// All that the ranks beside rank 0 do: it alone speaks and writes.
-struct Follower : Observer {
-  bool wants_pause(bool) override { return false; }
+// What the others need to write files of their own into the folder of results: where it is, and the token of its
+// manifest; the frames that are there.
+struct SharedFolder {
+  std::string path, token;
+  std::vector<double> frame_times;
 };
+
+void share(Ranks& ranks, SharedFolder& folder) {
+  share_bytes(ranks, folder.path), share_bytes(ranks, folder.token), share_bytes(ranks, folder.frame_times);
+}
+
+// All that the ranks beside rank 0 do, which alone speaks and writes: all but their pieces of frames.
+class Follower : public Observer {
+ public:
+  Follower(const Simulation& simulation, const SharedFolder& folder, bool compressed, Pieces pieces) {
+    if (pieces.count <= 1) return;
+    surfaces_.emplace(simulation);
+    frames_.emplace(folder.path, *surfaces_, folder.frame_times, compressed, pieces);
+  }
+  bool wants_pause(bool) override { return false; }
+  void on_promotion(const Simulation& simulation) override {
+    if (frames_) *surfaces_ = Surfaces(simulation);
+  }
+  void on_frame(const Simulation& simulation, int, int) override {
+    if (!frames_ || fault_) return;
+    try {
+      frames_->add_piece(simulation);
+    } catch (const Error& error) {  // the run goes on without
+      fault_ = error;
+    }
+  }
+  const std::optional<Error>& fault() const { return fault_; }
+
+ private:
+  std::optional<Surfaces> surfaces_;
+  std::optional<VtkSeries> frames_;
+  std::optional<Error> fault_;
+};
+
+// Of frames; one process alone writes all of them.
+Pieces pieces_of(const Scene& scene, const Ranks* ranks) {
+  if (!ranks || !scene.output.pieces || scene.output.frames == 0) return {};
+  return {ranks->rank(), ranks->count()};
+}
+
+Scene scene_of(RunOptions* options, const Ranks* ranks) {
+  if (ranks) options->scene.processes_here = ranks->count_on_this_machine();
+  Scene scene = prepare_scene(options->scene);
+  if (options->report && pieces_of(scene, ranks).count > 1)
+    throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");
+  return scene;
+}
 
 void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   if (!options.resume.empty()) {
@@ -296,11 +345,16 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     options.scene = read_run_record(options.resume);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
-  options.scene.processes_here = ranks.count_on_this_machine();
-  Simulation simulation(prepare_scene(options.scene), threads_of(options, &ranks));
+  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks));
   simulation.use(&ranks);
   std::vector<std::uint8_t> state;
-  share_state(ranks, state);
+  share_bytes(ranks, state);
+  const Pieces pieces = pieces_of(simulation.scene(), &ranks);
+  SharedFolder folder;
+  if (pieces.count > 1) {
+    share(ranks, folder);
+    use_part_token(folder.token);
+  }
   if (state.empty()) {
     take_start(&simulation);
   } else {
@@ -313,14 +367,21 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     _exit(static_cast<int>(Exit::numerical));
   });
   const StopOnSignal guard(simulation);
-  Follower follower;
+  Follower follower(simulation, folder, options.compressed, pieces);
+  const auto tell = [&](const std::string& text) {
+    notices_wanted = true;
+    notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
+  };
   try {
     simulation.run(follower);
+    if (follower.fault()) {
+      exit_code = static_cast<int>(follower.fault()->exit_code);
+      tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
+    }
   } catch (const Error& error) {
     exit_code = static_cast<int>(error.exit_code);
     if (simulation.ranks_together()) return;
-    notices_wanted = true;
-    notice(fmt::format("quoin: rank {}: {}", ranks.rank(), error.what()));
+    tell(error.what());
     ranks.abort(exit_code);
   }
 }
@@ -346,8 +407,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     options.scene = options_of(*there);
     options.scene.force = force;
   }
-  if (ranks) options.scene.processes_here = ranks->count_on_this_machine();
-  Scene scene = prepare_scene(options.scene);
+  Scene scene = scene_of(&options, ranks);
   keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
@@ -365,8 +425,13 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   } else {
     take_start(&simulation);
   }
-  if (ranks) share_state(*ranks, before.state);
+  if (ranks) share_bytes(*ranks, before.state);
   before.state = {};
+  const Pieces pieces = pieces_of(simulation.scene(), ranks);
+  if (pieces.count > 1) {
+    SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};
+    share(*ranks, shared);
+  }
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
   const ResultFolder own(folder, lock, [&](const std::string& name) {
     return lock != nullptr && is_kept(name, before.frame_times.size());
@@ -380,7 +445,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
                 fmt::format("the results with output.frames = {}", output.frames));
   Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before,
-                    options.compressed);
+                    options.compressed, pieces);
   const TimeStepReport& step = simulation.time_step_report();
   recorder.progress().message(fmt::format(
       "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {}{} "
@@ -389,6 +454,8 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
       step.time_step, step.time_step / step.critical.value, ranks ? fmt::format("{} ranks of ", ranks->count()) : "",
       simulation.thread_count(), simulation.instruction_set()));
 
+  if (output.pieces && output.frames > 0 && pieces.count <= 1)
+    recorder.progress().message("output.pieces: without effect in one process, which writes each frame as one file");
   if (simulation.thread_count() < wanted)
     recorder.progress().message(fmt::format(
         "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",

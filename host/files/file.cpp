@@ -22,11 +22,18 @@ void make_folder(const std::filesystem::path& folder) {
                                              folder.string(), error ? error.message() : "a file is in the way"));
 }
 
-const std::string& part_token() {
+namespace {
+
+std::string& own_token() {
   // Random, as two computers or containers that share a folder may have the same process number.
-  static const std::string token = fmt::format("{:08x}", std::random_device{}());
+  static std::string token = fmt::format("{:08x}", std::random_device{}());
   return token;
 }
+
+}  // namespace
+
+const std::string& part_token() { return own_token(); }
+void use_part_token(const std::string& token) { own_token() = token; }
 
 std::filesystem::path part_name(const std::filesystem::path& path) {
   return fmt::format("{}.{}.part", path.string(), part_token());

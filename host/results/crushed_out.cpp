@@ -8,6 +8,8 @@ namespace quoin {
 
 CrushedOut find_crushed_out(const Simulation& simulation) {
   CrushedOut found;
+  // Asked first, as all points with all that is known of them take as much memory as the model.
+  if (simulation.condition_counts()[static_cast<size_t>(Condition::crushed_out)] == 0) return found;
   for (const ContactPoint& p : simulation.contact_points()) {
     if (p.condition != Condition::crushed_out) continue;
     ++found.points;

@@ -352,6 +352,12 @@ Json read_history(const fs::path& path) {
 }
 
 fs::path frame_path(const fs::path& folder, const char* kind, std::size_t frame) {
+  std::error_code none;
+  if (fs::exists(folder / fmt::format("{}_{:04}.pvtu", kind, frame), none))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: its frames are in pieces, which ParaView reads and this page does not; "
+                            "run it again without output.pieces",
+                            folder.string()));
   return folder / fmt::format("{}_{:04}.vtu", kind, frame);
 }
 

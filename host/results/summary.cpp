@@ -154,6 +154,8 @@ Json ranks_of(const std::vector<RankTraffic>& ranks) {
                     {"contact_points_on_borders", r.shared_points},
                     {"bytes_a_step", r.halo_bytes / steps},
                     {"messages_a_step", r.halo_messages / steps},
+                    {"peak_memory_bytes", r.peak_memory},
+                    {"own_work_s", r.own_seconds},
                     {"waiting_s", r.waiting_seconds},
                     {"gathering_s", r.gathering_seconds},
                     {"stepping_s", r.step_seconds}});
@@ -163,6 +165,9 @@ Json ranks_of(const std::vector<RankTraffic>& ranks) {
           {"steps", first.steps},
           {"gathers", first.gathers},
           {"gathered_bytes", first.gathered_bytes},
+          {"divided_anew", first.divided_anew},
+          {"most_over_mean_before", first.divided_anew > 0.0 ? Json(first.uneven_before) : Json(nullptr)},
+          {"most_over_mean", first.uneven > 0.0 ? Json(first.uneven) : Json(nullptr)},
           {"by_rank", each}};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace quoin {
@@ -48,21 +49,24 @@ Surfaces::Surfaces(const Simulation& simulation) : bricks_(simulation.assembly()
       index[key_of(meshes_[b].gridpoint[i], bricks_[b].origin)] = static_cast<int>(i);
   }
 
-  // The points of a joint form a grid over its two tangential axes.
-  std::map<int, std::map<std::pair<std::int64_t, std::int64_t>, int>> grids;
-  const auto points = simulation.contact_points();
-  for (size_t i = 0; i < points.size(); ++i) {
-    std::array<double, 2> tangential{};
-    for (size_t axis = 0, k = 0; axis < 3; ++axis) {
-      if (std::abs(points[i].normal[axis]) < 0.5) tangential[k++] = points[i].position[axis];
-    }
-    grids[points[i].joint][{micrometres(tangential[0]), micrometres(tangential[1])}] = static_cast<int>(i);
-  }
-  for (const auto& [joint, grid] : grids) {
+  // The points of a joint form a grid over its two tangential axes. Joint by joint, for the grids of all of them take
+  // more memory than their points.
+  const Model& model = simulation.model();
+  std::vector<int> order(static_cast<size_t>(model.point_count));
+  std::iota(order.begin(), order.end(), 0);
+  const auto joint_of = [&](int point) { return model.point_joint[static_cast<size_t>(point)]; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return joint_of(a) < joint_of(b); });
+  for (auto first = order.begin(), last = first; first != order.end(); first = last) {
+    std::map<std::pair<std::int64_t, std::int64_t>, int> grid;
     std::set<std::int64_t> rows, columns;
-    for (const auto& [place, point] : grid) {
-      rows.insert(place.first);
-      columns.insert(place.second);
+    for (; last != order.end() && joint_of(*last) == joint_of(*first); ++last) {
+      const auto p = static_cast<size_t>(*last);
+      std::array<std::int64_t, 2> tangential{};
+      for (size_t axis = 0, k = 0; axis < 3; ++axis) {
+        if (axis != model.point_axis[p]) tangential[k++] = micrometres(model.point_position[p][axis]);
+      }
+      grid[{tangential[0], tangential[1]}] = *last;
+      rows.insert(tangential[0]), columns.insert(tangential[1]);
     }
     for (auto r = rows.begin(); r != rows.end() && std::next(r) != rows.end(); ++r) {
       for (auto c = columns.begin(); c != columns.end() && std::next(c) != columns.end(); ++c) {
@@ -95,11 +99,11 @@ Vec3 Surfaces::displacement_at(int block, const Vec3& position, const std::vecto
   return u;
 }
 
-std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation) const {
+std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, bool own_alone) const {
   std::vector<std::vector<Vec3>> displacement;
   for (size_t b = 0; b < bricks_.size(); ++b)
     displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
-  const auto contacts = simulation.contact_points();
+  const auto contacts = simulation.contact_points(own_alone);
   const auto told = simulation.damage();
   const auto slip = simulation.state("slip"), closure = simulation.state("w");
   auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };

@@ -32,7 +32,7 @@ class Surfaces {
  public:
   explicit Surfaces(const Simulation& simulation);
   const Simulation::BlockMesh& mesh(int block) const { return meshes_[static_cast<size_t>(block)]; }
-  std::vector<JointPoint> joint_points(const Simulation& simulation) const;
+  std::vector<JointPoint> joint_points(const Simulation& simulation, bool own_alone = false) const;
   // Quads between neighbouring contact points of each joint, as indices of points. The mesh of joints never changes.
   const std::vector<std::array<int, 4>>& quads() const { return quads_; }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "files/result_folder.h"
 #include "results/vtk_arrays.h"
 #include "step/large_motion.h"
 
@@ -24,6 +25,8 @@ class Grid {
   void array(const char* section, const std::string& name, const std::vector<T>& values, int components = 1,
              const char* extra = "") {
     sections_[section] += arrays_.add(name, values, components, extra);
+    declared_[section] += fmt::format("<PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{}/>\n",
+                                      kVtkType<T>, xml_text(name), components, extra);
   }
   void write(const std::filesystem::path& path, size_t points, size_t cells) {
     std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
@@ -31,18 +34,33 @@ class Grid {
       piece += fmt::format("<{0}>\n{1}</{0}>\n", section, sections_[section]);
     arrays_.write(path, piece + "</Piece>\n");
   }
+  // What names the pieces of a grid, each with these arrays.
+  void write_index(const std::filesystem::path& path, const std::vector<std::string>& pieces) {
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
+    for (const char* section : {"Points", "PointData", "CellData"})
+      text += fmt::format("<P{0}>\n{1}</P{0}>\n", section, declared_[section]);
+    for (const std::string& piece : pieces) text += fmt::format("<Piece Source=\"{}\"/>\n", piece);
+    write_file(path, text + "</PUnstructuredGrid>\n</VTKFile>\n");
+  }
 
  private:
   VtkArrays arrays_;
-  std::map<std::string, std::string> sections_;
+  std::map<std::string, std::string> sections_, declared_;
 };
 
 void add(std::vector<float>& values, const Vec3& v) {
   for (const double x : v) values.push_back(static_cast<float>(x));
 }
 
-void write_blocks(const Simulation& simulation, const Surfaces& surfaces, bool compressed,
-                  const std::filesystem::path& path) {
+// A grid to be written, with its sizes.
+struct Filled {
+  Grid grid;
+  size_t points = 0, cells = 0;
+};
+
+Filled fill_blocks(const Simulation& simulation, const Surfaces& surfaces, bool compressed, bool own_alone) {
   std::vector<float> points, displacement, stress;
   std::vector<std::int64_t> connectivity, offsets;
   std::vector<std::uint8_t> types;
@@ -53,6 +71,7 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, bool c
     types.push_back(type);
   };
   for (int b = 0; b < simulation.block_count(); ++b) {
+    if (own_alone && !simulation.owns_block(b)) continue;
     const auto& mesh = surfaces.mesh(b);
     const auto first = static_cast<std::int64_t>(points.size() / 3);
     for (const Vec3& p : mesh.gridpoint) add(points, p);
@@ -84,7 +103,7 @@ void write_blocks(const Simulation& simulation, const Surfaces& surfaces, bool c
   grid.array("CellData", "block", block);
   grid.array("CellData", "unit", unit);
   grid.array("CellData", "course", course);
-  grid.write(path, points.size() / 3, types.size());
+  return {std::move(grid), points.size() / 3, types.size()};
 }
 
 std::set<std::string> state_ids(const Simulation& simulation) {
@@ -96,9 +115,9 @@ std::set<std::string> state_ids(const Simulation& simulation) {
   return ids;
 }
 
-void write_joints(const Simulation& simulation, const Surfaces& surfaces, bool compressed,
-                  const std::filesystem::path& path) {
-  const auto joint_points = surfaces.joint_points(simulation);
+// A joint goes with the first of its blocks, whose rank evaluates all of its points.
+Filled fill_joints(const Simulation& simulation, const Surfaces& surfaces, bool compressed, bool own_alone) {
+  const auto joint_points = surfaces.joint_points(simulation, own_alone);
   std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
   std::vector<std::int32_t> block_a, block_b, family, condition, crack;
   for (const JointPoint& p : joint_points) {
@@ -121,8 +140,12 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, bool c
   }
   // Joints of lattices are surfaces; elsewhere their points stand alone.
   std::vector<std::int64_t> connectivity, offsets;
+  std::vector<std::int64_t> place(static_cast<size_t>(simulation.point_count()), -1);  // by contact point
+  for (size_t i = 0; i < joint_points.size(); ++i)
+    place[static_cast<size_t>(joint_points[i].contact.index)] = static_cast<std::int64_t>(i);
   for (const auto& quad : surfaces.quads()) {
-    for (const int corner : quad) connectivity.push_back(corner);
+    if (place[static_cast<size_t>(quad[0])] < 0) continue;
+    for (const int corner : quad) connectivity.push_back(place[static_cast<size_t>(corner)]);
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
   }
   const std::uint8_t cell = simulation.riding() ? kVtkVertex : kVtkQuad;
@@ -154,14 +177,20 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, bool c
 
   // And the law's own states, whatever they are.
   for (const std::string& id : state_ids(simulation)) {
+    if (!simulation.keeps_state(id)) continue;
     std::vector<float> column;
     const auto values = simulation.state(id);
-    if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) continue;
     for (const JointPoint& p : joint_points)
       column.push_back(static_cast<float>(values[static_cast<size_t>(p.contact.index)]));
     grid.array("PointData", "state_" + id, column);
   }
-  grid.write(path, joint_points.size(), offsets.size());
+  return {std::move(grid), joint_points.size(), offsets.size()};
+}
+
+constexpr std::array kKinds{"blocks", "joints"};
+
+std::string piece_name(const char* kind, size_t frame, int rank) {
+  return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
 }
 
 }  // namespace
@@ -188,11 +217,38 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
   return bytes + (simulation.riding() ? points * (2 * kIndex + 1.0) : quads * (5 * kIndex + 1.0));
 }
 
-void VtkSeries::add_frame(const Simulation& simulation) {
+VtkSeries::VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before,
+                     bool compressed, Pieces pieces)
+    : folder_(std::move(folder)),
+      surfaces_(surfaces),
+      times_(std::move(before)),
+      compressed_(compressed),
+      pieces_(pieces) {
+  note_pieces();
+}
+
+void VtkSeries::add_frame(const Simulation& simulation) { add(simulation, false); }
+void VtkSeries::add_piece(const Simulation& simulation) { add(simulation, pieces_.count > 1); }
+
+void VtkSeries::add(const Simulation& simulation, bool piece) {
   const size_t frame = times_.size();
-  write_blocks(simulation, surfaces_, compressed_, folder_ / fmt::format("blocks_{:04}.vtu", frame));
-  write_joints(simulation, surfaces_, compressed_, folder_ / fmt::format("joints_{:04}.vtu", frame));
+  for (const char* kind : kKinds) {
+    Filled filled = (kind == kKinds[0] ? fill_blocks : fill_joints)(simulation, surfaces_, compressed_, piece);
+    const std::string name = piece ? piece_name(kind, frame, pieces_.rank) : fmt::format("{}_{:04}.vtu", kind, frame);
+    filled.grid.write(folder_ / name, filled.points, filled.cells);
+    if (!piece || pieces_.rank > 0) continue;
+    std::vector<std::string> all;
+    for (int r = 0; r < pieces_.count; ++r) all.push_back(piece_name(kind, frame, r));
+    filled.grid.write_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame), all);
+  }
   times_.push_back(simulation.time());
+  note_pieces();
+}
+
+void VtkSeries::note_pieces() const {
+  for (int r = 1; r < pieces_.count && pieces_.rank == 0; ++r) {
+    for (const char* kind : kKinds) note_result(folder_ / piece_name(kind, times_.size(), r));
+  }
 }
 
 void VtkSeries::finish() const {

@@ -1,6 +1,7 @@
 // Fields for ParaView: blocks_NNNN.vtu and joints_NNNN.vtu, collected over time by blocks.pvd and joints.pvd. Blocks
 // are drawn where they were at the start; warped by displacement_m, where they stand. Deformable ones are zones, rigid
-// ones faces.
+// ones faces. Several processes may write a frame together, each the blocks that it advances: then rank 0 writes
+// blocks_NNNN.pvtu too, which names the pieces blocks_NNNN_r0.vtu, blocks_NNNN_r1.vtu, ..., and so for joints.
 #pragma once
 
 #include <filesystem>
@@ -15,21 +16,32 @@ namespace quoin {
 // Bytes of one frame of both, to a few per cent.
 double frame_bytes(const Simulation& simulation, const Surfaces& surfaces);
 
+// Which of them this process writes.
+struct Pieces {
+  int rank = 0, count = 1;
+};
+
 class VtkSeries {
  public:
   // before: times of the frames of a run that this one goes on with, s.
   VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {},
-            bool compressed = false)
-      : folder_(std::move(folder)), surfaces_(surfaces), times_(std::move(before)), compressed_(compressed) {}
-  void add_frame(const Simulation& simulation);
-  void finish() const;  // writes the collections
+            bool compressed = false, Pieces pieces = {});
+  void add_frame(const Simulation& simulation);  // all of it
+  void add_piece(const Simulation& simulation);  // by all ranks; one process alone: all of it
+  void finish() const;                           // writes the collections
   const std::vector<double>& times() const { return times_; }
 
  private:
+  void add(const Simulation& simulation, bool piece);
+  // The folder of results is rank 0's, and what is to be written there is noted before: by it, one frame ahead, as no
+  // rank comes to the next frame before all have written this one.
+  void note_pieces() const;
+
   std::filesystem::path folder_;
   const Surfaces& surfaces_;
   std::vector<double> times_;
   bool compressed_;
+  Pieces pieces_;
 };
 
 }  // namespace quoin

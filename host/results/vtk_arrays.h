@@ -25,19 +25,21 @@ inline std::string xml_text(std::string text) {
   return escaped(text);
 }
 
+template <typename T>
+constexpr const char* kVtkType = std::is_same_v<T, float>          ? "Float32"
+                                 : std::is_same_v<T, std::int32_t> ? "Int32"
+                                 : std::is_same_v<T, std::uint8_t> ? "UInt8"
+                                                                   : "Int64";
+
 class VtkArrays {
  public:
   explicit VtkArrays(bool compressed = false) : compressed_(compressed) {}  // by zlib, as every reader of VTK reads it
   // The element that names the array; its values go to the appended block. T: float, int32_t, uint8_t or int64_t.
   template <typename T>
   std::string add(const std::string& name, const std::vector<T>& values, int components = 1, const char* extra = "") {
-    const char* type = std::is_same_v<T, float>          ? "Float32"
-                       : std::is_same_v<T, std::int32_t> ? "Int32"
-                       : std::is_same_v<T, std::uint8_t> ? "UInt8"
-                                                         : "Int64";
     std::string element = fmt::format(
-        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n", type,
-        xml_text(name), components, appended_.size(), extra);
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"{}/>\n",
+        kVtkType<T>, xml_text(name), components, appended_.size(), extra);
     const std::uint64_t bytes = values.size() * sizeof(T);
     if (compressed_) {
       append_compressed(reinterpret_cast<const Bytef*>(values.data()), bytes);
@@ -83,12 +85,15 @@ class VtkArrays {
   std::string appended_;
 };
 
-// FOLDER/NAME.pvd: the files NAME_0000.vtu, ... over time, s.
+// FOLDER/NAME.pvd: the files NAME_0000.vtu, ... over time, s; or NAME_0000.pvtu, which name pieces.
 inline void write_collection(const std::filesystem::path& folder, const std::string& name,
                              const std::vector<double>& times) {
   std::string text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n";
   for (std::size_t i = 0; i < times.size(); ++i) {
-    text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.vtu\"/>\n", times[i], name, i);
+    std::error_code none;
+    const bool in_pieces = std::filesystem::exists(folder / fmt::format("{}_{:04}.pvtu", name, i), none);
+    text += fmt::format("<DataSet timestep=\"{:.9g}\" file=\"{}_{:04}.{}\"/>\n", times[i], name, i,
+                        in_pieces ? "pvtu" : "vtu");
   }
   write_file(folder / (name + ".pvd"), text + "</Collection>\n</VTKFile>\n");
 }

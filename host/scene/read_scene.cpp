@@ -645,6 +645,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     o.boolean("plots", scene.output.plots);
     o.boolean("picture", scene.output.plots);
     o.boolean("energy", scene.output.energy);
+    o.boolean("pieces", scene.output.pieces);
     o.boolean("end_state", scene.output.end_state);
     o.number("record_interval", scene.output.record_interval, kNotNegative, "s");
     if (of_blocks) o.text("monitor", scene.output.monitor, "the name of a block");

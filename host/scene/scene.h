@@ -399,6 +399,7 @@ struct OutputSettings {
   bool energy = false;           // energies by mode in history.csv
   std::string monitor;           // block that the history shows; empty: as the stages say
   double record_interval = 0.0;  // s between rows of the history; 0: as the stages say
+  bool pieces = false;           // with ranks each writes its blocks of a frame, and none has all of them
   bool end_state = false;        // end_state.bin: where other scenes may begin
 };
 

@@ -32,6 +32,7 @@ struct RankShare {
 
   // Whose values count.
   std::vector<int> rank_of_item, rank_of_chunk;
+  std::vector<double> cost_of_rank;  // by which items were dealt out, any unit
   bool owns_item(int item, int rank) const { return rank_of_item[static_cast<std::size_t>(item)] == rank; }
   bool owns_chunk(int chunk, int rank) const { return rank_of_chunk[static_cast<std::size_t>(chunk)] == rank; }
 };

@@ -3,8 +3,11 @@
 #include "base/ranks.h"
 
 #include <fmt/core.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <set>
@@ -24,6 +27,36 @@ constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
 
+// Of all ranks together, that are on their way at a time: what is gathered may be most of the model.
+constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
+
+// Memories one after the other, gone through some bytes at a time.
+class MemoryRow {
+ public:
+  void add(void* first, std::size_t bytes) {
+    parts_.push_back({static_cast<std::byte*>(first), bytes});
+    rest_ += bytes;
+  }
+  std::size_t rest() const { return rest_; }
+  // The next bytes of the rest, part by part: visit(first, bytes).
+  template <class Visit>
+  void each(std::size_t bytes, Visit visit) {
+    rest_ -= bytes;
+    while (bytes > 0) {
+      std::span<std::byte>& part = parts_[next_];
+      const std::size_t count = std::min(bytes, part.size());
+      visit(part.data(), count);
+      part = part.subspan(count);
+      bytes -= count;
+      if (part.empty()) ++next_;
+    }
+  }
+
+ private:
+  std::vector<std::span<std::byte>> parts_;
+  std::size_t next_ = 0, rest_ = 0;
+};
+
 template <class T>
 void visit_value(T& value, const VisitMemory& visit) {
   visit(&value, sizeof value);
@@ -42,9 +75,23 @@ void Simulation::use(Ranks* ranks) {
                   "the ranks have different models: the same program, scene and laws must be found by all of them");
   }
   s.ranks = ranks;
+  if (const char* dear = std::getenv("QUOIN_DEAR_BLOCKS")) {
+    s.dear_blocks.emplace();
+    if (std::sscanf(dear, "%dx%lf", &s.dear_blocks->count, &s.dear_blocks->times) != 2)
+      throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
+  }
+  const auto before = Clock::now();
   s.partition_work();
+  double took[] = {seconds_since(before)};
+  ranks->largest(took);
+  if (!s.dear_blocks) s.balance.costs(took[0]);
 }
 
+bool Simulation::owns_block(int block) const {
+  const Impl& s = *impl_;
+  if (!s.ranks) return true;
+  return s.share.owns_item(s.riding ? s.item_of_riding_block[at(block)] : s.item_of_block(block), s.ranks->rank());
+}
 bool Simulation::ranks_together() const { return impl_->together; }
 const std::vector<RankTraffic>& Simulation::rank_traffic() const { return impl_->traffic_of_all; }
 
@@ -99,12 +146,23 @@ long Simulation::Impl::points_between(const std::vector<int>& rank_of_item) cons
   return again;
 }
 
+std::vector<double> Simulation::Impl::estimated_costs() const {
+  std::vector<double> cost = item_cost;
+  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
+    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+  }
+  return cost;
+}
+
 RankShare Simulation::Impl::share_of_this_rank() const {
   const int chunks = static_cast<int>(chunk_cost.size()), items = static_cast<int>(item_cost.size());
   if (!ranks) return whole_share(chunks, items);
-  std::vector<double> cost = item_cost;
-  for (int c = 0; c < chunks; ++c) {
-    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+  std::vector<double> cost = estimated_costs();
+  for (int i = 0; i < items && !measured_over_estimated.empty(); ++i) {
+    const std::vector<int> blocks = blocks_of_item(i);
+    double sum = 0.0;
+    for (const int b : blocks) sum += measured_over_estimated[at(b)];
+    cost[at(i)] *= sum / static_cast<double>(blocks.size());
   }
   // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
   // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
@@ -134,6 +192,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
       of_rank.rank_of_item = std::move(ranks_so);
     }
   }
+  of_rank.cost_of_rank.assign(at(ranks->count()), 0.0);
   of_rank.rank_of_chunk.assign(at(chunks), -1);
   for (int c = 0; c < chunks; ++c) {
     bool own = false;
@@ -146,16 +205,18 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   }
   for (int i = 0; i < items; ++i) {
     if (of_rank.owns_item(i, ranks->rank())) of_rank.items.push_back(i);
+    of_rank.cost_of_rank[at(of_rank.rank_of_item[at(i)])] += cost[at(i)];
   }
   return of_rank;
 }
 
 // Every rank finds out for all others what they need, so that nobody has to ask.
 void Simulation::Impl::bind_halo() {
-  halo.clear();
+  halo.clear(), frame_halo.clear();
   if (!ranks) return;
   const int here = ranks->rank();
   std::map<int, std::set<std::int64_t>> to, from;
+  std::map<int, std::set<int>> items_to, items_from;
   std::set<int> on_border;
   traffic.points = traffic.shared_points = 0.0;
   for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
@@ -168,12 +229,12 @@ void Simulation::Impl::bind_halo() {
     each_side(c, [&](int item, std::int64_t key) {
       const int owner = share.rank_of_item[at(item)];
       if (owner != here) {
-        from[owner].insert(key);
+        from[owner].insert(key), items_from[owner].insert(item);
         return;
       }
       on_border.insert(item);
       for (const int r : evaluate) {
-        if (r != here) to[r].insert(key);
+        if (r != here) to[r].insert(key), items_to[r].insert(item);
       }
     });
   }
@@ -197,6 +258,12 @@ void Simulation::Impl::bind_halo() {
     }
   });
   for (auto& [rank, border] : borders) halo.add(std::move(border));
+  for (int r = 0; r < ranks->count() && scene.output.pieces && !riding; ++r) {
+    Border border{r, {}, {}, {}, {}};
+    for (const int item : items_to[r]) motion_of_item(item, border.send);
+    for (const int item : items_from[r]) motion_of_item(item, border.receive);
+    frame_halo.add(std::move(border));
+  }
   share.border_items = on_border.size();
   std::stable_partition(share.items.begin(), share.items.end(), [&](int item) { return on_border.contains(item); });
   traffic.blocks = 0.0;
@@ -274,6 +341,8 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   traffic.steps += 1.0;
   traffic.halo_bytes += static_cast<double>(halo.bytes());
   traffic.halo_messages += static_cast<double>(halo.messages());
+  window.estimated.resize(share.cost_of_rank.size(), 0.0);
+  for (std::size_t r = 0; r < share.cost_of_rank.size(); ++r) window.estimated[r] += share.cost_of_rank[r];
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
@@ -305,34 +374,88 @@ bool Simulation::Impl::any_rank(bool here) {
   return wanted[0] > 0.0;
 }
 
+// ---- Who does what, by what it has taken ---------------------------------------------------------------------------
+
+void Simulation::Impl::balance_ranks() {
+  if (!ranks || ++window.steps < RankBalance::kWindow) return;
+  const double own = dear_blocks ? pretended_seconds() : traffic.own_seconds - window.seconds_before;
+  std::vector<double> seconds(at(ranks->count()));
+  const std::vector<std::size_t> sizes(seconds.size(), sizeof own);
+  ranks->gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(seconds)));
+  const bool worth = balance.is_worth_dividing(seconds, window.estimated);
+  traffic.uneven = most_over_mean(seconds);
+  if (worth) divide_anew();
+  window = {0, traffic.own_seconds, {}};
+}
+
+// What blocks cost is what their rank has taken for them, whichever of them it was that took more than estimated.
+void Simulation::Impl::divide_anew() {
+  const auto before = Clock::now();
+  gather(Part::all);
+  const std::vector<double> of_rank = balance.measured_over_estimated();
+  measured_over_estimated.resize(riding ? at(riding->block_count()) : model.assembly.bricks.size(), 1.0);
+  for (int item = 0; item < static_cast<int>(share.rank_of_item.size()); ++item) {
+    for (const int b : blocks_of_item(item))
+      measured_over_estimated[at(b)] *= of_rank[at(share.rank_of_item[at(item)])];
+  }
+  const std::vector<int> before_it = share.rank_of_item;
+  partition_work();
+  rest_known = false;                     // of the bodies of others it was not
+  if (share.rank_of_item != before_it) {  // else items are too large for anything better
+    if (traffic.divided_anew == 0.0) traffic.uneven_before = traffic.uneven;
+    traffic.divided_anew += 1.0;
+  }
+  double took[] = {seconds_since(before)};
+  ranks->largest(took);
+  balance.divided(dear_blocks ? 0.0 : took[0]);
+}
+
+double Simulation::Impl::pretended_seconds() const {
+  const std::vector<double> cost = estimated_costs();
+  double sum = 0.0;
+  for (const int item : share.items) {
+    const std::vector<int> blocks = blocks_of_item(item);
+    const auto dear = std::count_if(blocks.begin(), blocks.end(), [&](int b) { return b < dear_blocks->count; });
+    const double part = static_cast<double>(dear) / static_cast<double>(blocks.size());
+    sum += cost[at(item)] * (1.0 + (dear_blocks->times - 1.0) * part);
+  }
+  return sum * static_cast<double>(window.steps);
+}
+
 // ---- All of it -----------------------------------------------------------------------------------------------------
 
 void Simulation::Impl::gather(Part part) {
   if (gathered) return;
   const auto before = Clock::now();
   if (part == Part::row || part == Part::all) prepare_row();
-  std::vector<std::size_t> sizes(at(ranks->count()), 0);
-  for (int r = 0; r < ranks->count(); ++r)
-    each_memory(part, r, [&](void*, std::size_t bytes) { sizes[at(r)] += bytes; });
-  std::size_t whole = 0;
-  for (const std::size_t size : sizes) whole += size;
-  std::vector<std::byte> own(sizes[at(ranks->rank())]), all(whole);
-  std::byte* to = own.data();
-  each_memory(part, ranks->rank(), [&](const void* from, std::size_t bytes) {
-    std::memcpy(to, from, bytes);
-    to += bytes;
-  });
-  ranks->gather(own, sizes, all);
-  const std::byte* from = all.data();
+  std::vector<MemoryRow> of_rank(at(ranks->count()));
+  std::size_t whole = 0, longest = 0;
   for (int r = 0; r < ranks->count(); ++r) {
-    if (r == ranks->rank()) {
-      from += sizes[at(r)];
-      continue;
-    }
-    each_memory(part, r, [&](void* place, std::size_t bytes) {
-      std::memcpy(place, from, bytes);
-      from += bytes;
+    MemoryRow& row = of_rank[at(r)];
+    each_memory(part, r, [&](void* first, std::size_t bytes) { row.add(first, bytes); });
+    whole += row.rest(), longest = std::max(longest, row.rest());
+  }
+  const std::size_t most = std::max(kGatherBuffer / of_rank.size(), std::size_t{1});
+  std::vector<std::size_t> sizes(of_rank.size());
+  std::vector<std::byte> own, all;
+  for (std::size_t done = 0; done < longest; done += most) {
+    std::size_t on_their_way = 0;
+    for (std::size_t r = 0; r < of_rank.size(); ++r) on_their_way += sizes[r] = std::min(most, of_rank[r].rest());
+    own.resize(sizes[at(ranks->rank())]), all.resize(on_their_way);
+    MemoryRow& row = of_rank[at(ranks->rank())];
+    row.each(own.size(), [to = own.data()](const std::byte* place, std::size_t bytes) mutable {
+      std::memcpy(to, place, bytes);
+      to += bytes;
     });
+    ranks->gather(own, sizes, all);
+    const std::byte* from = all.data();
+    for (std::size_t r = 0; r < of_rank.size(); from += sizes[r++]) {
+      if (r == at(ranks->rank())) continue;
+      of_rank[r].each(sizes[r], [next = from](std::byte* place, std::size_t bytes) mutable {
+        std::memcpy(place, next, bytes);
+        next += bytes;
+      });
+    }
   }
   gathered = part == Part::all;
   traffic.gathers += 1.0;
@@ -340,6 +463,35 @@ void Simulation::Impl::gather(Part part) {
   const double seconds = seconds_since(before);
   traffic.gathering_seconds += seconds;
   times[Phase::ranks] += seconds;
+}
+
+void Simulation::Impl::fetch_for_frame() {
+  if (!ranks || !scene.output.pieces) return gather(Part::all);
+  const auto before = Clock::now();
+  frame_halo.send(*ranks);
+  frame_halo.receive(*ranks);
+  const double seconds = seconds_since(before);
+  traffic.waiting_seconds += seconds;
+  times[Phase::ranks] += seconds;
+}
+
+void Simulation::Impl::motion_of_item(int item, std::vector<double*>& numbers) {
+  const auto add = [&](double* first, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) numbers.push_back(first + k);
+  };
+  if (at(item) >= model.unit_groups.size()) {
+    BodyLanes& lanes = body_lanes[at(item) - model.unit_groups.size()];
+    for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+      add(&(*quantity)[0][0], 3 * kLanes);
+    return;
+  }
+  const UnitGroup& unit = model.unit_groups[at(item)];
+  for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+    const BlockGroup& group = model.groups[at(g)];
+    const std::size_t first = at(group.first_line) * kLine;
+    const std::size_t count = at(model.templates[at(group.brick_template)].node_count) * kLine;
+    add(displacement.data() + first, count), add(velocity.data() + first, count);
+  }
 }
 
 void Simulation::Impl::each_memory(Part part, int rank, const VisitMemory& visit) {
@@ -424,6 +576,9 @@ void Simulation::Impl::prepare_row() {
 void Simulation::Impl::collect_traffic() {
   if (!ranks) return;
   traffic.step_seconds = seconds_since(run_start);
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  traffic.peak_memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
   traffic_of_all.resize(at(ranks->count()));
   const std::vector<std::size_t> sizes(at(ranks->count()), sizeof traffic);
   ranks->gather(std::as_bytes(std::span(&traffic, 1)), sizes, std::as_writable_bytes(std::span(traffic_of_all)));

@@ -176,7 +176,10 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
 void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
   if (riding) return ask_riding_at_rest(capability, outputs);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
-  for (std::size_t c = 0; c < model.chunks.size(); ++c) {
+  // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
+  const int chunks = static_cast<int>(model.chunks.size());
+  for (const int index : gathered ? whole_share(chunks, 0).chunks : share.chunks) {
+    const std::size_t c = at(index);
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & capability)) continue;
@@ -219,15 +222,19 @@ std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> Simulation::damage() const {
   return result;
 }
 
-std::vector<ContactPoint> Simulation::contact_points() const {
-  if (impl_->riding) return impl_->riding_points();
+std::vector<ContactPoint> Simulation::contact_points(bool own_alone) const {
+  const auto wanted = [&](int block_a) { return !own_alone || owns_block(block_a); };
+  if (impl_->riding) return impl_->riding_points(wanted);
   const Model& model = impl_->model;
   const std::vector<std::uint32_t> flags = impl_->current_flags();
   std::vector<ContactPoint> result;
-  result.reserve(at(model.point_count));
+  if (!own_alone) result.reserve(at(model.point_count));
   for (std::int32_t i = 0; i < model.point_count; ++i) {
     const std::size_t p = at(i), n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
     const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
+    // Normals point along +axis: joints given the other way round have changed sides.
+    const bool in_order = joint.face_a % 2 == 1;
+    if (!wanted(in_order ? joint.block_a : joint.block_b)) continue;
     ContactPoint point{};
     point.index = i;
     point.position = model.point_position[p];
@@ -235,9 +242,8 @@ std::vector<ContactPoint> Simulation::contact_points() const {
     point.area = model.area[p];
     point.joint = model.point_joint[p];
     point.family = joint.family;
-    // Normals point along +axis: joints given the other way round have changed sides.
-    point.block_a = joint.face_a % 2 == 1 ? joint.block_a : joint.block_b;
-    point.block_b = joint.face_a % 2 == 1 ? joint.block_b : joint.block_a;
+    point.block_a = in_order ? joint.block_a : joint.block_b;
+    point.block_b = in_order ? joint.block_b : joint.block_a;
     point.jump = impl_->jump_at_traction(i);
     point.traction = {impl_->traction[0][p], impl_->traction[1][p], impl_->traction[2][p]};
     point.flags = flags[p];
@@ -259,6 +265,19 @@ std::vector<double> Simulation::state(const std::string& id) const {
       result[at(family.first_point + i)] = impl_->law_state[f][at(k * family.point_count + i)];
   }
   return result;
+}
+
+bool Simulation::keeps_state(const std::string& id) const {
+  const auto& families = impl_->model.families;
+  for (std::size_t f = 0; f < families.size(); ++f) {
+    const int k = families[f].material->law().state_index(id);
+    if (k < 0) continue;
+    const bool diagnostic = families[f].material->api().states[k]->role == QUOIN_ROLE_DIAGNOSTIC;
+    if (impl_->riding ? impl_->riding->families()[f].size() > 0
+                      : families[f].point_count > 0 && (!diagnostic || impl_->keep_diagnostics))
+      return true;
+  }
+  return false;
 }
 
 std::array<long, kConditionCount> Simulation::condition_counts() const {

@@ -475,16 +475,19 @@ std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) co
   return result;
 }
 
-std::vector<ContactPoint> Simulation::Impl::riding_points() const {
+std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bool(int block)>& wanted) const {
   const std::vector<std::uint32_t> all_flags = current_flags();
   std::vector<ContactPoint> points;
+  std::int32_t next = 0;
   for (std::size_t k = 0; k < riding->families().size(); ++k) {
     const blocks::Family& f = riding->families()[k];
     for (std::size_t i = 0; i < f.size(); ++i) {
+      const std::int32_t index = next++;
       const blocks::Point& p = f.point[i];
+      if (!wanted(p.a)) continue;
       const geometry::Matrix r = riding->frame_of(p);
       ContactPoint point{};
-      point.index = static_cast<std::int32_t>(points.size());
+      point.index = index;
       point.position = geometry::array(riding->place_of(p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
@@ -496,7 +499,7 @@ std::vector<ContactPoint> Simulation::Impl::riding_points() const {
       point.block_b = p.b;
       point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
-      point.flags = all_flags[points.size()];
+      point.flags = all_flags[static_cast<std::size_t>(index)];
       point.condition = condition_of(point.flags);
       points.push_back(point);
     }

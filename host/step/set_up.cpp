@@ -73,6 +73,7 @@ void Simulation::Impl::bind_step() {
   data.stiffness_damping = time_step.stiffness_damping;
   choose_damping();
   bind_columns();
+  measured_over_estimated.clear();
   partition_work();
 }
 

@@ -132,7 +132,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       if (s.next_row < s.stage_step)
         s.next_row += (s.stage_step - s.next_row + s.row_interval - 1) / s.row_interval * s.row_interval;
     }
-    if (frame) s.gather(Part::all), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+    if (frame) s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
     if (stop)
       throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
     if (!done && s.stage_step >= settings.max_steps) {
@@ -144,6 +144,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       throw Error(Exit::numerical, reason + ". Raise max_steps, or find out what keeps moving");
     }
     if (!done && s.stage_step % kPauseInterval == 0) pause(false);
+    if (!done) s.balance_ranks();
     if ((s.stage_step & 63) == 0 && seconds_since(last_progress) >= kProgressPeriod) {
       const double seconds = seconds_since(last_progress);
       Progress progress;

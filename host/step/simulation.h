@@ -117,11 +117,15 @@ struct LawSwap {
 struct RankTraffic {
   double steps = 0.0, step_seconds = 0.0;  // s: all of run(), files included
   double halo_bytes = 0.0, halo_messages = 0.0;
+  double own_seconds = 0.0;                    // of contacts and motion, without any waiting: processor time
   double waiting_seconds = 0.0;                // for the halo of others, and to agree
   double gathers = 0.0, gathered_bytes = 0.0;  // of all ranks to all: rows, detection, checkpoints
   double gathering_seconds = 0.0;
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
+  double peak_memory = 0.0;                  // bytes of its process until the end of run(), set-up included
+  double divided_anew = 0.0;                 // times, because the ranks' own work was uneven
+  double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
 
 // What wants to know. All calls come from the thread that runs the simulation, between steps.
@@ -137,8 +141,9 @@ struct Observer {
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {
-  }  // OutputSettings::frames over the last stage
+  // OutputSettings::frames over the last stage. With ranks and OutputSettings::pieces a rank then knows of its own
+  // blocks alone, and of the joints that touch them.
+  virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
 };
 
@@ -237,9 +242,11 @@ class Simulation {
   std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
 
   // Results by contact point. Cold: flags come from a batch with zero increments, into scratch.
-  std::vector<ContactPoint> contact_points() const;
+  // own_alone: of joints that begin at a block of this rank (owns_block).
+  std::vector<ContactPoint> contact_points(bool own_alone = false) const;
   // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id) const;
+  bool keeps_state(const std::string& id) const;  // the law of some point
   // Share of what tensile strength, cohesion and compressive strength can lose that is lost, over all points; NaN where
   // the law of a point does not tell. Cold, as contact_points.
   std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage() const;
@@ -275,6 +282,7 @@ class Simulation {
   // with the whole state at hand; what results are read from is whole on every rank after run() too. Only run() may be
   // used to step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation.
   void use(Ranks* ranks);
+  bool owns_block(int block) const;                      // advances it; true: one process
   const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
   bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
 

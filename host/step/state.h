@@ -15,6 +15,7 @@
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
+#include "step/rank_balance.h"
 #include "step/rank_share.h"
 #include "step/simulation.h"
 
@@ -53,6 +54,20 @@ struct BodyRamp {
 struct LoadedBlock {
   int block = -1;
   double mass = 0.0;  // kg, without scaling
+};
+
+// Steps of this rank since the last look at how even the ranks are.
+struct RankWindow {
+  long steps = 0;
+  double seconds_before = 0.0;    // RankTraffic::own_seconds when it began
+  std::vector<double> estimated;  // by rank, the costs of its steps
+};
+
+// Tests cannot wait for costs that differ. QUOIN_DEAR_BLOCKS=20x4: clocks say that each of the first 20 blocks costs
+// four times as much as it is estimated to, and that dividing is free.
+struct DearBlocks {
+  int count = 0;
+  double times = 1.0;
 };
 
 // Force on it through a stage: from what was to what shall be, over the ramp.
@@ -200,7 +215,7 @@ struct Simulation::Impl {
   std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
   std::vector<Vec3> riding_velocities(int block) const;
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
-  std::vector<ContactPoint> riding_points() const;
+  std::vector<ContactPoint> riding_points(const std::function<bool(int block)>& wanted) const;
   std::vector<double> riding_state(const std::string& id) const;
   void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
@@ -219,19 +234,25 @@ struct Simulation::Impl {
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
   long points_between(const std::vector<int>& rank_of_item) const;
-  RankShare share_of_this_rank() const;  // once all has been gathered: others may have had other shares
-  void bind_halo();                      // what neighbours ask for in every step, and all ranks of what stages watch
-  void gather(Part part);                // afterwards all ranks have it as one process alone has it
+  std::vector<double> estimated_costs() const;  // by item, its contact points included; any unit
+  RankShare share_of_this_rank() const;         // once all has been gathered: others may have had other shares
+  void bind_halo();        // what neighbours ask for in every step, and all ranks of what stages watch
+  void gather(Part part);  // afterwards all ranks have it as one process alone has it
   void each_memory(Part part, int rank, const VisitMemory& visit);  // that this rank has to give
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
-  void prepare_row();  // what a row has of the blocks of this rank
+  void fetch_for_frame();  // all of it, or with pieces what joints of this rank show of the blocks of others
+  void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
+  void prepare_row();                                            // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
   bool agree(bool trouble, bool* startled = nullptr);
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
   void collect_traffic();
+  void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
+  void divide_anew();
+  double pretended_seconds() const;  // of dear_blocks, own work in the window, any unit
   // Sides of contact points: visit(item, key); numbers_of says where the motion that a key stands for lies.
   void each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const;
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);
@@ -347,6 +368,7 @@ struct Simulation::Impl {
 
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
+  Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
   std::vector<int> unit_of_group;         // by block group: its item
   std::vector<int> item_of_riding_block;  // with ranks
   Clock::time_point run_start = Clock::now();
@@ -354,6 +376,10 @@ struct Simulation::Impl {
   bool gathered = true;                           // all of it, since the last step
   bool stop_wanted = false, stop_agreed = false;  // here; by any rank
   RankTraffic traffic;                            // of this rank
+  RankBalance balance;
+  RankWindow window;
+  std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
+  std::optional<DearBlocks> dear_blocks;        // for tests
   std::vector<RankTraffic> traffic_of_all;
   bool together = true;  // all ranks end alike
 

@@ -3,10 +3,22 @@
 
 #include <cmath>
 #include <cstring>
+#include <ctime>
 
 #include "step/state.h"
 
 namespace quoin {
+
+namespace {
+
+// Of this thread, s: what others take of the core is no cost of a block.
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+}  // namespace
 
 // One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
 // Both phases go over independent pieces, so the bits do not depend on which thread does which.
@@ -42,7 +54,9 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     contact_forces(model, chunk, data);
     lap(clock, Phase::contact_forces);
   };
+  const double evaluating = ranks ? processor_seconds() : 0.0;
   pool.for_each(chunk_end, contacts);
+  if (ranks) traffic.own_seconds += processor_seconds() - evaluating;
   const bool failed = law_failed.load(std::memory_order_relaxed);
   if (ranks && !riding ? agree(failed) : failed) report_failed_points();
   if (timed) book_time(seconds_since(before), weight), before = Clock::now();
@@ -58,11 +72,15 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   auto inner = [&](int thread, int k) {
     advance(thread, share.items[share.border_items + static_cast<std::size_t>(k)]);
   };
+  const double moving = ranks ? processor_seconds() : 0.0;
   if (share.border_items > 0) pool.for_each(border_end, on_border);
   if (ranks) send_motion();
   pool.for_each(item_end, inner);
   if (timed) book_time(seconds_since(before), weight);
-  if (ranks) hear_of_motion(measure_step);
+  if (ranks) {
+    traffic.own_seconds += processor_seconds() - moving;
+    hear_of_motion(measure_step);
+  }
   if (riding) end_riding_step(timed ? weight : 0.0);
   if (measure_step) {
     before = now_if(true);

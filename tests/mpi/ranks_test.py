@@ -8,10 +8,12 @@ import json
 import os
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
+from xml.etree import ElementTree
 
 quoin, mpirun, case = sys.argv[1:]
 root = pathlib.Path(__file__).resolve().parents[2]
@@ -210,7 +212,190 @@ def started():
     assert "does not exist" in done.stderr, done.stderr
 
 
+def balanced():
+    """Ranks whose blocks cost more than estimated give some away, and the bits stay.
+
+    Clocks are pretended (QUOIN_DEAR_BLOCKS of step/state.h), for times on a machine that others use prove nothing:
+    what is asserted is that a run that begins above the bound of step/rank_balance.h ends below it, one with costs as
+    estimated never divides anew, and the numbers of blocks by rank change.
+    """
+    bound = 1.15
+    larger = [root / "tests/cli/small_wall.toml"] + [
+        word for setting in ("wall.courses=12", "wall.units_per_course=6", "stage.shear.displacement=0.0001",
+                             "output.frames=2", "output.plots=false") for word in ("--set", setting)]
+    in_motion = [*larger, "--set", "solver.large_motion=always"]
+    for name, scene, ranks, dear in (("lattice", larger, 2, "8x100"), ("lattice", larger, 3, "8x100"),
+                                     ("large motion", in_motion, 2, "30x8")):
+        if not (folder / name).exists():
+            run(1, [*scene, "--out", folder / name])
+        seen = {}
+        for pretended in ("0x1", dear):
+            out = folder / f"{name}_{ranks}_{pretended}"
+            done = run(ranks, [*scene, "--out", out], env=os.environ | {"QUOIN_DEAR_BLOCKS": pretended})
+            same(results(folder / name), results(out), f"{name}, {ranks} ranks, {pretended}")
+            seen[pretended] = json.loads((out / "summary.json").read_text())["ranks"]
+        even, uneven = seen["0x1"], seen[dear]
+        assert even["divided_anew"] == 0 and even["most_over_mean_before"] is None and even["most_over_mean"] < bound, even
+        assert uneven["divided_anew"] >= 1 and uneven["most_over_mean_before"] > bound > uneven["most_over_mean"], uneven
+        assert [r["blocks"] for r in even["by_rank"]] != [r["blocks"] for r in uneven["by_rank"]], uneven
+        assert "times by measured cost" in done.stdout, done.stdout
+        print(f"{name}: {ranks} ranks, the same bits; {done.stdout.splitlines()[-1]}")
+    # Too few blocks to be even, and found anew while they fall: what changes hands then is all that a step goes on from.
+    run(1, [*scene_of("collapse"), "--out", folder / "collapse"])
+    out = folder / "collapse_3"
+    run(3, [*scene_of("collapse"), "--out", out], env=os.environ | {"QUOIN_DEAR_BLOCKS": "10x8"})
+    same(results(folder / "collapse"), results(out), "collapse")
+    ranks = json.loads((out / "summary.json").read_text())["ranks"]
+    assert ranks["divided_anew"] >= 1, ranks
+    print(f"collapse: 3 ranks, the same bits; divided anew {ranks['divided_anew']:.0f} times")
+
+
+def arrays_of(file):
+    """Sizes and arrays of one raw file for ParaView: {section: {name: rows}}; positions under Points."""
+    content = file.read_bytes()
+    head, _, data = content.partition(b'<AppendedData encoding="raw">\n_')
+    piece = ElementTree.fromstring(head + b"</VTKFile>").find(".//Piece")
+    types = {"Float32": "<f4", "Int32": "<i4", "UInt8": "u1", "Int64": "<i8"}
+    found = {}
+    for section in piece:
+        found[section.tag] = {}
+        for array in section:
+            at, components = int(array.get("offset")), int(array.get("NumberOfComponents"))
+            size = int.from_bytes(data[at:at + 8], "little")
+            kind = types[array.get("type")]
+            code, width = {"<f4": ("f", 4), "<i4": ("i", 4), "u1": ("B", 1), "<i8": ("q", 8)}[kind]
+            values = struct.unpack(f"<{size // width}{code}", data[at + 8:at + 8 + size])
+            found[section.tag][array.get("Name")] = [values[i:i + components] for i in range(0, len(values), components)]
+    return found
+
+
+def content_of(files):
+    """What files show together, whoever wrote which part: all points and all cells, each with its values, sorted.
+
+    Numbers as they are in the file, NaN as one word, so that equal means equal in bits.
+    """
+    points, cells = [], []
+    for file in files:
+        arrays = arrays_of(file)
+        named = sorted(arrays["PointData"].items())
+        at = list(zip(arrays["Points"]["position"], *(values for _, values in named)))
+        points += map(repr, at)
+        values = sorted(arrays["CellData"].items())
+        begin = 0
+        corners, ends = arrays["Cells"]["connectivity"], arrays["Cells"]["offsets"]
+        for i, (end,) in enumerate(ends):
+            cells.append(repr((arrays["Cells"]["types"][i], [at[c] for (c,) in corners[begin:end]], [v[i] for _, v in values])))
+            begin = end
+        names = {section: sorted(arrays[section]) for section in ("PointData", "CellData")}
+    return {"names": names, "points": sorted(points), "cells": sorted(cells)}
+
+
+def frames_of(out, kind):
+    """Files of each frame as the collection names them: one, or all pieces."""
+    frames = []
+    for dataset in ElementTree.parse(out / f"{kind}.pvd").iter("DataSet"):
+        file = out / dataset.get("file")
+        if file.suffix != ".pvtu":
+            frames.append([file])
+            continue
+        index = ElementTree.parse(file)
+        frames.append([out / piece.get("Source") for piece in index.iter("Piece")])
+        for section in ("PointData", "CellData"):
+            declared = [array.attrib for array in index.find(f".//P{section}")]
+            for piece in frames[-1]:
+                head = piece.read_bytes().partition(b"<AppendedData")[0] + b"</VTKFile>"
+                there = [dict(array.attrib) for array in ElementTree.fromstring(head).find(f".//{section}")]
+                for array in there:
+                    array.pop("format"), array.pop("offset")
+                assert declared == there, (piece, declared, there)
+    return frames
+
+
+def sizes_by_vtk(file):
+    """By the reader that ParaView has; None: python3-vtk9 is not installed."""
+    code = ("import sys\n"
+            "try:\n from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader as R\n"
+            "except ImportError:\n sys.exit(77)\n"
+            "r = R(); r.SetFileName(sys.argv[1]); r.Update(); g = r.GetOutput()\n"
+            "print(g.GetNumberOfPoints(), g.GetNumberOfCells(), r.GetErrorCode())\n"
+            "print(*(d.GetArrayName(i) for d in (g.GetPointData(), g.GetCellData()) for i in range(d.GetNumberOfArrays())))\n")
+    done = subprocess.run(["/usr/bin/python3", "-c", code, str(file)], capture_output=True, text=True)
+    if done.returncode == 77:
+        return None
+    assert done.returncode == 0 and not done.stderr, (file, done.stdout, done.stderr)
+    sizes, names = done.stdout.splitlines()
+    return [int(n) for n in sizes.split()], names.split()
+
+
+def same_frames(alone, out, who):
+    for kind in ("blocks", "joints"):
+        one, other = frames_of(alone, kind), frames_of(out, kind)
+        assert len(one) == len(other) > 0, who
+        for frame, (whole, pieces) in enumerate(zip(one, other)):
+            expected, found = content_of(whole), content_of(pieces)
+            for what in expected:
+                assert expected[what] == found[what], f"{who}: {kind} {frame}: {what} differ"
+            by_vtk = sizes_by_vtk(out / f"{kind}_{frame:04}.pvtu") if len(pieces) > 1 else None
+            if by_vtk:
+                assert by_vtk[0] == [len(expected["points"]), len(expected["cells"]), 0], (who, by_vtk)
+                assert sorted(by_vtk[1]) == sorted(expected["names"]["PointData"] + expected["names"]["CellData"]), by_vtk
+
+
+def pieces():
+    """Each rank writes its own blocks of a frame, and together they are those of one process."""
+    in_pieces = ["--set", "output.pieces=true"]
+    for name, ranks in (("wall", 3), ("building", 2), ("collapse", 3), ("promotion", 2)):
+        run(1, [*scene_of(name), "--out", folder / name])
+        out = folder / f"{name}_{ranks}"
+        run(ranks, [*scene_of(name), *in_pieces, "--out", out])
+        same_frames(folder / name, out, f"{name}, {ranks} ranks")
+        assert (folder / name / "history.csv").read_bytes() == (out / "history.csv").read_bytes(), name
+        files = sorted(file.name for file in out.glob("blocks_0001*"))
+        assert files == ["blocks_0001.pvtu"] + [f"blocks_0001_r{r}.vtu" for r in range(ranks)], files
+        gridpoints = [len(arrays_of(out / f"blocks_0001_r{r}.vtu")["Points"]["position"]) for r in range(ranks)]
+        assert sum(n > 0 for n in gridpoints) > 1, gridpoints
+        manifest = (out / ".quoin-manifest").read_text().split("\n")
+        assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
+        print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
+    # Frames gather nothing: the same run without pieces gathers more often.
+    run(2, [*scene_of("building"), "--out", folder / "whole"])
+    gathers = [json.loads((folder / place / "summary.json").read_text())["ranks"]["gathers"]
+               for place in ("whole", "building_2")]
+    assert gathers[0] > gathers[1], gathers
+    # Fewer ranks in the same folder leave nothing of the pieces of more; what we did not write stays.
+    (folder / "wall_3" / "notes.txt").write_text("mine")
+    run(2, [*scene_of("wall"), *in_pieces, "--out", folder / "wall_3"])
+    assert not list((folder / "wall_3").glob("*_r2.vtu")) and (folder / "wall_3" / "notes.txt").exists()
+    same_frames(folder / "wall", folder / "wall_3", "wall, 2 ranks where 3 were")
+    # One process: said to be without effect, and one file a frame.
+    done = run(1, [*scene_of("wall"), *in_pieces, "--out", folder / "wall_3"])
+    assert "output.pieces: without effect" in done.stdout + done.stderr, done.stderr
+    assert not list((folder / "wall_3").glob("*_r*.vtu")) and not list((folder / "wall_3").glob("*.pvtu"))
+    same_frames(folder / "wall", folder / "wall_3", "wall, one process, pieces asked for")
+    # A rank is killed between frames: fewer of them go on, and nothing that they did not write anew is left.
+    frames = [*long_scene, "--set", "output.frames=12"]
+    run(1, [*frames, "--out", folder / "long"])
+    out = folder / "long_3"
+    process = start(3, [*frames, *in_pieces, "--out", out, "--checkpoint-every", "0.1"])
+    for _ in range(1200):
+        if (out / "checkpoint.bin").exists() and (out / "blocks_0001.pvtu").exists():
+            break
+        assert process.poll() is None, process.communicate()[0]
+        time.sleep(0.05)
+    os.kill(ranks_of(process)[1], signal.SIGKILL)
+    process.communicate(timeout=60)
+    run(2, ["--resume", out])
+    same_frames(folder / "long", out, "killed on 3 ranks, resumed on 2")
+    by_count = [len(pieces) for pieces in frames_of(out, "blocks")]
+    assert by_count == sorted(by_count, reverse=True) and by_count[-1] == 2, by_count
+    named = {file.name for pieces in frames_of(out, "blocks") + frames_of(out, "joints") for file in pieces}
+    assert {file.name for file in out.glob("*_r*")} == named, (named, list(out.iterdir()))
+    print(f"killed on 3 ranks, resumed on 2: {by_count.count(3)} frames of 3 pieces, {by_count.count(2)} of 2")
+    done = run(2, [*scene_of("wall"), *in_pieces, "--report", "--out", folder / "none"], code=2)
+    assert done.stderr.count("--report: not with output.pieces") == 1, done.stderr
+
+
 if case in scenes:
     same_bits(case)
 else:
-    {"killed": killed, "stopped": stopped, "memory": memory, "refused": refused, "started": started}[case]()
+    {"balanced": balanced, "killed": killed, "stopped": stopped, "memory": memory, "pieces": pieces, "refused": refused, "started": started}[case]()

@@ -167,12 +167,12 @@ TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
     EXPECT_THAT(v.text, HasSubstr(pressure != 1.21 ? "+10 %" : "+16 %"));
     EXPECT_THAT(row(name)[4], HasSubstr("1.00 MPa")) << "99 kN on 0.099 m2";
   }
+  EXPECT_THAT(report_.agrees, Not(Contains(HasSubstr("within 15 %"))));
+  EXPECT_THAT(report_.differs, Contains(HasSubstr("by +10 to +16 %: not all within 15 %")));
   // REFERENCE_DATA.md, mean vertical stress at the peak.
   EXPECT_THAT(row("0.30 MPa")[4], HasSubstr("tests 0.76 [D]"));
   EXPECT_THAT(row("1.21 MPa")[4], HasSubstr("tests 1.36 [D]"));
   EXPECT_THAT(row("2.12 MPa")[4], HasSubstr("tests 1.97 [D]"));
-  EXPECT_THAT(report_.agrees, Not(Contains(HasSubstr("within 15 %"))));
-  EXPECT_THAT(report_.differs, Contains(HasSubstr("by +10 to +16 %: not all within 15 %")));
   EXPECT_THAT(row("0.30 MPa")[7], "51 kN");  // raw tests: 50 to 52, about 72, about 97
   EXPECT_THAT(row("1.21 MPa")[7], "72 kN");
   EXPECT_THAT(row("2.12 MPa")[7], "97 kN");
@@ -220,20 +220,6 @@ TEST_F(Verdicts, EnvelopeFindsTheLineThatPeaksLieOn) {
   }
   EXPECT_TRUE(verdict("cohesion of the wall, initial").reproduced);   // 11 % off
   EXPECT_FALSE(verdict("friction of the wall, initial").reproduced);  // 25 % off
-
-  // Its lines in the chart, to 2.4 MPa: the model's two, the tests' two, and that of Mann and Mueller.
-  const double mann = 1 + 0.7 * 2 * 50.0 / 204.0;
-  const std::pair<double, double> lines[] = {
-      {0.40, 0.30}, {0.40, 0.20}, {0.45, 0.24}, {0.25, 0.36}, {0.3 / mann, 0.7 / mann}};
-  for (int i = 0; i < 5; ++i) {
-    std::ifstream ends(folder_ / fmt::format("envelope/plots/envelope_{}.dat", 5 + i));
-    double x0 = -1.0, y0 = -1.0, x1 = -1.0, y1 = -1.0;
-    ends >> x0 >> y0 >> x1 >> y1;
-    EXPECT_EQ(x0, 0.0) << i;
-    EXPECT_EQ(x1, 2.4) << i;
-    EXPECT_NEAR(y0, lines[i].first, 1e-5) << i;
-    EXPECT_NEAR(y1, lines[i].first + 2.4 * lines[i].second, 1e-5) << i;
-  }
 
   // Off the line: R2 is 1 - (squares that are left)/(squares about the mean), which least squares makes the square of
   // the correlation.
