@@ -40,6 +40,7 @@ class WholeOutput : public Cli {
                                       {"time: .*", "time: #"},
                                       {" in [0-9.]+ s;", " in # s;"},
                                       {"-(0\\.0+ )", "$1"},
+                                      {"\\[[0-9]+/[0-9]+ [^\n]*steps/s[^\n]*\n", ""},
                                       {"threads, [A-Z0-9_]+", "threads, #"}})
       text = std::regex_replace(text, std::regex(pattern), to);
     quoin_test::expect_approved({fs::path(QUOIN_CLI_TESTS) / "approved" / (name + ".txt"), tolerance, 1e-9}, text);
