@@ -71,6 +71,46 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
 }
 
+// Four times as stiff, heavy and loaded, a wall moves alike: forces are four times as large, and a ratio of them is
+// not.
+TEST(Simulation, UnbalancedRatioHasNoUnit) {
+  for (const Kernels kernels : {Kernels::lattice, Kernels::general}) {
+    const auto rows_of = [&](double times) {
+      Scene scene = wall_scene(4, 0.5);
+      scene.solver.kernels = kernels;
+      scene.materials["brick"].young_modulus *= times;
+      scene.materials["brick"].density *= times;
+      scene.wall->beam_density *= times;
+      for (const auto& [name, stiffness] : {std::pair{"mortar", kNormal}, {"unit", 1000e9}}) {
+        scene.joints[name] = elastic_family(stiffness * times, stiffness * times);
+        scene.joints[name].name = name;
+      }
+      Stage press = sheared_wall(1e-4).stages[0];
+      press.equilibrium_ratio.reset();
+      press.duration = 1e-3;
+      press.record_interval = 5;
+      press.controls[1].force[1] = -0.3e6 * times * bed_area(*scene.wall);
+      scene.stages = {press};
+      Simulation simulation(scene, 1);
+      Recorder recorder;
+      simulation.run(recorder);
+      return recorder.rows;
+    };
+    const auto once = rows_of(1.0), more = rows_of(4.0);
+    ASSERT_EQ(once.size(), more.size());
+    ASSERT_GT(once.size(), 3u);
+    int loaded = 0;
+    for (std::size_t i = 0; i < once.size(); ++i) {
+      EXPECT_NEAR(more[i].vertical_force, 4 * once[i].vertical_force, 1e-9 * std::abs(more[i].vertical_force));
+      EXPECT_NEAR(more[i].displacement, once[i].displacement, 1e-9 * std::abs(once[i].displacement));
+      if (!std::isfinite(once[i].unbalanced_ratio) || once[i].unbalanced_ratio == 0.0) continue;
+      EXPECT_NEAR(more[i].unbalanced_ratio, once[i].unbalanced_ratio, 1e-9 * once[i].unbalanced_ratio) << i;
+      ++loaded;
+    }
+    EXPECT_GT(loaded, 3);
+  }
+}
+
 // What is only recorded moves nothing: energies; unbalanced force, kinetic energy and flags at every step.
 TEST(Simulation, RecordingChangesNoBit) {
   std::vector<LaneVector<double>> displacement;

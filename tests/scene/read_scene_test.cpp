@@ -369,6 +369,14 @@ TEST(ReadBuilding, WhatIsLeftOutIsAsThePageSays) {
   for (const Stage& stage : s.stages) EXPECT_EQ(stage.gravity, (Vec3{0, -9.81, 0})) << stage.name;
 }
 
+// Of 3 half units.
+TEST_F(ReadScene, CutsOfTheBeamAreInsideTheWallAndGrow) {
+  const auto cuts = [&](const std::string& list) { return std::vector<std::string>{"wall.bottom_beam_cuts=" + list}; };
+  EXPECT_EQ(read(kScene, cuts("[1, 2]")).wall->bottom_beam_cuts, (std::vector<int>{1, 2}));
+  for (const char* wrong : {"[1.5]", "[2, 1]", "[1, 1]", "[3]"})
+    EXPECT_THAT(message(kScene, cuts(wrong)), HasSubstr("whole half units that grow, 1 to 2, where")) << wrong;
+}
+
 // Of 2 courses of 1.5 units: 3 half units.
 TEST_F(ReadScene, ChangedUnitsAreInTheWall) {
   const auto changed = [](int course, int half_unit) {

@@ -24,6 +24,15 @@ TEST(Size, OfAWallIsCountedBeforeItIsMade) {
   EXPECT_NEAR(larger.bytes, 4 * wall.bytes, 1e-9 * larger.bytes);
   EXPECT_EQ(size_with("solid_wall_030", {"wall.zones=[8,4,4]"}).zones, 8 * wall.zones);
   EXPECT_EQ(size_with("solid_wall_030", {"wall.half_thickness=true"}).zones, wall.zones / 2);
+  // Whole units: half as many blocks with twice the hexahedra along them.
+  const SceneSize whole = size_with("solid_wall_030", {"wall.mid_unit_joints=false"});
+  EXPECT_EQ(whole.blocks, 72);
+  EXPECT_EQ(whole.zones, wall.zones);
+  EXPECT_EQ(whole.points, 72 * (9 * 3 + 3 * 3 + 3 * 9));
+  // 28 half units and two corners in 40 courses, openings not taken off.
+  const SceneSize building = size_with("pavia_door");
+  EXPECT_EQ(building.blocks, 30 * 40);
+  EXPECT_EQ(building.zones, 30 * 40 * 80);
   // Beyond any machine, and beyond any integer.
   const SceneSize huge =
       size_with("solid_wall_030", {"wall.courses=10000", "wall.units_per_course=10000", "wall.zones=[64,64,64]"});
