@@ -341,6 +341,24 @@ def same_frames(alone, out, who):
                 assert sorted(by_vtk[1]) == sorted(expected["names"]["PointData"] + expected["names"]["CellData"]), by_vtk
 
 
+def large():
+    """A state that is gathered in rounds, as it is larger than the 4 MiB that are on their way at a time (step/ranks.cpp)."""
+    scene = [root / "tests/cli/small_wall.toml"] + [
+        word for setting in ("wall.courses=70", "wall.units_per_course=70", "stage.precompression.duration=0.0003",
+                             "stage.shear.displacement=1e-7", "output.frames=1", "output.plots=false")
+        for word in ("--set", setting)]
+    run(1, [*scene, "--out", folder / "1"])
+    run(3, [*scene, "--out", folder / "3"])
+    same(results(folder / "1"), results(folder / "3"), "3 ranks")
+    summary = json.loads((folder / "3" / "summary.json").read_text())
+    gridpoints = 12  # of a block of 2 x 1 x 1 hexahedra
+    state = 8 * (3 * summary["contact_points"] + 6 * gridpoints * summary["blocks"])  # tractions; displacement, velocity
+    assert state > 4 * 2**20, state
+    for rank in summary["ranks"]["by_rank"]:  # between what the state alone takes and what a machine has
+        assert state < rank["peak_memory_bytes"] < 1e9, rank
+    print(f"3 ranks, {summary['blocks']} blocks: the same bits; {state / 1e6:.1f} MB of state")
+
+
 def pieces():
     """Each rank writes its own blocks of a frame, and together they are those of one process."""
     in_pieces = ["--set", "output.pieces=true"]
@@ -358,9 +376,9 @@ def pieces():
         assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
         print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
     # Frames gather nothing: the same run without pieces gathers more often.
-    run(2, [*scene_of("building"), "--out", folder / "whole"])
+    run(3, [*scene_of("wall"), "--out", folder / "whole"])
     gathers = [json.loads((folder / place / "summary.json").read_text())["ranks"]["gathers"]
-               for place in ("whole", "building_2")]
+               for place in ("whole", "wall_3")]
     assert gathers[0] > gathers[1], gathers
     # Fewer ranks in the same folder leave nothing of the pieces of more; what we did not write stays.
     (folder / "wall_3" / "notes.txt").write_text("mine")
@@ -398,4 +416,4 @@ def pieces():
 if case in scenes:
     same_bits(case)
 else:
-    {"balanced": balanced, "killed": killed, "stopped": stopped, "memory": memory, "pieces": pieces, "refused": refused, "started": started}[case]()
+    {"balanced": balanced, "killed": killed, "large": large, "stopped": stopped, "memory": memory, "pieces": pieces, "refused": refused, "started": started}[case]()
