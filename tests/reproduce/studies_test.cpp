@@ -169,7 +169,7 @@ TEST_F(Verdicts, WallsAreHeldAgainstTheRegression) {
   }
   EXPECT_THAT(report_.agrees, Not(Contains(HasSubstr("within 15 %"))));
   EXPECT_THAT(report_.differs, Contains(HasSubstr("by +10 to +16 %: not all within 15 %")));
-  // REFERENCE_DATA.md, mean vertical stress at the peak.
+  // host/reproduce/REFERENCE_DATA.md, mean vertical stress at the peak.
   EXPECT_THAT(row("0.30 MPa")[4], HasSubstr("tests 0.76 [D]"));
   EXPECT_THAT(row("1.21 MPa")[4], HasSubstr("tests 1.36 [D]"));
   EXPECT_THAT(row("2.12 MPa")[4], HasSubstr("tests 1.97 [D]"));
