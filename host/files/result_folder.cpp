@@ -4,6 +4,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fnmatch.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -18,6 +20,7 @@
 #include <set>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -156,6 +159,23 @@ std::string host_name() {
 
 }  // namespace
 
+namespace {
+
+// A process that is killed as it starts another leaves the lock to that one, until it closes what it does not need.
+constexpr std::chrono::milliseconds kWait{10};
+constexpr int kMostWaits = 300;
+
+// That the lock was taken here by a process that is no more. Whoever has it then lets go in a moment, or has yet to
+// write who it is.
+bool has_died(const std::string& holder) {
+  int process = 0, read = 0;
+  if (std::sscanf(holder.c_str(), "process %d on %n", &process, &read) != 1 || process <= 0 || read == 0) return false;
+  return holder.substr(static_cast<size_t>(read)).starts_with(host_name() + " since ") && kill(process, 0) != 0 &&
+         errno == ESRCH;
+}
+
+}  // namespace
+
 FolderLock::FolderLock(const fs::path& folder) {
   make_folder(folder);
   const fs::path path = folder / kLock;
@@ -165,7 +185,7 @@ FolderLock::FolderLock(const fs::path& folder) {
   if (file_ < 0)
     throw Error(Exit::bad_input, fmt::format("{}: cannot be written: {}; choose another folder with --out",
                                              path.string(), message(errno)));
-  if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+  for (int waits = 0; flock(file_, LOCK_EX | LOCK_NB) != 0; ++waits) {
     const int fault = errno;
     if (fault != EWOULDBLOCK) {
       notice(fmt::format("quoin: warning: {} cannot be locked ({}): start no second run in this folder",
@@ -174,8 +194,12 @@ FolderLock::FolderLock(const fs::path& folder) {
     }
     std::array<char, 300> text{};
     const ssize_t size = pread(file_, text.data(), text.size(), 0);
-    close(file_);
     std::string holder(text.data(), size > 0 ? static_cast<size_t>(size) : 0);
+    if (waits < kMostWaits && has_died(holder)) {
+      std::this_thread::sleep_for(kWait);
+      continue;
+    }
+    close(file_);
     std::erase_if(holder, [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     throw Error(Exit::bad_input,
                 fmt::format("{}: in use by another run{}; wait for its end or choose another folder with --out",
