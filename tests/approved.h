@@ -25,7 +25,7 @@ struct Approved {
 // Whether two numbers as they are printed are the same but for rounding. Whole numbers are counts: the same or not.
 inline bool same_number(const std::string& a, const std::string& b, const Approved& within) {
   if (a == b) return true;
-  // Noise may be printed as 0.
+  // Noise may be printed as 0, and has any sign.
   if (within.noise > 0.0 && std::max(std::abs(std::stod(a)), std::abs(std::stod(b))) < within.noise) return true;
   const std::size_t point = a.find('.'), exponent = a.find_first_of("eE");
   if (point == std::string::npos && exponent == std::string::npos) return false;
@@ -39,7 +39,7 @@ inline bool same_number(const std::string& a, const std::string& b, const Approv
 
 // Where two texts differ: nothing when they are the same but for rounding.
 inline std::string first_difference(const std::string& approved, const std::string& now, const Approved& within) {
-  static const std::regex number(R"([0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?)");
+  static const std::regex number(R"(-?[0-9]+\.?[0-9]*(?:[eE][-+]?[0-9]+)?)");
   std::istringstream then(approved), today(now);
   std::string a, b;
   for (int line = 1;; ++line) {
