@@ -11,6 +11,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "base/error.h"
 #include "cli/check_command.h"
@@ -101,7 +102,11 @@ int run_command(int argc, char** argv) {
     return static_cast<int>(Exit::numerical);
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return exit_code;  // told by main
-    notice(fmt::format("quoin: internal error: {}; please report it with the scene", error.what()));
+    const auto* of_system = dynamic_cast<const std::system_error*>(&error);
+    if (of_system && of_system->code() == std::errc::not_enough_memory)
+      notice("quoin: out of memory; make the scene smaller");
+    else
+      notice(fmt::format("quoin: internal error: {}; please report it with the scene", error.what()));
     return static_cast<int>(Exit::numerical);
   }
   return exit_code;
