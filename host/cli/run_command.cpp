@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <new>
 #include <optional>
 #include <set>
 #include <thread>
 
+#include "base/any_error.h"
 #include "cli/again.h"
 #include "cli/prepare.h"
 #include "cli/progress.h"
@@ -477,13 +477,8 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
   try {
     simulation.run(recorder);
-  } catch (const Error& error) {
-    failure = error;
-  } catch (const std::bad_alloc&) {
-    failure = Error(Exit::numerical, "out of memory; make the scene smaller");
   } catch (const std::exception& error) {  // by a law, perhaps
-    failure = Error(Exit::numerical,
-                    fmt::format("internal error: {}; please report it with the scene and the law", error.what()));
+    failure = any_error(error, "make the scene smaller", "the scene and the law");
   }
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
@@ -597,10 +592,9 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
     exit_code = static_cast<int>(error.exit_code);
     notice(fmt::format("quoin: {}", error.what()));  // of rank 0
     if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
-  } catch (const std::bad_alloc&) {
-    end_alone(Exit::numerical, "out of memory; fewer ranks on each machine, or a smaller scene");
   } catch (const std::exception& error) {
-    end_alone(Exit::numerical, fmt::format("internal error: {}; please report it with the scene", error.what()));
+    const Error told = any_error(error, "fewer ranks on each machine, or a smaller scene");
+    end_alone(told.exit_code, told.what());
   }
 }
 
