@@ -23,7 +23,8 @@ struct Case {
   const char* name;
   const char* solver;
   bool rigid;
-  double rounding;  // relative to the largest of its kind
+  double rounding;        // relative to the largest of its kind
+  bool one_axis = false;  // one component alone is driven
 };
 
 std::string text(const Vec3& v, std::size_t turns) {
@@ -63,9 +64,10 @@ fracture_energy_compression = 8000.0
   block("left", {0.0, 0.0, 0.0}, {0.3, 0.2, 0.15}, {3, 2, 1}, false);
   block("right", {0.3, 0.0, 0.0}, {0.3, 0.2, 0.15}, {3, 2, 1}, false);
   block("top", {0.1, 0.2, 0.0}, {0.4, 0.1, 0.15}, {}, false);
-  // Down is free, the other two are driven.
+  // Down is free, the others, or one of them, are driven.
   std::array<std::string, 3> velocity;
-  for (std::size_t c = 0; c < 3; ++c) velocity[(c + turns) % 3] = std::array{"0.01", "\"free\"", "0.006"}[c];
+  for (std::size_t c = 0; c < 3; ++c)
+    velocity[(c + turns) % 3] = std::array{"0.01", "\"free\"", of.one_axis ? "\"free\"" : "0.006"}[c];
   toml += fmt::format(
       "[[stage]]\nname = \"push\"\nduration = 0.02\ngravity = {}\n"
       "[[stage.pressure]]\nblock = \"top\"\nnormal = {}\npressure = 0.1e6\n"
@@ -186,6 +188,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"GeneralRigidViscous",
              "damping = \"viscous\"\nmass_damping = 20.0\nstiffness_damping = 1e-6\nkernels = \"general\"", true,
              kSmooth},
+        Case{"GeneralRigidOneAxis",
+             "damping = \"viscous\"\nmass_damping = 20.0\nstiffness_damping = 1e-6\nkernels = \"general\"", true,
+             kSmooth, true},
         Case{"GeneralRigid", "damping = \"local\"\nkernels = \"general\"", true, kOfSigns}),
     [](const auto& of) { return std::string(of.param.name); });
 
