@@ -1,7 +1,10 @@
 // What a controller outside does between two steps, against Newton: on the lattice and among blocks of any shape.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 
 #include "base/error.h"
@@ -131,6 +134,60 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
 
 INSTANTIATE_TEST_SUITE_P(Kernels, Steering, ::testing::Values("lattice", "general"),
                          [](const auto& of) { return std::string(of.param); });
+
+// Nothing else is held: a stone that is driven along one axis and free otherwise, or spun about one.
+TEST(DrivenStone, FollowsTheOneComponentThatIsPrescribed) {
+  for (const bool spin : {false, true}) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      SCOPED_TRACE(c);
+      std::array<std::string, 3> velocity{"\"free\"", "\"free\"", "\"free\""}, omega{"0", "0", "0"};
+      (spin ? omega : velocity)[c] = "0.3";
+      Simulation simulation(read_scene_text(
+          fmt::format(R"([solver]
+damping = "none"
+kernels = "general"
+[materials.stone]
+density = 2000.0
+young_modulus = 1e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e8
+shear_stiffness = 5e7
+[[block]]
+name = "stone"
+material = "stone"
+box = {{ lower = [0, 0, 0], size = [0.1, 0.2, 0.3] }}
+[[block]]
+material = "stone"
+box = {{ lower = [1, 0, 0], size = [0.1, 0.2, 0.3] }}
+[[stage]]
+duration = 1.0
+[[stage.velocity]]
+block = "stone"
+velocity = [{}]
+{}
+)",
+                      fmt::join(velocity, ", "),
+                      spin ? fmt::format("omega = [{}]", fmt::join(omega, ", ")) : "rotation_held = false"),
+          "stone.toml"));
+      simulation.advance(100);
+      const auto corners = simulation.block_mesh(0).gridpoint;
+      const auto moved = simulation.block_displacement(0), velocities = simulation.block_velocity(0);
+      const Vec3 centre{0.05, 0.1, 0.15};  // of a spin
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        Vec3 expected{}, arm{};
+        for (std::size_t k = 0; k < 3; ++k) arm[k] = corners[i][k] + moved[i][k] - centre[k];
+        if (spin)
+          expected[(c + 1) % 3] = -0.3 * arm[(c + 2) % 3], expected[(c + 2) % 3] = 0.3 * arm[(c + 1) % 3];
+        else
+          expected[c] = 0.3;
+        // Velocities are those of half a step before the positions.
+        for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(velocities[i][k], expected[k], spin ? 1e-3 : 1e-12) << k;
+      }
+    }
+  }
+}
 
 // Deformable bricks of the lattice share a force by mass: two of them, each under its own name.
 TEST(SteeringBricks, ForcesOfTheStageAreReplacedOnOneOfThem) {

@@ -219,11 +219,13 @@ class Test:
         self.disabled = properties.get("DISABLED", False)
         self.environment = dict(v.split("=", 1) for v in properties.get("ENVIRONMENT", []))
         self.runs, self.kills = 0, 0  # with a mutant
+        self.soon = False             # --soon
 
     def price(self):
         """Seconds that a kill costs, as far as known; one run in ten kills, and a test that goes through little of the code
         looks closely at it."""
-        return (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1) * math.sqrt(len(self.reached) + 1)
+        known = (self.seconds + 0.05) * (self.runs + 1) / (self.kills + 0.1) * math.sqrt(len(self.reached) + 1)
+        return 0.0 if self.soon else known
 
     def run(self, allowed, **environment):
         """allowed: seconds on the processor, for each process, so that a busy machine kills no mutant; on the clock eight times
@@ -347,6 +349,7 @@ def main():
     parser.add_argument("--learn", type=pathlib.Path, nargs="+", default=[], help="--out of other runs: tests that killed there first")
     parser.add_argument("--budget", type=float, default=3600, help="seconds of tests that a mutant may cost")
     parser.add_argument("--without", default="(?!)", help="tests to be left out, a regular expression")
+    parser.add_argument("--soon", default="(?!)", help="tests that are run before all others, a regular expression: new ones")
     parser.add_argument("--again", action="store_true", help="survivors of --out are run once more")
     parser.add_argument("--alone", action="store_true", help="build what cannot be switched at run time, one by one")
     parser.add_argument("--list", action="store_true", help="print the mutants and stop")
@@ -391,6 +394,7 @@ def main():
             killers.update(r["by"] for r in csv.DictReader(file) if r["by"])
     for t in tests:
         t.runs = t.kills = killers[t.name]
+        t.soon = re.search(options.soon, t.name) is not None
 
     def key(m):
         return m.file, str(m.line), m.kind, m.old, m.new, str(m.begin)
