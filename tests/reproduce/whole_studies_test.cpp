@@ -1,12 +1,13 @@
 // All that a study asks for and says, word for word: its runs with their overrides, and from curves that are made up
 // its verdicts, tables, sentences and the scripts of its charts. Single numbers are held against closed forms in
 // studies_test.cpp; this one sees the words, labels, orders and constants between them. The texts were read by people
-// (approved/STUDY.txt, STUDY_brittle.txt); no simulation, no gnuplot.
+// (approved/STUDY.txt, STUDY_brittle.txt, STUDY_reference.txt); no simulation, no gnuplot.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -32,7 +33,11 @@ bool in_cycles(const RunSpec& spec) {
 }
 
 // What walls may do: soften slowly, or lose nearly all in a drop after they have differed most at the beginning.
-enum class Walls { ductile, brittle };
+enum class Walls { ductile, brittle, ductile_by_reference };
+
+// Each at another quality: standard, fast and reference, which has runs that the others leave out.
+int quality_of(Walls walls) { return std::array{1, 0, 2}[static_cast<std::size_t>(walls)]; }
+const char* suffix_of(Walls walls) { return std::array{"", "_brittle", "_reference"}[static_cast<std::size_t>(walls)]; }
 
 // Every run another curve, so that no two can be exchanged unseen: number is its place in the study. Softening with a
 // ripple after the peak, or a drop; in cycles an elastic and plastic spring.
@@ -137,7 +142,7 @@ class WholeStudies : public ::testing::TestWithParam<std::tuple<std::string, Wal
 TEST_P(WholeStudies, SayWhatWasApproved) {
   const auto& [id, walls] = GetParam();
   const Study& study = *find_study(id);
-  const auto& quality = qualities()[walls == Walls::brittle ? 0 : 1];  // fast, standard
+  const Quality& quality = qualities().at(static_cast<std::size_t>(quality_of(walls)));
   std::map<std::string, RunResult> runs;
   for (const RunSpec& spec : study.runs(quality)) {
     const int number = static_cast<int>(runs.size());
@@ -163,8 +168,7 @@ TEST_P(WholeStudies, SayWhatWasApproved) {
   for (std::size_t at; (at = text.find(folder_.string())) != std::string::npos;)
     text.replace(at, folder_.string().size(), "DIR");
   // The law is evaluated by the kernels of the machine at hand, which round differently.
-  quoin_test::expect_approved(
-      {fs::path(QUOIN_APPROVED) / (study.id + (walls == Walls::brittle ? "_brittle.txt" : ".txt")), 1e-6}, text);
+  quoin_test::expect_approved({fs::path(QUOIN_APPROVED) / (study.id + suffix_of(walls) + ".txt"), 1e-6}, text);
 }
 
 std::vector<std::string> ids() {
@@ -172,11 +176,14 @@ std::vector<std::string> ids() {
   for (const Study& s : studies()) all.push_back(s.id);
   return all;
 }
+const auto name_of = [](const auto& of) { return std::get<0>(of.param) + suffix_of(std::get<1>(of.param)); };
 INSTANTIATE_TEST_SUITE_P(All, WholeStudies,
                          ::testing::Combine(::testing::ValuesIn(ids()),
                                             ::testing::Values(Walls::ductile, Walls::brittle)),
-                         [](const auto& of) {
-                           return std::get<0>(of.param) + (std::get<1>(of.param) == Walls::brittle ? "_brittle" : "");
-                         });
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(Slow, WholeStudies,
+                         ::testing::Combine(::testing::Values("brittle", "rate"),
+                                            ::testing::Values(Walls::ductile_by_reference)),
+                         name_of);
 
 }  // namespace
