@@ -217,9 +217,9 @@ StudyReport report_rate(const Findings& findings) {
     std::string text = fmt::format("peaks {:.1f} and {:.1f} kN; largest distance of the curves {:.1f} % of the peak",
                                    b.peak(), a.peak(), worst);
     const double drop_a = a.displacement_after_peak(kDropBegins), drop_b = b.displacement_after_peak(kDropBegins);
-    if (drop_a > 0 && drop_b > 0) {
-      const double before = std::min(drop_a, drop_b) - 0.1;
-      const double after = std::max(a.displacement_after_peak(kDropEnds), b.displacement_after_peak(kDropEnds)) + 0.1;
+    const double end_a = a.displacement_after_peak(kDropEnds), end_b = b.displacement_after_peak(kDropEnds);
+    if (drop_a > 0 && drop_b > 0 && end_a > 0 && end_b > 0) {
+      const double before = std::min(drop_a, drop_b) - 0.1, after = std::max(end_a, end_b) + 0.1;
       text += fmt::format(
           "; up to {:.2f} mm {:.1f} %, from {:.2f} mm on {:.1f} %; between them the drop, which begins at "
           "{:.3f} and {:.3f} mm",
