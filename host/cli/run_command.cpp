@@ -345,8 +345,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     options.scene = read_run_record(options.resume);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
-  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks));
-  simulation.use(&ranks);
+  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
   std::vector<std::uint8_t> state;
   share_bytes(ranks, state);
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
@@ -411,8 +410,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
-  Simulation simulation(std::move(scene), wanted);
-  if (ranks) simulation.use(ranks);
+  Simulation simulation(std::move(scene), wanted, ranks);
   RunInfo info;
   info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
   if (there) hold_against(info.provenance, *there);

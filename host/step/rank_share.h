@@ -22,6 +22,12 @@ enum class Part {
   row,     // sums and motion; of contact points what a row of the history takes
   all      // everything that changes in steps and that later ones, or results, read
 };
+// Who needs it.
+enum class Who {
+  everybody,
+  first,   // rank 0, for what it writes
+  holders  // each rank what it holds: own items, what its chunks touch, what stages watch
+};
 // A memory of it: first byte, bytes.
 using VisitMemory = std::function<void(void*, std::size_t)>;
 

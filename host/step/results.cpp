@@ -114,8 +114,7 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   }
   const BlockGroup& group = model.groups[at(place.group)];
   const BrickTemplate& shape = model.templates[at(group.brick_template)];
-  for (int n = 0; n < shape.node_count; ++n)
-    mesh.gridpoint.push_back(model.position[at((group.first_line + n) * kLanes + place.lane)]);
+  for (int n = 0; n < shape.node_count; ++n) mesh.gridpoint.push_back(model.gridpoint_position(block, n));
   const auto& [nx, ny, nz] = shape.zones;
   for (std::vector<int>& face : mesh.face) {
     for (int& corner : face)
@@ -178,7 +177,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
   // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
   const int chunks = static_cast<int>(model.chunks.size());
-  for (const int index : gathered ? whole_share(chunks, 0).chunks : share.chunks) {
+  for (const int index : has_all() ? whole_share(chunks, 0).chunks : share.chunks) {
     const std::size_t c = at(index);
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
@@ -205,7 +204,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
 
 // Flags of the last step when it reported them, otherwise those of a step that moves nothing.
 std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
-  if (!riding && flags_step == step_count - 1) return flags;
+  if (!riding && flags_step == step_count - 1) return {flags.begin(), flags.end()};
   std::vector<std::uint32_t> result(contact_point_count(), 0);
   ask_at_rest(QUOIN_CAN_FLAGS, [&](quoin_batch& batch, std::size_t first) {
     batch.flags = {result.data() + first, 1};
@@ -305,7 +304,16 @@ std::uint64_t Simulation::hash() const {
   add(impl_->displacement);
   add(impl_->velocity);
   for (const auto& column : impl_->traction) add(column);
-  for (const auto& columns : impl_->law_state) add(columns);
+  for (std::size_t f = 0; f < impl_->law_state.size(); ++f) {
+    if (impl_->holds_all) {
+      add(impl_->law_state[f]);
+      continue;
+    }
+    // Before the first step: as they begin, for this rank has those of its own points alone.
+    const ContactFamily& family = impl_->model.families[f];
+    for (const double value : family.material->initial_state(impl_->model.assembly.families[f].initial_state))
+      add(std::vector<double>(at(family.point_count), value));
+  }
   return hash;
 }
 

@@ -176,7 +176,12 @@ struct HotArray {
 class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
-  explicit Simulation(Scene scene, int threads = 1);
+  // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
+  // are those of one process. run() then calls observers of all ranks at the same steps, and rank 0 has the whole state
+  // at hand when it is asked for results, and after run(); the others have what they hold. Only run() may be used to
+  // step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation; null: one
+  // process.
+  explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
   Simulation(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
@@ -277,11 +282,6 @@ class Simulation {
   // To be called after velocities were written through a view.
   void velocities_changed();
 
-  // One of several processes that advance this model together, each made from the same scene: before the first step,
-  // and before restore(). The bits are those of one process. run() then calls observers of all ranks at the same steps,
-  // with the whole state at hand; what results are read from is whole on every rank after run() too. Only run() may be
-  // used to step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation.
-  void use(Ranks* ranks);
   bool owns_block(int block) const;                      // advances it; true: one process
   const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
   bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
@@ -299,7 +299,8 @@ class Simulation {
 
  private:
   static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
-                                         std::vector<std::shared_ptr<const Material>> materials);
+                                         std::vector<std::shared_ptr<const Material>> materials,
+                                         Ranks* ranks = nullptr);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};
 };
