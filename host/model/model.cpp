@@ -822,6 +822,7 @@ void Model::lay_out(std::span<const int> units, std::span<const int> chunks_want
     if (!chunk_laid_out_[at(c)]) new_chunks.push_back(c);
     chunk_laid_out_[at(c)] = true;
   }
+  if (!new_chunks.empty()) ++layouts_;
   ModelFiller filler(*this);
   filler.fill_chunks(new_chunks);
   std::vector<int> new_units;

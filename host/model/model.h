@@ -190,6 +190,9 @@ struct Model {
     for (std::size_t n = 0; n < mass.size(); ++n)
       visit((static_cast<std::size_t>(group.first_line) + n) * kLine + static_cast<std::size_t>(where.lane), mass[n]);
   }
+  bool has_laid_out(int chunk) const { return chunk_laid_out_[static_cast<std::size_t>(chunk)]; }
+  long layouts() const { return layouts_; }  // another number when other chunks are laid out
+
   // What unit groups in a row have of gridpoints and slots.
   struct Extent {
     std::size_t first_line, end_line, first_slot, end_slot;
@@ -200,6 +203,7 @@ struct Model {
 
  private:
   std::vector<bool> unit_laid_out_, chunk_laid_out_;
+  long layouts_ = 0;
 };
 
 // Materials of the families of an assembly: loads the laws, validates the properties.

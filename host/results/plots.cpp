@@ -155,7 +155,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   std::string brick_data, beam_data;
   for (size_t b = 0; b < bricks.size(); ++b) {
     const Brick& brick = bricks[b];
-    const auto& mesh = surfaces.mesh(static_cast<int>(b));
+    const auto mesh = surfaces.mesh(simulation, static_cast<int>(b));
     const double x0 = brick.origin[0], y0 = brick.origin[1], x1 = x0 + brick.size[0], y1 = y0 + brick.size[1];
     const double tolerance = 1e-6 * (brick.size[0] + brick.size[1]), front = brick.origin[2] + brick.size[2];
     std::vector<std::pair<double, size_t>> outline;  // place along the edge, gridpoint
