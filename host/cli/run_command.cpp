@@ -154,7 +154,7 @@ class Recorder : public Observer {
   bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }
   void on_pause(const Simulation& simulation, bool) override {
     try {
-      write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), simulation.save()});
+      write_checkpoint(checkpoint_, identity_, history_.rows(), frames_.times(), simulation);
     } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
       std::error_code unknown;
       if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)
@@ -306,6 +306,7 @@ class Follower : public Observer {
     frames_.emplace(folder.path, *surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
+  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
   void on_promotion(const Simulation& simulation) override {
     if (frames_) *surfaces_ = Surfaces(simulation);
   }

@@ -15,6 +15,9 @@
 
 namespace quoin {
 
+// Bytes of all ranks together that are on their way at a time: what is gathered may be most of the model.
+inline constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
+
 // What is asked for of all blocks and contact points, whoever advances them.
 enum class Part {
   sums,    // what a measured step adds up

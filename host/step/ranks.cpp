@@ -27,9 +27,6 @@ constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
 
-// Of all ranks together, that are on their way at a time: what is gathered may be most of the model.
-constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
-
 // Memories one after the other, gone through some bytes at a time.
 class MemoryRow {
  public:

@@ -62,6 +62,7 @@ void Simulation::run(Observer& observer) {
     if (impl_->together) impl_->gather(Part::all, Who::first), impl_->collect_traffic();
     throw;
   }
+  impl_->end_run();
   impl_->collect_traffic();
 }
 
@@ -74,7 +75,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   };
   const auto pause = [&](bool last) {
     if (!s.any_rank(observer.wants_pause(last))) return;
-    s.gather(Part::all, Who::first);
+    if (!s.in_parts) s.gather(Part::all);
     tell([&] { observer.on_pause(*this, last); });
   };
   const int stage_count = static_cast<int>(s.scene.stages.size());
@@ -170,7 +171,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       fraction_then = by_length;
     }
   }
-  if (!s.in_parts || index + 1 == stage_count) s.gather(Part::all, Who::first);
+  if (!s.in_parts) s.gather(Part::all);
   // Frames that the end overtook: the last one shows the end.
   if (frames > 0 && s.next_frame <= frames)
     s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });

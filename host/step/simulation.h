@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -136,7 +137,7 @@ struct Observer {
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
   virtual void on_promotion(const Simulation&) {}  // Simulation::outcome tells more
   virtual void on_row(const HistoryRow&) {}
-  // Whether on_pause will take the state: with ranks that of all of them is gathered first.
+  // Whether on_pause will take the state: with ranks all of them are asked then, and all of them must save.
   virtual bool wants_pause(bool /*last*/) { return true; }
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -289,6 +290,11 @@ class Simulation {
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.
   std::vector<std::uint8_t> save() const;
+  // The same piece by piece, which take gets in order. All ranks must call it at the same moment, in on_pause; rank 0
+  // takes, and none has more than some megabytes of what others hold.
+  using TakeBytes = std::function<void(std::span<const std::uint8_t>)>;
+  void save(const TakeBytes& take) const;
+  std::size_t saved_bytes() const;
   void restore(const std::vector<std::uint8_t>& bytes);
 
   // Raw access for tests: displacement and velocity in lane layout.

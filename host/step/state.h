@@ -247,6 +247,10 @@ struct Simulation::Impl {
   bool has_all() const;  // of the last step
   void begin_with_ranks();
   void agree_on_model() const;
+  // An array whose parts ranks hold, some megabytes at a time, to rank 0.
+  void give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take);
+  void end_run();  // what results ask rank 0 for
+  std::array<long, kConditionCount> own_conditions();
   // Where each rank holds a part of the lattice (in_parts).
   bool may_be_in_parts(const Assembly& assembly) const;
   struct Held {
@@ -409,6 +413,9 @@ struct Simulation::Impl {
   std::optional<DearBlocks> dear_blocks;        // for tests
   std::vector<RankTraffic> traffic_of_all;
   bool together = true;  // all ranks end alike
+  // Of the end of a run in parts, for rank 0.
+  std::optional<std::array<long, kConditionCount>> end_conditions;
+  std::uint64_t end_hash = 0;
 
   bool time_every_step = false;
   PhaseTimes times;
