@@ -76,7 +76,14 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const auto pause = [&](bool last) {
     if (!s.any_rank(observer.wants_pause(last))) return;
     if (!s.in_parts) s.gather(Part::all);
-    tell([&] { observer.on_pause(*this, last); });
+    std::optional<Error> fault;  // of one rank: all end then, together
+    try {
+      tell([&] { observer.on_pause(*this, last); });
+    } catch (const Error& error) {
+      fault = error;
+    }
+    if (s.any_rank(fault.has_value()))
+      throw fault ? *fault : Error(Exit::bad_input, "another rank could not keep what was computed");
   };
   const int stage_count = static_cast<int>(s.scene.stages.size());
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
