@@ -11,8 +11,8 @@
 #include <exception>
 #include <iostream>
 #include <new>
-#include <system_error>
 
+#include "base/any_error.h"
 #include "base/error.h"
 #include "cli/check_command.h"
 #include "cli/ensemble_command.h"
@@ -97,17 +97,11 @@ int run_command(int argc, char** argv) {
   } catch (const quoin::Error& error) {
     if (error.exit_code != Exit::interrupted) notice(fmt::format("quoin: {}", error.what()));
     return static_cast<int>(error.exit_code);
-  } catch (const std::bad_alloc&) {
-    notice("quoin: out of memory; make the scene smaller");
-    return static_cast<int>(Exit::numerical);
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return exit_code;  // told by main
-    const auto* of_system = dynamic_cast<const std::system_error*>(&error);
-    if (of_system && of_system->code() == std::errc::not_enough_memory)
-      notice("quoin: out of memory; make the scene smaller");
-    else
-      notice(fmt::format("quoin: internal error: {}; please report it with the scene", error.what()));
-    return static_cast<int>(Exit::numerical);
+    const quoin::Error told = quoin::any_error(error);
+    notice(fmt::format("quoin: {}", told.what()));
+    return static_cast<int>(told.exit_code);
   }
   return exit_code;
 }

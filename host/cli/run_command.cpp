@@ -9,11 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <new>
 #include <optional>
 #include <set>
 #include <thread>
 
+#include "base/any_error.h"
 #include "cli/again.h"
 #include "cli/prepare.h"
 #include "cli/progress.h"
@@ -386,6 +386,121 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   }
 }
 
+// Before the first step. resumed: by --resume, goes_on: from a checkpoint.
+void say_what_begins(const RunOptions& options, const Simulation& simulation, const Ranks* ranks, int wanted_threads,
+                     bool resumed, bool goes_on, Recorder& recorder) {
+  const auto say = [&](const std::string& text) { recorder.progress().message(text); };
+  const TimeStepReport& step = simulation.time_step_report();
+  say(fmt::format(
+      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {}{} "
+      "threads, {}",
+      options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(),
+      law_names(simulation.assembly()), step.time_step, step.time_step / step.critical.value,
+      ranks ? fmt::format("{} ranks of ", ranks->count()) : "", simulation.thread_count(),
+      simulation.instruction_set()));
+
+  const OutputSettings& output = simulation.scene().output;
+  if (output.pieces && output.frames > 0 && pieces_of(simulation.scene(), ranks).count <= 1)
+    say("output.pieces: without effect in one process, which writes each frame as one file");
+  if (simulation.thread_count() < wanted_threads)
+    say(fmt::format(
+        "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
+        simulation.thread_count(), wanted_threads));
+  if (goes_on)
+    say(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
+  else if (resumed)
+    say("resumed before its first checkpoint: from the start");
+  if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
+    const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
+    say(at_once ? "large motion from the start" : "general kernels");
+  }
+  if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
+}
+
+// curve.png, cracks.png, mechanism.png; what is missing is told.
+void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
+          Recorder& recorder) {
+  const auto& rows = recorder.history().rows();
+  const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
+  // Each waits for a gnuplot of its own.
+  auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
+    return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
+  });
+  std::string of_cracks, of_mechanism;
+  if (!info.law_answers) {
+    of_cracks = "no cracks.png: the law no longer tells the states of contact points";
+  } else if (simulation.riding() || simulation.scene().blocks) {
+    of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
+    of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
+  } else {
+    of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
+  }
+  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
+    if (!notice.empty()) recorder.progress().message("quoin: " + notice);
+  }
+}
+
+// What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
+// and costs nothing else but the exit code.
+void keep_results(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, bool report,
+                  const std::optional<Error>& failure, Recorder& recorder, RunInfo& info, int& exit_code) {
+  const auto keep = [&](const auto& write) {
+    try {
+      write();
+    } catch (const Error& error) {
+      recorder.progress().message(fmt::format("quoin: {}", error.what()));
+      if (exit_code == 0) exit_code = static_cast<int>(error.exit_code);
+    }
+  };
+  const OutputSettings& output = simulation.scene().output;
+  const auto& rows = recorder.history().rows();
+  info.law_answers = laws_answer(simulation);
+  if (failure) {
+    info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
+    info.message = failure->what();
+    exit_code = static_cast<int>(failure->exit_code);
+  }
+  if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
+  keep([&] { recorder.history().finish(); });
+  keep([&] {
+    if (output.frames == 0) return;
+    if (failure && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
+    recorder.frames().finish();
+  });
+  info.quasi_static = check_quasi_static(rows, simulation.scene());
+  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
+  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  if (output.plots) draw(folder, simulation, surfaces, info, recorder);
+  keep([&] { note_results(simulation, folder, &info.provenance); });
+  info.wall_clock_s = process_seconds();
+  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
+  keep([&] {
+    if (report) write_report({folder});
+  });
+  keep([&] {
+    if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
+  });
+  std::error_code ignored;
+  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
+}
+
+void print_results(const fs::path& folder, const Simulation& simulation, const std::vector<HistoryRow>& rows,
+                   const RunInfo& info) {
+  if (const auto& multiplier = simulation.outcome().collapse_multiplier)
+    fmt::print("collapse multiplier {:.4f}\n", *multiplier);
+  const Scene& scene = simulation.scene();
+  const Peak peak = find_peak(rows, scene);
+  const std::string unknown = why_error_unknown(scene, info);
+  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
+                                                          100 * quality_named(scene.quality).peak_error)
+                                            : "error not known: " + unknown;
+  fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
+             peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
+  fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
+  if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
+  print_isolation(simulation);
+}
+
 void run(RunOptions options, Ranks* ranks, int& exit_code) {
   fs::path folder =
       options.out.empty() ? fs::path("out") / fs::path(options.scene.scene).stem() : fs::path(options.out);
@@ -437,37 +552,14 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   });
   if (!lock) write_run_record(folder, options.scene);
 
-  const OutputSettings& output = simulation.scene().output;
-  const std::string law = law_names(simulation.assembly());
   Surfaces surfaces(simulation);
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
+  const OutputSettings& output = simulation.scene().output;
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
                 fmt::format("the results with output.frames = {}", output.frames));
   Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before,
                     options.compressed, pieces);
-  const TimeStepReport& step = simulation.time_step_report();
-  recorder.progress().message(fmt::format(
-      "{}: {} blocks and beams, {} zones, {} contact points; law {}; time step {:.3g} s ({:.2f} of 2/omega_max); {}{} "
-      "threads, {}",
-      options.scene.scene, simulation.block_count(), simulation.zone_count(), simulation.point_count(), law,
-      step.time_step, step.time_step / step.critical.value, ranks ? fmt::format("{} ranks of ", ranks->count()) : "",
-      simulation.thread_count(), simulation.instruction_set()));
-
-  if (output.pieces && output.frames > 0 && pieces.count <= 1)
-    recorder.progress().message("output.pieces: without effect in one process, which writes each frame as one file");
-  if (simulation.thread_count() < wanted)
-    recorder.progress().message(fmt::format(
-        "quoin: warning: the machine started {} threads of the {} wanted (ulimit -u, ulimit -v); the run takes longer",
-        simulation.thread_count(), wanted));
-  if (goes_on)
-    recorder.progress().message(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
-  else if (lock)
-    recorder.progress().message("resumed before its first checkpoint: from the start");
-  if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
-    const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
-    recorder.progress().message(at_once ? "large motion from the start" : "general kernels");
-  }
-  if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
+  say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
 
   std::optional<Error> failure;
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
@@ -476,86 +568,11 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const StopOnSignal guard(simulation);  // to the end: what stops a run shall not stop what keeps its results
   try {
     simulation.run(recorder);
-  } catch (const Error& error) {
-    failure = error;
-  } catch (const std::bad_alloc&) {
-    failure = Error(Exit::numerical, "out of memory; make the scene smaller");
   } catch (const std::exception& error) {  // by a law, perhaps
-    failure = Error(Exit::numerical,
-                    fmt::format("internal error: {}; please report it with the scene and the law", error.what()));
+    failure = any_error(error, "make the scene smaller", "the scene and the law");
   }
-  if (failure) {
-    info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
-    info.message = failure->what();
-  }
-
-  // What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
-  // and costs nothing else but the exit code.
-  const auto keep = [&](const auto& write) {
-    try {
-      write();
-    } catch (const Error& error) {
-      recorder.progress().message(fmt::format("quoin: {}", error.what()));
-      if (exit_code == 0) exit_code = static_cast<int>(error.exit_code);
-    }
-  };
-  info.law_answers = laws_answer(simulation);
-  if (failure) exit_code = static_cast<int>(failure->exit_code);
-  if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
-  keep([&] { recorder.history().finish(); });
-  keep([&] {
-    if (output.frames == 0) return;
-    if (failure && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
-    recorder.frames().finish();
-  });
-  const auto& rows = recorder.history().rows();
-  info.quasi_static = check_quasi_static(rows, simulation.scene());
-  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
-  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
-  if (output.plots) {
-    const std::string label = warning_label(info.warnings);
-    // Each waits for a gnuplot of its own.
-    auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
-      return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
-    });
-    std::string of_cracks, of_mechanism;
-    if (!info.law_answers) {
-      of_cracks = "no cracks.png: the law no longer tells the states of contact points";
-    } else if (simulation.riding() || simulation.scene().blocks) {
-      of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
-      of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
-    } else {
-      of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
-    }
-    for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
-      if (!notice.empty()) recorder.progress().message("quoin: " + notice);
-    }
-  }
-  keep([&] { note_results(simulation, folder, &info.provenance); });
-  info.wall_clock_s = process_seconds();
-  keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
-  keep([&] {
-    if (options.report) write_report({folder});
-  });
-  keep([&] {
-    if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
-  });
-  std::error_code ignored;
-  if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
-
-  if (const auto& multiplier = simulation.outcome().collapse_multiplier)
-    fmt::print("collapse multiplier {:.4f}\n", *multiplier);
-  const Peak peak = find_peak(rows, simulation.scene());
-  const Scene& done = simulation.scene();
-  const std::string unknown = why_error_unknown(done, info);
-  const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", done.quality,
-                                                          100 * quality_named(done.quality).peak_error)
-                                            : "error not known: " + unknown;
-  fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
-             peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
-  fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
-  if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
-  print_isolation(simulation);
+  keep_results(folder, simulation, surfaces, options.report, failure, recorder, info, exit_code);
+  print_results(folder, simulation, recorder.history().rows(), info);
   for (const Warning& warning : info.warnings)
     if (!recorder.was_told(warning)) recorder.on_warning(warning);
   if (failure) {
@@ -596,10 +613,9 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
     exit_code = static_cast<int>(error.exit_code);
     notice(fmt::format("quoin: {}", error.what()));  // of rank 0
     if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
-  } catch (const std::bad_alloc&) {
-    end_alone(Exit::numerical, "out of memory; fewer ranks on each machine, or a smaller scene");
   } catch (const std::exception& error) {
-    end_alone(Exit::numerical, fmt::format("internal error: {}; please report it with the scene", error.what()));
+    const Error told = any_error(error, "fewer ranks on each machine, or a smaller scene");
+    end_alone(told.exit_code, told.what());
   }
 }
 

@@ -6,11 +6,11 @@
 #include <fstream>
 #include <limits>
 #include <map>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 
+#include "base/any_error.h"
 #include "base/error.h"
 #include "base/input_file.h"
 #include "files/result_folder.h"
@@ -195,11 +195,8 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
     } catch (const Error& error) {
       if (error.exit_code != Exit::numerical && error.exit_code != Exit::law_refused) throw;
       fail(error.what());
-    } catch (const std::bad_alloc&) {
-      fail("out of memory");
     } catch (const std::exception& error) {
-      if (dynamic_cast<const Error*>(&error)) throw;
-      fail(fmt::format("internal error: {}", error.what()));
+      fail(any_error(error).what());
     }
   };
   std::optional<Simulation> simulation;

@@ -136,6 +136,10 @@ std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
   return c;
 }
 
+double hexahedra_along(double length, double target_edge) {
+  return std::max(1.0, std::ceil(length / target_edge - 1e-6));
+}
+
 std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge) {
   const std::array<int, 8> c = *brick_corners(shape);
   std::array<int, 3> n{1, 1, 1};
@@ -145,7 +149,7 @@ std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_
       if (b >> axis & 1) continue;
       longest = std::max(longest, norm(shape.vertices[c[b]] - shape.vertices[c[b | 1 << axis]]));
     }
-    n[axis] = int(std::clamp(std::ceil(longest / target_edge - 1e-6), 1.0, most_zones));
+    n[axis] = int(std::min(hexahedra_along(longest, target_edge), most_zones));
   }
   return n;
 }

@@ -27,6 +27,9 @@ struct Zoning {
 // geometry::box, along the axes that divisions count. Nothing for other shapes.
 std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape);
 
+// Hexahedra along an edge of so many m, a whole number: one more only where it is longer by more than rounding.
+double hexahedra_along(double length, double target_edge);
+
 // Hexahedra along these axes with edges of at most `target_edge` (m), for shapes with brick_corners.
 std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge);
 

@@ -470,7 +470,6 @@ class World {
   size_t point_count() const;
   double mass() const;
   double mass_of(int block) const;  // that has weight, kg
-  size_t memory_bytes() const;
   uint64_t hash() const;
 
   // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of

@@ -178,17 +178,6 @@ double World::mass() const {
   return m;
 }
 
-size_t World::memory_bytes() const {
-  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  size_t sum = bytes(blocks_) + bytes(bodies_) + bytes(corner_) + bytes(placed_corner_) + bytes(placed_normal_) +
-               bytes(body_normal_) + bytes(start_r_) + bytes(start_x_) + bytes(node_x_) * 4 + bytes(node_mass_) * 2 +
-               bytes(node_anchor_) + bytes(piece_columns_) + bytes(zones_) + bytes(zone_lanes_) + bytes(facets_) +
-               bytes(contacts_) + bytes(block_contact_force_) + bytes(assembly_.blocks);
-  for (const StartJoint& j : start_joints_) sum += sizeof j + bytes(j.point);
-  for (const Family& f : families_) sum += bytes(f.point) + (6 + f.state.size()) * f.size() * sizeof(double);
-  return sum;
-}
-
 uint64_t World::hash() const {
   uint64_t h = 1469598103934665603u;
   const auto add = [&](const void* data, size_t bytes) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/zoning.h"
+
 namespace quoin {
 
 namespace {
@@ -45,7 +47,7 @@ void add_tetrahedra(const BlockSpec& block, SceneSize* size) {
 
 Counts divided(const Vec3& extent, double edge) {
   Counts n{};
-  for (std::size_t k = 0; k < 3; ++k) n[k] = std::max(1.0, std::ceil(extent[k] / edge));
+  for (std::size_t k = 0; k < 3; ++k) n[k] = geometry::hexahedra_along(extent[k], edge);
   return n;
 }
 

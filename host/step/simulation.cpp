@@ -105,7 +105,9 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const bool due = s.stage_step >= s.next_row, row = stop || due;
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
     s.sample_energy = !s.riding && (s.watch.pending || (due && s.begin_look()));
-    s.step_once(check || row || frame || s.books_energy() || s.sample_energy, row || frame);
+    const bool count_crushed = row && s.step_count >= s.watch.next_flags;
+    if (count_crushed) s.watch.next_flags = s.step_count + Watch::kFlagSteps;
+    s.step_once(check || row || frame || s.books_energy() || s.sample_energy, count_crushed || frame);
 
     done = check && s.equilibrium_reached(settings);
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;

@@ -23,6 +23,7 @@ struct Watch {
   static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
   static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
   static constexpr long kEnergySteps = 200;      // between two looks at the energies of a step and the next, at least
+  static constexpr long kFlagSteps = 200;        // between two counts of crushed-out points, at least
   static constexpr long kStiffnessSteps = 2000;  // between two looks at tangents and bounds of states, at least
 
   double overlap = 0.0;  // largest closure of a contact point, elastic and crushed, m
@@ -34,8 +35,8 @@ struct Watch {
   double energy_moved = 0.0;     // what went from one kind to another, J; 0: not looked at
   double stiffness_ratio = 0.0;  // largest tangent over the law's bound, that the time step was chosen with; 0: unknown
 
-  long next_energies = 0, next_stiffness = 0;  // steps
-  bool pending = false;                        // the first of two steps has been looked at
+  long next_energies = 0, next_flags = 0, next_stiffness = 0;  // steps
+  bool pending = false;                                        // the first of two steps has been looked at
   double stored = 0.0, work_after = 0.0;  // then: kinetic, strain, joints; external less damping of its second half
   double kinds[3] = {0.0, 0.0, 0.0};      // kinetic, strain, joints
 };

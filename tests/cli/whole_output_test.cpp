@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <regex>
-#include <set>
 
 #include "../approved.h"
 #include "program.h"

@@ -247,6 +247,17 @@ TEST_F(Ensemble, SobolsIndicesComeFromRowsOfRuns) {
   EXPECT_EQ(sobol("7"), 2);
 }
 
+// Without --sobol each of three inputs goes down and up by itself, beside the means.
+TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
+  ASSERT_EQ(finish(start({QUOIN_PROGRAM, "sensitivity", study_, "--out", (folder_ / "s").string(), "--no-pictures",
+                          "--set", "stage.shear.displacement=0.00005"})),
+            0)
+      << error_;
+  EXPECT_EQ(finished("s"), 2 * 3 + 1);
+  EXPECT_THAT(out_, HasSubstr("joints.mortar.cohesion"));
+  EXPECT_TRUE(fs::exists(folder_ / "s" / "sensitivity.csv"));
+}
+
 // One input at a time: numbers of samples that are given here, not run. The pressure is uniform from 0.2 to 0.4 MPa,
 // the strength lognormal of mean 0.2 MPa and a coefficient of variation of 0.3.
 TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "step/kernels.h"
 #include "support.h"
 
 namespace quoin {
@@ -50,6 +51,43 @@ TEST(PatchTest, UniformStressIsReproduced) {
         EXPECT_NEAR(point.traction[0], n.dot(stress * n), 1e-9 * stress.norm());
         EXPECT_NEAR(point.traction[1], s.dot(stress * n), 1e-9 * stress.norm());
         EXPECT_NEAR(point.traction[2], t.dot(stress * n), 1e-9 * stress.norm());
+      }
+    }
+  }
+}
+
+// The product with the stiffness that benchmarks time, of single blocks and of two side by side.
+TEST(Step, InternalForceIsTheStiffnessTimesTheDisplacement) {
+  for (const bool units : {false, true}) {
+    Assembly assembly = brick_grid({4, 1, 1}, {0.11, 0.0625, 0.1}, {4, 2, 2});
+    if (units) assembly = in_units(std::move(assembly));
+    Simulation simulation(bare_scene(), assembly, 1);
+    random_velocities(&simulation, 5);
+    simulation.displacement() = simulation.velocity();
+    const Model& model = simulation.model();
+    const std::vector<const double*> none(model.groups.size(), nullptr);
+    StepData data;
+    data.displacement = data.velocity = simulation.displacement().data();
+    data.dt_over_mass = data.displacement;
+    data.shared_dt_over_mass = data.load = none.data();
+    const Eigen::MatrixXd k = dense_stiffness(assembly.bricks[0], brick_material());
+    const int nodes = model.templates[0].node_count;
+    LaneVector<double> force(static_cast<std::size_t>(kUnitBlocks * nodes) * kLine);
+    for (const UnitGroup& unit : model.unit_groups) {
+      EXPECT_EQ(unit.group_count, units ? 2 : 1);
+      internal_force(model, unit, data, force.data());
+      for (int b = 0; b < unit.group_count; ++b) {
+        const BlockGroup& group = model.groups[static_cast<std::size_t>(unit.first_group + b)];
+        for (int lane = 0; lane < group.block_count; ++lane) {
+          const int block = group.block[static_cast<std::size_t>(lane)];
+          Eigen::VectorXd u(3 * nodes), f(3 * nodes);
+          for (int i = 0; i < 3 * nodes; ++i) {
+            u[i] = simulation.displacement()[dof(model, block, i / 3, i % 3)];
+            f[i] = force[static_cast<std::size_t>((b * nodes + i / 3) * kLine + i % 3 * kLanes + lane)];
+          }
+          const Eigen::VectorXd expected = k * u;
+          EXPECT_LT((f - expected).norm(), 1e-12 * expected.norm()) << block;
+        }
       }
     }
   }

@@ -1,8 +1,8 @@
-// Ranks as threads of one process: what each does is what processes do that MPI joins, and tests need no MPI.
+// Ranks that are threads of one process, so that what ranks do together is tested where no MPI is.
 #pragma once
 
 #include <algorithm>
-#include <barrier>
+#include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -10,95 +10,153 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "base/ranks.h"
 
 namespace quoin {
 
-// What the threads tell each other by.
-struct RanksTogether {
-  explicit RanksTogether(int count_in) : count(count_in), barrier(count_in), places(static_cast<std::size_t>(count)) {}
-  int count;
-  std::barrier<> barrier;
-  std::vector<void*> places;  // by rank: of what it gives in the call that all are in
-  std::mutex mutex;
-  std::condition_variable sent;
-  std::map<std::pair<int, int>, std::deque<std::vector<double>>> on_their_way;  // by sender and receiver
-};
-
 class ThreadRanks : public Ranks {
  public:
-  ThreadRanks(RanksTogether& all, int rank) : all_(all), rank_(rank) {}
+  // What all of them share. A rank that has ended releases those that wait for it: they throw.
+  struct Shared {
+    explicit Shared(int ranks) : count(ranks), left(ranks), slot(static_cast<std::size_t>(ranks)) {}
+    const int count;
+    int left;
+    long rounds = 0;
+    bool ended = false;
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<std::vector<std::byte>> slot;                             // what each brings to a round
+    std::map<std::pair<int, int>, std::deque<std::vector<double>>> mail;  // from, to
+    long messages = 0;
+  };
+
+  ThreadRanks(Shared* shared, int rank) : shared_(*shared), rank_(rank) {}
   int rank() const override { return rank_; }
-  int count() const override { return all_.count; }
-  int count_on_this_machine() const override { return all_.count; }
+  int count() const override { return shared_.count; }
+  int count_on_this_machine() const override { return shared_.count; }
 
   void start(std::span<const Parcel> send, std::span<const Parcel> receive) override {
-    const std::lock_guard lock(all_.mutex);
-    for (const Parcel& p : send) all_.on_their_way[{rank_, p.rank}].emplace_back(p.values.begin(), p.values.end());
-    all_.sent.notify_all();
+    const std::lock_guard lock(shared_.mutex);
+    for (const Parcel& p : send) {
+      shared_.mail[{rank_, p.rank}].emplace_back(p.values.begin(), p.values.end());
+      ++shared_.messages;
+    }
     expected_.assign(receive.begin(), receive.end());
+    shared_.changed.notify_all();
   }
   void finish() override {
-    std::unique_lock lock(all_.mutex);
     for (const Parcel& p : expected_) {
-      auto& queue = all_.on_their_way[{p.rank, rank_}];
-      all_.sent.wait(lock, [&] { return !queue.empty(); });
-      std::copy(queue.front().begin(), queue.front().end(), p.values.begin());
-      queue.pop_front();
+      std::unique_lock lock(shared_.mutex);
+      auto& box = shared_.mail[{p.rank, rank_}];
+      wait(lock, [&] { return !box.empty(); });
+      if (box.front().size() != p.values.size()) throw std::logic_error("a message of another length than expected");
+      std::copy(box.front().begin(), box.front().end(), p.values.begin());
+      box.pop_front();
     }
     expected_.clear();
   }
+
   void largest(std::span<double> values) override {
-    std::vector<double> own(values.begin(), values.end());
-    with_all(&own, [&](int, void* of_rank) {
-      const auto& theirs = *static_cast<std::vector<double>*>(of_rank);
-      for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::max(values[i], theirs[i]);
-    });
+    const auto all = meet(std::as_bytes(values));
+    for (const auto& bytes : all) {
+      if (bytes.size() != values.size_bytes()) throw std::logic_error("ranks compare lists of different lengths");
+      for (std::size_t i = 0; i < values.size(); ++i) {
+        double value;
+        std::memcpy(&value, bytes.data() + i * sizeof value, sizeof value);
+        values[i] = std::max(values[i], value);
+      }
+    }
   }
   void gather(std::span<const std::byte> own, std::span<const std::size_t> sizes, std::span<std::byte> all) override {
-    std::byte* to = all.data();
-    with_all(const_cast<std::byte*>(own.data()), [&](int r, void* theirs) {
-      const std::size_t size = sizes[static_cast<std::size_t>(r)];
-      if (size > 0) std::memcpy(to, theirs, size);
-      to += size;
-    });
+    const auto parts = meet(own);
+    std::size_t place = 0;
+    for (std::size_t r = 0; r < parts.size(); ++r) {
+      if (parts[r].size() != sizes[r]) throw std::logic_error("a rank gathers more or less than it was said to");
+      std::copy(parts[r].begin(), parts[r].end(), all.begin() + static_cast<std::ptrdiff_t>(place));
+      place += sizes[r];
+    }
   }
   void share(std::span<std::byte> bytes) override {
-    with_all(bytes.data(), [&](int r, void* theirs) {
-      if (r == 0 && rank_ != 0) std::memcpy(bytes.data(), theirs, bytes.size());
-    });
+    const auto all = meet(bytes);
+    std::copy(all[0].begin(), all[0].end(), bytes.begin());
   }
-  bool all_here(double) override { return true; }
-  void abort(int) override { std::terminate(); }
+  bool all_here(double) override {
+    try {
+      meet({});
+      return true;
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  }
+  [[noreturn]] void abort(int) override {
+    end();
+    throw std::runtime_error("aborted");
+  }
+  void end() {
+    const std::lock_guard lock(shared_.mutex);
+    shared_.ended = true;
+    shared_.changed.notify_all();
+  }
 
  private:
-  void with_all(void* own, const std::function<void(int rank, void* theirs)>& visit) {
-    all_.places[static_cast<std::size_t>(rank_)] = own;
-    all_.barrier.arrive_and_wait();
-    for (int r = 0; r < all_.count; ++r) visit(r, all_.places[static_cast<std::size_t>(r)]);
-    all_.barrier.arrive_and_wait();
+  template <class Done>
+  void wait(std::unique_lock<std::mutex>& lock, const Done& done) {
+    const bool in_time =
+        shared_.changed.wait_for(lock, std::chrono::seconds(60), [&] { return shared_.ended || done(); });
+    if (!done()) throw std::runtime_error(in_time ? "another rank has ended" : "ranks wait for each other for ever");
   }
 
-  RanksTogether& all_;
-  int rank_;
+  // What every rank brings, once all have come.
+  std::vector<std::vector<std::byte>> meet(std::span<const std::byte> own) {
+    std::unique_lock lock(shared_.mutex);
+    shared_.slot[static_cast<std::size_t>(rank_)].assign(own.begin(), own.end());
+    arrive(lock);
+    const auto all = shared_.slot;
+    arrive(lock);  // nobody brings anything new before all have read
+    return all;
+  }
+  void arrive(std::unique_lock<std::mutex>& lock) {
+    const long round = shared_.rounds;
+    if (--shared_.left == 0) {
+      shared_.left = shared_.count;
+      ++shared_.rounds;
+      shared_.changed.notify_all();
+      return;
+    }
+    wait(lock, [&] { return shared_.rounds != round; });
+  }
+
+  Shared& shared_;
+  const int rank_;
   std::vector<Parcel> expected_;
 };
 
-// work(ranks) once for each of so many ranks, side by side.
-inline void on_ranks(int count, const std::function<void(Ranks&)>& work) {
-  RanksTogether all(count);
-  std::vector<std::thread> threads;
+// Runs `of_rank` on so many ranks at once; the first exception of any of them is thrown here. Returns how many messages
+// went from one to another.
+inline long on_ranks(int count, const std::function<void(Ranks&)>& of_rank) {
+  ThreadRanks::Shared shared(count);
+  std::vector<std::exception_ptr> faults(static_cast<std::size_t>(count));
+  std::vector<std::jthread> threads;
   for (int r = 0; r < count; ++r) {
     threads.emplace_back([&, r] {
-      ThreadRanks ranks(all, r);
-      work(ranks);
+      ThreadRanks ranks(&shared, r);
+      try {
+        of_rank(ranks);
+      } catch (...) {
+        faults[static_cast<std::size_t>(r)] = std::current_exception();
+        ranks.end();
+      }
     });
   }
-  for (std::thread& thread : threads) thread.join();
+  threads.clear();
+  for (const auto& fault : faults) {
+    if (fault) std::rethrow_exception(fault);
+  }
+  return shared.messages;
 }
 
 }  // namespace quoin

@@ -46,7 +46,10 @@ TARGETS_LEFT_OUT = "(~(HWY_AVX2|HWY_EMU128|HWY_SCALAR))"  # EMU128, SCALAR: the 
 
 SWAPS = {
     " + ": " - ", " - ": " + ", " += ": " -= ", " -= ": " += ", " * ": " / ", " / ": " * ",
-    " && ": " || ", " || ": " && ", " < ": " <= ", " <= ": " < ", " > ": " >= ", " >= ": " > ",
+    " && ": " || ", " || ": " && ",
+    # Whole numbers: the boundary. Floating-point ones, which are hardly ever equal: the other side (schemata.py).
+    " < ": " < ::quoin_mutant::less > ", " <= ": " < ::quoin_mutant::less_equal > ",
+    " > ": " < ::quoin_mutant::greater > ", " >= ": " < ::quoin_mutant::greater_equal > ",
     " == ": " != ", " != ": " == ", "std::min(": "std::max(", "std::max(": "std::min(",
 }
 KINDS = {" + ": "sign", " - ": "sign", " += ": "sign", " -= ": "sign"}
@@ -54,17 +57,35 @@ SWAP = re.compile("|".join(re.escape(text) for text in sorted(SWAPS, key=len, re
 FLOATING = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[-+]?\d+)?|\d+e[-+]?\d+)(?![\w.])")
 INTEGER = re.compile(r"(?<![\w.'])(?<!\de[-+])(\d+)(?![\w.'>])")  # not the size of a type
 BRANCH = re.compile(r"\bif \(")
+# Not drawn, since nothing that a run computes can depend on it:
+ROUNDING, ENDLESS = 1e-8, 1e30  # tolerances of rounding; numbers that stand for infinity
+IDLE = re.compile(r"reserve\(|sleep_for\(|wait_for\(|sleep_until\(|wait_until\(")  # room ahead, and how a thread waits
+
+
+def written_before_read(code, m):
+    """A member's 0 or -1, which keeps it from being undefined until it is set."""
+    begins = re.search(r"\w(?: = |\{)(-?)\Z", code[max(0, m.start() - 8):m.start()])
+    if not begins or begins.group(1) + m.group(1) not in ("0", "-1") or not re.match(r"[;,}]", code[m.end():]):
+        return False
+    depth, i = 0, m.start() - len(begins.group(0)) + 1
+    while i > 0 and depth >= 0:
+        i -= 1
+        depth += (code[i] == "}") - (code[i] == "{")
+    return re.search(r"\b(?:struct|class)\b[^;{}]*\Z", code[:i]) is not None
 
 
 def sites(file, code):
     """All changes of one token: (file, from, to, replacement, kind)."""
-    for m in SWAP.finditer(code):
+    def drawn(m):
+        return not IDLE.search(code, code.rfind("\n", 0, m.start()) + 1, code.find("\n", m.end()))
+    for m in filter(drawn, SWAP.finditer(code)):
         yield file, m.start(), m.end(), SWAPS[m.group(0)], KINDS.get(m.group(0), "operator")
-    for m in FLOATING.finditer(code):
-        if float(m.group(1)) != 0.0:
+    for m in filter(drawn, FLOATING.finditer(code)):
+        if ROUNDING <= abs(float(m.group(1))) <= ENDLESS:
             yield file, m.start(), m.end(), repr(float(m.group(1)) * 1.1), "constant"
-    for m in INTEGER.finditer(code):
-        yield file, m.start(), m.end(), str(int(m.group(1)) + 1), "off by one"
+    for m in filter(drawn, INTEGER.finditer(code)):
+        if not written_before_read(code, m):
+            yield file, m.start(), m.end(), str(int(m.group(1)) + 1), "off by one"
     for m in BRANCH.finditer(code):
         end = matching(code, m.end() - 1, +1)
         yield file, m.end(), end, f"!({code[m.end():end]})", "branch"
@@ -118,7 +139,7 @@ class Tree:
                     options = f'add_compile_definitions("HWY_DISABLED_TARGETS={TARGETS_LEFT_OUT}")\n'
                     text = (options + "add_link_options(-Wl,-Bsymbolic)\n").encode() + text
                 if name == "CMakeLists.txt":
-                    for part, option in ((b"host", b"-O1"), (b"tests", b"-O0")):
+                    for part, option in ((b"host", b"-O1 -D_GLIBCXX_ASSERTIONS"), (b"tests", b"-O0 -D_GLIBCXX_ASSERTIONS")):
                         adds = b"  add_subdirectory(" + part + b")"
                         # Shared libraries do not hand on what they need, as static ones do.
                         options = b"  add_compile_options(" + option + b")\n  add_link_options(-Wl,--copy-dt-needed-entries)\n"

@@ -15,7 +15,32 @@ HEADER = r"""#ifndef QUOIN_MUTANT_H
 #include <unistd.h>
 
 #include <cstdlib>
+#include <type_traits>
 namespace quoin_mutant {
+// a < less > b: what a < b becomes. The boundary moves where both are whole numbers; of floating-point numbers, of which
+// hardly two are equal, the other side is taken.
+template <int relation>
+struct Relation {};
+inline constexpr Relation<0> less;
+inline constexpr Relation<1> less_equal;
+inline constexpr Relation<2> greater;
+inline constexpr Relation<3> greater_equal;
+template <class A, int relation>
+struct Left {
+  const A& a;
+};
+template <class A, int relation>
+constexpr Left<A, relation> operator<(const A& a, Relation<relation>) {
+  return {a};
+}
+template <class A, int relation, class B>
+constexpr auto operator>(Left<A, relation> left, const B& b) {
+  constexpr bool floating = std::is_floating_point_v<A> || std::is_floating_point_v<B>;
+  if constexpr (relation == 0) return floating ? left.a >= b : left.a <= b;
+  if constexpr (relation == 1) return floating ? left.a > b : left.a < b;
+  if constexpr (relation == 2) return floating ? left.a <= b : left.a >= b;
+  if constexpr (relation == 3) return floating ? left.a < b : left.a > b;
+}
 inline constexpr int capacity = 4096;
 inline unsigned char own[capacity];
 inline unsigned char* state = own;
@@ -108,7 +133,7 @@ class Mutant:
         self.number = number
         self.file, self.begin, self.end, self.replacement, self.kind = site
         self.line = text.count("\n", 0, self.begin) + 1
-        self.old, self.new = text[self.begin:self.end].strip(), self.replacement.strip()
+        self.old, self.new = text[self.begin:self.end].strip(), re.sub("< ::quoin_mutant::(.*) >", r"\1", self.replacement).strip()
         self.form = "schemata"
         try:
             self.lo, self.hi = (self.begin, self.end) if self.kind == "branch" else expression(code, self.begin, self.end)

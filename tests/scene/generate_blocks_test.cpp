@@ -140,6 +140,15 @@ TEST(DryWall, SliversBetweenGivenEndsStay) {
   EXPECT_THAT(pieces(2), are({0.95, 2.0, 2.0, 3.0, 3.0, 4.0}));
 }
 
+// A lintel from 0.53 to 1.47 units' lengths: head joints of the course at 0.5 and 1.5, closer to its ends than a tenth
+// of a unit, give way to them.
+TEST(DryWall, LintelsKeepTheirEnds) {
+  const Assembly wall =
+      wall_with("opening = [{ from = 0.201, to = 0.399, sill = 0.0, head = 0.1, bearing = 0.042 }]\n");
+  EXPECT_THAT(ends(wall, 1),
+              testing::Pointwise(testing::DoubleNear(1e-12), std::vector<double>{0.0, 0.53, 1.47, 2.5, 3.5, 4.0}));
+}
+
 TEST(DryWall, StandsInItsDirectionFromXTowardsZ) {
   const double angle = 30 * std::numbers::pi / 180;
   const Assembly wall = wall_with("direction = 30\norigin = [1, 2, 3]\n");

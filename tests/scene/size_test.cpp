@@ -84,7 +84,7 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   expect(size(block + box + soft + "divisions = [3, 1, 2]\n"), 1, 5 * 3 * 1 * 2, faces(3, 1, 2));
   expect(size(block + box + end + "[contact]\npoint_spacing = 0.2\n"), 1, 0, faces(3, 2, 1));
   const std::string corners = "vertices = [[-0.2, 1, 0], [0.4, 1, 0], [-0.2, 1.3, 0], [-0.2, 1, 0.2]]\n";
-  expect(size(block + corners + soft + "zone_edge = 0.16\n"), 1, 5 * 4 * 2 * 2, faces(4, 2, 2));
+  expect(size(block + corners + soft + "zone_edge = 0.15\n"), 1, 5 * 4 * 2 * 2, faces(4, 2, 2));
   expect(size(block + corners + soft + "tetrahedra = [[0, 1, 2, 3]]\n"), 1, 1, 4);
 }
 

@@ -109,10 +109,10 @@ double stack_cost(int n, bool moving) {
   for (const Family& f : m->families()) points += f.size();
   const double per_block = seconds / double(steps) / n;
   std::printf(
-      "  %7d blocks %7zu points: %.0f ns a block and step, %.0f ns a point and step, %zu bytes a block, set-up %.2f "
+      "  %7d blocks %7zu points: %.0f ns a block and step, %.0f ns a point and step, set-up %.2f "
       "us, detection %.2f us a block\n",
-      n, points, 1e9 * per_block, 1e9 * seconds / double(steps) / double(points), m->memory_bytes() / size_t(n),
-      1e6 * (t1 - t0) / n, 1e6 * detection / n);
+      n, points, 1e9 * per_block, 1e9 * seconds / double(steps) / double(points), 1e6 * (t1 - t0) / n,
+      1e6 * detection / n);
   return per_block;
 }
 TEST(Cost, LinearInTheNumberOfBlocks) {

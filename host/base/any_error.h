@@ -1,0 +1,26 @@
+// What reaches the end of a command or of a run as an exception, said to a user.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <new>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include "base/error.h"
+
+namespace quoin {
+
+// smaller: what to do where memory is missing, which std::filesystem and threads tell as a std::system_error. with:
+// what a report of a fault of ours, or of a law's, should carry. An Error stays as it is.
+inline Error any_error(const std::exception& error, std::string_view smaller = "make the scene smaller",
+                       std::string_view with = "the scene") {
+  if (const auto* known = dynamic_cast<const Error*>(&error)) return *known;
+  const auto* of_system = dynamic_cast<const std::system_error*>(&error);
+  if (dynamic_cast<const std::bad_alloc*>(&error) || (of_system && of_system->code() == std::errc::not_enough_memory))
+    return {Exit::numerical, fmt::format("out of memory; {}", smaller)};
+  return {Exit::numerical, fmt::format("internal error: {}; please report it with {}", error.what(), with)};
+}
+
+}  // namespace quoin

@@ -1,0 +1,162 @@
+// One model on several ranks has the bits of one process, whatever kind of blocks it has and whatever becomes of them.
+// Ranks are threads here; tests/mpi has them as processes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+
+#include "base/error.h"
+#include "scene/read_scene.h"
+#include "step/simulation.h"
+#include "thread_ranks.h"
+
+namespace quoin {
+namespace {
+
+using Overrides = std::vector<std::string>;
+
+struct Case {
+  const char* name;
+  std::string scene;
+  Overrides overrides;
+  enum { nothing, promotion, detection } has = nothing;
+};
+
+// What is compared, bit for bit.
+struct Found {
+  std::vector<std::uint64_t> rows;
+  std::vector<double> blocks, points;
+  std::uint64_t hash = 0;
+  long steps = 0;
+  bool operator==(const Found&) const = default;
+};
+
+struct Rows : Observer {
+  std::vector<std::uint64_t> bits;
+  void on_row(const HistoryRow& row) override {
+    for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
+                           row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
+                           row.monitor_displacement[0], row.joint_force[0], row.joint_force[1]})
+      bits.push_back(std::bit_cast<std::uint64_t>(x));
+    if (!row.energies) return;
+    const Energies& e = *row.energies;
+    for (const double x : {e.kinetic, e.strain, e.contact_stored, e.dissipated[0], e.dissipated[1], e.dissipated[2],
+                           e.dissipated[3], e.external, e.damping, e.detection})
+      bits.push_back(std::bit_cast<std::uint64_t>(x));
+  }
+};
+
+Found found_in(const Simulation& simulation, const Rows& rows) {
+  Found found{rows.bits, {}, {}, simulation.hash(), simulation.step()};
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    for (const Vec3& u : simulation.block_displacement(b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
+    for (const Vec3& v : simulation.block_velocity(b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
+  }
+  for (const ContactPoint& p : simulation.contact_points()) {
+    found.points.insert(found.points.end(), p.traction.begin(), p.traction.end());
+    found.points.insert(found.points.end(), p.jump.begin(), p.jump.end());
+    found.points.push_back(p.flags);
+  }
+  return found;
+}
+
+Found alone(const Case& of) {
+  Simulation simulation(read_scene(of.scene, of.overrides));
+  Rows rows;
+  simulation.run(rows);
+  EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
+  return found_in(simulation, rows);
+}
+
+class ManyRanks : public ::testing::TestWithParam<Case> {};
+
+TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
+  const Case& of = GetParam();
+  const Found one = alone(of);
+  ASSERT_GT(one.rows.size(), 30u);
+  ASSERT_GT(one.points.size(), 30u);
+  for (const int count : {1, 2, 3, 4}) {
+    Found first;
+    std::atomic<int> have_blocks = 0;
+    const long messages = on_ranks(count, [&](Ranks& ranks) {
+      Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
+      bool owns = false;
+      for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
+      have_blocks += owns ? 1 : 0;
+      Rows rows;
+      simulation.run(rows);
+      if (ranks.rank() == 0) first = found_in(simulation, rows);
+    });
+    EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
+    if (count > 1) {
+      EXPECT_GE(messages, one.steps) << "nothing went to and fro";
+    }
+    EXPECT_EQ(first.rows, one.rows) << count;
+    EXPECT_EQ(first.blocks, one.blocks) << count;
+    EXPECT_EQ(first.points, one.points) << count;
+    EXPECT_EQ(first.hash, one.hash) << count;
+    EXPECT_EQ(first.steps, one.steps) << count;
+  }
+}
+
+const std::string kTests = QUOIN_HOST_TESTS "/../", kScenes = QUOIN_SCENES "/";
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, ManyRanks,
+    ::testing::Values(Case{"Wall",
+                           kTests + "cli/small_wall.toml",
+                           {"output.energy=true", "stage.precompression.duration=0.004",
+                            "stage.shear.displacement=0.00003"}},
+                      Case{"Building",
+                           kTests + "host/small_building.toml",
+                           {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
+                      Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
+                      Case{"Promotion",
+                           kTests + "cli/small_wall.toml",
+                           {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
+                           Case::promotion},
+                      Case{"Arch",
+                           kScenes + "arch.toml",
+                           {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
+                            "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
+                           Case::detection},
+                      Case{"Deformable",
+                           kScenes + "mixed.toml",
+                           {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
+                            "stage.push.duration=0.004"}}),
+    [](const auto& of) { return std::string(of.param.name); });
+
+TEST(Ranks, WithDifferentModelsAreRefused) {
+  const std::string scene = kTests + "cli/small_wall.toml";
+  const auto refused = [&](const std::string& scene_of_other, const Overrides& of_other) {
+    try {
+      on_ranks(2, [&](Ranks& ranks) {
+        Simulation simulation(ranks.rank() == 0 ? read_scene(scene, {}) : read_scene(scene_of_other, of_other), 1,
+                              &ranks);
+      });
+      return std::string("taken");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(refused(scene, {}), "taken");
+  EXPECT_NE(refused(scene, {"solver.time_step_fraction=0.31"}).find("different models"), std::string::npos);
+  EXPECT_NE(refused(scene, {"wall.courses=5"}).find("different models"), std::string::npos);
+}
+
+// A rank that cannot go on ends all of them.
+TEST(Ranks, OneThatFailsEndsAll) {
+  const std::string scene = kTests + "cli/small_wall.toml";
+  EXPECT_THROW(on_ranks(3,
+                        [&](Ranks& ranks) {
+                          Simulation simulation(read_scene(scene, {}), 1, &ranks);
+                          if (ranks.rank() == 1) throw Error(Exit::numerical, "no more");
+                          Observer nobody;
+                          simulation.run(nobody);
+                        }),
+               std::exception);
+}
+
+}  // namespace
+}  // namespace quoin

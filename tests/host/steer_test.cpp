@@ -1,0 +1,161 @@
+// What a controller outside does between two steps, against Newton: on the lattice and among blocks of any shape.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "scene/read_scene.h"
+#include "support.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kKeep = std::numeric_limits<double>::quiet_NaN();
+
+// A driven plate, and two stones beside it that nothing touches, of 0.1 m and 2000 kg/m3: 2 kg. The lattice wants two
+// blocks that touch: they are at rest behind.
+std::string stones(const std::string& kernels) {
+  return "[solver]\ndamping = \"none\"\nkernels = \"" + kernels + R"("
+[materials.stone]
+density = 2000.0
+young_modulus = 1e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e8
+shear_stiffness = 5e7
+[[block]]
+name = "base"
+material = "stone"
+box = { lower = [0, 0, 0], size = [0.3, 0.1, 0.3] }
+[[block]]
+name = "a"
+material = "stone"
+box = { lower = [1, 1, 0], size = [0.1, 0.1, 0.1] }
+[[block]]
+name = "b"
+material = "stone"
+box = { lower = [2, 1, 0], size = [0.1, 0.1, 0.1] }
+[[block]]
+material = "stone"
+fixed = true
+box = { lower = [0, 0, 5], size = [0.1, 0.1, 0.1] }
+[[block]]
+material = "stone"
+box = { lower = [0.1, 0, 5], size = [0.1, 0.1, 0.1] }
+[[stage]]
+name = "fly"
+duration = 10.0
+[[stage.velocity]]
+block = "base"
+velocity = [0.1, 0.2, "free"]
+omega = [0, 0, 0]
+[[stage.force]]
+block = "a"
+point = [1.05, 1.05, 0.05]
+force = [10.0, 0.0, 0.0]
+[[stage.force]]
+block = "b"
+point = [2.05, 1.05, 0.05]
+force = [0.0, 0.0, 0.0]
+)";
+}
+
+class Steering : public ::testing::TestWithParam<const char*> {
+ protected:
+  Simulation simulation_{read_scene_text(stones(GetParam()), "stones.toml")};
+  // Velocity of the centre of a rigid block, m/s.
+  Vec3 velocity(int block) {
+    const Simulation::View v = simulation_.view(Simulation::BlockArray::velocity, block);
+    return {v.data[0], v.data[v.column_stride], v.data[2 * v.column_stride]};
+  }
+  double dt() const { return simulation_.time_step_report().time_step; }
+  static void near(const Vec3& is, const Vec3& expected) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(is[c], expected[c], 1e-12 * (1.0 + std::abs(expected[c]))) << c;
+  }
+};
+
+TEST_P(Steering, ForcesAccelerateWhatIsNamedAndNothingElse) {
+  simulation_.advance(10);
+  near(velocity(1), {10.0 / 2.0 * 10 * dt(), 0, 0});
+  simulation_.set_force("b", {kKeep, 6.0, -4.0});
+  simulation_.set_force("a", {kKeep, -2.0, kKeep});
+  simulation_.advance(5);
+  near(velocity(0), {0.1, 0.2, 0});
+  near(velocity(1), {5.0 * 15 * dt(), -1.0 * 5 * dt(), 0});
+  near(velocity(2), {0, 3.0 * 5 * dt(), -2.0 * 5 * dt()});
+  // What the stage leaves free of a driven block takes a force: 18 kg.
+  simulation_.set_force("base", {kKeep, kKeep, 36.0});
+  simulation_.advance(5);
+  near(velocity(0), {0.1, 0.2, 2.0 * 5 * dt()});
+  near(velocity(2), {0, 3.0 * 10 * dt(), -2.0 * 10 * dt()});
+}
+
+TEST_P(Steering, VelocitiesMoveWhatTheStageMoves) {
+  simulation_.advance(3);
+  simulation_.set_velocity("base", {kKeep, -0.7, kKeep});
+  simulation_.advance(4);
+  near(velocity(0), {0.1, -0.7, 0});
+  near(velocity(2), {0, 0, 0});
+}
+
+TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
+  const std::uint64_t before = simulation_.hash();
+  const auto refused = [](const auto& call, const std::string& why) {
+    try {
+      call();
+      ADD_FAILURE() << "taken: " << why;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::bad_input);
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+  };
+  refused([&] { simulation_.set_force("base", {1, kKeep, kKeep}); }, "holds or moves 'base' along x");
+  refused([&] { simulation_.set_velocity("base", {kKeep, kKeep, 1}); }, "leaves free 'base' along z");
+  refused([&] { simulation_.set_velocity("a", {kKeep, 1, kKeep}); }, "leaves free 'a' along y");
+  refused([&] { simulation_.set_force("roof", {1, 1, 1}); }, "'roof'");
+  const double endless = std::numeric_limits<double>::infinity();
+  refused([&] { simulation_.set_force("a", {kKeep, endless, kKeep}); }, "force[1] is inf");
+  simulation_.advance(0, false);
+  EXPECT_EQ(simulation_.hash(), before);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kernels, Steering, ::testing::Values("lattice", "general"),
+                         [](const auto& of) { return std::string(of.param); });
+
+// Deformable bricks of the lattice share a force by mass: two of them, each under its own name.
+TEST(SteeringBricks, ForcesOfTheStageAreReplacedOnOneOfThem) {
+  Scene scene = bare_scene(0.6);
+  Assembly assembly = brick_grid({2, 1, 1}, {0.2, 0.1, 0.05}, {2, 1, 1});
+  assembly.joints.clear();
+  Stage stage;
+  stage.name = "push";
+  stage.duration = 1.0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    assembly.bricks[i].body = i == 0 ? "left" : "right";
+    BodyControl control;
+    control.body = assembly.bricks[i].body;
+    control.kind = {DofKind::free, DofKind::free, DofKind::free};
+    control.force = {30.0, 0.0, 0.0};
+    stage.controls.push_back(control);
+  }
+  scene.stages = {stage};
+  Simulation simulation(scene, assembly);
+  simulation.advance(10);
+  simulation.set_force("right", {kKeep, -20.0, 50.0});
+  simulation.advance(10);
+  const double mass = kDensity * 0.2 * 0.1 * 0.05, dt = simulation.time_step_report().time_step;
+  const auto expect = [&](int block, const Vec3& expected) {
+    for (const Vec3& v : simulation.block_velocity(block)) {
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(v[c], expected[c], 1e-9 * 30.0 / mass * 20 * dt) << block;
+    }
+  };
+  expect(0, {30.0 / mass * 20 * dt, 0, 0});
+  expect(1, {30.0 / mass * 20 * dt, -20.0 / mass * 10 * dt, 50.0 / mass * 10 * dt});
+}
+
+}  // namespace
+}  // namespace quoin
