@@ -7,6 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -22,7 +23,7 @@ namespace quoin {
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
 // With ranks: room is counted where it is written to, and never by more than one small page.
-inline bool sparse_memory_wanted = false;
+inline std::atomic<bool> sparse_memory_wanted = false;
 
 // Aligned to a cache line; begins as zeros.
 template <class T>

@@ -454,6 +454,7 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   };
   const OutputSettings& output = simulation.scene().output;
   const auto& rows = recorder.history().rows();
+  const bool has_all = !failure || simulation.ranks_together();  // else of this rank alone
   info.law_answers = laws_answer(simulation);
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
@@ -464,13 +465,13 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
-    if (failure && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
+    if (failure && has_all && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   info.quasi_static = check_quasi_static(rows, simulation.scene());
-  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
+  if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
-  if (output.plots) draw(folder, simulation, surfaces, info, recorder);
+  if (output.plots && has_all) draw(folder, simulation, surfaces, info, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });

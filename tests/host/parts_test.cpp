@@ -33,7 +33,7 @@ TEST(SparseMemory, TakesRoomWhereItIsWrittenTo) {
   constexpr double kAll = 65536.0, kOther = 2048.0;       // kB
   const double before = memory_in_use();
   if (before < 0.0) GTEST_SKIP() << "no /proc/self/status";
-  const bool wanted = std::exchange(sparse_memory_wanted, true);
+  const bool wanted = sparse_memory_wanted.exchange(true);
   {
     LaneVector<double> numbers(kNumbers, 0.0);
     const LaneVector<double> copy = numbers;
