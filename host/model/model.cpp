@@ -509,11 +509,16 @@ class ModelBuilder {
     for (std::size_t f = 0; f < m.families.size(); ++f) {
       m.families[f].first_point = static_cast<std::int32_t>(m.point_joint.size());
       for (int axis = 0; axis < 3; ++axis) {
+        const auto is_here = [&](const Joint& joint) { return at(joint.family) == f && joint.face_a / 2 == axis; };
+        std::size_t count = 0;
+        for (std::size_t j = 0; j < m.assembly.joints.size(); ++j)
+          count += is_here(m.assembly.joints[j]) ? at(end_of_joint(j) - first_of_joint_[j]) : 0;
         std::vector<PointEnds> ends;
         std::vector<std::int32_t> in_joint;
+        ends.reserve(count), in_joint.reserve(count);
         for (std::size_t j = 0; j < m.assembly.joints.size(); ++j) {
           const Joint& joint = m.assembly.joints[j];
-          if (at(joint.family) != f || joint.face_a / 2 != axis) continue;
+          if (!is_here(joint)) continue;
           const Model::Sides sides = Model::sides_of(joint);
           for (std::int32_t i = first_of_joint_[j]; i < end_of_joint(j); ++i) {
             const Nodes& nodes = nodes_[at(i)];

@@ -1,5 +1,8 @@
 // From scene and bricks to the arrays that the step goes over.
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 
@@ -28,6 +31,9 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   agree_on_model();
   const double took = largest_of_ranks(seconds_since(before));
   if (!dear_blocks) balance.costs(took);
+#ifdef __GLIBC__
+  malloc_trim(0);  // what building has left free: several ranks may share a machine
+#endif
 }
 
 void Simulation::Impl::take_damage() {
