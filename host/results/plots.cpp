@@ -128,30 +128,39 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
   return draw_picture(folder, "curve", script + label + plot + "\n");
 }
 
-std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
-                        const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label) {
-  make_folder(folder / "plots");
-  const Scene& scene = simulation.scene();
-  const auto& bricks = simulation.assembly().bricks;
+namespace {
 
-  // The wall moves by millimetres: magnify so that the largest movement is about 6 % of its height.
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  std::vector<std::vector<Vec3>> displacement;
-  double largest = 0.0;
+// The wall moves by millimetres: magnified so that the largest movement is about 6 % of its height.
+struct Magnified {
+  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // of all blocks, m
+  std::vector<std::vector<Vec3>> displacement;                                    // by block and gridpoint, m
+  double largest = 0.0;                                                           // of them, m
+  double factor = 1.0;
+
+  // A line of a gnuplot file, mm.
+  std::string moved(const Vec3& x, const Vec3& u) const {
+    return fmt::format("{:.6g} {:.6g}\n", (x[0] + factor * u[0]) * 1e3, (x[1] + factor * u[1]) * 1e3);
+  }
+};
+
+Magnified magnified(const Simulation& simulation) {
+  const auto& bricks = simulation.assembly().bricks;
+  Magnified view;
   for (size_t b = 0; b < bricks.size(); ++b) {
-    displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
-    for (const Vec3& u : displacement.back()) largest = std::max(largest, std::hypot(u[0], u[1]));
+    view.displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
+    for (const Vec3& u : view.displacement.back()) view.largest = std::max(view.largest, std::hypot(u[0], u[1]));
     for (size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], bricks[b].origin[axis]);
-      high[axis] = std::max(high[axis], bricks[b].origin[axis] + bricks[b].size[axis]);
+      view.low[axis] = std::min(view.low[axis], bricks[b].origin[axis]);
+      view.high[axis] = std::max(view.high[axis], bricks[b].origin[axis] + bricks[b].size[axis]);
     }
   }
-  const double factor = largest > 1e-12 ? round_down(0.075 * (high[1] - low[1]) / largest) : 1.0;
-  auto moved = [&](const Vec3& x, const Vec3& u) {
-    return fmt::format("{:.6g} {:.6g}\n", (x[0] + factor * u[0]) * 1e3, (x[1] + factor * u[1]) * 1e3);
-  };
+  if (view.largest > 1e-12) view.factor = round_down(0.075 * (view.high[1] - view.low[1]) / view.largest);
+  return view;
+}
 
-  // Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
+// Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
+void write_outlines(const std::filesystem::path& folder, const std::vector<Brick>& bricks, const Surfaces& surfaces,
+                    const Magnified& view) {
   std::string brick_data, beam_data;
   for (size_t b = 0; b < bricks.size(); ++b) {
     const Brick& brick = bricks[b];
@@ -174,15 +183,25 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
     }
     std::sort(outline.begin(), outline.end());
     std::string& data = brick.beam ? beam_data : brick_data;
-    for (const auto& [place, i] : outline) data += moved(mesh.gridpoint[i], displacement[b][i]);
-    if (!outline.empty()) data += moved(mesh.gridpoint[outline[0].second], displacement[b][outline[0].second]);
+    for (const auto& [place, i] : outline) data += view.moved(mesh.gridpoint[i], view.displacement[b][i]);
+    if (!outline.empty())
+      data += view.moved(mesh.gridpoint[outline[0].second], view.displacement[b][outline[0].second]);
     data += "\n";
   }
   write_file(folder / "plots" / "bricks.dat", brick_data.empty() ? "NaN NaN\n" : brick_data);
   write_file(folder / "plots" / "beams.dat", beam_data.empty() ? "NaN NaN\n" : beam_data);
+}
 
-  // Joints as seen from the front: of the points behind each other the most damaged one counts. Each point colours the
-  // line half-way to its neighbours.
+// Files of gnuplot, a quad half a segment of a joint.
+struct JointQuads {
+  std::array<std::string, kCrackCount> of_crack;
+  std::string inside_unit;  // intact joints inside a unit, to be drawn so that the unit reads as one brick
+};
+
+// Joints as seen from the front: of the points behind each other the most damaged one counts. Each point colours the
+// line half-way to its neighbours.
+JointQuads joint_quads(const Simulation& simulation, const Surfaces& surfaces, const Magnified& view) {
+  const auto& bricks = simulation.assembly().bricks;
   struct Seen {
     const JointPoint* worst;
     const JointPoint* front;
@@ -198,8 +217,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
     if (p.contact.position[2] > place->second.front->contact.position[2]) place->second.front = &p;
   }
   // Each half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
-  std::array<std::string, kCrackCount> quads;
-  std::string unit_quads;  // intact joints inside a unit, to be drawn so that the unit reads as one brick
+  JointQuads quads;
   auto add_half = [&](const JointPoint& worst, const JointPoint& a, const JointPoint& b, double from, double to) {
     auto corner = [&](double t, Vec3 JointPoint::*side) {
       Vec3 x{}, u{};
@@ -207,11 +225,12 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
         x[axis] = a.contact.position[axis] + t * (b.contact.position[axis] - a.contact.position[axis]);
         u[axis] = (a.*side)[axis] + t * ((b.*side)[axis] - (a.*side)[axis]);
       }
-      return moved(x, u);
+      return view.moved(x, u);
     };
     const int unit = bricks[static_cast<size_t>(worst.contact.block_a)].unit;
     const bool inside = unit >= 0 && unit == bricks[static_cast<size_t>(worst.contact.block_b)].unit;
-    std::string& data = inside && worst.crack == Crack::intact ? unit_quads : quads[static_cast<size_t>(worst.crack)];
+    std::string& data =
+        inside && worst.crack == Crack::intact ? quads.inside_unit : quads.of_crack[static_cast<size_t>(worst.crack)];
     data += corner(from, &JointPoint::side_a) + corner(to, &JointPoint::side_a) + corner(to, &JointPoint::side_b) +
             corner(from, &JointPoint::side_b) + corner(from, &JointPoint::side_a) + "\n";
   };
@@ -222,6 +241,11 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
       add_half(*b.worst, *a.front, *b.front, 0.5, 1.0);
     }
   }
+  return quads;
+}
+
+// Returns what plots them, and the legend.
+std::string write_joints(const std::filesystem::path& folder, const JointQuads& quads) {
   std::string plot;
   auto add_quads = [&](const std::string& file, const std::string& data, const char* colour, double width) {
     write_file(folder / "plots" / file, data.empty() ? "NaN NaN\n" : data);
@@ -229,13 +253,25 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
       plot += fmt::format(", \\\n     \"{}\" with {} rgb \"{}\"{} notitle", file, how, colour,
                           *how == 'l' ? fmt::format(" linewidth {}", width) : std::string());
   };
-  add_quads("joints_unit.dat", unit_quads, "#d3bfa4", 0.7);
+  add_quads("joints_unit.dat", quads.inside_unit, "#d3bfa4", 0.7);
   for (const CrackStyle& style : kCrackStyles)
-    add_quads(fmt::format("joints_{}.dat", static_cast<int>(style.crack)), quads[static_cast<size_t>(style.crack)],
-              style.colour, style.width);
+    add_quads(fmt::format("joints_{}.dat", static_cast<int>(style.crack)),
+              quads.of_crack[static_cast<size_t>(style.crack)], style.colour, style.width);
   for (const CrackStyle& style : kCrackStyles)
     plot += fmt::format(", \\\n     NaN with lines linewidth {} linecolor rgb \"{}\" title \"{}\"",
                         style.crack == Crack::intact ? 2.0 : 7.0, style.colour, style.label);
+  return plot;
+}
+
+}  // namespace
+
+std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
+                        const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label) {
+  make_folder(folder / "plots");
+  const Scene& scene = simulation.scene();
+  const Magnified view = magnified(simulation);
+  write_outlines(folder, simulation.assembly().bricks, surfaces, view);
+  const std::string plot = write_joints(folder, joint_quads(simulation, surfaces, view));
 
   std::string state = "law " + law;
   if (!rows.empty()) {
@@ -244,7 +280,9 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
                         std::abs(r.displacement) * 1e3, std::abs(r.horizontal_force) / 1e3, law);
   }
   // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
-  const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3, sway = largest * factor * 1e3;
+  const Vec3 &low = view.low, &high = view.high;
+  const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3,
+               sway = view.largest * view.factor * 1e3;
   const double margin = 0.03 * std::max(width, height);
   const double range_x = width + 2 * (margin + sway), range_y = height + 2 * margin + 0.3 * sway;
   const double scale = 1200.0 / std::max(range_x, range_y), above = 150.0, below = 110.0;
@@ -270,8 +308,8 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
      "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle{}
 )gp",
       pixels_x, pixels_y, gnuplot_text(title_of(scene)), 1.0 - 0.27 * above / pixels_y, gnuplot_text(state),
-      1.0 - 0.53 * above / pixels_y, factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y, below / pixels_y,
-      low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
+      1.0 - 0.53 * above / pixels_y, view.factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y,
+      below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
       high[1] * 1e3 + margin + sway * 0.3, label, plot);
   return draw_picture(folder, "cracks", script);
 }

@@ -40,6 +40,7 @@ name = "b"
 material = "stone"
 box = { lower = [2, 1, 0], size = [0.1, 0.1, 0.1] }
 [[block]]
+name = "pillar"
 material = "stone"
 fixed = true
 box = { lower = [0, 0, 5], size = [0.1, 0.1, 0.1] }
@@ -117,6 +118,11 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
   refused([&] { simulation_.set_velocity("base", {kKeep, kKeep, 1}); }, "leaves free 'base' along z");
   refused([&] { simulation_.set_velocity("a", {kKeep, 1, kKeep}); }, "leaves free 'a' along y");
   refused([&] { simulation_.set_force("roof", {1, 1, 1}); }, "'roof'");
+  refused(
+      [&] {
+        simulation_.set_force("pillar", {1, kKeep, kKeep});
+      },
+      GetParam() == std::string("general") ? "holds or moves 'pillar' along x" : "'pillar'");
   const double endless = std::numeric_limits<double>::infinity();
   refused([&] { simulation_.set_force("a", {kKeep, endless, kKeep}); }, "force[1] is inf");
   simulation_.advance(0, false);

@@ -40,6 +40,7 @@ box = { lower = [0, 0, 0], size = [0.4, 0.2, 0.3] }
 // Pressed at each corner in turn, so that every contact point is the deepest once, the first and the last too. The
 // lattice takes loads at the centre alone.
 TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
+  std::vector<double> overlap;
   for (const auto& [x, z] : {std::pair{0.05, 0.05}, {0.35, 0.05}, {0.05, 0.25}, {0.35, 0.25}}) {
     SCOPED_TRACE(fmt::format("{} {}", x, z));
     Simulation simulation(read_scene_text(
@@ -59,7 +60,10 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
     EXPECT_GE(simulation.watch().overlap, -deepest->jump[0]);
     EXPECT_LT(simulation.watch().overlap, -2.2 * deepest->jump[0]);
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(simulation.watch().overlap_at[c], deepest->position[c], 0.01) << c;
+    overlap.push_back(simulation.watch().overlap);
   }
+  // The four are mirror images of each other.
+  for (const double one : overlap) EXPECT_NEAR(one, overlap[0], 1e-6 * overlap[0]);
 }
 
 // Of steps that are looked at, a few of some thousand, though nobody has asked for energies.
