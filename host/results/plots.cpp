@@ -159,8 +159,9 @@ Magnified magnified(const Simulation& simulation) {
 }
 
 // Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
-void write_outlines(const std::filesystem::path& folder, const std::vector<Brick>& bricks, const Surfaces& surfaces,
+void write_outlines(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                     const Magnified& view) {
+  const std::vector<Brick>& bricks = simulation.assembly().bricks;
   std::string brick_data, beam_data;
   for (size_t b = 0; b < bricks.size(); ++b) {
     const Brick& brick = bricks[b];
@@ -270,7 +271,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   make_folder(folder / "plots");
   const Scene& scene = simulation.scene();
   const Magnified view = magnified(simulation);
-  write_outlines(folder, simulation.assembly().bricks, surfaces, view);
+  write_outlines(folder, simulation, surfaces, view);
   const std::string plot = write_joints(folder, joint_quads(simulation, surfaces, view));
 
   std::string state = "law " + law;

@@ -28,12 +28,13 @@ struct WholeMotion {
 // deformation that is the same all over the block is no rotation.
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_displacement);
 
-// The joints of an assembly, which must outlive it, with what their sliding is measured by: found anew whenever it is
-// looked at, for kept it would be 0.3 kB a block.
+// The joints of an assembly, which must outlive it, with what their sliding is measured by: kept, which is 0.3 kB a
+// block, or found anew at each look.
 class JointSliding {
  public:
+  enum class Places { kept, found_anew };
   JointSliding() = default;
-  explicit JointSliding(const Assembly& assembly) : assembly_(&assembly) {}
+  explicit JointSliding(const Assembly& assembly, Places places = Places::kept);
   // Adds the motion of now. motion: one a brick.
   void look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const;
   Vec3 centre(int joint) const { return place_of(assembly_->joints[static_cast<std::size_t>(joint)]).centre; }
@@ -49,6 +50,7 @@ class JointSliding {
   Place place_of(const Joint& joint) const;
 
   const Assembly* assembly_ = nullptr;
+  std::vector<Place> kept_;  // or empty
 };
 
 // What is exceeded, where, by how much and what to do; empty: within the bound.

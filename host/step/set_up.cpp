@@ -95,7 +95,8 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   in_parts = may_be_in_parts(assembly);
   holds_all = !in_parts;
   model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
-  joint_sliding = JointSliding(model.assembly);
+  joint_sliding =
+      JointSliding(model.assembly, in_parts ? JointSliding::Places::found_anew : JointSliding::Places::kept);
   normal_shift.clear();
   body_lanes.clear(), body_place.clear(), group_inertia.clear(), ramps.clear();
   loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();
