@@ -154,7 +154,7 @@ class Recorder : public Observer {
   bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }
   void on_pause(const Simulation& simulation, bool) override {
     try {
-      write_checkpoint(checkpoint_, identity_, {history_.rows(), frames_.times(), simulation.save()});
+      write_checkpoint(checkpoint_, identity_, history_.rows(), frames_.times(), simulation);
     } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
       std::error_code unknown;
       if (const fs::path folder = checkpoint_.parent_path(); !fs::exists(folder, unknown) && !unknown)
@@ -306,6 +306,7 @@ class Follower : public Observer {
     frames_.emplace(folder.path, *surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
+  void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
   void on_promotion(const Simulation& simulation) override {
     if (frames_) *surfaces_ = Surfaces(simulation);
   }
@@ -345,8 +346,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     options.scene = read_run_record(options.resume);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
-  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks));
-  simulation.use(&ranks);
+  Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
   std::vector<std::uint8_t> state;
   share_bytes(ranks, state);
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
@@ -454,6 +454,7 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   };
   const OutputSettings& output = simulation.scene().output;
   const auto& rows = recorder.history().rows();
+  const bool has_all = !failure || simulation.ranks_together();  // else of this rank alone
   info.law_answers = laws_answer(simulation);
   if (failure) {
     info.status = failure->exit_code == Exit::interrupted ? "interrupted" : "failed";
@@ -464,13 +465,13 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
-    if (failure && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
+    if (failure && has_all && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   info.quasi_static = check_quasi_static(rows, simulation.scene());
-  if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
+  if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
-  if (output.plots) draw(folder, simulation, surfaces, info, recorder);
+  if (output.plots && has_all) draw(folder, simulation, surfaces, info, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
@@ -526,8 +527,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
   if (options.isolate_law) isolate_laws({wanted, options.law_seconds});
-  Simulation simulation(std::move(scene), wanted);
-  if (ranks) simulation.use(ranks);
+  Simulation simulation(std::move(scene), wanted, ranks);
   RunInfo info;
   info.provenance = provenance_of(simulation, {options.scene.law, options.scene.overrides});
   if (there) hold_against(info.provenance, *there);

@@ -122,22 +122,44 @@ void require_space(const std::filesystem::path& folder, double bytes, const std:
                   folder.string(), what, bytes / 1e6, static_cast<double>(space.available) / 1e6));
 }
 
-void write_durable_file(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
-  const std::filesystem::path part = begin_file(path);
+DurableFile::DurableFile(const std::filesystem::path& path) : path_(path), part_(begin_file(path)) {
   std::error_code ignored;
-  std::filesystem::remove(part, ignored);  // never written through a link
-  const int file = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-  const bool good = file >= 0 && write_all(file, bytes.data(), bytes.size()) && fsync(file) == 0;
+  std::filesystem::remove(part_, ignored);  // never written through a link
+  file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+  if (file_ < 0) refuse_write(path, errno);
+}
+
+DurableFile::~DurableFile() {
+  if (file_ >= 0) remove_part();
+}
+
+void DurableFile::remove_part() {
+  close(file_);
+  file_ = -1;
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
+void DurableFile::append(std::span<const std::uint8_t> bytes) {
+  if (write_all(file_, bytes.data(), bytes.size())) return;
   const int fault = errno;
-  if (file >= 0) close(file);
-  if (!good) {
-    std::filesystem::remove(part, ignored);
-    refuse_write(path, fault);
+  remove_part();
+  refuse_write(path_, fault);
+}
+
+void DurableFile::finish(std::span<const std::uint8_t> first_bytes) {
+  if (!first_bytes.empty() && lseek(file_, 0, SEEK_SET) == 0) append(first_bytes);
+  if (fsync(file_) != 0) {
+    const int fault = errno;
+    remove_part();
+    refuse_write(path_, fault);
   }
-  finish_file(path);
+  close(file_);
+  file_ = -1;
+  finish_file(path_);
   // The name, too, is on the disk only when its folder is.
   const int folder =
-      open(path.has_parent_path() ? path.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      open(path_.has_parent_path() ? path_.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
   fsync(folder);
   close(folder);

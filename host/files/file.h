@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,24 @@ void write_file(const std::filesystem::path& path, const std::string& bytes);
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
 // The target of such a link, or PATH itself. Throws Error(bad_input) for a folder and a link to nothing.
 std::filesystem::path named_place(const std::filesystem::path& path);
-// On the disk when it returns, so that it outlives a crash of the machine too.
-void write_durable_file(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+// On the disk when it is finished, so that it outlives a crash of the machine too; not there without finish(). Throws
+// Error(bad_input).
+class DurableFile {
+ public:
+  explicit DurableFile(const std::filesystem::path& path);
+  ~DurableFile();
+  DurableFile(const DurableFile&) = delete;
+  DurableFile& operator=(const DurableFile&) = delete;
+  void append(std::span<const std::uint8_t> bytes);
+  // The first bytes once more, with what is known at the end alone.
+  void finish(std::span<const std::uint8_t> first_bytes = {});
+
+ private:
+  void remove_part();
+
+  std::filesystem::path path_, part_;
+  int file_ = -1;
+};
 
 // Throws Error(bad_input) where the disk of FOLDER has not so many bytes left; `what` they are for stands in the
 // message.

@@ -56,31 +56,51 @@ class RitzValue {
 }  // namespace
 
 LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector<double> start,
-                                     const LanczosSettings& settings) {
+                                     const LanczosSettings& settings, SharedVectors* shared) {
   const std::size_t n = start.size();
-  double squared = 0.0;
-  for (const double x : start) squared += x * x;
+  const VectorRow all{0, n};
+  const std::span<const VectorRow> rows = shared ? shared->rows() : std::span(&all, 1);
+  const auto sum = [&](const auto& add) { return shared ? shared->sum(add) : add(all, 0.0); };
+  const double squared = sum([&](const VectorRow& row, double so_far) {
+    for (std::size_t i = row.first; i < row.end; ++i) so_far += start[i] * start[i];
+    return so_far;
+  });
   LargestEigenvalue result;
   if (squared == 0.0) return result;
   const double length = std::sqrt(squared);
-  for (double& x : start) x /= length;
+  for (const VectorRow& row : rows) {
+    for (std::size_t i = row.first; i < row.end; ++i) start[i] /= length;
+  }
 
-  const auto moving =
-      static_cast<std::size_t>(std::count_if(start.begin(), start.end(), [](double x) { return x != 0.0; }));
+  const auto moving = static_cast<std::size_t>(sum([&](const VectorRow& row, double so_far) {
+    return so_far + static_cast<double>(std::count_if(start.begin() + row.first, start.begin() + row.end,
+                                                      [](double x) { return x != 0.0; }));
+  }));
   RitzValue ritz(settings, moving);
   LaneVector<double> q = start, previous(n, 0.0), y(n);
   // y - a q - old_b previous, whose squared length comes back; then the next q is that over its length.
   const auto orthogonalise = [&](double a, double old_b) {
     double b = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      y[i] -= a * q[i] + old_b * previous[i];
-      b += y[i] * y[i];
+    if (!shared) {
+      for (std::size_t i = 0; i < n; ++i) {
+        y[i] -= a * q[i] + old_b * previous[i];
+        b += y[i] * y[i];
+      }
+      return std::sqrt(b);
     }
-    return std::sqrt(b);
+    for (const VectorRow& row : rows) {
+      for (std::size_t i = row.first; i < row.end; ++i) y[i] -= a * q[i] + old_b * previous[i];
+    }
+    return std::sqrt(shared->sum([&](const VectorRow& row, double so_far) {
+      for (std::size_t i = row.first; i < row.end; ++i) so_far += y[i] * y[i];
+      return so_far;
+    }));
   };
   const auto go_on = [&](double b) {
     previous.swap(q);
-    for (std::size_t i = 0; i < n; ++i) q[i] = y[i] / b;
+    for (const VectorRow& row : rows) {
+      for (std::size_t i = row.first; i < row.end; ++i) q[i] = y[i] / b;
+    }
   };
   for (bool done = false; !done;) {
     const double a = product(q, &y);

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "model/lanes.h"
+#include "model/shared_model.h"
 
 namespace quoin {
 
@@ -27,8 +28,8 @@ using SymmetricProduct = std::function<double(const LaneVector<double>& x, LaneV
 
 // Lanczos iteration without reorthogonalisation: the largest Ritz value converges all the same, lost orthogonality only
 // makes copies of it. start: of any length but 0, with a share of the eigenvector sought. The value is a lower bound
-// to rounding.
+// to rounding. shared: who has only rows of each vector, as the product does; null: all of them. The bits are the same.
 LargestEigenvalue largest_eigenvalue(const SymmetricProduct& product, LaneVector<double> start,
-                                     const LanczosSettings& settings);
+                                     const LanczosSettings& settings, SharedVectors* shared = nullptr);
 
 }  // namespace quoin

@@ -7,8 +7,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <vector>
+
+#include "base/sparse_memory.h"
 
 namespace quoin {
 
@@ -16,20 +17,6 @@ inline constexpr int kLanes = 8;
 inline constexpr int kLine = 3 * kLanes;  // doubles
 
 template <class T>
-struct CacheAligned {
-  using value_type = T;
-  CacheAligned() = default;
-  template <class U>
-  CacheAligned(const CacheAligned<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
-  void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
-  template <class U>
-  bool operator==(const CacheAligned<U>&) const {
-    return true;
-  }
-};
-
-template <class T>
-using LaneVector = std::vector<T, CacheAligned<T>>;
+using LaneVector = std::vector<T, SparseMemory<T>>;
 
 }  // namespace quoin

@@ -91,43 +91,39 @@ std::string describe(const Assembly& assembly, const Joint& joint, std::size_t i
 
 class PointFinder {
  public:
-  PointFinder(const Assembly& assembly, const std::vector<BrickTemplate>& templates,
-              const std::vector<int>& template_of)
-      : assembly_(assembly), templates_(templates), template_of_(template_of) {}
+  explicit PointFinder(const Model& model) : model_(model), assembly_(model.assembly) {}
 
-  std::vector<NewPoint> find() {
-    for (std::size_t j = 0; j < assembly_.joints.size(); ++j) {
-      // The normal points along +axis: a joint that comes the other way round changes sides.
-      Joint joint = assembly_.joints[j];
-      if (joint.face_a % 2 == 0) {
-        std::swap(joint.block_a, joint.block_b);
-        joint.face_a += 1;
-      }
-      const Brick &a = assembly_.bricks[at(joint.block_a)], &b = assembly_.bricks[at(joint.block_b)];
-      joint_ = static_cast<int>(j);
-      family_ = joint.family;
-      axis_ = joint.face_a / 2;
-      tolerance_ = kCoordinateTolerance * smallest_edge(a, b);
-      const double plane_a = a.origin[at(axis_)] + a.size[at(axis_)], plane_b = b.origin[at(axis_)];
-      if (std::abs(plane_a - plane_b) > tolerance_) {
-        throw Error(Exit::bad_input,
-                    fmt::format("{}: the faces are {} m apart along axis {}; they must touch",
-                                describe(assembly_, assembly_.joints[j], j), plane_b - plane_a, axis_));
-      }
-      const std::size_t before = points_.size();
-      if (a.rigid && b.rigid) {
-        rigid_to_rigid(joint, a, b);
-      } else if (a.rigid || b.rigid) {
-        rigid_to_deformable(joint, a, b);
-      } else {
-        deformable_to_deformable(joint, a, b);
-      }
-      if (points_.size() == before) {
-        throw Error(Exit::bad_input, fmt::format("{}: no contact points; the faces do not share gridpoints",
-                                                 describe(assembly_, assembly_.joints[j], j)));
-      }
+  // Of joint j, in a fixed order; good until the next call.
+  const std::vector<NewPoint>& find(std::size_t j) {
+    points_.clear();
+    // The normal points along +axis: a joint that comes the other way round changes sides.
+    Joint joint = assembly_.joints[j];
+    if (joint.face_a % 2 == 0) {
+      std::swap(joint.block_a, joint.block_b);
+      joint.face_a += 1;
     }
-    return std::move(points_);
+    const Brick &a = assembly_.bricks[at(joint.block_a)], &b = assembly_.bricks[at(joint.block_b)];
+    joint_ = static_cast<int>(j);
+    family_ = joint.family;
+    axis_ = joint.face_a / 2;
+    tolerance_ = kCoordinateTolerance * smallest_edge(a, b);
+    const double plane_a = a.origin[at(axis_)] + a.size[at(axis_)], plane_b = b.origin[at(axis_)];
+    if (std::abs(plane_a - plane_b) > tolerance_) {
+      throw Error(Exit::bad_input, fmt::format("{}: the faces are {} m apart along axis {}; they must touch",
+                                               describe(assembly_, assembly_.joints[j], j), plane_b - plane_a, axis_));
+    }
+    if (a.rigid && b.rigid) {
+      rigid_to_rigid(joint, a, b);
+    } else if (a.rigid || b.rigid) {
+      rigid_to_deformable(joint, a, b);
+    } else {
+      deformable_to_deformable(joint, a, b);
+    }
+    if (points_.empty()) {
+      throw Error(Exit::bad_input, fmt::format("{}: no contact points; the faces do not share gridpoints",
+                                               describe(assembly_, assembly_.joints[j], j)));
+    }
+    return points_;
   }
 
  private:
@@ -135,7 +131,7 @@ class PointFinder {
     if (area > 0.0) points_.push_back({a, b, joint_, family_, axis_, area, position});
   }
 
-  const BrickTemplate& shape(int block) const { return templates_[at(template_of_[at(block)])]; }
+  const BrickTemplate& shape(int block) const { return model_.template_of(block); }
 
   void deformable_to_deformable(const Joint& joint, const Brick& a, const Brick& b) {
     const auto nodes_a = face_nodes(a, shape(joint.block_a), 2 * axis_ + 1);
@@ -211,9 +207,8 @@ class PointFinder {
     }
   }
 
+  const Model& model_;
   const Assembly& assembly_;
-  const std::vector<BrickTemplate>& templates_;
-  const std::vector<int>& template_of_;
   std::vector<NewPoint> points_;
   int joint_ = 0, family_ = 0, axis_ = 0;
   double tolerance_ = 0.0;
@@ -300,7 +295,18 @@ void check_input(const Assembly& assembly) {
   }
 }
 
-// A model from its assembly, step by step; each needs those before it.
+// Slots whose lanes have points in a row, as far as lanes are in use.
+void note_runs_of_slots(Model& m, int first_slot, int slot_count, int lanes_in_use) {
+  for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
+    const std::int32_t* point = m.slot_point.data() + slot * kLanes;
+    bool in_step = true;
+    for (int lane = 1; lane < lanes_in_use; ++lane) in_step = in_step && point[lane] == point[0] + lane;
+    const bool empty = std::all_of(point, point + kLanes, [&](std::int32_t p) { return p == m.point_count; });
+    m.slot_run[at(slot)] = empty ? Model::kEmptySlot : in_step ? point[0] : -1;
+  }
+}
+
+// The outline of a model from its assembly, step by step; each needs those before it.
 class ModelBuilder {
  public:
   explicit ModelBuilder(Model& model) : m(model) {}
@@ -308,39 +314,39 @@ class ModelBuilder {
   void build(const std::vector<std::shared_ptr<const Material>>& materials) {
     place_blocks();
     group_units();
-    points_ = PointFinder(m.assembly, m.templates, template_of_).find();
+    find_points();
     group_bodies();
     give_points_their_slots();
-    order_points();
-    attach_points();
-    note_runs_of_points();
     make_families(materials);
+    order_points();
     make_chunks();
-    const std::vector<PointsOfNode> points_of = points_of_blocks();
-    fill_slots_of_blocks(points_of, widths_of_slots(points_of));
+    attach_bodies();
+    widen_slots();
     fill_slots_of_bodies();
-    note_runs_of_slots();
-    lay_out_gridpoints();
+    size_arrays();
   }
 
  private:
   struct BodyPlace {
     int group = -1, lane = -1;
   };
-  // By gridpoint of a block's template and by face: its contact points; how many places there are for them.
-  using PointsOfNode = std::vector<std::array<std::vector<std::int32_t>, 6>>;
-  using SlotWidths = std::vector<std::array<std::size_t, 6>>;
+  // A contact point before it has a number: gridpoints of templates, slots of bodies in groups, -1 for lone bodies.
+  struct Nodes {
+    std::int32_t a, b;
+  };
 
-  int body_of(const Side& side) const { return m.place[at(side.block)].body; }  // -1: deformable
+  int body_of(const Side& side) const { return body_of(side.block); }
+  int body_of(int block) const { return m.place[at(block)].body; }  // -1: deformable
 
-  // Of a gridpoint, or of the slave of a body in a group.
-  std::int32_t offset_of(const Side& side) const {
-    const Model::BlockPlace& where = m.place[at(side.block)];
+  // Of a gridpoint, or of the slave of a body in a group; -1: of a lone body.
+  std::int32_t offset_if_any(int block, std::int32_t node) const {
+    const Model::BlockPlace& where = m.place[at(block)];
+    if (node < 0) return -1;
     if (where.body >= 0) {
       const BodyPlace& lane = body_place_[at(where.body)];
-      return (m.body_groups[at(lane.group)].first_line + side.node) * kLine + lane.lane;
+      return (m.body_groups[at(lane.group)].first_line + node) * kLine + lane.lane;
     }
-    return (m.groups[at(where.group)].first_line + side.node) * kLine + where.lane;
+    return (m.groups[at(where.group)].first_line + node) * kLine + where.lane;
   }
 
   // Deformable ones learn their template, rigid ones their body.
@@ -405,13 +411,29 @@ class ModelBuilder {
     m.block_line_count = m.line_count;
   }
 
+  // Whose points have to be known in full: those of bodies are part of the outline.
+  void find_points() {
+    PointFinder finder(m);
+    for (std::size_t j = 0; j < m.assembly.joints.size(); ++j) {
+      first_of_joint_.push_back(static_cast<std::int32_t>(nodes_.size()));
+      for (const NewPoint& p : finder.find(j)) {
+        if (body_of(p.a) >= 0 || body_of(p.b) >= 0) {
+          found_of_bodies_.push_back(static_cast<std::int32_t>(nodes_.size()));
+          of_bodies_.push_back(p);
+        }
+        nodes_.push_back({p.a.node, p.b.node});
+      }
+    }
+    m.point_count = static_cast<std::int32_t>(nodes_.size());
+  }
+
   std::vector<std::vector<BodyPoint>> points_of_bodies() const {
     const auto as_seen_by = [&](const RigidBody& body, const NewPoint& p, bool side_a) {
       const Vec3 &x = p.position, &centre = body.centre;
       return BodyPoint{2 * p.axis + (side_a ? 1 : 0), {x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]}};
     };
     std::vector<std::vector<BodyPoint>> seen(m.bodies.size());
-    for (const NewPoint& p : points_) {
+    for (const NewPoint& p : of_bodies_) {
       const int a = body_of(p.a), b = body_of(p.b);
       if (a >= 0) seen[at(a)].push_back(as_seen_by(m.bodies[at(a)], p, true));
       if (b >= 0) seen[at(b)].push_back(as_seen_by(m.bodies[at(b)], p, false));
@@ -458,65 +480,13 @@ class ModelBuilder {
   }
 
   void give_points_their_slots() {
-    for (NewPoint& p : points_) {
-      for (Side* side : {&p.a, &p.b}) {
-        const int body = body_of(*side);
+    for (std::size_t i = 0; i < of_bodies_.size(); ++i) {
+      Nodes& nodes = nodes_[at(found_of_bodies_[i])];
+      for (const bool side_a : {true, false}) {
+        const int body = body_of(side_a ? of_bodies_[i].a : of_bodies_[i].b);
         if (body >= 0 && body_place_[at(body)].group >= 0)
-          side->node = next_slot_[at(body)][at(2 * p.axis + (side == &p.a ? 1 : 0))]++;
+          (side_a ? nodes.a : nodes.b) = next_slot_[at(body)][at(2 * of_bodies_[i].axis + (side_a ? 1 : 0))]++;
       }
-    }
-  }
-
-  void order_points() {
-    std::vector<PointEnds> ends;
-    for (const NewPoint& p : points_)
-      ends.push_back(
-          {p.family, p.axis, p.joint, p.a.node >= 0 ? offset_of(p.a) : -1, p.b.node >= 0 ? offset_of(p.b) : -1});
-    std::vector<NewPoint> sorted;
-    for (const std::size_t i : point_order(ends)) sorted.push_back(points_[i]);
-    points_.swap(sorted);
-    m.point_count = static_cast<std::int32_t>(points_.size());
-  }
-
-  // Slaves of lone bodies go behind all other lines.
-  void attach_points() {
-    const std::int32_t grouped_lines = m.line_count;
-    std::int32_t lone_slave_count = 0;
-    for (std::int32_t i = 0; i < m.point_count; ++i) {
-      const NewPoint& p = points_[at(i)];
-      const auto attach = [&](const Side& side, double sign) {
-        if (body_of(side) < 0) return offset_of(side);
-        std::int32_t offset = (grouped_lines + lone_slave_count / kLanes) * kLine + lone_slave_count % kLanes;
-        if (side.node >= 0)
-          offset = offset_of(side);
-        else
-          ++lone_slave_count;
-        RigidBody& body = m.bodies[at(m.place[at(side.block)].body)];
-        body.point.push_back(i);
-        body.slave.push_back(offset);
-        body.arm.push_back(
-            {p.position[0] - body.centre[0], p.position[1] - body.centre[1], p.position[2] - body.centre[2]});
-        body.sign.push_back(sign);
-        return offset;
-      };
-      m.node_a.push_back(attach(p.a, +1.0));
-      m.node_b.push_back(attach(p.b, -1.0));
-      m.area.push_back(p.area);
-      m.point_joint.push_back(p.joint);
-      m.point_position.push_back(p.position);
-      m.point_axis.push_back(static_cast<std::uint8_t>(p.axis));
-    }
-    m.line_count = grouped_lines + (lone_slave_count + kLanes - 1) / kLanes;
-  }
-
-  void note_runs_of_points() {
-    m.point_run.assign(at(m.point_count), 1);
-    for (int i = m.point_count - 2; i >= 0; --i) {
-      const bool in_step = m.node_a[at(i + 1)] == m.node_a[at(i)] + 1 && m.node_b[at(i + 1)] == m.node_b[at(i)] + 1;
-      if (in_step && m.point_run[at(i + 1)] < kLanes)
-        m.point_run[at(i)] = static_cast<std::uint8_t>(m.point_run[at(i + 1)] + 1);
-      else if (in_step)
-        m.point_run[at(i)] = kLanes;
     }
   }
 
@@ -528,125 +498,214 @@ class ModelBuilder {
       const quoin_stiffness_bounds bounds = family.material->stiffness_bounds();
       family.normal_stiffness = bounds.normal;
       family.shear_stiffness = bounds.shear;
-      family.first_point = m.families.empty() ? 0 : m.families.back().first_point + m.families.back().point_count;
-      while (family.first_point + family.point_count < m.point_count &&
-             points_[at(family.first_point + family.point_count)].family == static_cast<int>(f)) {
-        ++family.point_count;
-      }
       m.families.push_back(family);
+    }
+  }
+
+  // Family by family and axis by axis, as they are stored, for the order of all at once would take more memory.
+  void order_points() {
+    m.point_joint.reserve(nodes_.size());
+    m.point_in_joint.reserve(nodes_.size());
+    for (std::size_t f = 0; f < m.families.size(); ++f) {
+      m.families[f].first_point = static_cast<std::int32_t>(m.point_joint.size());
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto is_here = [&](const Joint& joint) { return at(joint.family) == f && joint.face_a / 2 == axis; };
+        std::size_t count = 0;
+        for (std::size_t j = 0; j < m.assembly.joints.size(); ++j)
+          count += is_here(m.assembly.joints[j]) ? at(end_of_joint(j) - first_of_joint_[j]) : 0;
+        std::vector<PointEnds> ends;
+        std::vector<std::int32_t> in_joint;
+        ends.reserve(count), in_joint.reserve(count);
+        for (std::size_t j = 0; j < m.assembly.joints.size(); ++j) {
+          const Joint& joint = m.assembly.joints[j];
+          if (!is_here(joint)) continue;
+          const Model::Sides sides = Model::sides_of(joint);
+          for (std::int32_t i = first_of_joint_[j]; i < end_of_joint(j); ++i) {
+            const Nodes& nodes = nodes_[at(i)];
+            ends.push_back({joint.family, axis, static_cast<int>(j), offset_if_any(sides.a, nodes.a),
+                            offset_if_any(sides.b, nodes.b)});
+            in_joint.push_back(i - first_of_joint_[j]);
+          }
+        }
+        for (const std::uint32_t i : point_order(ends)) {
+          m.point_joint.push_back(ends[i].joint);
+          m.point_in_joint.push_back(in_joint[i]);
+        }
+      }
+      m.families[f].point_count = static_cast<std::int32_t>(m.point_joint.size()) - m.families[f].first_point;
     }
   }
 
   void make_chunks() {
     for (std::int32_t i = 0; i < m.point_count; ++i) {
-      const NewPoint& p = points_[at(i)];
-      if (m.chunks.empty() || m.chunks.back().family != p.family || m.chunks.back().axis != p.axis ||
+      const Joint& joint = m.assembly.joints[at(m.point_joint[at(i)])];
+      const int axis = joint.face_a / 2;
+      if (m.chunks.empty() || m.chunks.back().family != joint.family || m.chunks.back().axis != axis ||
           m.chunks.back().point_count == kChunk) {
-        m.chunks.push_back({p.family, p.axis, i, 0});
+        m.chunks.push_back({joint.family, axis, i, 0});
       }
       ++m.chunks.back().point_count;
     }
   }
 
-  std::vector<PointsOfNode> points_of_blocks() const {
-    std::vector<PointsOfNode> points_of(m.assembly.bricks.size());
-    for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
-      if (template_of_[i] >= 0) points_of[i].resize(m.templates[at(template_of_[i])].node.size());
-    }
+  // Slaves of lone bodies go behind all other lines.
+  void attach_bodies() {
+    const std::int32_t grouped_lines = m.line_count;
+    std::int32_t lone_slave_count = 0;
     for (std::int32_t i = 0; i < m.point_count; ++i) {
-      const NewPoint& p = points_[at(i)];
-      if (body_of(p.a) < 0) points_of[at(p.a.block)][at(p.a.node)][at(2 * p.axis + 1)].push_back(i);
-      if (body_of(p.b) < 0) points_of[at(p.b.block)][at(p.b.node)][at(2 * p.axis)].push_back(i);
+      const Model::Sides sides = m.sides_of(i);
+      if (body_of(sides.a) < 0 && body_of(sides.b) < 0) continue;
+      const std::int32_t found = first_of_joint_[at(m.point_joint[at(i)])] + m.point_in_joint[at(i)];
+      const auto there = std::lower_bound(found_of_bodies_.begin(), found_of_bodies_.end(), found);
+      const Vec3& position = of_bodies_[at(static_cast<int>(there - found_of_bodies_.begin()))].position;
+      const auto attach = [&](int block, std::int32_t node, double sign) {
+        if (body_of(block) < 0) return;
+        std::int32_t offset = offset_if_any(block, node);
+        if (offset < 0) {
+          offset = (grouped_lines + lone_slave_count / kLanes) * kLine + lone_slave_count % kLanes;
+          ++lone_slave_count;
+        }
+        RigidBody& body = m.bodies[at(body_of(block))];
+        body.point.push_back(i);
+        body.slave.push_back(offset);
+        body.arm.push_back({position[0] - body.centre[0], position[1] - body.centre[1], position[2] - body.centre[2]});
+        body.sign.push_back(sign);
+      };
+      attach(sides.a, nodes_[at(found)].a, +1.0);
+      attach(sides.b, nodes_[at(found)].b, -1.0);
     }
-    return points_of;
+    m.line_count = grouped_lines + (lone_slave_count + kLanes - 1) / kLanes;
   }
 
   // For each gridpoint of a template and each of its faces as many slots as its busiest block needs.
-  std::vector<SlotWidths> widths_of_slots(const std::vector<PointsOfNode>& points_of) {
-    m.slots.resize(m.templates.size());
-    std::vector<SlotWidths> width(m.templates.size());
-    for (std::size_t t = 0; t < m.templates.size(); ++t) {
-      width[t].resize(m.templates[t].node.size());
-      for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
-        if (template_of_[i] != static_cast<int>(t)) continue;
-        for (std::size_t n = 0; n < width[t].size(); ++n) {
-          for (std::size_t face = 0; face < 6; ++face)
-            width[t][n][face] = std::max(width[t][n][face], points_of[i][n][face].size());
-        }
+  void widen_slots() {
+    std::vector<std::size_t> first_node{0};
+    for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
+      const bool deformable = body_of(static_cast<int>(i)) < 0;
+      first_node.push_back(first_node.back() + (deformable ? m.template_of(static_cast<int>(i)).node.size() : 0));
+    }
+    std::vector<std::array<std::uint16_t, 6>> points_of_node(first_node.back());
+    for (std::size_t j = 0; j < m.assembly.joints.size(); ++j) {
+      const Joint& joint = m.assembly.joints[j];
+      const Model::Sides sides = Model::sides_of(joint);
+      const std::size_t axis = at(joint.face_a / 2);
+      for (std::int32_t i = first_of_joint_[j]; i < end_of_joint(j); ++i) {
+        const Nodes& nodes = nodes_[at(i)];
+        if (body_of(sides.a) < 0) ++points_of_node[first_node[at(sides.a)] + at(nodes.a)][2 * axis + 1];
+        if (body_of(sides.b) < 0) ++points_of_node[first_node[at(sides.b)] + at(nodes.b)][2 * axis];
       }
-      for (const auto& faces : width[t]) {
+    }
+    std::vector<std::vector<std::array<std::uint16_t, 6>>> width;
+    for (const BrickTemplate& shape : m.templates) width.emplace_back(shape.node.size());
+    for (std::size_t i = 0; i < m.assembly.bricks.size(); ++i) {
+      if (body_of(static_cast<int>(i)) >= 0) continue;
+      auto& widest = width[at(m.groups[at(m.place[i].group)].brick_template)];
+      for (std::size_t n = 0; n < widest.size(); ++n) {
         for (std::size_t face = 0; face < 6; ++face)
+          widest[n][face] = std::max(widest[n][face], points_of_node[first_node[i] + n][face]);
+      }
+    }
+    m.slots.resize(m.templates.size());
+    for (std::size_t t = 0; t < m.templates.size(); ++t) {
+      for (const auto& faces : width[t]) {
+        for (std::size_t face = 0; face < 6; ++face) {
           m.slots[t].sign.insert(m.slots[t].sign.end(), faces[face], face % 2 == 1 ? 1.0 : -1.0);
+          m.slots[t].face.insert(m.slots[t].face.end(), faces[face], static_cast<std::uint8_t>(face));
+        }
         m.slots[t].slot_end.push_back(m.slots[t].slot_count());
       }
     }
-    return width;
-  }
-
-  void fill_slots_of_blocks(const std::vector<PointsOfNode>& points_of, const std::vector<SlotWidths>& width) {
+    std::int32_t slots = 0;
     for (BlockGroup& group : m.groups) {
-      const std::size_t t = at(group.brick_template);
-      group.first_slot = static_cast<std::int32_t>(m.slot_point.size()) / kLanes;
-      m.slot_point.resize(m.slot_point.size() + at(m.slots[t].slot_count() * kLanes), m.point_count);
-      for (int lane = 0; lane < group.block_count; ++lane) {
-        int slot = group.first_slot;
-        for (std::size_t n = 0; n < width[t].size(); ++n) {
-          for (std::size_t face = 0; face < 6; ++face) {
-            const auto& here = points_of[at(group.block[at(lane)])][n][face];
-            for (std::size_t i = 0; i < here.size(); ++i)
-              m.slot_point[at((slot + static_cast<int>(i)) * kLanes + lane)] = here[i];
-            slot += static_cast<int>(width[t][n][face]);
-          }
-        }
-      }
+      group.first_slot = slots;
+      slots += m.slots[at(group.brick_template)].slot_count();
     }
+    for (BodyGroup& group : m.body_groups) {
+      group.first_slot = slots;
+      slots += m.body_slots[at(group.slots)].slot_count();
+    }
+    m.slot_point = LaneVector<std::int32_t>(at(slots) * kLanes);
+    m.slot_run = LaneVector<std::int32_t>(at(slots));
   }
 
   void fill_slots_of_bodies() {
-    for (BodyGroup& group : m.body_groups) {
-      group.first_slot = static_cast<std::int32_t>(m.slot_point.size()) / kLanes;
-      m.slot_point.resize(m.slot_point.size() + at(m.body_slots[at(group.slots)].slot_count() * kLanes), m.point_count);
-    }
-    for (std::int32_t i = 0; i < m.point_count; ++i) {
-      for (const Side& side : {points_[at(i)].a, points_[at(i)].b}) {
-        if (body_of(side) < 0 || side.node < 0) continue;
-        const BodyPlace& where = body_place_[at(body_of(side))];
-        m.slot_point[at((m.body_groups[at(where.group)].first_slot + side.node) * kLanes + where.lane)] = i;
+    for (const BodyGroup& group : m.body_groups) {
+      const int slots = m.body_slots[at(group.slots)].slot_count();
+      std::fill_n(m.slot_point.begin() + group.first_slot * kLanes, slots * kLanes, m.point_count);
+      for (int lane = 0; lane < group.body_count; ++lane) {
+        const RigidBody& body = m.bodies[at(group.body[at(lane)])];
+        for (std::size_t i = 0; i < body.point.size(); ++i) {
+          const int slot = group.first_slot + body.slave[i] / kLine - group.first_line;
+          m.slot_point[at(slot * kLanes + lane)] = body.point[i];
+        }
       }
+      // What lanes without a body read does not matter: nothing of them is kept.
+      note_runs_of_slots(m, group.first_slot, slots, group.body_count);
     }
   }
 
-  void note_runs_of_slots() {
-    const auto add_runs = [&](int first_slot, int slot_count, int lanes_in_use) {
-      for (int slot = first_slot; slot < first_slot + slot_count; ++slot) {
-        const std::int32_t* point = m.slot_point.data() + slot * kLanes;
-        bool in_step = true;
-        for (int lane = 1; lane < lanes_in_use; ++lane) in_step = in_step && point[lane] == point[0] + lane;
-        const bool empty = std::all_of(point, point + kLanes, [&](std::int32_t p) { return p == m.point_count; });
-        m.slot_run.push_back(empty ? Model::kEmptySlot : in_step ? point[0] : -1);
-      }
+  void size_arrays() {
+    const std::size_t points = at(m.point_count), doubles = at(m.line_count) * kLine;
+    m.node_mass = m.node_free = LaneVector<double>(doubles);
+    m.node_a = m.node_b = LaneVector<std::int32_t>(points);
+    m.area = LaneVector<double>(points);
+    m.point_run = m.point_axis = LaneVector<std::uint8_t>(points);
+    m.point_position = LaneVector<Vec3>(points);
+  }
+
+  std::int32_t end_of_joint(std::size_t j) const {
+    return j + 1 < first_of_joint_.size() ? first_of_joint_[j + 1] : static_cast<std::int32_t>(nodes_.size());
+  }
+
+  Model& m;
+  std::vector<int> template_of_;               // by block; -1: rigid
+  std::vector<std::int32_t> first_of_joint_;   // of its points, in the order in which they are found
+  std::vector<Nodes> nodes_;                   // in that order
+  std::vector<NewPoint> of_bodies_;            // points with a rigid block on one side or both
+  std::vector<std::int32_t> found_of_bodies_;  // their places in that order
+  std::vector<BodyPlace> body_place_;          // by body; none: a lone body
+  std::vector<std::array<int, 6>> next_slot_;  // by body and face
+};
+
+// What unit groups and chunks have in the arrays of a model.
+class ModelFiller {
+ public:
+  explicit ModelFiller(Model& model) : m(model) {}
+
+  void fill_chunks(std::span<const int> chunks) {
+    struct Wanted {
+      std::int32_t joint, in_joint, point;
     };
-    for (const BlockGroup& group : m.groups)
-      add_runs(group.first_slot, m.slots[at(group.brick_template)].slot_count(), kLanes);
-    // What lanes without a body read does not matter: nothing of them is kept.
-    for (const BodyGroup& group : m.body_groups)
-      add_runs(group.first_slot, m.body_slots[at(group.slots)].slot_count(), group.body_count);
+    std::vector<Wanted> wanted;
+    for (const int c : chunks) {
+      const ContactChunk& chunk = m.chunks[at(c)];
+      for (std::int32_t p = chunk.first_point; p < chunk.first_point + chunk.point_count; ++p)
+        wanted.push_back({m.point_joint[at(p)], m.point_in_joint[at(p)], p});
+    }
+    std::sort(wanted.begin(), wanted.end(), [](const Wanted& x, const Wanted& y) {
+      return std::pair(x.joint, x.in_joint) < std::pair(y.joint, y.in_joint);
+    });
+    PointFinder finder(m);
+    const std::vector<NewPoint>* found = nullptr;
+    int joint = -1;
+    for (const Wanted& w : wanted) {
+      if (w.joint != joint) found = &finder.find(at(joint = w.joint));
+      fill_point(w.point, (*found)[at(w.in_joint)]);
+    }
+    for (const int c : chunks) note_runs_of_points(m.chunks[at(c)]);
   }
 
-  // Positions, masses, constraints.
-  void lay_out_gridpoints() {
-    m.position.assign(at(m.line_count * kLanes), Vec3{});
-    m.node_mass.assign(at(m.line_count * kLine), 0.0);
-    m.node_free.assign(at(m.line_count * kLine), 0.0);
-    for (const BlockGroup& group : m.groups) {
+  // Masses and constraints.
+  void weigh_unit(const UnitGroup& unit) {
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = m.groups[at(g)];
       const BrickTemplate& shape = m.templates[at(group.brick_template)];
       for (int n = 0; n < shape.node_count; ++n) {
         for (int lane = 0; lane < group.block_count; ++lane) {
-          const Brick& brick = m.assembly.bricks[at(group.block[at(lane)])];
-          Vec3& p = m.position[at((group.first_line + n) * kLanes + lane)];
-          for (std::size_t c = 0; c < 3; ++c) p[c] = brick.origin[c] + shape.node[at(n)][c];
+          const int block = group.block[at(lane)];
           const bool on_symmetry_plane =
-              m.assembly.symmetry_plane_z0 && std::abs(p[2]) <= kCoordinateTolerance * brick.size[2];
+              m.assembly.symmetry_plane_z0 && std::abs(m.gridpoint_position(block, n)[2]) <=
+                                                  kCoordinateTolerance * m.assembly.bricks[at(block)].size[2];
           for (int c = 0; c < 3; ++c) {
             const std::size_t i = at((group.first_line + n) * kLine + kLanes * c + lane);
             m.node_mass[i] = shape.node_mass[at(n)];
@@ -655,18 +714,66 @@ class ModelBuilder {
         }
       }
     }
-    for (const RigidBody& body : m.bodies) {
-      for (std::size_t i = 0; i < body.slave.size(); ++i) {
-        m.position[at(body.slave[i] / kLine * kLanes + body.slave[i] % kLanes)] = m.point_position[at(body.point[i])];
-      }
+  }
+
+  void empty_slots(const UnitGroup& unit) {
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+      const BlockGroup& group = m.groups[at(g)];
+      std::fill_n(m.slot_point.begin() + group.first_slot * kLanes, slots_of(group).slot_count() * kLanes,
+                  m.point_count);
+    }
+  }
+
+  // Into the first empty slot of its gridpoint and face; points come in order.
+  void fill_slot(std::int32_t point, bool side_a, const std::vector<bool>& of_units) {
+    const Model::Sides sides = m.sides_of(point);
+    const Model::BlockPlace& where = m.place[at(side_a ? sides.a : sides.b)];
+    if (where.group < 0 || !of_units[at(where.group)]) return;
+    const BlockGroup& group = m.groups[at(where.group)];
+    const ContactSlots& slots = slots_of(group);
+    const std::int32_t node = (side_a ? m.node_a : m.node_b)[at(point)] / kLine - group.first_line;
+    int slot = node > 0 ? slots.slot_end[at(node - 1)] : 0;
+    const int face = 2 * m.point_axis[at(point)] + (side_a ? 1 : 0);
+    while (slots.face[at(slot)] != face ||
+           m.slot_point[at((group.first_slot + slot) * kLanes + where.lane)] != m.point_count)
+      ++slot;
+    m.slot_point[at((group.first_slot + slot) * kLanes + where.lane)] = point;
+  }
+
+  void finish_unit(const UnitGroup& unit) {
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g)
+      note_runs_of_slots(m, m.groups[at(g)].first_slot, slots_of(m.groups[at(g)]).slot_count(), kLanes);
+  }
+
+ private:
+  const ContactSlots& slots_of(const BlockGroup& group) const { return m.slots[at(group.brick_template)]; }
+
+  void fill_point(std::int32_t i, const NewPoint& p) {
+    const auto offset = [&](const Side& side) {
+      const Model::BlockPlace& where = m.place[at(side.block)];
+      if (where.body < 0) return (m.groups[at(where.group)].first_line + side.node) * kLine + where.lane;
+      const RigidBody& body = m.bodies[at(where.body)];
+      return body
+          .slave[at(static_cast<int>(std::lower_bound(body.point.begin(), body.point.end(), i) - body.point.begin()))];
+    };
+    m.node_a[at(i)] = offset(p.a);
+    m.node_b[at(i)] = offset(p.b);
+    m.area[at(i)] = p.area;
+    m.point_position[at(i)] = p.position;
+    m.point_axis[at(i)] = static_cast<std::uint8_t>(p.axis);
+  }
+
+  void note_runs_of_points(const ContactChunk& chunk) {
+    const std::int32_t last = chunk.first_point + chunk.point_count - 1;
+    m.point_run[at(last)] = 1;
+    for (std::int32_t i = last - 1; i >= chunk.first_point; --i) {
+      const bool in_step = m.node_a[at(i + 1)] == m.node_a[at(i)] + 1 && m.node_b[at(i + 1)] == m.node_b[at(i)] + 1;
+      const int longer = in_step ? m.point_run[at(i + 1)] + 1 : 1;
+      m.point_run[at(i)] = static_cast<std::uint8_t>(std::min(longer, kLanes));
     }
   }
 
   Model& m;
-  std::vector<int> template_of_;  // by block; -1: rigid
-  std::vector<NewPoint> points_;
-  std::vector<BodyPlace> body_place_;          // by body; none: a lone body
-  std::vector<std::array<int, 6>> next_slot_;  // by body and face
 };
 
 // Properties that scatter, now that it is known where the points are.
@@ -698,14 +805,91 @@ std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& asse
   return materials;
 }
 
-Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materials) : assembly(std::move(input)) {
+Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materials, LayOut laid_out)
+    : assembly(std::move(input)) {
   check_input(assembly);
   if (materials.size() != assembly.families.size()) {
     throw Error(Exit::bad_input,
                 fmt::format("{} joint families, but {} materials", assembly.families.size(), materials.size()));
   }
   ModelBuilder(*this).build(materials);
-  draw_columns(*this);
+  unit_laid_out_.resize(unit_groups.size());
+  chunk_laid_out_.resize(chunks.size());
+  const bool scatters = std::any_of(assembly.families.begin(), assembly.families.end(),
+                                    [](const JointFamily& family) { return family.scatters(); });
+  if (laid_out == LayOut::all || scatters) lay_out_all();
+  if (scatters) draw_columns(*this);
+}
+
+void Model::lay_out(std::span<const int> units, std::span<const int> chunks_wanted) {
+  std::vector<int> new_chunks;
+  for (const int c : chunks_wanted) {
+    if (!chunk_laid_out_[at(c)]) new_chunks.push_back(c);
+    chunk_laid_out_[at(c)] = true;
+  }
+  if (!new_chunks.empty()) ++layouts_;
+  ModelFiller filler(*this);
+  filler.fill_chunks(new_chunks);
+  std::vector<int> new_units;
+  std::vector<bool> is_new(groups.size());
+  for (const int u : units) {
+    if (unit_laid_out_[at(u)]) continue;
+    unit_laid_out_[at(u)] = true;
+    new_units.push_back(u);
+    filler.weigh_unit(unit_groups[at(u)]);
+    filler.empty_slots(unit_groups[at(u)]);
+    for (int g = 0; g < unit_groups[at(u)].group_count; ++g) is_new[at(unit_groups[at(u)].first_group + g)] = true;
+  }
+  if (new_units.empty()) return;
+  for (const int c : chunks_wanted) {
+    for (std::int32_t p = chunks[at(c)].first_point; p < chunks[at(c)].first_point + chunks[at(c)].point_count; ++p) {
+      filler.fill_slot(p, true, is_new);
+      filler.fill_slot(p, false, is_new);
+    }
+  }
+  for (const int u : new_units) filler.finish_unit(unit_groups[at(u)]);
+}
+
+void Model::weigh(int unit) {
+  if (!unit_laid_out_[at(unit)]) ModelFiller(*this).weigh_unit(unit_groups[at(unit)]);
+}
+
+void Model::lay_out_all() {
+  std::vector<int> all_units(unit_groups.size()), all_chunks(chunks.size());
+  std::iota(all_units.begin(), all_units.end(), 0);
+  std::iota(all_chunks.begin(), all_chunks.end(), 0);
+  lay_out(all_units, all_chunks);
+}
+
+void Model::keep_alone(std::span<const int> units, std::span<const int> chunks_kept) {
+  std::vector<bool> unit_stays(unit_groups.size()), chunk_stays(chunks.size());
+  for (const int u : units) unit_stays[at(u)] = true;
+  for (const int c : chunks_kept) chunk_stays[at(c)] = true;
+  each_row(unit_stays, false, [&](std::size_t first, std::size_t end) {
+    const Extent of = extent_of_units(first, end);
+    forget_part(node_mass, of.first_line * kLine, of.end_line * kLine);
+    forget_part(node_free, of.first_line * kLine, of.end_line * kLine);
+    forget_part(slot_point, of.first_slot * kLanes, of.end_slot * kLanes);
+    forget_part(slot_run, of.first_slot, of.end_slot);
+    std::fill(unit_laid_out_.begin() + first, unit_laid_out_.begin() + end, false);
+  });
+  each_row(chunk_stays, false, [&](std::size_t first, std::size_t end) {
+    const std::size_t p = at(chunks[first].first_point),
+                      q = at(chunks[end - 1].first_point + chunks[end - 1].point_count);
+    for (auto* column : {&node_a, &node_b}) forget_part(*column, p, q);
+    for (auto* column : {&point_run, &point_axis}) forget_part(*column, p, q);
+    forget_part(area, p, q);
+    forget_part(point_position, p, q);
+    std::fill(chunk_laid_out_.begin() + first, chunk_laid_out_.begin() + end, false);
+  });
+}
+
+Model::Extent Model::extent_of_units(std::size_t first, std::size_t end) const {
+  const UnitGroup& last_unit = unit_groups[end - 1];
+  const BlockGroup& from = groups[at(unit_groups[first].first_group)];
+  const BlockGroup& last = groups[at(last_unit.first_group + last_unit.group_count - 1)];
+  return {at(from.first_line), at(last.first_line + templates[at(last.brick_template)].node_count), at(from.first_slot),
+          at(last.first_slot + slots[at(last.brick_template)].slot_count())};
 }
 
 std::vector<int> Model::bodies_named(const std::string& name) const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct UnitGroup {
 struct ContactSlots {
   std::vector<std::int32_t> slot_end;  // per gridpoint: slots [slot_end[i-1], slot_end[i])
   std::vector<double> sign;            // per slot: +1 side a, -1 side b
+  std::vector<std::uint8_t> face;      // per slot: 2 axis + 1 on side a, 2 axis on side b
   int slot_count() const { return static_cast<int>(sign.size()); }
 };
 
@@ -96,9 +98,23 @@ struct ContactChunk {
 };
 inline constexpr int kChunk = 256;  // points; more spills the columns of a chunk from the first-level cache
 
+// A rank has an outline of the whole model, some hundred bytes a block: what is where, under which number. Arrays by
+// gridpoint, slot and contact point have their whole length, but are laid out, and take memory, only where the rank
+// works.
+enum class LayOut { all, nothing };
+
 struct Model {
   Model() = default;
-  Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials);
+  Model(Assembly assembly, std::vector<std::shared_ptr<const Material>> family_materials,
+        LayOut laid_out = LayOut::all);
+
+  // Fills what these unit groups and chunks have in arrays; what is there already stays. Both in order; all points of
+  // the unit groups must lie in the chunks.
+  void lay_out(std::span<const int> units, std::span<const int> chunks);
+  void lay_out_all();
+  void weigh(int unit);  // fills the masses alone, of a unit group that is not laid out
+  // Gives back the memory of everything else.
+  void keep_alone(std::span<const int> units, std::span<const int> chunks);
 
   Assembly assembly;
   std::vector<BrickTemplate> templates;
@@ -120,7 +136,7 @@ struct Model {
   // [group][slot][lane]: contact point, or point_count: a dummy without force. Block groups, then body groups.
   LaneVector<std::int32_t> slot_point;
   // [group][slot]: point of lane 0 when the 8 lanes have 8 points in a row; kEmptySlot when they have none; else -1.
-  std::vector<std::int32_t> slot_run;
+  LaneVector<std::int32_t> slot_run;
   static constexpr std::int32_t kEmptySlot = -2;
 
   // Gridpoints, in lane layout.
@@ -133,17 +149,35 @@ struct Model {
   std::int32_t point_count = 0;
   LaneVector<std::int32_t> node_a, node_b;  // offsets of the two gridpoints
   LaneVector<double> area;                  // m2
-  // Number of points from this one on, 8 at most, whose gridpoints lie side by side in memory on both sides: no
-  // gathers.
-  std::vector<std::uint8_t> point_run;
-  std::vector<std::int32_t> point_joint;  // index into Assembly::joints
-  std::vector<Vec3> point_position;       // reference, m
-  std::vector<std::uint8_t> point_axis;
+  // Number of points of the chunk from this one on, 8 at most, whose gridpoints lie side by side in memory on both
+  // sides: no gathers.
+  LaneVector<std::uint8_t> point_run;
+  LaneVector<Vec3> point_position;  // reference, m
+  LaneVector<std::uint8_t> point_axis;
+  // Of all points, laid out or not: index into Assembly::joints; how many points of the joint were found before it.
+  LaneVector<std::int32_t> point_joint, point_in_joint;
 
-  Vec3 node_position(std::int32_t offset) const {
-    return position[static_cast<std::size_t>(offset / kLine * kLanes + offset % kLanes)];
+  // Blocks on the negative and on the positive side of a contact point, along its normal.
+  struct Sides {
+    int a, b;
+  };
+  Sides sides_of(std::int32_t point) const {
+    return sides_of(assembly.joints[static_cast<std::size_t>(point_joint[static_cast<std::size_t>(point)])]);
   }
-  std::vector<Vec3> position;  // reference, per line and lane, m
+  // A joint that comes the other way round changes sides.
+  static Sides sides_of(const Joint& joint) {
+    return joint.face_a % 2 == 1 ? Sides{joint.block_a, joint.block_b} : Sides{joint.block_b, joint.block_a};
+  }
+
+  const BrickTemplate& template_of(int block) const {  // of a deformable one
+    const BlockPlace& where = place[static_cast<std::size_t>(block)];
+    return templates[static_cast<std::size_t>(groups[static_cast<std::size_t>(where.group)].brick_template)];
+  }
+  Vec3 gridpoint_position(int block, int node) const {  // reference, m; of a deformable block
+    Vec3 p = assembly.bricks[static_cast<std::size_t>(block)].origin;
+    for (std::size_t c = 0; c < 3; ++c) p[c] += template_of(block).node[static_cast<std::size_t>(node)][c];
+    return p;
+  }
 
   std::vector<int> bodies_named(const std::string& name) const;  // rigid ones: indices into bodies
   std::vector<int> deformable_blocks_named(const std::string& name) const;
@@ -156,8 +190,20 @@ struct Model {
     for (std::size_t n = 0; n < mass.size(); ++n)
       visit((static_cast<std::size_t>(group.first_line) + n) * kLine + static_cast<std::size_t>(where.lane), mass[n]);
   }
+  bool has_laid_out(int chunk) const { return chunk_laid_out_[static_cast<std::size_t>(chunk)]; }
+  long layouts() const { return layouts_; }  // another number when other chunks are laid out
+
+  // What unit groups in a row have of gridpoints and slots.
+  struct Extent {
+    std::size_t first_line, end_line, first_slot, end_slot;
+  };
+  Extent extent_of_units(std::size_t first, std::size_t end) const;
   double total_mass() const;  // kg, as modelled
   std::size_t zone_count() const;
+
+ private:
+  std::vector<bool> unit_laid_out_, chunk_laid_out_;
+  long layouts_ = 0;
 };
 
 // Materials of the families of an assembly: loads the laws, validates the properties.

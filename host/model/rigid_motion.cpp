@@ -74,13 +74,17 @@ RigidMotion motion_of(const Model& model, const BlockGroup* groups, int count, c
 
 RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass) {
   RigidMotions motions;
+  const auto is_laid_out = [&](const BlockGroup& group) { return node_mass[offset(group, 0, 0, 0)] > 0.0; };
   for (const BlockGroup& group : model.groups) {
-    RigidMotion& motion = motions.block.emplace_back(motion_of(model, &group, 1, node_mass));
+    RigidMotion& motion = motions.block.emplace_back();
+    if (!is_laid_out(group)) continue;
+    motion = motion_of(model, &group, 1, node_mass);
     for (std::size_t c = 0; c < 3; ++c) motion.centre[c] -= group.offset[c];
   }
   for (const UnitGroup& unit : model.unit_groups) {
     const BlockGroup* first = &model.groups[static_cast<std::size_t>(unit.first_group)];
-    motions.unit.push_back(motion_of(model, first, unit.group_count, node_mass));
+    motions.unit.emplace_back();
+    if (is_laid_out(*first)) motions.unit.back() = motion_of(model, first, unit.group_count, node_mass);
   }
   return motions;
 }

@@ -33,7 +33,7 @@ struct RigidMotions {
   std::vector<RigidMotion> unit;   // by unit group
 };
 
-// node_mass: in lane layout, kg.
+// node_mass: in lane layout, kg; units that are not laid out have none, and no motion.
 RigidMotions rigid_motions(const Model& model, const LaneVector<double>& node_mass);
 
 }  // namespace quoin

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/error.h"
 #include "model/lanczos.h"
@@ -18,7 +19,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // The undamaged assembled system in generalised coordinates: gridpoints in lane layout, then 6 a rigid body.
 class UndamagedSystem {
  public:
-  explicit UndamagedSystem(const Model& model) : model_(model), body_base_(model.line_count * kLine) {
+  // chunks: of contact points that count, in order.
+  UndamagedSystem(const Model& model, std::span<const int> chunks)
+      : model_(model), body_base_(model.line_count * kLine) {
     slave_body_.resize(at((model.line_count - model.block_line_count) * kLanes), -1);
     slave_arm_.resize(slave_body_.size());
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -27,35 +30,26 @@ class UndamagedSystem {
         slave_arm_[slave_index(model.bodies[b].slave[i])] = model.bodies[b].arm[i];
       }
     }
-    free_.assign(at(size()), 0.0);
-    std::copy(model.node_free.begin(), model.node_free.end(), free_.begin());
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      for (std::size_t k = 0; k < 6; ++k) free_[at(body_base_) + 6 * b + k] = model.bodies[b].held[k] ? 0.0 : 1.0;
-    }
-    for (std::int32_t i = 0; i < model.point_count; ++i) {
-      const ContactFamily& family = model.families[at(family_of(i))];
-      const int blocks_end = model.block_line_count * kLine;
-      Stretch next{{i, 1, model.point_axis[at(i)], family.normal_stiffness, family.shear_stiffness},
-                   family_of(i),
-                   model.node_a[at(i)] >= blocks_end || model.node_b[at(i)] >= blocks_end};
-      if (stretches_.empty() || !stretches_.back().goes_on_with(next)) {
-        stretches_.push_back(next);
-      } else {
-        ++stretches_.back().point_count;
-      }
+    for (const int c : chunks) {
+      for (std::int32_t i = model.chunks[at(c)].first_point;
+           i < model.chunks[at(c)].first_point + model.chunks[at(c)].point_count; ++i)
+        add_to_stretches(i);
     }
   }
 
   int size() const { return body_base_ + 6 * static_cast<int>(model_.bodies.size()); }
   int body_base() const { return body_base_; }
-  double free(int dof) const { return free_[at(dof)]; }
+  double free(int dof) const {
+    if (dof < body_base_) return model_.node_free[at(dof)];
+    return model_.bodies[at((dof - body_base_) / 6)].held[at((dof - body_base_) % 6)] ? 0.0 : 1.0;
+  }
 
   // f = K u, free degrees of freedom only.
   void apply(const std::vector<double>& u, std::vector<double>* f) const {
     f->assign(at(size()), 0.0);
     for (const UnitGroup& unit : model_.unit_groups) zone_stiffness(model_, unit, u.data(), f->data());
     add_contacts(u.data(), f->data());
-    for (std::size_t i = 0; i < f->size(); ++i) (*f)[i] *= free_[i];
+    for (int i = 0; i < size(); ++i) (*f)[at(i)] *= free(i);
   }
 
   // f += K u of the contact points, in their order.
@@ -106,7 +100,7 @@ class UndamagedSystem {
     for_each_spring([&](Participants p, double stiffness, std::int32_t point) {
       double all = 0.0;
       for (int i = 0; i < p.count; ++i) {
-        p.coefficient[i] *= free_[at(p.dof[i])] / length_scale(p.dof[i], inertia);
+        p.coefficient[i] *= free(p.dof[i]) / length_scale(p.dof[i], inertia);
         all += std::abs(p.coefficient[i]);
       }
       for (int i = 0; i < p.count; ++i) {
@@ -133,7 +127,8 @@ class UndamagedSystem {
 
   Vec3 position(int dof) const {
     if (dof >= body_base_) return model_.bodies[at((dof - body_base_) / 6)].centre;
-    return model_.position[at(dof / kLine * kLanes + dof % kLanes)];
+    const auto [block, node] = gridpoint_of(dof);
+    return model_.gridpoint_position(block, node);
   }
 
   std::string name(int dof) const {
@@ -141,15 +136,22 @@ class UndamagedSystem {
       const RigidBody& body = model_.bodies[at((dof - body_base_) / 6)];
       return fmt::format("rigid block {}{}", body.block, body.name.empty() ? "" : " '" + body.name + "'");
     }
-    for (const BlockGroup& group : model_.groups) {
-      const int node = dof / kLine - group.first_line;
-      if (node < 0 || node >= model_.templates[at(group.brick_template)].node_count) continue;
-      return fmt::format("block {}, gridpoint {}", group.block[at(dof % kLanes)], node);
-    }
-    return fmt::format("offset {}", dof);
+    const auto [block, node] = gridpoint_of(dof);
+    return fmt::format("block {}, gridpoint {}", block, node);
   }
 
  private:
+  struct Gridpoint {
+    int block, node;
+  };
+  Gridpoint gridpoint_of(int dof) const {  // of a deformable block
+    const int line = dof / kLine;
+    const auto after = std::upper_bound(model_.groups.begin(), model_.groups.end(), line,
+                                        [](int l, const BlockGroup& group) { return l < group.first_line; });
+    const BlockGroup& group = *std::prev(after);
+    return {group.block[at(dof % kLanes)], line - group.first_line};
+  }
+
   // The degrees of freedom that one component of one contact point's jump depends on.
   struct Participants {
     int count = 0;
@@ -166,9 +168,23 @@ class UndamagedSystem {
     int family = 0;
     bool of_bodies = false;  // a rigid body on one side or both
     bool goes_on_with(const Stretch& next) const {
-      return family == next.family && axis == next.axis && of_bodies == next.of_bodies;
+      return family == next.family && axis == next.axis && of_bodies == next.of_bodies &&
+             first_point + point_count == next.first_point;
     }
   };
+
+  void add_to_stretches(std::int32_t i) {
+    const ContactFamily& family = model_.families[at(family_of(i))];
+    const int blocks_end = model_.block_line_count * kLine;
+    Stretch next{{i, 1, model_.point_axis[at(i)], family.normal_stiffness, family.shear_stiffness},
+                 family_of(i),
+                 model_.node_a[at(i)] >= blocks_end || model_.node_b[at(i)] >= blocks_end};
+    if (stretches_.empty() || !stretches_.back().goes_on_with(next)) {
+      stretches_.push_back(next);
+    } else {
+      ++stretches_.back().point_count;
+    }
+  }
 
   std::size_t slave_index(int offset) const {
     return at((offset / kLine - model_.block_line_count) * kLanes + offset % kLanes);
@@ -219,23 +235,24 @@ class UndamagedSystem {
   int body_base_;
   std::vector<int> slave_body_;
   std::vector<Vec3> slave_arm_;
-  std::vector<double> free_;
   std::vector<Stretch> stretches_;
 };
 
 // M'^-1/2 K M'^-1/2 of the free degrees of freedom, M' the inertia in use.
 class ScaledSystem {
  public:
-  ScaledSystem(const Model& model, const UndamagedSystem& system, const Inertia& inertia)
-      : model_(model), system_(system), scale_(at(system.size()), 0.0), scaled_(scale_) {
+  ScaledSystem(const Model& model, const UndamagedSystem& system, const Inertia& inertia, SharedModel* shared)
+      : model_(model), system_(system), shared_(shared), scale_(at(system.size()), 0.0), scaled_(scale_) {
     for (int i = 0; i < system.size(); ++i) {
       const double m = system.inertia_of(i, inertia, false);
       if (system.free(i) != 0.0 && m > 0.0) scale_[at(i)] = 1.0 / std::sqrt(m);
     }
     if (inertia.deformation == 1.0 && inertia.unit == 1.0) return;
     root_mass_.resize(at(model.block_line_count * kLanes));
-    for (std::size_t i = 0; i < root_mass_.size(); ++i)
-      root_mass_[i] = std::sqrt(inertia.node[i / kLanes * kLine + i % kLanes]);
+    for (std::size_t i = 0; i < root_mass_.size(); ++i) {
+      const double m = inertia.node[i / kLanes * kLine + i % kLanes];
+      if (m > 0.0) root_mass_[i] = std::sqrt(m);
+    }
     scaling_ = {&inertia.rigid, 1.0 / std::sqrt(inertia.deformation), 1.0 / std::sqrt(inertia.unit), root_mass_.data()};
   }
 
@@ -252,10 +269,12 @@ class ScaledSystem {
 
   // y = A x; returns x . y.
   double product(const LaneVector<double>& x, LaneVector<double>* y) {
-    for (const UnitGroup& unit : model_.unit_groups) {
-      scale_motion_then(model_, unit, scaling_, scale_.data(), x.data(), scaled_.data());
-      zone_stiffness(model_, unit, scaled_.data(), y->data());
-    }
+    return shared_ ? product_of_part(x, y) : product_of_all(x, y);
+  }
+
+ private:
+  double product_of_all(const LaneVector<double>& x, LaneVector<double>* y) {
+    for (const UnitGroup& unit : model_.unit_groups) scale_and_strain(unit, x, y);
     const auto bodies = at(system_.body_base());
     for (std::size_t i = bodies; i < x.size(); ++i) {
       scaled_[i] = x[i] * scale_[i];
@@ -272,9 +291,40 @@ class ScaledSystem {
     return sum;
   }
 
- private:
+  // The rows of this process; what contact points add to those of others is not looked at.
+  double product_of_part(const LaneVector<double>& x, LaneVector<double>* y) {
+    for (const int u : shared_->units()) scale_and_strain(model_.unit_groups[at(u)], x, y);
+    const auto bodies = at(system_.body_base());
+    for (std::size_t i = bodies; i < x.size(); ++i) (*y)[i] = 0.0;
+    each_of_bodies([&](std::size_t i) { scaled_[i] = x[i] * scale_[i]; });
+    shared_->exchange(scaled_);
+    system_.add_contacts(scaled_.data(), y->data());
+    for (const int u : shared_->units())
+      scale_motion_after(model_, model_.unit_groups[at(u)], scaling_, scale_.data(), 0.0, x.data(), y->data());
+    each_of_bodies([&](std::size_t i) { (*y)[i] *= scale_[i]; });
+    return shared_->sum([&](const VectorRow& row, double sum) {
+      for (std::size_t i = row.first; i < row.end; ++i) sum += (*y)[i] * x[i];
+      return sum;
+    });
+  }
+
+  void scale_and_strain(const UnitGroup& unit, const LaneVector<double>& x, LaneVector<double>* y) {
+    scale_motion_then(model_, unit, scaling_, scale_.data(), x.data(), scaled_.data());
+    zone_stiffness(model_, unit, scaled_.data(), y->data());
+  }
+
+  // Numbers of bodies of this process.
+  template <class Visit>
+  void each_of_bodies(Visit visit) const {
+    const auto bodies = at(system_.body_base());
+    for (const VectorRow& row : shared_->rows()) {
+      for (std::size_t i = row.first; row.first >= bodies && i < row.end; ++i) visit(i);
+    }
+  }
+
   const Model& model_;
   const UndamagedSystem& system_;
+  SharedModel* shared_;
   LaneVector<double> scale_;  // 1/sqrt(m); 0: does not move
   LaneVector<double> scaled_;
   LaneVector<double> root_mass_;
@@ -282,7 +332,7 @@ class ScaledSystem {
 };
 
 LargestEigenvalue largest_eigenvalue(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
-                                     bool with_vector) {
+                                     bool with_vector, SharedModel* shared) {
   LanczosSettings settings;
   settings.max_steps = 600;
   settings.check_interval = 10;
@@ -291,9 +341,9 @@ LargestEigenvalue largest_eigenvalue(const Model& model, const UndamagedSystem& 
   constexpr int kLarge = 1'000'000;
   settings.settled = system.size() > kLarge ? 1e-5 : 1e-7;
   settings.with_vector = with_vector;
-  ScaledSystem scaled(model, system, inertia);
+  ScaledSystem scaled(model, system, inertia, shared);
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* y) { return scaled.product(x, y); };
-  return largest_eigenvalue(product, scaled.start(), settings);
+  return largest_eigenvalue(product, scaled.start(), settings, shared);
 }
 
 std::string with_contact_share(const Model& model, const UndamagedSystem& system, const UndamagedSystem::Rows& rows,
@@ -324,7 +374,7 @@ std::vector<double> compliances(const Model& model, const Inertia& inertia, cons
 }
 
 TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
-                      const std::vector<Stage>& stages, Limits wanted) {
+                      const std::vector<Stage>& stages, Limits wanted, SharedModel* shared) {
   TimeStepReport report;
   report.model_mass = model.total_mass();
   // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
@@ -334,7 +384,7 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
   };
-  const LargestEigenvalue lanczos = largest_eigenvalue(model, system, inertia, wanted == Limits::all);
+  const LargestEigenvalue lanczos = largest_eigenvalue(model, system, inertia, wanted == Limits::all, shared);
   report.critical.value = step_of(lanczos.value);
   report.lanczos_steps = lanczos.steps;
   if (wanted == Limits::critical) return report;
@@ -371,6 +421,26 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   return report;
 }
 
+std::vector<int> all_chunks(const Model& model) {
+  std::vector<int> chunks(model.chunks.size());
+  std::iota(chunks.begin(), chunks.end(), 0);
+  return chunks;
+}
+
+// kg; a body counts where its six numbers begin.
+double mass_in_use(const Model& model, const UndamagedSystem& system, const Inertia& inertia, SharedModel* shared) {
+  const auto add = [&](const VectorRow& row, double sum) {
+    const auto bodies = at(system.body_base());
+    const std::size_t end_line = std::min(row.end / kLine, at(model.block_line_count));
+    for (std::size_t line = row.first / kLine; line < end_line; ++line) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sum += inertia.node[line * kLine + lane];
+    }
+    for (std::size_t i = std::max(row.first, bodies); i < row.end; i += 6) sum += inertia.body_mass[(i - bodies) / 6];
+    return sum;
+  };
+  return shared ? shared->sum(add) : add({0, at(system.size())}, 0.0);
+}
+
 }  // namespace
 
 std::string TimeStepReport::warning() const {
@@ -388,7 +458,7 @@ std::string TimeStepReport::warning() const {
 }
 
 void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f) {
-  UndamagedSystem(model).apply(u, f);
+  UndamagedSystem(model, all_chunks(model)).apply(u, f);
 }
 
 double whiffletree_eigenvalue(const std::vector<Stage>& stages,
@@ -410,54 +480,63 @@ double whiffletree_eigenvalue(const std::vector<Stage>& stages,
   return largest;
 }
 
-TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
-                                const std::vector<Stage>& stages) {
-  if (settings.critical_time_step == CriticalTimeStep::nodal) wanted = Limits::all;
-  const UndamagedSystem system(model);
-  inertia->node = model.node_mass;
-  for (double& m : inertia->node) m *= settings.mass_scaling;
+bool time_step_by_parts(const SolverSettings& settings) {
+  return settings.critical_time_step != CriticalTimeStep::nodal && !(settings.selective_time_step > 0.0);
+}
+
+Inertia inertia_in_use(const Model& model, const SolverSettings& settings) {
+  Inertia inertia;
+  inertia.node = model.node_mass;
+  if (settings.mass_scaling != 1.0) {
+    for (double& m : inertia.node) {
+      if (m > 0.0) m *= settings.mass_scaling;
+    }
+  }
   for (const RigidBody& body : model.bodies) {
-    inertia->body_mass.push_back(settings.mass_scaling * body.mass);
-    inertia->body_inertia.push_back({settings.mass_scaling * body.inertia[0], settings.mass_scaling * body.inertia[1],
-                                     settings.mass_scaling * body.inertia[2]});
+    inertia.body_mass.push_back(settings.mass_scaling * body.mass);
+    inertia.body_inertia.push_back({settings.mass_scaling * body.inertia[0], settings.mass_scaling * body.inertia[1],
+                                    settings.mass_scaling * body.inertia[2]});
   }
 
   if (settings.selective_time_step > 0.0) {
     // omega_max^2 <= max (row sum / inertia): inertia that keeps every row at 4/(dt/fraction)^2 is enough for the step.
-    const auto rows = system.rows(*inertia);
+    const UndamagedSystem system(model, all_chunks(model));
+    const auto rows = system.rows(inertia);
     const double target = settings.selective_time_step / settings.time_step_fraction;
     const double factor = 0.25 * target * target;
     for (int line = 0; line < model.block_line_count; ++line) {
       for (int lane = 0; lane < kLanes; ++lane) {
         const std::size_t i = at(line * kLine + lane);
-        if (inertia->node[i] <= 0.0) continue;
-        double needed = inertia->node[i];
+        if (inertia.node[i] <= 0.0) continue;
+        double needed = inertia.node[i];
         for (std::size_t c = 0; c < 3; ++c) needed = std::max(needed, factor * rows.sum[i + kLanes * c]);
-        for (std::size_t c = 0; c < 3; ++c) inertia->node[i + kLanes * c] = needed;
+        for (std::size_t c = 0; c < 3; ++c) inertia.node[i + kLanes * c] = needed;
       }
     }
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
       double ratio = 1.0;
       for (std::size_t k = 0; k < 6; ++k) {
-        ratio = std::max(ratio, factor * rows.sum[at(system.body_base()) + 6 * b + k] / inertia->body_mass[b]);
+        ratio = std::max(ratio, factor * rows.sum[at(system.body_base()) + 6 * b + k] / inertia.body_mass[b]);
       }
-      inertia->body_mass[b] *= ratio;
-      for (double& moment : inertia->body_inertia[b]) moment *= ratio;
+      inertia.body_mass[b] *= ratio;
+      for (double& moment : inertia.body_inertia[b]) moment *= ratio;
     }
   }
 
-  inertia->deformation = settings.deformation_inertia;
-  inertia->unit = settings.unit_inertia;
-  if (inertia->deformation != 1.0 || inertia->unit != 1.0 || settings.damping == DampingKind::block)
-    inertia->rigid = rigid_motions(model, inertia->node);
+  inertia.deformation = settings.deformation_inertia;
+  inertia.unit = settings.unit_inertia;
+  if (inertia.deformation != 1.0 || inertia.unit != 1.0 || settings.damping == DampingKind::block)
+    inertia.rigid = rigid_motions(model, inertia.node);
+  return inertia;
+}
 
-  TimeStepReport report = limits(model, system, *inertia, stages, wanted);
-  double in_use = 0.0;
-  for (int line = 0; line < model.block_line_count; ++line) {
-    for (int lane = 0; lane < kLanes; ++lane) in_use += inertia->node[at(line * kLine + lane)];
-  }
-  for (double m : inertia->body_mass) in_use += m;
-  report.added_mass = std::max(0.0, in_use - report.model_mass);
+TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
+                                const std::vector<Stage>& stages, SharedModel* shared) {
+  if (settings.critical_time_step == CriticalTimeStep::nodal) wanted = Limits::all;
+  *inertia = inertia_in_use(model, settings);
+  const UndamagedSystem system(model, shared ? shared->chunks() : std::span<const int>(all_chunks(model)));
+  TimeStepReport report = limits(model, system, *inertia, stages, wanted, shared);
+  report.added_mass = std::max(0.0, mass_in_use(model, system, *inertia, shared) - report.model_mass);
 
   if (!std::isfinite(report.critical.value) && !(settings.selective_time_step > 0.0)) {
     throw Error(Exit::bad_input,

@@ -7,6 +7,7 @@
 
 #include "model/model.h"
 #include "model/rigid_motion.h"
+#include "model/shared_model.h"
 #include "scene/scene.h"
 
 namespace quoin {
@@ -44,10 +45,17 @@ struct Inertia {
 // What a report tells: critical.value alone, or also where it is set and the two other limits, for twice the time.
 enum class Limits { critical, all };
 
-// Inertia with the scaling of the settings, and the time step that goes with it. stages: whose whiffletrees are
-// springs.
+// Inertia with the scaling of the settings: of what is laid out of the model.
+Inertia inertia_in_use(const Model& model, const SolverSettings& settings);
+
+// The time step that goes with it. stages: whose whiffletrees are springs. shared: this process has a part of the model
+// (one that may be in parts), with the gridpoints of blocks that a whiffletree pulls; null: all of it.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
-                                Limits wanted = Limits::all, const std::vector<Stage>& stages = {});
+                                Limits wanted = Limits::all, const std::vector<Stage>& stages = {},
+                                SharedModel* shared = nullptr);
+
+// Whether the time step needs no more of a model than what each rank has of it: not so where rows of K are added up.
+bool time_step_by_parts(const SolverSettings& settings);
 
 // Eigenvalue of the stiffest whiffletree on what it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
 // displacements)^2 gives every floor the same force; with the mean over the m_f blocks of a floor,

@@ -102,6 +102,12 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
     own_ = std::make_unique<ResultFolder>(folder_);
     file_.emplace(folder_ / "history.csv", simulation_->scene());
     if (simulation_->scene().output.frames > 0) series_.emplace(folder_, *surfaces_);
+    if (simulation_->scene().output.frames > 0 && simulation_->scene().output.pieces) {
+      const py::gil_scoped_acquire lock;
+      if (PyErr_WarnEx(PyExc_UserWarning,
+                       "output.pieces: without effect in one process, which writes each frame as one file", 1) != 0)
+        throw py::error_already_set();
+    }
   }
   if (isolate_law) return;
   watchdog_.emplace(law_seconds, [this, law_seconds](const Material& material, const quoin_batch& batch) {

@@ -31,6 +31,7 @@ class MpiRanks : public Ranks {
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &here);
     MPI_Comm_size(here, &count_here_);
     MPI_Comm_free(&here);
+    MPI_Comm_dup(MPI_COMM_WORLD, &meeting_);
   }
   ~MpiRanks() override { MPI_Finalize(); }
   MpiRanks(const MpiRanks&) = delete;
@@ -84,7 +85,7 @@ class MpiRanks : public Ranks {
 
   bool all_here(double seconds) override {
     MPI_Request request;
-    MPI_Ibarrier(MPI_COMM_WORLD, &request);
+    MPI_Ibarrier(meeting_, &request);
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     for (int here = 0;;) {
       MPI_Test(&request, &here, MPI_STATUS_IGNORE);
@@ -122,6 +123,7 @@ class MpiRanks : public Ranks {
   }
 
   int rank_ = 0, count_ = 1, count_here_ = 1;
+  MPI_Comm meeting_ = MPI_COMM_NULL;  // of those who come to all_here, while others may be in other calls
   std::vector<MPI_Request> requests_;
 };
 

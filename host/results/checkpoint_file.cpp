@@ -8,6 +8,9 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <span>
 
 #include "base/archive.h"
 #include "base/error.h"
@@ -38,15 +41,47 @@ std::string read_whole(const std::filesystem::path& path) {
 }
 
 // Eight bytes at a time: checkpoints may be large.
-std::uint64_t checksum_of(const std::uint8_t* data, std::size_t size) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (std::size_t i = 0; i < size; i += 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, data + i, std::min<std::size_t>(8, size - i));
-    hash = (hash ^ word) * 0x100000001b3u;
-    hash ^= hash >> 29;  // so that high bits reach low ones
+class Checksum {
+ public:
+  void add(std::span<const std::uint8_t> bytes) {
+    if (rest_ > 0) {
+      const std::size_t more = std::min(sizeof word_ - rest_, bytes.size());
+      take(bytes.first(more));
+      bytes = bytes.subspan(more);
+    }
+    while (bytes.size() >= sizeof word_) {
+      std::memcpy(&word_, bytes.data(), sizeof word_);
+      add_word();
+      bytes = bytes.subspan(sizeof word_);
+    }
+    if (!bytes.empty()) take(bytes);
   }
-  return hash;
+  std::uint64_t end() {
+    if (rest_ > 0) add_word();
+    return hash_;
+  }
+
+ private:
+  // Less than a word, or what it lacks.
+  void take(std::span<const std::uint8_t> bytes) {
+    std::memcpy(reinterpret_cast<std::uint8_t*>(&word_) + rest_, bytes.data(), bytes.size());
+    rest_ += bytes.size();
+    if (rest_ == sizeof word_) add_word();
+  }
+  void add_word() {
+    hash_ = (hash_ ^ word_) * 0x100000001b3u;
+    hash_ ^= hash_ >> 29;  // so that high bits reach low ones
+    word_ = 0, rest_ = 0;
+  }
+
+  std::uint64_t hash_ = 0xcbf29ce484222325u, word_ = 0;
+  std::size_t rest_ = 0;  // bytes of a word that is not whole yet
+};
+
+std::uint64_t checksum_of(const std::uint8_t* data, std::size_t size) {
+  Checksum sum;
+  sum.add({data, size});
+  return sum.end();
 }
 
 template <class Archive, class Parts>
@@ -83,20 +118,59 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
   return identity;
 }
 
-void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(sizeof(Head) + checkpoint.state.size() + checkpoint.rows.size() * sizeof(HistoryRow) + 4096);
-  ArchiveWriter writer{bytes};
+namespace {
+
+// give: hands the state on piece by piece; called whatever becomes of the file, as other ranks wait for it.
+void write_stored(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
+                  const std::vector<double>& frame_times, std::uint64_t state_bytes,
+                  const std::function<void(const Simulation::TakeBytes&)>& give) {
+  std::optional<Error> fault;
+  std::unique_ptr<DurableFile> file;
+  const auto unless_it_failed = [&](const auto& write) {
+    try {
+      if (!fault) write();
+    } catch (const Error& error) {
+      fault = error;
+    }
+  };
   Head head;
-  writer.value(head);
-  transfer_identity(writer, identity.parts);
-  writer.array(checkpoint.rows);
-  writer.array(checkpoint.frame_times);
-  writer.array(checkpoint.state);
-  head.bytes = bytes.size() - sizeof head;
-  head.checksum = checksum_of(bytes.data() + sizeof head, head.bytes);
-  std::memcpy(bytes.data(), &head, sizeof head);
-  write_durable_file(path, bytes);
+  Checksum sum;
+  const auto append = [&](std::span<const std::uint8_t> bytes) {
+    file->append(bytes);
+    sum.add(bytes);
+    head.bytes += bytes.size();
+  };
+  const auto as_bytes = [](const Head& h) { return std::span(reinterpret_cast<const std::uint8_t*>(&h), sizeof h); };
+  unless_it_failed([&] {
+    std::vector<std::uint8_t> bytes;
+    ArchiveWriter writer{bytes};
+    transfer_identity(writer, identity.parts);
+    writer.array(rows);
+    writer.array(frame_times);
+    writer.value(state_bytes);
+    file = std::make_unique<DurableFile>(path);
+    file->append(as_bytes(head));
+    append(bytes);
+  });
+  give([&](std::span<const std::uint8_t> bytes) { unless_it_failed([&] { append(bytes); }); });
+  unless_it_failed([&] {
+    head.checksum = sum.end();
+    file->finish(as_bytes(head));
+  });
+  if (fault) throw *fault;
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const Checkpoint& checkpoint) {
+  write_stored(path, identity, checkpoint.rows, checkpoint.frame_times, checkpoint.state.size(),
+               [&](const Simulation::TakeBytes& take) { take(checkpoint.state); });
+}
+
+void write_checkpoint(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
+                      const std::vector<double>& frame_times, const Simulation& simulation) {
+  write_stored(path, identity, rows, frame_times, simulation.saved_bytes(),
+               [&](const Simulation::TakeBytes& take) { simulation.save(take); });
 }
 
 namespace {

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <set>
 
 namespace quoin {
 
@@ -12,13 +9,6 @@ namespace {
 
 // Reference positions agree to rounding; a micrometre grid tells gridpoints apart.
 std::int64_t micrometres(double length) { return std::llround(length * 1e6); }
-
-std::uint64_t key_of(const Vec3& p, const Vec3& origin) {
-  std::uint64_t key = 0;
-  for (size_t i = 0; i < 3; ++i)
-    key = key << 21 | (static_cast<std::uint64_t>(micrometres(p[i] - origin[i])) & 0x1fffff);
-  return key;
-}
 
 // A dry joint has no strength to lose: what has come of it is what it does now and how far it has slid.
 Crack classify_dry(const JointPoint& p, bool slip_known) {
@@ -37,54 +27,16 @@ Crack classify(const JointPoint& p) {
   return opening ? Crack::open : Crack::slipped;
 }
 
-}  // namespace
-
-Surfaces::Surfaces(const Simulation& simulation) : bricks_(simulation.assembly().bricks) {
-  for (int b = 0; b < simulation.block_count(); ++b) meshes_.push_back(simulation.block_mesh(b));
-  if (simulation.riding()) return;  // its contact points come and go: they know their place themselves
-  for (size_t b = 0; b < bricks_.size(); ++b) {
-    auto& index = gridpoint_.emplace_back();
-    if (bricks_[b].rigid) continue;
-    for (size_t i = 0; i < meshes_[b].gridpoint.size(); ++i)
-      index[key_of(meshes_[b].gridpoint[i], bricks_[b].origin)] = static_cast<int>(i);
-  }
-
-  // The points of a joint form a grid over its two tangential axes. Joint by joint, for the grids of all of them take
-  // more memory than their points.
-  const Model& model = simulation.model();
-  std::vector<int> order(static_cast<size_t>(model.point_count));
-  std::iota(order.begin(), order.end(), 0);
-  const auto joint_of = [&](int point) { return model.point_joint[static_cast<size_t>(point)]; };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return joint_of(a) < joint_of(b); });
-  for (auto first = order.begin(), last = first; first != order.end(); first = last) {
-    std::map<std::pair<std::int64_t, std::int64_t>, int> grid;
-    std::set<std::int64_t> rows, columns;
-    for (; last != order.end() && joint_of(*last) == joint_of(*first); ++last) {
-      const auto p = static_cast<size_t>(*last);
-      std::array<std::int64_t, 2> tangential{};
-      for (size_t axis = 0, k = 0; axis < 3; ++axis) {
-        if (axis != model.point_axis[p]) tangential[k++] = micrometres(model.point_position[p][axis]);
-      }
-      grid[{tangential[0], tangential[1]}] = *last;
-      rows.insert(tangential[0]), columns.insert(tangential[1]);
-    }
-    for (auto r = rows.begin(); r != rows.end() && std::next(r) != rows.end(); ++r) {
-      for (auto c = columns.begin(); c != columns.end() && std::next(c) != columns.end(); ++c) {
-        const auto p00 = grid.find({*r, *c}), p10 = grid.find({*std::next(r), *c});
-        const auto p11 = grid.find({*std::next(r), *std::next(c)}), p01 = grid.find({*r, *std::next(c)});
-        if (p00 == grid.end() || p10 == grid.end() || p11 == grid.end() || p01 == grid.end()) continue;
-        quads_.push_back({p00->second, p10->second, p11->second, p01->second});
-      }
-    }
-  }
-}
-
-Vec3 Surfaces::displacement_at(int block, const Vec3& position, const std::vector<Vec3>& displacement) const {
-  const size_t b = static_cast<size_t>(block);
-  const Brick& brick = bricks_[b];
+// Of a brick at a contact point: gridpoints of deformable ones coincide with it.
+Vec3 displacement_at(const Brick& brick, const Vec3& position, const std::vector<Vec3>& displacement) {
   if (!brick.rigid) {
-    const auto found = gridpoint_[b].find(key_of(position, brick.origin));
-    return found == gridpoint_[b].end() ? Vec3{} : displacement[static_cast<size_t>(found->second)];
+    size_t index = 0, stride = 1;
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const double cells = (position[axis] - brick.origin[axis]) / brick.size[axis] * brick.zones[axis];
+      index += stride * static_cast<size_t>(std::clamp(std::lround(cells), 0L, static_cast<long>(brick.zones[axis])));
+      stride *= static_cast<size_t>(brick.zones[axis]) + 1;
+    }
+    return displacement[index];
   }
   // Rigid: 8 corners, x fastest; interpolation between them is exact.
   Vec3 u{};
@@ -99,10 +51,91 @@ Vec3 Surfaces::displacement_at(int block, const Vec3& position, const std::vecto
   return u;
 }
 
+// The points of a joint form a grid over its two tangential axes.
+class JointGrid {
+ public:
+  void clear() { points_.clear(), rows_.clear(), columns_.clear(); }
+  void add(int point, int axis, const Vec3& position) {
+    std::int64_t tangential[2];
+    for (int k = 0, c = 0; c < 3; ++c) {
+      if (c != axis) tangential[k++] = micrometres(position[static_cast<size_t>(c)]);
+    }
+    points_.push_back({tangential[0], tangential[1], point});
+    rows_.push_back(tangential[0]), columns_.push_back(tangential[1]);
+  }
+  void append_quads(std::vector<std::array<int, 4>>& quads) {
+    for (auto* places : {&rows_, &columns_}) {
+      std::sort(places->begin(), places->end());
+      places->erase(std::unique(places->begin(), places->end()), places->end());
+    }
+    const auto index_in = [](const std::vector<std::int64_t>& places, std::int64_t place) {
+      return static_cast<size_t>(std::lower_bound(places.begin(), places.end(), place) - places.begin());
+    };
+    const size_t width = columns_.size();
+    grid_.assign(rows_.size() * width, -1);
+    for (const Point& p : points_) grid_[index_in(rows_, p.row) * width + index_in(columns_, p.column)] = p.index;
+    for (size_t r = 0; r + 1 < rows_.size(); ++r) {
+      for (size_t c = 0; c + 1 < width; ++c) {
+        const int* const p = grid_.data() + r * width + c;
+        if (p[0] >= 0 && p[1] >= 0 && p[width] >= 0 && p[width + 1] >= 0)
+          quads.push_back({p[0], p[width], p[width + 1], p[1]});
+      }
+    }
+  }
+
+ private:
+  struct Point {
+    std::int64_t row, column;
+    int index;
+  };
+  std::vector<Point> points_;
+  std::vector<std::int64_t> rows_, columns_;
+  std::vector<int> grid_;
+};
+
+}  // namespace
+
+Surfaces::Surfaces(const Simulation& simulation) {
+  for (int b = 0; simulation.riding() && b < simulation.block_count(); ++b) meshes_.push_back(simulation.block_mesh(b));
+}
+
+Simulation::BlockMesh Surfaces::mesh(const Simulation& simulation, int block) const {
+  return meshes_.empty() ? simulation.block_mesh(block) : meshes_[static_cast<size_t>(block)];
+}
+
+const std::vector<std::array<int, 4>>& Surfaces::quads(const Simulation& simulation) const {
+  // In large motion contact points come and go: they know their place themselves.
+  const Model& model = simulation.model();
+  if (simulation.riding() || of_layout_ == model.layouts()) return quads_;
+  of_layout_ = model.layouts();
+  quads_.clear();
+  std::vector<int> order;
+  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c) {
+    const ContactChunk& chunk = model.chunks[static_cast<size_t>(c)];
+    for (int i = 0; model.has_laid_out(c) && i < chunk.point_count; ++i) order.push_back(chunk.first_point + i);
+  }
+  const auto joint_of = [&](int point) { return model.point_joint[static_cast<size_t>(point)]; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return joint_of(a) < joint_of(b); });
+  JointGrid grid;
+  for (auto first = order.begin(), last = first; first != order.end(); first = last) {
+    grid.clear();
+    for (; last != order.end() && joint_of(*last) == joint_of(*first); ++last) {
+      const auto p = static_cast<size_t>(*last);
+      grid.add(*last, model.point_axis[p], model.point_position[p]);
+    }
+    grid.append_quads(quads_);
+  }
+  return quads_;
+}
+
 std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, bool own_alone) const {
-  std::vector<std::vector<Vec3>> displacement;
-  for (size_t b = 0; b < bricks_.size(); ++b)
-    displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
+  const std::vector<Brick>& bricks = simulation.assembly().bricks;
+  std::vector<std::vector<Vec3>> displacement(bricks.size());  // where asked for
+  const auto displacement_of = [&](int block, const Vec3& position) {
+    std::vector<Vec3>& of_block = displacement[static_cast<size_t>(block)];
+    if (of_block.empty()) of_block = simulation.block_displacement(block);
+    return displacement_at(bricks[static_cast<size_t>(block)], position, of_block);
+  };
   const auto contacts = simulation.contact_points(own_alone);
   const auto told = simulation.damage();
   const auto slip = simulation.state("slip"), closure = simulation.state("w");
@@ -115,8 +148,8 @@ std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, boo
     JointPoint p{};
     p.contact = c;
     if (!simulation.riding()) {
-      p.side_a = displacement_at(c.block_a, c.position, displacement[static_cast<size_t>(c.block_a)]);
-      p.side_b = displacement_at(c.block_b, c.position, displacement[static_cast<size_t>(c.block_b)]);
+      p.side_a = displacement_of(c.block_a, c.position);
+      p.side_b = displacement_of(c.block_b, c.position);
       for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
     }
     p.opening = std::max(0.0, c.jump[0]);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "step/simulation.h"
@@ -31,18 +30,16 @@ struct JointPoint {
 class Surfaces {
  public:
   explicit Surfaces(const Simulation& simulation);
-  const Simulation::BlockMesh& mesh(int block) const { return meshes_[static_cast<size_t>(block)]; }
+  Simulation::BlockMesh mesh(const Simulation& simulation, int block) const;
   std::vector<JointPoint> joint_points(const Simulation& simulation, bool own_alone = false) const;
-  // Quads between neighbouring contact points of each joint, as indices of points. The mesh of joints never changes.
-  const std::vector<std::array<int, 4>>& quads() const { return quads_; }
+  // Quads between neighbouring contact points of each joint on the lattice, as indices of points; of those points that
+  // this rank has. The mesh of joints never changes.
+  const std::vector<std::array<int, 4>>& quads(const Simulation& simulation) const;
 
  private:
-  Vec3 displacement_at(int block, const Vec3& position, const std::vector<Vec3>& displacement) const;
-
-  std::vector<Brick> bricks_;
-  std::vector<Simulation::BlockMesh> meshes_;
-  std::vector<std::unordered_map<std::uint64_t, int>> gridpoint_;  // per block: by reference position
-  std::vector<std::array<int, 4>> quads_;
+  std::vector<Simulation::BlockMesh> meshes_;  // of blocks of any shape, at the start; those of bricks follow from them
+  mutable std::vector<std::array<int, 4>> quads_;
+  mutable long of_layout_ = -1;  // Model::layouts
 };
 
 }  // namespace quoin

@@ -72,7 +72,7 @@ Filled fill_blocks(const Simulation& simulation, const Surfaces& surfaces, bool 
   };
   for (int b = 0; b < simulation.block_count(); ++b) {
     if (own_alone && !simulation.owns_block(b)) continue;
-    const auto& mesh = surfaces.mesh(b);
+    const auto mesh = surfaces.mesh(simulation, b);
     const auto first = static_cast<std::int64_t>(points.size() / 3);
     for (const Vec3& p : mesh.gridpoint) add(points, p);
     for (const Vec3& u : simulation.block_displacement(b)) add(displacement, u);
@@ -143,7 +143,7 @@ Filled fill_joints(const Simulation& simulation, const Surfaces& surfaces, bool 
   std::vector<std::int64_t> place(static_cast<size_t>(simulation.point_count()), -1);  // by contact point
   for (size_t i = 0; i < joint_points.size(); ++i)
     place[static_cast<size_t>(joint_points[i].contact.index)] = static_cast<std::int64_t>(i);
-  for (const auto& quad : surfaces.quads()) {
+  for (const auto& quad : surfaces.quads(simulation)) {
     if (place[static_cast<size_t>(quad[0])] < 0) continue;
     for (const int corner : quad) connectivity.push_back(place[static_cast<size_t>(corner)]);
     offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
@@ -199,7 +199,7 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
   constexpr double kVector = 12.0, kNumber = 4.0, kIndex = 8.0, kHeads = 10000.0;
   double bytes = kHeads;
   for (int b = 0; b < simulation.block_count(); ++b) {
-    const auto& mesh = surfaces.mesh(b);
+    const auto mesh = surfaces.mesh(simulation, b);
     double corners = 4.0 * static_cast<double>(mesh.zone.size()), cells = static_cast<double>(mesh.zone.size());
     const bool rigid = mesh.zone.empty(), brick = rigid && !simulation.riding();
     if (brick) corners = 8.0, cells = 1.0;
@@ -213,7 +213,12 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
   // Vectors: place, displacement, traction, normal, shear axis. Numbers: 6 of the joint, 5 codes, the law's states.
   const auto points = static_cast<double>(simulation.point_count());
   bytes += points * (5 * kVector + 11 * kNumber + static_cast<double>(state_ids(simulation).size()) * kNumber);
-  const auto quads = static_cast<double>(surfaces.quads().size());
+  // With ranks of the points that are here, and of the others as many.
+  const Model& model = simulation.model();
+  double here = 0.0;
+  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c)
+    here += model.has_laid_out(c) ? model.chunks[static_cast<size_t>(c)].point_count : 0;
+  const double quads = here > 0.0 ? static_cast<double>(surfaces.quads(simulation).size()) * points / here : 0.0;
   return bytes + (simulation.riding() ? points * (2 * kIndex + 1.0) : quads * (5 * kIndex + 1.0));
 }
 

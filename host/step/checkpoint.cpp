@@ -1,6 +1,8 @@
 // Everything of a simulation that changes during a run, as bytes.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "base/archive.h"
@@ -124,10 +126,36 @@ std::shared_ptr<const Material> Simulation::Impl::material_in_stage(std::size_t 
   return material;
 }
 
-std::vector<std::uint8_t> Simulation::save() const {
-  const Impl& s = *impl_;
-  std::vector<std::uint8_t> bytes;
-  ArchiveWriter writer{bytes};
+namespace {
+
+// Counts what arrays by gridpoint and contact point would add.
+struct CountingWriter : ArchiveWriter {
+  std::size_t& more;
+  using ArchiveWriter::array;
+  void array(const LaneVector<double>& x) {
+    value(std::uint64_t{x.size()});
+    more += x.size() * sizeof(double);
+  }
+};
+
+// Hands everything on as it comes, arrays by gridpoint and contact point from all ranks.
+struct PartsWriter : ArchiveWriter {
+  Simulation::Impl& s;
+  const Simulation::TakeBytes& take;
+  using ArchiveWriter::array;
+  void array(const LaneVector<double>& x) {
+    value(std::uint64_t{x.size()});
+    hand_on();
+    s.give_array(x, take);
+  }
+  void hand_on() {
+    if (s.ranks->rank() == 0) take(bytes);
+    bytes.clear();
+  }
+};
+
+template <class Writer>
+void write_state(Writer& writer, const Simulation::Impl& s) {
   writer.value(kCheckpointMark);
   writer.value(s.stage);
   write_law_swaps(writer, s.scene.stages);
@@ -142,10 +170,99 @@ std::vector<std::uint8_t> Simulation::save() const {
   writer.value(s.riding ? 0.0 : s.data.time_step);
   transfer(writer, s);
   if (s.riding) s.riding->save(writer);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> Simulation::save() const {
+  std::vector<std::uint8_t> bytes;
+  ArchiveWriter writer{bytes};
+  write_state(writer, *impl_);
   return bytes;
 }
 
+std::size_t Simulation::saved_bytes() const {
+  std::vector<std::uint8_t> bytes;
+  std::size_t more = 0;
+  CountingWriter writer{{bytes}, more};
+  if (impl_->riding)
+    write_state(static_cast<ArchiveWriter&>(writer), *impl_);
+  else
+    write_state(writer, *impl_);
+  return bytes.size() + more;
+}
+
+void Simulation::save(const TakeBytes& take) const {
+  Impl& s = *impl_;
+  if (!s.in_parts) {
+    if (!s.ranks || s.ranks->rank() == 0) take(save());
+    return;
+  }
+  s.gather(Part::row);
+  std::vector<std::uint8_t> bytes;
+  PartsWriter writer{{bytes}, s, take};
+  write_state(writer, s);
+  writer.hand_on();
+}
+
+void Simulation::Impl::give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take) {
+  struct Stretch {
+    std::size_t begin, end;  // bytes from the beginning of the array
+    int rank;
+  };
+  std::vector<Stretch> stretches;
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(array.data());
+  const std::size_t whole = array.size() * sizeof(double);
+  const auto note_of = [&](int rank) {
+    return [&stretches, first, whole, rank](void* memory, std::size_t bytes) {
+      const auto* const from = static_cast<const std::uint8_t*>(memory);
+      if (from < first || from >= first + whole) return;
+      const auto begin = static_cast<std::size_t>(from - first);
+      if (!stretches.empty() && stretches.back().rank == rank && stretches.back().end == begin)
+        stretches.back().end += bytes;
+      else
+        stretches.push_back({begin, begin + bytes, rank});
+    };
+  };
+  for (std::size_t i = 0; i < share.rank_of_item.size(); ++i)
+    each_memory_of_item(Part::all, static_cast<int>(i), note_of(share.rank_of_item[i]));
+  for (std::size_t c = 0; c < share.rank_of_chunk.size(); ++c)
+    each_memory_of_chunk(Part::all, static_cast<int>(c), note_of(share.rank_of_chunk[c]));
+  std::sort(stretches.begin(), stretches.end(), [](const Stretch& x, const Stretch& y) { return x.begin < y.begin; });
+
+  const int here = ranks->rank();
+  std::vector<std::size_t> sizes(at(ranks->count()));
+  std::vector<std::uint8_t> own, all, piece;
+  auto next = stretches.begin();
+  for (std::size_t begin = 0; begin < whole; begin += kGatherBuffer) {
+    const std::size_t end = std::min(begin + kGatherBuffer, whole);
+    while (next != stretches.end() && next->end <= begin) ++next;
+    const auto each_here = [&](const auto& visit) {
+      for (auto i = next; i != stretches.end() && i->begin < end; ++i)
+        visit(i->rank, std::max(i->begin, begin), std::min(i->end, end));
+    };
+    std::fill(sizes.begin(), sizes.end(), 0);
+    own.clear();
+    each_here([&](int rank, std::size_t from, std::size_t to) {
+      sizes[at(rank)] += to - from;
+      if (rank == here) own.insert(own.end(), first + from, first + to);
+    });
+    all.resize(std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}));
+    ranks->gather(std::as_bytes(std::span(own)), sizes, std::as_writable_bytes(std::span(all)));
+    if (here != 0) continue;
+    piece.assign(first + begin, first + end);
+    std::vector<std::size_t> place(sizes.size());
+    std::exclusive_scan(sizes.begin(), sizes.end(), place.begin(), std::size_t{0});
+    each_here([&](int rank, std::size_t from, std::size_t to) {
+      std::memcpy(piece.data() + (from - begin), all.data() + place[at(rank)], to - from);
+      place[at(rank)] += to - from;
+    });
+    take(piece);
+  }
+}
+
 void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
+  if (impl_->in_parts) return impl_->restore(bytes);  // a run that cannot ends
   const std::vector<std::uint8_t> undo = save();
   const std::vector<Stage> stages = impl_->scene.stages;
   try {

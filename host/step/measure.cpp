@@ -112,7 +112,7 @@ WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
 
 void Simulation::Impl::look_at_motion() {
   if (riding) return look_at_riding_motion();
-  if (gathered) {  // else each rank has given those of its own blocks
+  if (has_all()) {  // else each rank has given those of its own blocks
     whole_motions.resize(model.assembly.bricks.size());
     for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   }
@@ -127,7 +127,7 @@ std::string Simulation::Impl::past_motion_bound() const {
 }
 
 // What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
-void Simulation::Impl::require_finite(const HistoryRow& row) const {
+void Simulation::Impl::require_finite(const HistoryRow& row) {
   const std::pair<const char*, double> values[] = {
       {"kinetic energy", row.kinetic_energy},
       {"displacement of the monitor", row.displacement},
@@ -137,6 +137,7 @@ void Simulation::Impl::require_finite(const HistoryRow& row) const {
   };
   for (const auto& [name, value] : values) {
     if (std::isfinite(value)) continue;
+    gather(Part::all, Who::first);
     if (const auto wrong = wrong_law(); wrong && !wrong->finite)
       throw Error(Exit::numerical,
                   fmt::format("stage '{}', step {}, time {:.6g} s: {}; tell its author",
@@ -170,7 +171,7 @@ Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*tran
 }
 
 Vec3 Simulation::Impl::joint_force(int body) const {
-  return gathered ? sum_joint_force(body) : body_force[static_cast<std::size_t>(body)];
+  return has_all() ? sum_joint_force(body) : body_force[static_cast<std::size_t>(body)];
 }
 
 Vec3 Simulation::Impl::sum_joint_force(int body) const {

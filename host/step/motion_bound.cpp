@@ -51,29 +51,32 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
   return m;
 }
 
-JointSliding::JointSliding(const Assembly& assembly) {
-  for (const Joint& joint : assembly.joints) {
-    Place place{};
-    place.a = joint.block_a, place.b = joint.block_b;
-    const Brick& a = assembly.bricks[static_cast<std::size_t>(joint.block_a)];
-    const Brick& b = assembly.bricks[static_cast<std::size_t>(joint.block_b)];
-    const auto normal = static_cast<std::size_t>(joint.face_a / 2);
-    place.centre[normal] = a.origin[normal] + (joint.face_a % 2 == 1 ? a.size[normal] : 0.0);
-    int i = 0;
-    for (const std::size_t c : {kNext[normal], kLast[normal]}) {
-      const double from = std::max(a.origin[c], b.origin[c]);
-      const double to = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
-      place.centre[c] = 0.5 * (from + to);
-      place.along[static_cast<std::size_t>(i)] = static_cast<int>(c);
-      place.length[static_cast<std::size_t>(i++)] = to - from;
-    }
-    const Vec3 centre_a = centre_of(a), centre_b = centre_of(b);
-    for (std::size_t c = 0; c < 3; ++c) {
-      place.arm_a[c] = place.centre[c] - centre_a[c];
-      place.arm_b[c] = place.centre[c] - centre_b[c];
-    }
-    joints_.push_back(place);
+JointSliding::JointSliding(const Assembly& assembly, Places places) : assembly_(&assembly) {
+  if (places == Places::found_anew) return;
+  for (const Joint& joint : assembly.joints) kept_.push_back(place_of(joint));
+}
+
+JointSliding::Place JointSliding::place_of(const Joint& joint) const {
+  Place place{};
+  place.a = joint.block_a, place.b = joint.block_b;
+  const Brick& a = assembly_->bricks[static_cast<std::size_t>(joint.block_a)];
+  const Brick& b = assembly_->bricks[static_cast<std::size_t>(joint.block_b)];
+  const auto normal = static_cast<std::size_t>(joint.face_a / 2);
+  place.centre[normal] = a.origin[normal] + (joint.face_a % 2 == 1 ? a.size[normal] : 0.0);
+  int i = 0;
+  for (const std::size_t c : {kNext[normal], kLast[normal]}) {
+    const double from = std::max(a.origin[c], b.origin[c]);
+    const double to = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]);
+    place.centre[c] = 0.5 * (from + to);
+    place.along[static_cast<std::size_t>(i)] = static_cast<int>(c);
+    place.length[static_cast<std::size_t>(i++)] = to - from;
   }
+  const Vec3 centre_a = centre_of(a), centre_b = centre_of(b);
+  for (std::size_t c = 0; c < 3; ++c) {
+    place.arm_a[c] = place.centre[c] - centre_a[c];
+    place.arm_b[c] = place.centre[c] - centre_b[c];
+  }
+  return place;
 }
 
 void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const {
@@ -82,8 +85,10 @@ void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen
     const double angle = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
     if (exceeds(angle, seen->rotation)) seen->rotation = angle, seen->turned_block = static_cast<int>(i);
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const Place& p = joints_[j];
+  for (std::size_t j = 0; assembly_ && j < assembly_->joints.size(); ++j) {
+    Place found;
+    if (kept_.empty()) found = place_of(assembly_->joints[j]);
+    const Place& p = kept_.empty() ? found : kept_[j];
     const Vec3 a = at_arm(motion[static_cast<std::size_t>(p.a)], p.arm_a);
     const Vec3 b = at_arm(motion[static_cast<std::size_t>(p.b)], p.arm_b);
     for (std::size_t k = 0; k < 2; ++k) {

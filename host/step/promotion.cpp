@@ -135,7 +135,8 @@ void Simulation::Impl::promote(const std::string& why) {
       continue;
     }
     model.for_each_gridpoint(static_cast<int>(b), [&](std::size_t o, double mass) {
-      fields[b].place.push_back(geometry::vector(model.node_position(static_cast<std::int32_t>(o))));
+      const auto n = static_cast<int>(fields[b].place.size());
+      fields[b].place.push_back(geometry::vector(model.gridpoint_position(static_cast<int>(b), n)));
       fields[b].displacement.push_back({displacement[o], displacement[o + kLanes], displacement[o + 2 * kLanes]});
       fields[b].velocity.push_back({velocity[o], velocity[o + kLanes], velocity[o + 2 * kLanes]});
       fields[b].mass.push_back(mass);

@@ -15,12 +15,21 @@
 
 namespace quoin {
 
+// Bytes of all ranks together that are on their way at a time: what is gathered may be most of the model.
+inline constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
+
 // What is asked for of all blocks and contact points, whoever advances them.
 enum class Part {
   sums,    // what a measured step adds up
   motion,  // of blocks in large motion, alone: what detection looks at
   row,     // sums and motion; of contact points what a row of the history takes
   all      // everything that changes in steps and that later ones, or results, read
+};
+// Who needs it.
+enum class Who {
+  everybody,
+  first,   // rank 0, for what it writes
+  holders  // each rank what it holds: own items, what its chunks touch, what stages watch
 };
 // A memory of it: first byte, bytes.
 using VisitMemory = std::function<void(void*, std::size_t)>;

@@ -27,35 +27,73 @@ constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
 
-// Of all ranks together, that are on their way at a time: what is gathered may be most of the model.
-constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
-
 // Memories one after the other, gone through some bytes at a time.
 class MemoryRow {
  public:
-  void add(void* first, std::size_t bytes) {
-    parts_.push_back({static_cast<std::byte*>(first), bytes});
+  // wanted: by this rank, if it is of another one.
+  void add(void* first, std::size_t bytes, bool wanted) {
+    parts_.push_back({{static_cast<std::byte*>(first), bytes}, wanted});
     rest_ += bytes;
   }
   std::size_t rest() const { return rest_; }
-  // The next bytes of the rest, part by part: visit(first, bytes).
+  // The next bytes of the rest, part by part: visit(first, bytes, wanted).
   template <class Visit>
   void each(std::size_t bytes, Visit visit) {
     rest_ -= bytes;
     while (bytes > 0) {
-      std::span<std::byte>& part = parts_[next_];
-      const std::size_t count = std::min(bytes, part.size());
-      visit(part.data(), count);
-      part = part.subspan(count);
+      auto& [memory, wanted] = parts_[next_];
+      const std::size_t count = std::min(bytes, memory.size());
+      visit(memory.data(), count, wanted);
+      memory = memory.subspan(count);
       bytes -= count;
-      if (part.empty()) ++next_;
+      if (memory.empty()) ++next_;
     }
   }
 
  private:
-  std::vector<std::span<std::byte>> parts_;
+  struct Memory {
+    std::span<std::byte> bytes;
+    bool wanted;
+  };
+  std::vector<Memory> parts_;
   std::size_t next_ = 0, rest_ = 0;
 };
+
+// Items that the contact points of chunks touch, each once: first the first one of the chunk.
+class ChunkItems {
+ public:
+  void add(int item) {
+    const auto begin = items_.begin() + static_cast<std::ptrdiff_t>(end_.empty() ? 0 : end_.back());
+    if (begin != items_.end() && (items_.back() == item || std::find(begin, items_.end(), item) != items_.end()))
+      return;
+    items_.push_back(item);
+  }
+  void end_chunk() { end_.push_back(items_.size()); }
+  std::span<const int> of_chunk(int chunk) const {
+    const std::size_t begin = chunk > 0 ? end_[at(chunk) - 1] : 0;
+    return std::span(items_).subspan(begin, end_[at(chunk)] - begin);
+  }
+
+ private:
+  std::vector<int> items_;
+  std::vector<std::size_t> end_;
+};
+
+// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
+long points_between(const std::vector<int>& rank_of_item, const ChunkItems& touched,
+                    const std::vector<double>& chunk_points) {
+  long again = 0;
+  std::vector<int> evaluate;
+  for (std::size_t c = 0; c < chunk_points.size(); ++c) {
+    evaluate.clear();
+    for (const int item : touched.of_chunk(static_cast<int>(c))) {
+      const int rank = rank_of_item[at(item)];
+      if (std::find(evaluate.begin(), evaluate.end(), rank) == evaluate.end()) evaluate.push_back(rank);
+    }
+    again += static_cast<long>(evaluate.size() - 1) * static_cast<long>(chunk_points[c]);
+  }
+  return again;
+}
 
 template <class T>
 void visit_value(T& value, const VisitMemory& visit) {
@@ -64,9 +102,23 @@ void visit_value(T& value, const VisitMemory& visit) {
 
 }  // namespace
 
-void Simulation::use(Ranks* ranks) {
-  Impl& s = *impl_;
-  double here[] = {static_cast<double>(block_count()), static_cast<double>(point_count()), s.data.time_step, 0, 0, 0};
+void Simulation::Impl::begin_with_ranks() {
+  sparse_memory_wanted = true;
+  if (const char* dear = std::getenv("QUOIN_DEAR_BLOCKS")) {
+    dear_blocks.emplace();
+    if (std::sscanf(dear, "%dx%lf", &dear_blocks->count, &dear_blocks->times) != 2)
+      throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
+  }
+}
+
+// Before anything is asked for that only ranks with the same model can tell each other.
+void Simulation::Impl::agree_on_model() const {
+  double here[] = {static_cast<double>(riding ? riding->block_count() : long(model.assembly.bricks.size())),
+                   static_cast<double>(contact_point_count()),
+                   data.time_step,
+                   0,
+                   0,
+                   0};
   for (std::size_t i = 0; i < 3; ++i) here[3 + i] = -here[i];
   ranks->largest(here);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -74,17 +126,6 @@ void Simulation::use(Ranks* ranks) {
       throw Error(Exit::bad_input,
                   "the ranks have different models: the same program, scene and laws must be found by all of them");
   }
-  s.ranks = ranks;
-  if (const char* dear = std::getenv("QUOIN_DEAR_BLOCKS")) {
-    s.dear_blocks.emplace();
-    if (std::sscanf(dear, "%dx%lf", &s.dear_blocks->count, &s.dear_blocks->times) != 2)
-      throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
-  }
-  const auto before = Clock::now();
-  s.partition_work();
-  double took[] = {seconds_since(before)};
-  ranks->largest(took);
-  if (!s.dear_blocks) s.balance.costs(took[0]);
 }
 
 bool Simulation::owns_block(int block) const {
@@ -131,26 +172,10 @@ std::vector<int> Simulation::Impl::bodies_of_item(int item) const {
   return {group.body.begin(), group.body.begin() + group.body_count};
 }
 
-// How many contact points are evaluated once more than by one process, in chunks that more than one rank evaluates.
-long Simulation::Impl::points_between(const std::vector<int>& rank_of_item) const {
-  long again = 0;
-  std::vector<int> evaluate;
-  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
-    evaluate.clear();
-    each_side(c, [&](int item, std::int64_t) {
-      const int rank = rank_of_item[at(item)];
-      if (std::find(evaluate.begin(), evaluate.end(), rank) == evaluate.end()) evaluate.push_back(rank);
-    });
-    again += static_cast<long>(evaluate.size() - 1) * static_cast<long>(chunk_cost[at(c)]);
-  }
-  return again;
-}
-
 std::vector<double> Simulation::Impl::estimated_costs() const {
   std::vector<double> cost = item_cost;
-  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
-    each_side(c, [&](int item, std::int64_t) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
-  }
+  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c)
+    each_item(c, [&](int item) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
   return cost;
 }
 
@@ -177,6 +202,11 @@ RankShare Simulation::Impl::share_of_this_rank() const {
       if (b == blocks.front()) first.push_back(centre);
     }
   }
+  ChunkItems touched;
+  for (int c = 0; c < chunks; ++c) {
+    each_item(c, [&](int item) { touched.add(item); });
+    touched.end_chunk();
+  }
   RankShare of_rank;
   long fewest = -1;
   for (const std::vector<Vec3>* candidate : {&mean, &first}) {
@@ -186,7 +216,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
         for (std::size_t c = 0; c < 3; ++c) p[c] *= scale[c];
       }
       std::vector<int> ranks_so = bisect(place, cost, ranks->count());
-      const long points = points_between(ranks_so);
+      const long points = points_between(ranks_so, touched, chunk_cost);
       if (fewest >= 0 && points >= fewest) continue;
       fewest = points;
       of_rank.rank_of_item = std::move(ranks_so);
@@ -195,13 +225,11 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   of_rank.cost_of_rank.assign(at(ranks->count()), 0.0);
   of_rank.rank_of_chunk.assign(at(chunks), -1);
   for (int c = 0; c < chunks; ++c) {
-    bool own = false;
-    int& rank = of_rank.rank_of_chunk[at(c)];
-    each_side(c, [&](int item, std::int64_t) {
-      if (rank < 0) rank = of_rank.rank_of_item[at(item)];
-      own = own || of_rank.owns_item(item, ranks->rank());
-    });
-    if (own) of_rank.chunks.push_back(c);
+    const std::span<const int> items_of_chunk = touched.of_chunk(c);
+    of_rank.rank_of_chunk[at(c)] = of_rank.rank_of_item[at(items_of_chunk.front())];
+    if (std::any_of(items_of_chunk.begin(), items_of_chunk.end(),
+                    [&](int item) { return of_rank.owns_item(item, ranks->rank()); }))
+      of_rank.chunks.push_back(c);
   }
   for (int i = 0; i < items; ++i) {
     if (of_rank.owns_item(i, ranks->rank())) of_rank.items.push_back(i);
@@ -210,31 +238,47 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   return of_rank;
 }
 
+namespace {
+
+// What goes to other ranks and comes from them: keys of sides, items.
+struct BorderKeys {
+  std::map<int, std::set<std::int64_t>> to, from;
+  std::map<int, std::set<int>> items_to, items_from;
+};
+
+}  // namespace
+
+std::vector<int> Simulation::Impl::ranks_of(int chunk) const {
+  std::vector<int> found;
+  each_item(chunk, [&](int item) {
+    const int rank = share.rank_of_item[at(item)];
+    if (std::find(found.begin(), found.end(), rank) == found.end()) found.push_back(rank);
+  });
+  return found;
+}
+
 // Every rank finds out for all others what they need, so that nobody has to ask.
 void Simulation::Impl::bind_halo() {
   halo.clear(), frame_halo.clear();
   if (!ranks) return;
   const int here = ranks->rank();
-  std::map<int, std::set<std::int64_t>> to, from;
-  std::map<int, std::set<int>> items_to, items_from;
+  BorderKeys keys;
   std::set<int> on_border;
   traffic.points = traffic.shared_points = 0.0;
-  for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c) {
-    std::set<int> evaluate;  // ranks
-    each_side(c, [&](int item, std::int64_t) { evaluate.insert(share.rank_of_item[at(item)]); });
-    const bool mine = evaluate.contains(here);
-    if (mine) traffic.points += chunk_cost[at(c)];
-    if (!mine || evaluate.size() == 1) continue;
+  for (const int c : share.chunks) {
+    const std::vector<int> evaluate = ranks_of(c);
+    traffic.points += chunk_cost[at(c)];
+    if (evaluate.size() == 1) continue;
     traffic.shared_points += chunk_cost[at(c)];
     each_side(c, [&](int item, std::int64_t key) {
       const int owner = share.rank_of_item[at(item)];
       if (owner != here) {
-        from[owner].insert(key), items_from[owner].insert(item);
+        keys.from[owner].insert(key), keys.items_from[owner].insert(item);
         return;
       }
       on_border.insert(item);
       for (const int r : evaluate) {
-        if (r != here) to[r].insert(key), items_to[r].insert(item);
+        if (r != here) keys.to[r].insert(key), keys.items_to[r].insert(item);
       }
     });
   }
@@ -244,10 +288,10 @@ void Simulation::Impl::bind_halo() {
     border.rank = rank;
     return border;
   };
-  for (const auto& [rank, keys] : to)
-    for (const std::int64_t key : keys) numbers_of(key, border_with(rank).send);
-  for (const auto& [rank, keys] : from)
-    for (const std::int64_t key : keys) numbers_of(key, border_with(rank).receive);
+  for (const auto& [rank, of_rank] : keys.to)
+    for (const std::int64_t key : of_rank) numbers_of(key, border_with(rank).send);
+  for (const auto& [rank, of_rank] : keys.from)
+    for (const std::int64_t key : of_rank) numbers_of(key, border_with(rank).receive);
   each_watched([&](int item, const std::vector<double*>& numbers) {
     const int owner = share.rank_of_item[at(item)];
     const auto append = [&](std::vector<double*>& list) { list.insert(list.end(), numbers.begin(), numbers.end()); };
@@ -260,14 +304,64 @@ void Simulation::Impl::bind_halo() {
   for (auto& [rank, border] : borders) halo.add(std::move(border));
   for (int r = 0; r < ranks->count() && scene.output.pieces && !riding; ++r) {
     Border border{r, {}, {}, {}, {}};
-    for (const int item : items_to[r]) motion_of_item(item, border.send);
-    for (const int item : items_from[r]) motion_of_item(item, border.receive);
+    for (const int item : keys.items_to[r]) motion_of_item(item, border.send);
+    for (const int item : keys.items_from[r]) motion_of_item(item, border.receive);
     frame_halo.add(std::move(border));
   }
   share.border_items = on_border.size();
   std::stable_partition(share.items.begin(), share.items.end(), [&](int item) { return on_border.contains(item); });
   traffic.blocks = 0.0;
   for (const int item : share.items) traffic.blocks += static_cast<double>(blocks_of_item(item).size());
+}
+
+Halo Simulation::Impl::halo_on_borders(const SideNumbers& numbers_of_side) {
+  const int here = ranks->rank();
+  using Side = std::pair<int, std::int32_t>;  // block, gridpoint; of a rigid block none
+  std::map<int, std::set<Side>> to, from;
+  for (const int c : share.chunks) {
+    const std::vector<int> evaluate = ranks_of(c);
+    if (evaluate.size() == 1) continue;
+    const ContactChunk& chunk = model.chunks[at(c)];
+    for (std::int32_t p = chunk.first_point; p < chunk.first_point + chunk.point_count; ++p) {
+      const Model::Sides sides = model.sides_of(p);
+      for (const auto& [block, gridpoint] : {Side(sides.a, model.node_a[at(p)]), Side(sides.b, model.node_b[at(p)])}) {
+        const Side side(block, model.place[at(block)].body < 0 ? gridpoint : -1);
+        const int owner = share.rank_of_item[at(item_of_block(block))];
+        if (owner != here) {
+          from[owner].insert(side);
+          continue;
+        }
+        for (const int r : evaluate) {
+          if (r != here) to[r].insert(side);
+        }
+      }
+    }
+  }
+  Halo found;
+  for (int r = 0; r < ranks->count(); ++r) {
+    Border border{r, {}, {}, {}, {}};
+    for (const auto& [block, gridpoint] : to[r]) numbers_of_side(block, gridpoint, border.send);
+    for (const auto& [block, gridpoint] : from[r]) numbers_of_side(block, gridpoint, border.receive);
+    found.add(std::move(border));
+  }
+  return found;
+}
+
+Halo Simulation::Impl::motion_on_borders() {
+  return halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
+    const int body = model.place[at(block)].body;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (body < 0) {
+        numbers.push_back(&displacement[at(gridpoint) + c * kLanes]);
+        numbers.push_back(&velocity[at(gridpoint) + c * kLanes]);
+        continue;
+      }
+      const auto [place, lane] = body_place[at(body)];
+      BodyLanes& lanes = body_lanes[at(place)];
+      for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
+        numbers.push_back(&(*quantity)[c][lane]);
+    }
+  });
 }
 
 // On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
@@ -279,11 +373,21 @@ void Simulation::Impl::each_side(int chunk, const std::function<void(int, std::i
   }
   const ContactChunk& c = model.chunks[at(chunk)];
   for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
-    const auto p = at(i);
-    const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
-    const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
-    visit(item_of_block(in_order ? joint.block_a : joint.block_b), std::int64_t{model.node_a[p]} * 3 + c.axis);
-    visit(item_of_block(in_order ? joint.block_b : joint.block_a), std::int64_t{model.node_b[p]} * 3 + c.axis);
+    const Model::Sides sides = model.sides_of(i);
+    visit(item_of_block(sides.a), std::int64_t{model.node_a[at(i)]} * 3 + c.axis);
+    visit(item_of_block(sides.b), std::int64_t{model.node_b[at(i)]} * 3 + c.axis);
+  }
+}
+
+void Simulation::Impl::each_item(int chunk, const std::function<void(int)>& visit) const {
+  if (riding) {
+    riding->each_side(chunk, [&](int block, std::int64_t) { visit(item_of_riding_block[at(block)]); });
+    return;
+  }
+  const ContactChunk& c = model.chunks[at(chunk)];
+  for (int i = c.first_point; i < c.first_point + c.point_count; ++i) {
+    const Model::Sides sides = model.sides_of(i);
+    visit(item_of_block(sides.a)), visit(item_of_block(sides.b));
   }
 }
 
@@ -363,7 +467,7 @@ bool Simulation::Impl::agree(bool trouble, bool* startled) {
   times[Phase::ranks] += seconds;
   stop_agreed = stop_agreed || wanted[1] > 0.0;
   if (startled) *startled = wanted[2] > 0.0;
-  if (wanted[0] > 0.0) gather(Part::all);
+  if (wanted[0] > 0.0) gather(Part::all, Who::first);
   return wanted[0] > 0.0;
 }
 
@@ -372,6 +476,12 @@ bool Simulation::Impl::any_rank(bool here) {
   double wanted[] = {here ? 1.0 : 0.0};
   ranks->largest(wanted);
   return wanted[0] > 0.0;
+}
+
+double Simulation::Impl::largest_of_ranks(double here) const {
+  double largest[] = {here};
+  ranks->largest(largest);
+  return largest[0];
 }
 
 // ---- Who does what, by what it has taken ---------------------------------------------------------------------------
@@ -391,7 +501,7 @@ void Simulation::Impl::balance_ranks() {
 // What blocks cost is what their rank has taken for them, whichever of them it was that took more than estimated.
 void Simulation::Impl::divide_anew() {
   const auto before = Clock::now();
-  gather(Part::all);
+  if (!in_parts) gather(Part::all);
   const std::vector<double> of_rank = balance.measured_over_estimated();
   measured_over_estimated.resize(riding ? at(riding->block_count()) : model.assembly.bricks.size(), 1.0);
   for (int item = 0; item < static_cast<int>(share.rank_of_item.size()); ++item) {
@@ -399,6 +509,10 @@ void Simulation::Impl::divide_anew() {
       measured_over_estimated[at(b)] *= of_rank[at(share.rank_of_item[at(item)])];
   }
   const std::vector<int> before_it = share.rank_of_item;
+  if (in_parts) {
+    const RankShare next = share_of_this_rank();
+    gather(Part::all, Who::holders, &next);
+  }
   partition_work();
   rest_known = false;                     // of the bodies of others it was not
   if (share.rank_of_item != before_it) {  // else items are too large for anything better
@@ -424,17 +538,33 @@ double Simulation::Impl::pretended_seconds() const {
 
 // ---- All of it -----------------------------------------------------------------------------------------------------
 
-void Simulation::Impl::gather(Part part) {
-  if (gathered) return;
+bool Simulation::Impl::has_all() const { return gathered || (gathered_by_first && ranks && ranks->rank() == 0); }
+
+void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
+  if (!in_parts) who = Who::everybody;
+  if (gathered || (part == Part::all && who == Who::first && gathered_by_first)) return;
   const auto before = Clock::now();
   if (part == Part::row || part == Part::all) prepare_row();
+  const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && ranks->rank() == 0);
+  if (part == Part::all && takes_all) hold_all();
+  Held held;
+  if (part == Part::all && who == Who::holders) held = held_with(next ? *next : share);
+  const auto takes = [&](const std::vector<bool>& of_held, std::size_t i) {
+    return takes_all || (!of_held.empty() && of_held[i]);
+  };
   std::vector<MemoryRow> of_rank(at(ranks->count()));
-  std::size_t whole = 0, longest = 0;
-  for (int r = 0; r < ranks->count(); ++r) {
-    MemoryRow& row = of_rank[at(r)];
-    each_memory(part, r, [&](void* first, std::size_t bytes) { row.add(first, bytes); });
-    whole += row.rest(), longest = std::max(longest, row.rest());
+  for (int i = 0; i < static_cast<int>(share.rank_of_item.size()); ++i) {
+    MemoryRow& row = of_rank[at(share.rank_of_item[at(i)])];
+    const bool wanted = takes(held.items, at(i));
+    each_memory_of_item(part, i, [&](void* first, std::size_t bytes) { row.add(first, bytes, wanted); });
   }
+  for (int c = 0; c < static_cast<int>(share.rank_of_chunk.size()); ++c) {
+    MemoryRow& row = of_rank[at(share.rank_of_chunk[at(c)])];
+    const bool wanted = takes(held.chunks, at(c));
+    each_memory_of_chunk(part, c, [&](void* first, std::size_t bytes) { row.add(first, bytes, wanted); });
+  }
+  std::size_t whole = 0, longest = 0;
+  for (const MemoryRow& row : of_rank) whole += row.rest(), longest = std::max(longest, row.rest());
   const std::size_t most = std::max(kGatherBuffer / of_rank.size(), std::size_t{1});
   std::vector<std::size_t> sizes(of_rank.size());
   std::vector<std::byte> own, all;
@@ -443,7 +573,7 @@ void Simulation::Impl::gather(Part part) {
     for (std::size_t r = 0; r < of_rank.size(); ++r) on_their_way += sizes[r] = std::min(most, of_rank[r].rest());
     own.resize(sizes[at(ranks->rank())]), all.resize(on_their_way);
     MemoryRow& row = of_rank[at(ranks->rank())];
-    row.each(own.size(), [to = own.data()](const std::byte* place, std::size_t bytes) mutable {
+    row.each(own.size(), [to = own.data()](const std::byte* place, std::size_t bytes, bool) mutable {
       std::memcpy(to, place, bytes);
       to += bytes;
     });
@@ -451,13 +581,14 @@ void Simulation::Impl::gather(Part part) {
     const std::byte* from = all.data();
     for (std::size_t r = 0; r < of_rank.size(); from += sizes[r++]) {
       if (r == at(ranks->rank())) continue;
-      of_rank[r].each(sizes[r], [next = from](std::byte* place, std::size_t bytes) mutable {
-        std::memcpy(place, next, bytes);
-        next += bytes;
+      of_rank[r].each(sizes[r], [there = from](std::byte* place, std::size_t bytes, bool wanted) mutable {
+        if (wanted) std::memcpy(place, there, bytes);
+        there += bytes;
       });
     }
   }
-  gathered = part == Part::all;
+  gathered = part == Part::all && who == Who::everybody;
+  gathered_by_first = gathered_by_first || gathered || (part == Part::all && who == Who::first);
   traffic.gathers += 1.0;
   traffic.gathered_bytes += static_cast<double>(whole);
   const double seconds = seconds_since(before);
@@ -466,7 +597,7 @@ void Simulation::Impl::gather(Part part) {
 }
 
 void Simulation::Impl::fetch_for_frame() {
-  if (!ranks || !scene.output.pieces) return gather(Part::all);
+  if (!ranks || !scene.output.pieces) return gather(Part::all, Who::first);
   const auto before = Clock::now();
   frame_halo.send(*ranks);
   frame_halo.receive(*ranks);
@@ -491,15 +622,6 @@ void Simulation::Impl::motion_of_item(int item, std::vector<double*>& numbers) {
     const std::size_t first = at(group.first_line) * kLine;
     const std::size_t count = at(model.templates[at(group.brick_template)].node_count) * kLine;
     add(displacement.data() + first, count), add(velocity.data() + first, count);
-  }
-}
-
-void Simulation::Impl::each_memory(Part part, int rank, const VisitMemory& visit) {
-  for (int i = 0; i < static_cast<int>(share.rank_of_item.size()); ++i) {
-    if (share.owns_item(i, rank)) each_memory_of_item(part, i, visit);
-  }
-  for (int c = 0; c < static_cast<int>(share.rank_of_chunk.size()); ++c) {
-    if (share.owns_chunk(c, rank)) each_memory_of_chunk(part, c, visit);
   }
 }
 

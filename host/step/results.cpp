@@ -114,8 +114,7 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   }
   const BlockGroup& group = model.groups[at(place.group)];
   const BrickTemplate& shape = model.templates[at(group.brick_template)];
-  for (int n = 0; n < shape.node_count; ++n)
-    mesh.gridpoint.push_back(model.position[at((group.first_line + n) * kLanes + place.lane)]);
+  for (int n = 0; n < shape.node_count; ++n) mesh.gridpoint.push_back(model.gridpoint_position(block, n));
   const auto& [nx, ny, nz] = shape.zones;
   for (std::vector<int>& face : mesh.face) {
     for (int& corner : face)
@@ -178,7 +177,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
   // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
   const int chunks = static_cast<int>(model.chunks.size());
-  for (const int index : gathered ? whole_share(chunks, 0).chunks : share.chunks) {
+  for (const int index : has_all() ? whole_share(chunks, 0).chunks : share.chunks) {
     const std::size_t c = at(index);
     const ContactChunk& chunk = model.chunks[c];
     const Material& material = *model.families[at(chunk.family)].material;
@@ -205,7 +204,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
 
 // Flags of the last step when it reported them, otherwise those of a step that moves nothing.
 std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
-  if (!riding && flags_step == step_count - 1) return flags;
+  if (!riding && flags_step == step_count - 1) return {flags.begin(), flags.end()};
   std::vector<std::uint32_t> result(contact_point_count(), 0);
   ask_at_rest(QUOIN_CAN_FLAGS, [&](quoin_batch& batch, std::size_t first) {
     batch.flags = {result.data() + first, 1};
@@ -281,31 +280,97 @@ bool Simulation::keeps_state(const std::string& id) const {
 }
 
 std::array<long, kConditionCount> Simulation::condition_counts() const {
+  if (impl_->end_conditions && !impl_->has_all()) return *impl_->end_conditions;
   std::array<long, kConditionCount> counts{};
   for (std::uint32_t flags : impl_->current_flags()) ++counts[static_cast<std::size_t>(condition_of(flags))];
   return counts;
 }
 
+namespace {
+
 // FNV-1a over 64-bit words.
-std::uint64_t Simulation::hash() const {
-  if (impl_->riding) return impl_->riding->hash();
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&](const auto& values) {
-    for (double value : values) {
-      std::uint64_t word;
-      std::memcpy(&word, &value, sizeof word);
-      hash = (hash ^ word) * 0x100000001b3u;
-    }
-  };
-  for (const BodyLanes& lanes : impl_->body_lanes) {
+constexpr std::uint64_t kHashStart = 0xcbf29ce484222325u;
+
+template <class Values>
+void add_to_hash(const Values& values, std::uint64_t* hash) {
+  for (const double value : values) {
+    std::uint64_t word;
+    std::memcpy(&word, &value, sizeof word);
+    *hash = (*hash ^ word) * 0x100000001b3u;
+  }
+}
+void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
+  for (const BodyLanes& lanes : bodies) {
     for (const auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin}) {
-      for (const auto& component : *quantity) add(component);
+      for (const auto& component : *quantity) add_to_hash(component, hash);
     }
   }
+}
+
+}  // namespace
+
+std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
+  if (flags_step != step_count - 1) {
+    Halo border = motion_on_borders();
+    border.send(*ranks), border.receive(*ranks);
+  }
+  const std::vector<std::uint32_t> now = current_flags();
+  std::array<long, kConditionCount> counts{};
+  for (const int c : share.chunks) {
+    if (!share.owns_chunk(c, ranks->rank())) continue;
+    const ContactChunk& chunk = model.chunks[at(c)];
+    for (int i = 0; i < chunk.point_count; ++i)
+      ++counts[static_cast<std::size_t>(condition_of(now[at(chunk.first_point + i)]))];
+  }
+  return counts;
+}
+
+// Who asks for neither pictures nor files of all of it needs no rank that has all of it.
+void Simulation::Impl::end_run() {
+  if (!in_parts) return gather(Part::all);
+  const std::array<long, kConditionCount> own = own_conditions();
+  std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
+  const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
+  ranks->gather(std::as_bytes(std::span(own)), sizes, std::as_writable_bytes(std::span(of_rank)));
+  end_conditions.emplace();
+  for (const auto& counts : of_rank) {
+    for (std::size_t k = 0; k < counts.size(); ++k) (*end_conditions)[k] += counts[k];
+  }
+  const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
+  const OutputSettings& output = scene.output;
+  if (crushed_out || output.plots || output.end_state) return gather(Part::all, Who::first);
+  gather(Part::row);
+  end_hash = kHashStart;
+  add_to_hash(body_lanes, &end_hash);
+  const auto add = [&](const LaneVector<double>& array) {
+    give_array(array, [&](std::span<const std::uint8_t> bytes) {
+      add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &end_hash);
+    });
+  };
+  add(displacement), add(velocity);
+  for (const auto& column : traction) add(column);
+  for (const auto& columns : law_state) add(columns);
+}
+
+std::uint64_t Simulation::hash() const {
+  if (impl_->riding) return impl_->riding->hash();
+  if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
+  std::uint64_t hash = kHashStart;
+  const auto add = [&](const auto& values) { add_to_hash(values, &hash); };
+  add_to_hash(impl_->body_lanes, &hash);
   add(impl_->displacement);
   add(impl_->velocity);
   for (const auto& column : impl_->traction) add(column);
-  for (const auto& columns : impl_->law_state) add(columns);
+  for (std::size_t f = 0; f < impl_->law_state.size(); ++f) {
+    if (impl_->holds_all) {
+      add(impl_->law_state[f]);
+      continue;
+    }
+    // Before the first step: as they begin, for this rank has those of its own points alone.
+    const ContactFamily& family = impl_->model.families[f];
+    for (const double value : family.material->initial_state(impl_->model.assembly.families[f].initial_state))
+      add(std::vector<double>(at(family.point_count), value));
+  }
   return hash;
 }
 

@@ -330,7 +330,7 @@ double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
   const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
   for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
-    look(norm(geometry::vector((gathered ? whole_motion_of(i) : whole_motions[i]).translation)));
+    look(norm(geometry::vector((has_all() ? whole_motion_of(i) : whole_motions[i]).translation)));
   for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
     look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));

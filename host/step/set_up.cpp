@@ -1,5 +1,8 @@
 // From scene and bricks to the arrays that the step goes over.
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 
@@ -10,16 +13,27 @@
 namespace quoin {
 
 Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
-                       std::vector<std::shared_ptr<const Material>> materials, const blocks::Assembly* shapes)
+                       std::vector<std::shared_ptr<const Material>> materials, const blocks::Assembly* shapes,
+                       Ranks* ranks_in)
     : scene(std::move(scene_in)),
       pool(threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
       want_energy(scene.output.energy),
-      keep_diagnostics(scene.output.energy) {
+      keep_diagnostics(scene.output.energy),
+      ranks(ranks_in) {
+  if (ranks) begin_with_ranks();
   take_bricks(std::move(assembly), materials);
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_riding(*shapes, std::move(materials));
   take_damage();
+  const auto before = Clock::now();
   bind_step();
+  if (!ranks) return;
+  agree_on_model();
+  const double took = largest_of_ranks(seconds_since(before));
+  if (!dear_blocks) balance.costs(took);
+#ifdef __GLIBC__
+  malloc_trim(0);  // what building has left free: several ranks may share a machine
+#endif
 }
 
 void Simulation::Impl::take_damage() {
@@ -78,18 +92,40 @@ void Simulation::Impl::bind_step() {
 }
 
 void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials) {
-  model = Model(std::move(assembly), materials);
-  inertia = {};
-  time_step = {};
-  if (!model.assembly.bricks.empty())
-    time_step = choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages);
-  joint_sliding = JointSliding(model.assembly);
+  in_parts = may_be_in_parts(assembly);
+  holds_all = !in_parts;
+  model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
+  joint_sliding =
+      JointSliding(model.assembly, in_parts ? JointSliding::Places::found_anew : JointSliding::Places::kept);
   normal_shift.clear();
   body_lanes.clear(), body_place.clear(), group_inertia.clear(), ramps.clear();
   loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();
   shared_dt_over_mass.clear(), inertia_tables.clear();
   law_state.clear(), calls.clear();
   monitor.clear(), ramped_bodies.clear(), whole_motions.clear();
+  find_loaded_blocks();
+  measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
+  body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
+  body_place.resize(model.bodies.size());
+  for (std::size_t g = 0; g < model.body_groups.size(); ++g) {
+    const BodyGroup& group = model.body_groups[g];
+    for (int lane = 0; lane < group.body_count; ++lane)
+      body_place[static_cast<std::size_t>(group.body[static_cast<std::size_t>(lane)])] = {static_cast<int>(g), lane};
+  }
+  for (std::size_t i = 0; i < model.lone_bodies.size(); ++i)
+    body_place[static_cast<std::size_t>(model.lone_bodies[i])] = {static_cast<int>(model.body_groups.size() + i), 0};
+  std::unique_ptr<SharedModel> shared;
+  if (in_parts) {
+    agree_on_model();
+    divide_work();
+    hold_part();
+    shared = share_of_model();
+  }
+  inertia = {};
+  time_step = {};
+  if (!model.assembly.bricks.empty())
+    time_step = choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages, shared.get());
+  shared.reset();
   const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(model.point_count);
   displacement.assign(doubles, 0.0);
@@ -99,35 +135,40 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   flags.assign(points, 0);
   for (auto& column : energy_columns) column.assign(want_energy ? points : 0, 0.0);
   ramps.resize(model.bodies.size());
-  find_loaded_blocks();
-  measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
-  body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
-  body_place.resize(model.bodies.size());
-  for (std::size_t g = 0; g < model.body_groups.size(); ++g) {
-    const BodyGroup& group = model.body_groups[g];
-    for (int lane = 0; lane < group.body_count; ++lane)
-      body_place[static_cast<std::size_t>(group.body[static_cast<std::size_t>(lane)])] = {static_cast<int>(g), lane};
+  for (const BodyGroup& group : model.body_groups)
     group_inertia.push_back(inertia_of(group, model, inertia, time_step.time_step));
-  }
-  for (std::size_t i = 0; i < model.lone_bodies.size(); ++i)
-    body_place[static_cast<std::size_t>(model.lone_bodies[i])] = {static_cast<int>(model.body_groups.size() + i), 0};
+  share_inertia();
+  begin_states();
+}
 
-  dt_over_mass.assign(doubles, 0.0);
+// Of points that are laid out.
+void Simulation::Impl::begin_states() {
+  std::vector<std::vector<double>> initial;  // by family and column
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    initial.push_back(model.families[f].material->initial_state(model.assembly.families[f].initial_state));
+    law_state.emplace_back(initial[f].size() * static_cast<std::size_t>(model.families[f].point_count));
+  }
+  const int chunks = static_cast<int>(model.chunks.size());
+  for (const int c : holds_all ? whole_share(chunks, 0).chunks : share.chunks) {
+    const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(c)];
+    const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
+    auto first = law_state[static_cast<std::size_t>(chunk.family)].begin() + (chunk.first_point - family.first_point);
+    for (const double value : initial[static_cast<std::size_t>(chunk.family)]) {
+      if (value != 0.0) std::fill_n(first, chunk.point_count, value);
+      first += family.point_count;
+    }
+  }
+}
+
+// Of the gridpoints that are laid out.
+void Simulation::Impl::share_inertia() {
+  const std::size_t doubles = model.node_free.size();
+  dt_over_mass = LaneVector<double>(doubles);
   for (std::size_t i = 0; i < doubles; ++i) {
     if (model.node_free[i] != 0.0 && inertia.node[i] > 0.0)
       dt_over_mass[i] = time_step.time_step / (inertia.deformation * inertia.node[i]);
   }
-  share_inertia();
-  for (std::size_t f = 0; f < model.families.size(); ++f) {
-    const ContactFamily& family = model.families[f];
-    const std::vector<double> initial = family.material->initial_state(model.assembly.families[f].initial_state);
-    LaneVector<double> columns;
-    for (double value : initial) columns.insert(columns.end(), static_cast<std::size_t>(family.point_count), value);
-    law_state.push_back(std::move(columns));
-  }
-}
-
-void Simulation::Impl::share_inertia() {
+  shared_dt_over_mass.clear(), inertia_tables.clear();
   for (const BlockGroup& group : model.groups) {
     std::vector<double> table;
     bool alike = true;
@@ -196,13 +237,19 @@ void Simulation::Impl::bind_energies(LawCall& call, const ContactChunk& chunk) {
 }
 
 void Simulation::Impl::partition_work() {
+  divide_work();
+  hold_part();
+  bind_work();
+}
+
+void Simulation::Impl::divide_work() {
   chunk_cost.clear(), item_cost.clear(), unit_of_group.clear();
   for (const ContactChunk& chunk : model.chunks) chunk_cost.push_back(chunk.point_count);
   for (int c = 0; riding && c < riding->chunk_count(); ++c) chunk_cost.push_back(riding->chunk_work(c));
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
-  std::size_t largest = 0;
+  largest_group = 0;
   for (const UnitGroup& unit : model.unit_groups) {
     item_cost.push_back(0.0);
     for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
@@ -210,7 +257,7 @@ void Simulation::Impl::partition_work() {
       const BlockGroup& group = model.groups[static_cast<std::size_t>(g)];
       const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
       item_cost.back() += static_cast<double>(shape.stiffness.coefficient.size());
-      largest = std::max(largest, static_cast<std::size_t>(shape.node_count) * kLine);
+      largest_group = std::max(largest_group, static_cast<std::size_t>(shape.node_count) * kLine);
     }
   }
   for (const BodyGroup& group : model.body_groups)
@@ -225,6 +272,9 @@ void Simulation::Impl::partition_work() {
       item_of_riding_block[static_cast<std::size_t>(block)] = p;
   }
   share = share_of_this_rank();
+}
+
+void Simulation::Impl::bind_work() {
   bind_halo();
   const auto ends = [&](std::span<const int> pieces, const std::vector<double>& cost) {
     std::vector<double> weight;
@@ -234,7 +284,7 @@ void Simulation::Impl::partition_work() {
   chunk_end = ends(share.chunks, chunk_cost);
   border_end = ends(std::span(share.items).first(share.border_items), item_cost);
   item_end = ends(std::span(share.items).subspan(share.border_items), item_cost);
-  data.scratch_doubles = kScratchColumns * largest;
+  data.scratch_doubles = kScratchColumns * largest_group;
   for (int t = static_cast<int>(scratch.size()); t < pool.thread_count(); ++t) {
     scratch.emplace_back(kUnitBlocks * data.scratch_doubles, 0.0);
     jumps.push_back(std::make_unique<ChunkJumps>());

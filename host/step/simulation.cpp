@@ -19,10 +19,10 @@ constexpr double kTogether = 5.0;         // s, within which ranks that fail tog
 
 }  // namespace
 
-Simulation::Simulation(Scene scene, int threads) {
+Simulation::Simulation(Scene scene, int threads, Ranks* ranks) {
   Motion motion = choose_motion(std::move(scene));
   auto materials = make_materials(motion.bricks);
-  impl_ = make_impl(std::move(motion), threads, std::move(materials));
+  impl_ = make_impl(std::move(motion), threads, std::move(materials), ranks);
 }
 
 Simulation::Simulation(Scene scene, Assembly assembly, int threads) {
@@ -35,9 +35,10 @@ Simulation::Simulation(Scene scene, Assembly assembly, int threads,
     : impl_(make_impl(choose_motion(std::move(scene), std::move(assembly)), threads, std::move(materials))) {}
 
 std::unique_ptr<Simulation::Impl> Simulation::make_impl(Motion motion, int threads,
-                                                        std::vector<std::shared_ptr<const Material>> materials) {
+                                                        std::vector<std::shared_ptr<const Material>> materials,
+                                                        Ranks* ranks) {
   return std::make_unique<Impl>(std::move(motion.scene), std::move(motion.bricks), threads, std::move(materials),
-                                motion.shapes ? &*motion.shapes : nullptr);
+                                motion.shapes ? &*motion.shapes : nullptr, ranks);
 }
 
 Simulation::~Simulation() = default;
@@ -58,9 +59,10 @@ void Simulation::run(Observer& observer) {
   } catch (const Error&) {
     // What all ranks have found is told with all that they know.
     if (impl_->ranks) impl_->together = impl_->ranks->all_here(kTogether);
-    if (impl_->together) impl_->gather(Part::all), impl_->collect_traffic();
+    if (impl_->together) impl_->gather(Part::all, Who::first), impl_->collect_traffic();
     throw;
   }
+  impl_->end_run();
   impl_->collect_traffic();
 }
 
@@ -73,8 +75,15 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   };
   const auto pause = [&](bool last) {
     if (!s.any_rank(observer.wants_pause(last))) return;
-    s.gather(Part::all);
-    tell([&] { observer.on_pause(*this, last); });
+    if (!s.in_parts) s.gather(Part::all);
+    std::optional<Error> fault;  // of one rank: all end then, together
+    try {
+      tell([&] { observer.on_pause(*this, last); });
+    } catch (const Error& error) {
+      fault = error;
+    }
+    if (s.any_rank(fault.has_value()))
+      throw fault ? *fault : Error(Exit::bad_input, "another rank could not keep what was computed");
   };
   const int stage_count = static_cast<int>(s.scene.stages.size());
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
@@ -171,9 +180,11 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       fraction_then = by_length;
     }
   }
-  s.gather(Part::all);
+  if (!s.in_parts) s.gather(Part::all);
   // Frames that the end overtook: the last one shows the end.
-  if (frames > 0 && s.next_frame <= frames) tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+  if (frames > 0 && s.next_frame <= frames)
+    s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+  s.gather(Part::row);
   s.in_stage = false;
   observer.on_stage_end(*this, index, s.measure());
   return index + 1 < stage_count;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -136,7 +137,7 @@ struct Observer {
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
   virtual void on_promotion(const Simulation&) {}  // Simulation::outcome tells more
   virtual void on_row(const HistoryRow&) {}
-  // Whether on_pause will take the state: with ranks that of all of them is gathered first.
+  // Whether on_pause will take the state: with ranks all of them are asked then, and all of them must save.
   virtual bool wants_pause(bool /*last*/) { return true; }
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
@@ -176,7 +177,12 @@ struct HotArray {
 class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
-  explicit Simulation(Scene scene, int threads = 1);
+  // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
+  // are those of one process. run() then calls observers of all ranks at the same steps, and rank 0 has the whole state
+  // at hand when it is asked for results, and after run(); the others have what they hold. Only run() may be used to
+  // step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation; null: one
+  // process.
+  explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
   Simulation(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials);
@@ -277,11 +283,6 @@ class Simulation {
   // To be called after velocities were written through a view.
   void velocities_changed();
 
-  // One of several processes that advance this model together, each made from the same scene: before the first step,
-  // and before restore(). The bits are those of one process. run() then calls observers of all ranks at the same steps,
-  // with the whole state at hand; what results are read from is whole on every rank after run() too. Only run() may be
-  // used to step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation.
-  void use(Ranks* ranks);
   bool owns_block(int block) const;                      // advances it; true: one process
   const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
   bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
@@ -289,6 +290,11 @@ class Simulation {
   // Everything that changes during a run, as bytes: a checkpoint. restore throws Error(bad_input) when the bytes come
   // from another model. Bits after a restore are those of an uninterrupted run.
   std::vector<std::uint8_t> save() const;
+  // The same piece by piece, which take gets in order. All ranks must call it at the same moment, in on_pause; rank 0
+  // takes, and none has more than some megabytes of what others hold.
+  using TakeBytes = std::function<void(std::span<const std::uint8_t>)>;
+  void save(const TakeBytes& take) const;
+  std::size_t saved_bytes() const;
   void restore(const std::vector<std::uint8_t>& bytes);
 
   // Raw access for tests: displacement and velocity in lane layout.
@@ -299,7 +305,8 @@ class Simulation {
 
  private:
   static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
-                                         std::vector<std::shared_ptr<const Material>> materials);
+                                         std::vector<std::shared_ptr<const Material>> materials,
+                                         Ranks* ranks = nullptr);
   std::unique_ptr<Impl> impl_;
   std::atomic<bool> stop_requested_{false};
 };

@@ -21,7 +21,11 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
-  gather(Part::all);
+  gather(Part::row);
+  if (!in_parts || !settings.law_swaps.empty())
+    gather(Part::all);
+  else if (settings.whiffletree)
+    gather(Part::all, Who::holders);
   if (riding)
     begin_riding_stage(settings, index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr);
   else

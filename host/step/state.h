@@ -12,6 +12,7 @@
 #include "base/smooth_step.h"
 #include "base/thread_pool.h"
 #include "law/answers.h"
+#include "model/shared_model.h"
 #include "step/kernels.h"
 #include "step/large_motion.h"
 #include "step/motion_bound.h"
@@ -118,7 +119,7 @@ void advance_bodies(const Model& model, const BodyGroup& group, const BodyGroupI
 
 struct Simulation::Impl {
   Impl(Scene scene, Assembly assembly, int threads, std::vector<std::shared_ptr<const Material>> materials,
-       const blocks::Assembly* shapes);
+       const blocks::Assembly* shapes, Ranks* ranks);
 
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
@@ -158,7 +159,7 @@ struct Simulation::Impl {
   WholeMotion whole_motion_of(std::size_t brick) const;
   void look_at_motion();
   std::string past_motion_bound() const;
-  void require_finite(const HistoryRow& row) const;  // throws Error(numerical)
+  void require_finite(const HistoryRow& row);  // throws Error(numerical)
 
   // --- the watch (watch.cpp) ----------------------------------------------------------------------------------------
   // Whether the energies of this step, before a row, are to be held against those of the next.
@@ -233,19 +234,42 @@ struct Simulation::Impl {
   std::optional<Assembly> left;  // by a promotion
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
-  long points_between(const std::vector<int>& rank_of_item) const;
   std::vector<double> estimated_costs() const;  // by item, its contact points included; any unit
-  RankShare share_of_this_rank() const;         // once all has been gathered: others may have had other shares
-  void bind_halo();        // what neighbours ask for in every step, and all ranks of what stages watch
-  void gather(Part part);  // afterwards all ranks have it as one process alone has it
-  void each_memory(Part part, int rank, const VisitMemory& visit);  // that this rank has to give
+  RankShare share_of_this_rank() const;         // in large motion once all has been gathered: positions count
+  void bind_halo();  // what neighbours ask for in every step, and all ranks of what stages watch
+  // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
+  using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
+  Halo halo_on_borders(const SideNumbers& numbers_of);
+  Halo motion_on_borders();                    // displacement and velocity
+  std::vector<int> ranks_of(int chunk) const;  // that evaluate it
+  // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
+  void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
+  bool has_all() const;  // of the last step
+  void begin_with_ranks();
+  void agree_on_model() const;
+  // An array whose parts ranks hold, some megabytes at a time, to rank 0.
+  void give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take);
+  void end_run();  // what results ask rank 0 for
+  std::array<long, kConditionCount> own_conditions();
+  // Where each rank holds a part of the lattice (in_parts).
+  bool may_be_in_parts(const Assembly& assembly) const;
+  struct Held {
+    std::vector<bool> items, chunks;
+  };
+  Held held_with(const RankShare& shares) const;
+  std::vector<int> own_units() const;  // in order
+  void hold_part();                    // by share: gives back the memory of the rest
+  void hold_all();
+  std::unique_ptr<SharedModel> share_of_model();
+  void bind_inertia();  // of what is held
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   void fetch_for_frame();  // all of it, or with pieces what joints of this rank show of the blocks of others
   void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
   void prepare_row();                                            // what a row has of the blocks of this rank
-  // Whether any rank is in trouble: then all has been gathered, so that all see what it is.
+  // Whether any rank is in trouble: then all has been gathered, so that rank 0 sees what it is.
   bool agree(bool trouble, bool* startled = nullptr);
+  double largest_of_ranks(double here) const;
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
@@ -255,6 +279,7 @@ struct Simulation::Impl {
   double pretended_seconds() const;  // of dear_blocks, own work in the window, any unit
   // Sides of contact points: visit(item, key); numbers_of says where the motion that a key stands for lies.
   void each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const;
+  void each_item(int chunk, const std::function<void(int)>& visit) const;  // side by side, of chunks of all ranks
   void numbers_of(std::int64_t key, std::vector<double*>& numbers);
   // Motion that every rank follows step by step: monitor, floors. visit(item, its numbers).
   void each_watched(const std::function<void(int, const std::vector<double*>&)>& visit);
@@ -268,8 +293,11 @@ struct Simulation::Impl {
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
   void bind_energies(LawCall& call, const ContactChunk& chunk);
-  void share_inertia();  // where the blocks of a group are alike
-  void partition_work();
+  void begin_states();    // of laws
+  void share_inertia();   // where the blocks of a group are alike
+  void divide_work();     // costs, and the share of this rank
+  void bind_work();       // what follows from it
+  void partition_work();  // both, and holds its part
   std::vector<std::uint32_t> current_flags() const;
   // Fills the optional outputs of a batch with columns that begin at this contact point.
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
@@ -330,7 +358,7 @@ struct Simulation::Impl {
   std::vector<BodyGroupInertia> group_inertia;  // by body group
   LaneVector<double> force[3];                  // by contact point, and a dummy
   LaneVector<double> energy_columns[5];  // stored, dissipated by mode; scratch by contact point, energy runs only
-  std::vector<std::uint32_t> flags;
+  LaneVector<std::uint32_t> flags;
   long flags_step = -1;  // step that computed them
   std::vector<LawCall> calls;
   std::vector<Measured> measured;  // by item
@@ -359,7 +387,8 @@ struct Simulation::Impl {
   bool keep_diagnostics = false;
 
   StepData data;
-  RankShare share;  // items: unit groups, body groups, lone bodies; or pieces of blocks of any shape
+  RankShare share;                // items: unit groups, body groups, lone bodies; or pieces of blocks of any shape
+  std::size_t largest_group = 0;  // of deformable blocks, doubles
   std::vector<int> chunk_end, border_end, item_end;  // per thread, into those lists
   std::vector<double> item_cost, chunk_cost;         // of all; of an item without its contact points
   std::vector<LaneVector<double>> scratch;           // per thread
@@ -369,19 +398,24 @@ struct Simulation::Impl {
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
   Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
+  bool in_parts = false;                  // each rank holds a part of the lattice
+  bool holds_all = true;                  // this one all of it
   std::vector<int> unit_of_group;         // by block group: its item
   std::vector<int> item_of_riding_block;  // with ranks
   Clock::time_point run_start = Clock::now();
-  std::vector<Vec3> body_force;                   // of joints, by body, of the last row, N; with ranks
-  bool gathered = true;                           // all of it, since the last step
-  bool stop_wanted = false, stop_agreed = false;  // here; by any rank
-  RankTraffic traffic;                            // of this rank
+  std::vector<Vec3> body_force;                    // of joints, by body, of the last row, N; with ranks
+  bool gathered = true, gathered_by_first = true;  // all of it, since the last step: by everybody, by rank 0
+  bool stop_wanted = false, stop_agreed = false;   // here; by any rank
+  RankTraffic traffic;                             // of this rank
   RankBalance balance;
   RankWindow window;
   std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
   std::optional<DearBlocks> dear_blocks;        // for tests
   std::vector<RankTraffic> traffic_of_all;
   bool together = true;  // all ranks end alike
+  // Of the end of a run in parts, for rank 0.
+  std::optional<std::array<long, kConditionCount>> end_conditions;
+  std::uint64_t end_hash = 0;
 
   bool time_every_step = false;
   PhaseTimes times;

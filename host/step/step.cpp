@@ -28,7 +28,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
   }
   data.energies = want_energy || sample_energy;
-  gathered = ranks == nullptr;
+  gathered = gathered_by_first = ranks == nullptr;
   if (riding) riding->begin_step();
   const bool timed = time_every_step || step_count % kTimedSteps == 0;
   const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
@@ -72,9 +72,13 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   auto inner = [&](int thread, int k) {
     advance(thread, share.items[share.border_items + static_cast<std::size_t>(k)]);
   };
-  const double moving = ranks ? processor_seconds() : 0.0;
+  double moving = ranks ? processor_seconds() : 0.0;
   if (share.border_items > 0) pool.for_each(border_end, on_border);
-  if (ranks) send_motion();
+  if (ranks) {
+    const double sending = processor_seconds();
+    send_motion();
+    moving += processor_seconds() - sending;
+  }
   pool.for_each(item_end, inner);
   if (timed) book_time(seconds_since(before), weight);
   if (ranks) {

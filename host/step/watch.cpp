@@ -70,7 +70,7 @@ void Simulation::Impl::look_at_points() {
 
 // The time step follows from upper bounds that the laws state of themselves.
 void Simulation::Impl::look_at_stiffness() {
-  std::vector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
+  LaneVector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
   ask_at_rest(QUOIN_CAN_TANGENT, [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
     batch.tangent[4] = {shear[0].data() + first, 1};
@@ -101,24 +101,38 @@ void Simulation::Impl::look_at_stiffness() {
 
 std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
   if (riding) return riding->wrong_law();
-  for (std::size_t f = 0; f < model.families.size(); ++f) {
+  // Of `count` points of a family from `first` on.
+  const auto look_at = [&](std::size_t f, std::size_t first, std::size_t count) {
     const ContactFamily& family = model.families[f];
-    const auto first = static_cast<std::size_t>(family.first_point), n = static_cast<std::size_t>(family.point_count);
     Answers answers;
-    answers.count = n;
+    answers.count = count;
     for (std::size_t k = 0; k < 3; ++k) answers.traction[k] = traction[k].data() + first;
     const quoin_law& law = family.material->api();
     for (std::uint64_t k = 0; k < law.state_count; ++k) {
       const bool kept = keep_diagnostics || law.states[k]->role != QUOIN_ROLE_DIAGNOSTIC;
-      answers.state.push_back(kept ? law_state[f].data() + k * n : nullptr);
+      const std::size_t column = k * static_cast<std::size_t>(family.point_count);
+      answers.state.push_back(
+          kept ? law_state[f].data() + column + (first - static_cast<std::size_t>(family.first_point)) : nullptr);
     }
     auto wrong = wrong_answer(law, answers);
-    if (!wrong) continue;
+    if (!wrong) return wrong;
     const std::size_t p = first + wrong->point;
     const Vec3& x = model.point_position[p];
     wrong->text += fmt::format(": joint {} (family '{}'), contact point at ({:.4f}, {:.4f}, {:.4f}) m",
                                model.point_joint[p], family.name, x[0], x[1], x[2]);
     return wrong;
+  };
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  if (!has_all()) {
+    for (const int c : share.chunks) {
+      const ContactChunk& chunk = model.chunks[at(c)];
+      if (auto wrong = look_at(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
+    }
+    return std::nullopt;
+  }
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    const ContactFamily& family = model.families[f];
+    if (auto wrong = look_at(f, at(family.first_point), at(family.point_count))) return wrong;
   }
   return std::nullopt;
 }
@@ -127,9 +141,17 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   look_at_points();
   std::optional<WrongAnswer> wrong;
   if (step_count >= watch.next_stiffness) {
-    gather(Part::all);
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
-    look_at_stiffness();
+    if (in_parts) {
+      Halo border = motion_on_borders();
+      border.send(*ranks), border.receive(*ranks);
+      look_at_stiffness();
+      watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
+      if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them
+    } else {
+      gather(Part::all);
+      look_at_stiffness();
+    }
     wrong = wrong_law();
   }
   if (want_energy && energies) {

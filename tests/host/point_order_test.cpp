@@ -16,8 +16,8 @@ using Ends = std::vector<PointEnds>;
 // The points in the order of storage, from any order.
 Ends ordered(Ends points) {
   std::shuffle(points.begin(), points.end(), std::mt19937_64(7));
-  const std::vector<std::size_t> order = point_order(points);
-  std::vector<std::size_t> sorted = order;
+  const std::vector<std::uint32_t> order = point_order(points);
+  std::vector<std::uint32_t> sorted = order;
   std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 0; i < sorted.size(); ++i) EXPECT_EQ(sorted[i], i);
   Ends result;

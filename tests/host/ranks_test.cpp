@@ -80,8 +80,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     Found first;
     std::atomic<int> have_blocks = 0;
     const long messages = on_ranks(count, [&](Ranks& ranks) {
-      Simulation simulation(read_scene(of.scene, of.overrides));
-      simulation.use(&ranks);
+      Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
       bool owns = false;
       for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
       have_blocks += owns ? 1 : 0;
@@ -132,8 +131,8 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   const auto refused = [&](const std::string& scene_of_other, const Overrides& of_other) {
     try {
       on_ranks(2, [&](Ranks& ranks) {
-        Simulation simulation(ranks.rank() == 0 ? read_scene(scene, {}) : read_scene(scene_of_other, of_other));
-        simulation.use(&ranks);
+        Simulation simulation(ranks.rank() == 0 ? read_scene(scene, {}) : read_scene(scene_of_other, of_other), 1,
+                              &ranks);
       });
       return std::string("taken");
     } catch (const Error& error) {
@@ -151,8 +150,7 @@ TEST(Ranks, OneThatFailsEndsAll) {
   const std::string scene = kTests + "cli/small_wall.toml";
   EXPECT_THROW(on_ranks(3,
                         [&](Ranks& ranks) {
-                          Simulation simulation(read_scene(scene, {}));
-                          simulation.use(&ranks);
+                          Simulation simulation(read_scene(scene, {}), 1, &ranks);
                           if (ranks.rank() == 1) throw Error(Exit::numerical, "no more");
                           Observer nobody;
                           simulation.run(nobody);

@@ -187,7 +187,7 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
         if (std::abs(2.0 * std::sqrt(inertia.node[dof] / diagonal[dof]) - shortest) > 1e-9 * shortest) continue;
         const int row = 3 * node + component;
         const double zones = dense_stiffness(assembly.bricks[size_t(block)], brick_material())(row, row);
-        told = told || (report.nodal.position == model.position[size_t(line * kLanes + lane)] &&
+        told = told || (report.nodal.position == model.gridpoint_position(block, node) &&
                         report.nodal.where ==
                             fmt::format("block {}, gridpoint {}, joint family '{}' brings {:.0f} % of its "
                                         "stiffness",

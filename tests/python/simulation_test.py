@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 import unittest
+import warnings
 
 import numpy as np
 import quoin
@@ -354,6 +355,15 @@ class Laws(Folder):
                                    (float("nan"), ValueError, "law_seconds = nan")):
             with self.assertRaisesRegex(kind, words):
                 quoin.Simulation(SMALL_WALL, law_seconds=given)
+
+    def test_pieces_are_told_to_be_without_effect(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.output.pieces = True
+        with self.assertWarnsRegex(UserWarning, "output.pieces: without effect in one process"):
+            quoin.Simulation(scene, out=self.path("out"))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            quoin.Simulation(scene)  # writes no frames
 
     def test_a_run_writes_its_page(self):
         with self.assertRaisesRegex(quoin.BadInput, "report:.*out="):

@@ -138,7 +138,12 @@ TEST_F(Folder, BelievesNoManifestBeyondTheNamesOfResults) {
 TEST_F(Folder, DurableFilesNeedNoStandardInput) {
   const int input = dup(STDIN_FILENO);
   close(STDIN_FILENO);
-  EXPECT_NO_THROW(write_durable_file(folder_ / "checkpoint", {'a', 'b', 'c'}));
+  const auto write = [&] {
+    DurableFile file(folder_ / "checkpoint");
+    file.append(std::vector<std::uint8_t>{'a', 'b', 'c'});
+    file.finish();
+  };
+  EXPECT_NO_THROW(write());
   if (input >= 0) dup2(input, STDIN_FILENO), close(input);
   EXPECT_EQ(read_all(folder_ / "checkpoint"), "abc");
 }

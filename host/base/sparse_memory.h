@@ -1,0 +1,92 @@
+// Memory that takes room in the machine only where something other than zero has been written.
+//
+// A rank has arrays with the numbers of the whole model, so that nothing has a local number, but room for its own items
+// and those of neighbours alone: the rest are addresses that nobody writes to.
+#pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace quoin {
+
+// From here on memory is asked of the system, which gives pages of zeros once they are written to.
+inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
+
+// With ranks: room is counted where it is written to, and never by more than one small page.
+inline std::atomic<bool> sparse_memory_wanted = false;
+
+// Aligned to a cache line; begins as zeros.
+template <class T>
+struct SparseMemory {
+  static_assert(std::is_trivially_copyable_v<T>);
+  using value_type = T;
+  SparseMemory() = default;
+  template <class U>
+  SparseMemory(const SparseMemory<U>&) {}
+
+  T* allocate(std::size_t n) {
+    const std::size_t bytes = n * sizeof(T);
+    if (bytes < kSparseBytes) {
+      void* const memory = ::operator new (bytes, std::align_val_t{64});
+      return static_cast<T*>(std::memset(memory, 0, bytes));
+    }
+    const int kind = MAP_PRIVATE | MAP_ANONYMOUS | (sparse_memory_wanted ? MAP_NORESERVE : 0);
+    void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, kind, -1, 0);
+    if (memory == MAP_FAILED) throw std::bad_alloc();
+    if (sparse_memory_wanted) madvise(memory, bytes, MADV_NOHUGEPAGE);
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* p, std::size_t n) {
+    if (n * sizeof(T) < kSparseBytes)
+      ::operator delete (p, std::align_val_t{64});
+    else
+      munmap(p, n * sizeof(T));
+  }
+  // Zeros are left where they are.
+  template <class U, class... From>
+  void construct(U* place, From&&... from) {
+    const U value = U(std::forward<From>(from)...);
+    if (std::memcmp(place, &value, sizeof value) != 0) ::new (static_cast<void*>(place)) U(value);
+  }
+  template <class U>
+  bool operator==(const SparseMemory<U>&) const {
+    return true;
+  }
+};
+
+// Gives back the pages that lie in this memory whole: zeros from now on.
+template <class T>
+void forget(std::span<T> memory) {
+  static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(memory.data());
+  const std::uintptr_t first = (begin + page - 1) / page * page, end = (begin + memory.size_bytes()) / page * page;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+}
+
+template <class Array>
+void forget_part(Array& array, std::size_t first, std::size_t end) {
+  forget(std::span(array).subspan(first, end - first));
+}
+
+// Rows of neighbours that have this value: visit(first, end).
+template <class Visit>
+void each_row(const std::vector<bool>& values, bool value, Visit visit) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] != value) continue;
+    const std::size_t first = i;
+    while (i < values.size() && values[i] == value) ++i;
+    visit(first, i);
+  }
+}
+
+}  // namespace quoin

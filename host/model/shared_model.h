@@ -1,0 +1,37 @@
+// What one of several processes has of vectors in generalised coordinates (gridpoints in lane layout, then 6 numbers a
+// rigid body), and what it hears of the others: enough for K u and for sums in the order of one process.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+
+#include "model/lanes.h"
+
+namespace quoin {
+
+// Neighbouring numbers of a vector.
+struct VectorRow {
+  std::size_t first, end;
+};
+
+// All calls that wait for others are made by all ranks in the same order.
+class SharedVectors {
+ public:
+  using Add = std::function<double(const VectorRow& row, double sum)>;  // of the sum until there: and with this row
+
+  virtual ~SharedVectors() = default;
+  virtual std::span<const VectorRow> rows() const = 0;  // that this process computes, in order
+  // Over the rows of all ranks in order, handed from one to the next: the sum of one process, bit for bit.
+  virtual double sum(const Add& add) = 0;
+};
+
+class SharedModel : public SharedVectors {
+ public:
+  virtual std::span<const int> units() const = 0;   // unit groups of this process, in order
+  virtual std::span<const int> chunks() const = 0;  // all that touch them or bodies of this process, in order
+  // Numbers on borders, of those who compute them to those who read them; always of the same vector.
+  virtual void exchange(LaneVector<double>& vector) = 0;
+};
+
+}  // namespace quoin

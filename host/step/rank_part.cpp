@@ -1,0 +1,105 @@
+// What each rank holds of a model on the lattice, where it is held in parts, and the highest frequency of all of it.
+//
+// Arrays have the numbers of the whole model; memory they have where this rank works (base/sparse_memory.h): own items,
+// the chunks that touch them, and what those chunks touch of others.
+#include <algorithm>
+
+#include "step/rank_sums.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+// Damage, properties that scatter and steps by rows of K are found over all contact points.
+bool Simulation::Impl::may_be_in_parts(const Assembly& assembly) const {
+  return ranks && !assembly.bricks.empty() && scene.damage.empty() && time_step_by_parts(scene.solver) &&
+         std::none_of(assembly.families.begin(), assembly.families.end(),
+                      [](const JointFamily& family) { return family.scatters(); });
+}
+
+std::vector<int> Simulation::Impl::own_units() const {
+  std::vector<int> own;
+  for (int u = 0; u < static_cast<int>(model.unit_groups.size()); ++u) {
+    if (share.owns_item(u, ranks->rank())) own.push_back(u);
+  }
+  return own;
+}
+
+Simulation::Impl::Held Simulation::Impl::held_with(const RankShare& shares) const {
+  Held held{std::vector<bool>(shares.rank_of_item.size()), std::vector<bool>(shares.rank_of_chunk.size())};
+  for (const int c : shares.chunks) {
+    held.chunks[at(c)] = true;
+    each_item(c, [&](int item) { held.items[at(item)] = true; });
+  }
+  for (const int item : shares.items) held.items[at(item)] = true;
+  for (const LoadedBlock& loaded : loaded_blocks) held.items[at(item_of_block(loaded.block))] = true;
+  return held;
+}
+
+void Simulation::Impl::hold_all() {
+  if (holds_all) return;
+  model.lay_out_all();
+  holds_all = true;
+}
+
+void Simulation::Impl::hold_part() {
+  if (!in_parts) return;
+  gathered = gathered_by_first = false;
+  const std::vector<int> units = own_units();
+  model.keep_alone(units, share.chunks);
+  model.lay_out(units, share.chunks);
+  for (const LoadedBlock& loaded : loaded_blocks) model.weigh(item_of_block(loaded.block));
+  holds_all = false;
+
+  const Held held = held_with(share);
+  const std::vector<bool> units_held(held.items.begin(),
+                                     held.items.begin() + static_cast<std::ptrdiff_t>(model.unit_groups.size()));
+  each_row(units_held, false, [&](std::size_t first, std::size_t end) {
+    const Model::Extent of = model.extent_of_units(first, end);
+    for (auto* field : {&displacement, &velocity}) {
+      if (!field->empty()) forget_part(*field, of.first_line * kLine, of.end_line * kLine);
+    }
+  });
+  each_row(held.chunks, false, [&](std::size_t first, std::size_t end) {
+    const ContactChunk& last = model.chunks[end - 1];
+    const auto begin = at(model.chunks[first].first_point), past = at(last.first_point + last.point_count);
+    const auto forget_points = [&](auto& column) {
+      if (!column.empty()) forget_part(column, begin, past);
+    };
+    for (std::size_t k = 0; k < 3; ++k) forget_points(traction[k]), forget_points(force[k]);
+    for (auto& column : energy_columns) forget_points(column);
+    forget_points(flags), forget_points(normal_shift);
+    for (std::size_t f = 0; f < law_state.size(); ++f) {
+      const ContactFamily& family = model.families[f];
+      const auto of_family = at(family.first_point), count = at(family.point_count);
+      const std::size_t from = std::max(begin, of_family), to = std::min(past, of_family + count);
+      for (std::size_t column = 0; from < to && column < law_state[f].size(); column += count)
+        forget_part(law_state[f], column + from - of_family, column + to - of_family);
+    }
+  });
+  if (dt_over_mass.empty()) return;  // the first time, before there is a time step
+  inertia = inertia_in_use(model, scene.solver);
+  share_inertia();
+  bind_columns();
+}
+
+std::unique_ptr<SharedModel> Simulation::Impl::share_of_model() {
+  std::vector<int> rank_of_body;
+  for (const RigidBody& body : model.bodies) rank_of_body.push_back(share.rank_of_item[at(item_of_block(body.block))]);
+  const auto bodies = at(model.line_count) * kLine;
+  return std::make_unique<RankSums>(
+      model, share, own_units(), rank_of_body, *ranks, [this, bodies](LaneVector<double>& vector) {
+        return halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
+          const int body = model.place[at(block)].body;
+          for (std::size_t k = 0; body >= 0 && k < 6; ++k) numbers.push_back(&vector[bodies + 6 * at(body) + k]);
+          for (std::size_t c = 0; body < 0 && c < 3; ++c) numbers.push_back(&vector[at(gridpoint) + c * kLanes]);
+        });
+      });
+}
+
+}  // namespace quoin

@@ -1,0 +1,229 @@
+// Models of which a process holds a part: the same numbers in what it holds, the same bits of what all find together,
+// and memory for its part alone.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <mutex>
+#include <numeric>
+#include <string>
+
+#include "base/sparse_memory.h"
+#include "model/lanczos.h"
+#include "scene/read_scene.h"
+#include "support.h"
+#include "thread_ranks.h"
+
+namespace quoin {
+namespace {
+
+// Of this process, that holds something other than zeros: kB.
+double memory_in_use() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != "RssAnon:") continue;
+    double kilobytes = 0.0;
+    status >> kilobytes;
+    return kilobytes;
+  }
+  return -1.0;
+}
+
+TEST(SparseMemory, TakesRoomWhereItIsWrittenTo) {
+  constexpr std::size_t kNumbers = std::size_t{1} << 23;  // 64 MiB: other memory of the process changes by far less
+  constexpr double kAll = 65536.0, kOther = 2048.0;       // kB
+  const double before = memory_in_use();
+  if (before < 0.0) GTEST_SKIP() << "no /proc/self/status";
+  const bool wanted = sparse_memory_wanted.exchange(true);
+  {
+    LaneVector<double> numbers(kNumbers, 0.0);
+    const LaneVector<double> copy = numbers;
+    EXPECT_EQ(std::accumulate(copy.begin(), copy.end(), 0.0), 0.0);
+    EXPECT_LT(memory_in_use() - before, kOther);
+    std::fill_n(numbers.begin(), kNumbers / 2, 1.0);
+    EXPECT_NEAR(memory_in_use() - before, kAll / 2, kOther);
+    forget_part(numbers, kNumbers / 4, kNumbers);
+    EXPECT_NEAR(memory_in_use() - before, kAll / 4, kOther);
+    EXPECT_EQ(std::accumulate(numbers.begin(), numbers.end(), 0.0), double(kNumbers / 4));
+  }
+  EXPECT_LT(memory_in_use() - before, kOther);
+  sparse_memory_wanted = wanted;
+}
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Holds the arrays of chunks and unit groups of `part` against those of the whole model.
+void expect_laid_out(const Model& whole, const Model& part, const std::vector<int>& units,
+                     const std::vector<int>& chunks) {
+  const auto same = [&](const auto& field, std::size_t first, std::size_t end) {
+    const auto &a = whole.*field, &b = part.*field;
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_TRUE(std::equal(a.begin() + first, a.begin() + end, b.begin() + first));
+  };
+  for (const int c : chunks) {
+    const auto p = at(whole.chunks[at(c)].first_point), q = p + at(whole.chunks[at(c)].point_count);
+    same(&Model::node_a, p, q), same(&Model::node_b, p, q), same(&Model::area, p, q);
+    same(&Model::point_run, p, q), same(&Model::point_axis, p, q), same(&Model::point_position, p, q);
+  }
+  for (const int u : units) {
+    const Model::Extent of = whole.extent_of_units(at(u), at(u) + 1);
+    same(&Model::node_mass, of.first_line * kLine, of.end_line * kLine);
+    same(&Model::node_free, of.first_line * kLine, of.end_line * kLine);
+    same(&Model::slot_point, of.first_slot * kLanes, of.end_slot * kLanes);
+    same(&Model::slot_run, of.first_slot, of.end_slot);
+  }
+}
+
+// All chunks that touch these unit groups, in order.
+std::vector<int> chunks_of(const Model& model, const std::vector<int>& units) {
+  std::vector<bool> of_units(model.groups.size());
+  for (const int u : units) {
+    const UnitGroup& unit = model.unit_groups[at(u)];
+    for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) of_units[at(g)] = true;
+  }
+  std::vector<int> found;
+  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c) {
+    const ContactChunk& chunk = model.chunks[at(c)];
+    bool touches = false;
+    for (int p = chunk.first_point; p < chunk.first_point + chunk.point_count; ++p) {
+      for (const int block : {model.sides_of(p).a, model.sides_of(p).b}) {
+        const int group = model.place[at(block)].group;
+        touches = touches || (group >= 0 && of_units[at(group)]);
+      }
+    }
+    if (touches) found.push_back(c);
+  }
+  return found;
+}
+
+TEST(ModelInParts, HasTheNumbersOfTheWhole) {
+  const Scene scene = wall_scene(12, 12.5);
+  const Assembly assembly = assemble(scene);
+  const auto materials = make_materials(assembly);
+  const Model whole(assembly, materials);
+  Model part(assembly, materials, LayOut::nothing);
+  ASSERT_EQ(part.point_joint, whole.point_joint);
+  ASSERT_GT(whole.chunks.size(), 8u);
+  const int count = static_cast<int>(whole.unit_groups.size());
+  std::vector<int> first, last;
+  for (int u = 0; u < count; ++u) (u < count / 3 ? first : last).push_back(u);
+  for (const auto& units : {first, last, first}) {
+    const std::vector<int> chunks = chunks_of(whole, units);
+    ASSERT_LT(chunks.size(), whole.chunks.size());
+    part.keep_alone(units, chunks);
+    part.lay_out(units, chunks);
+    expect_laid_out(whole, part, units, chunks);
+  }
+  part.lay_out_all();
+  std::vector<int> all_units(at(count)), all_chunks(whole.chunks.size());
+  std::iota(all_units.begin(), all_units.end(), 0);
+  std::iota(all_chunks.begin(), all_chunks.end(), 0);
+  expect_laid_out(whole, part, all_units, all_chunks);
+}
+
+// A vector in rows, as ranks have it, all of them here.
+struct InRows : SharedVectors {
+  std::vector<VectorRow> all;
+  std::span<const VectorRow> rows() const override { return all; }
+  double sum(const Add& add) override {
+    double sum = 0.0;
+    for (const VectorRow& row : all) sum = add(row, sum);
+    return sum;
+  }
+};
+
+TEST(Lanczos, OfRowsHasTheBitsOfOneVector) {
+  const auto product = [](const LaneVector<double>& x, LaneVector<double>* y) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      (*y)[i] = (1.0 + 0.1 * double(i % 7)) * x[i] - (i > 0 ? 0.3 * x[i - 1] : 0.0) -
+                (i + 1 < x.size() ? 0.3 * x[i + 1] : 0.0);
+      sum += (*y)[i] * x[i];
+    }
+    return sum;
+  };
+  LaneVector<double> start(101);
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] = std::sin(1.0 + double(i));
+  LanczosSettings settings;
+  settings.max_steps = 60;
+  settings.settled = 1e-12;
+  InRows rows;
+  rows.all = {{0, 17}, {17, 18}, {18, 64}, {64, 101}};
+  const LargestEigenvalue one = largest_eigenvalue(product, start, settings);
+  const LargestEigenvalue in_rows = largest_eigenvalue(product, start, settings, &rows);
+  EXPECT_GT(one.value, 1.6);
+  EXPECT_EQ(one.value, in_rows.value);
+  EXPECT_EQ(one.steps, in_rows.steps);
+}
+
+// What a run leaves behind, and what it would go on from at every moment that it is asked.
+struct Kept : Observer {
+  std::vector<HistoryRow> rows;
+  std::vector<std::vector<std::uint8_t>> saved;
+  bool by_pieces = false;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  bool wants_pause(bool) override { return true; }
+  void on_pause(const Simulation& simulation, bool) override {
+    std::vector<std::uint8_t>& bytes = saved.emplace_back();
+    const std::size_t told = simulation.saved_bytes();
+    simulation.save(
+        [&](std::span<const std::uint8_t> piece) { bytes.insert(bytes.end(), piece.begin(), piece.end()); });
+    if (!bytes.empty()) {
+      EXPECT_EQ(bytes.size(), told);
+    }
+  }
+};
+
+Scene small_wall(bool with_pictures) {
+  Scene scene = read_scene(std::string(QUOIN_HOST_TESTS) + "/../cli/small_wall.toml",
+                           {"wall.courses=24", "wall.units_per_course=24", "stage.precompression.duration=0.002",
+                            "stage.shear.displacement=0.000001", "output.frames=0"});
+  scene.output.plots = with_pictures;
+  return scene;
+}
+
+// History, checkpoints, hash and conditions of one process, bit for bit; and no rank has laid out all contact points
+// but rank 0 where somebody asks for pictures.
+TEST(RunInParts, IsThatOfOneProcess) {
+  Simulation alone(small_wall(false));
+  Kept kept;
+  alone.run(kept);
+  ASSERT_GT(kept.rows.size(), 3u);
+  ASSERT_GT(kept.saved.size(), 1u);
+  for (const auto& [count, with_pictures] : {std::pair(2, true), {3, false}}) {
+    std::mutex one_at_a_time;
+    on_ranks(count, [&](Ranks& ranks) {
+      Simulation simulation(small_wall(with_pictures), 1, &ranks);
+      Kept here;
+      simulation.run(here);
+      const std::lock_guard lock(one_at_a_time);
+      ASSERT_EQ(here.rows.size(), kept.rows.size());
+      for (std::size_t i = 0; i < kept.rows.size(); ++i) {
+        EXPECT_EQ(here.rows[i].resistance, kept.rows[i].resistance);
+        EXPECT_EQ(here.rows[i].unbalanced_ratio, kept.rows[i].unbalanced_ratio);
+        EXPECT_EQ(here.rows[i].kinetic_energy, kept.rows[i].kinetic_energy);
+      }
+      EXPECT_EQ(simulation.time_step_report().critical.value, alone.time_step_report().critical.value);
+      EXPECT_EQ(simulation.time_step_report().added_mass, alone.time_step_report().added_mass);
+      const Model& model = simulation.model();
+      long points = 0;
+      for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c)
+        points += model.has_laid_out(c) ? model.chunks[at(c)].point_count : 0;
+      const bool all_for_pictures = with_pictures && ranks.rank() == 0;
+      EXPECT_EQ(points == model.point_count, all_for_pictures) << points << " of " << model.point_count;
+      if (ranks.rank() != 0) return;
+      ASSERT_EQ(here.saved.size(), kept.saved.size());
+      Simulation of_ranks(small_wall(false)), of_one(small_wall(false));
+      for (std::size_t i = 0; i < kept.saved.size(); i += 3) {
+        EXPECT_EQ(here.saved[i].size(), kept.saved[i].size());
+        of_ranks.restore(here.saved[i]);
+        of_one.restore(kept.saved[i]);
+        EXPECT_EQ(of_ranks.hash(), of_one.hash());
+      }
+      EXPECT_EQ(simulation.hash(), alone.hash());
+      EXPECT_EQ(simulation.condition_counts(), alone.condition_counts());
+    });
+  }
+}
+
+}  // namespace
+}  // namespace quoin
