@@ -239,7 +239,7 @@ bool World::carries(const Contact& c) const {
 void World::name_family(Contact& c, std::span<const NewPoint> points) const {
   Vector middle;
   for (const NewPoint& p : points) middle += p.point.at / double(points.size());
-  c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, middle, c.separation.normal}) : 0;
+  c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, c.separation.normal}) : 0;
   if (c.family >= int(families_.size())) {
     throw Error(Exit::bad_input, fmt::format("blocks {} and {} meet near {}, and no joint family is given for them",
                                              label(assembly_, c.pair.a), label(assembly_, c.pair.b), place(middle)));

@@ -36,8 +36,7 @@ struct Block {
 // Where two blocks meet for the first time: what the joint family may depend on.
 struct Meeting {
   int block_a, block_b;
-  Vector position;  // m
-  Vector normal;    // from a to b
+  Vector normal;  // from a to b
 };
 
 struct ContactSettings {

@@ -132,10 +132,9 @@ class JointFinder {
 
     const bool in_order = bricks_[size_t(i)].origin[normal] < bricks_[size_t(j)].origin[normal];
     const int a = in_order ? i : j, b = in_order ? j : i;
-    Vector along, middle;
+    Vector along;
     along[int(normal)] = 1.0;
-    for (size_t c = 0; c < 3; ++c) middle[int(c)] = 0.5 * (o.from[c] + o.to[c]);
-    const int family = assembly_.family_of ? assembly_.family_of({a, b, middle, along}) : 0;
+    const int family = assembly_.family_of ? assembly_.family_of({a, b, along}) : 0;
     if (family < 0) return;
     if (o.gap(normal) > tolerance)
       unfit("{} stand {:.3g} m apart, and may close the gap; on the lattice faces touch", both(i, j), o.gap(normal));

@@ -1,5 +1,6 @@
 // One model on several ranks has the bits of one process, whatever kind of blocks it has and whatever becomes of them.
 // Ranks are threads here; tests/mpi has them as processes.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -143,6 +144,30 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   EXPECT_EQ(refused(scene, {}), "taken");
   EXPECT_NE(refused(scene, {"solver.time_step_fraction=0.31"}).find("different models"), std::string::npos);
   EXPECT_NE(refused(scene, {"wall.courses=5"}).find("different models"), std::string::npos);
+
+  // A stone more that nothing touches: as many contact points, and the same time step.
+  const auto stones = [](int free) {
+    std::string text = R"([solver]
+damping = "none"
+kernels = "general"
+[materials.stone]
+density = 2000.0
+young_modulus = 1e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e8
+shear_stiffness = 5e7
+[[stage]]
+duration = 0.1
+)";
+    for (int i = 0; i < 2 + free; ++i)
+      text += fmt::format("[[block]]\nmaterial = \"stone\"\nbox = {{ lower = [{}, 0, 0], size = [0.1, 0.1, 0.1] }}\n",
+                          i < 2 ? 0.1 * i : 3.0);
+    return read_scene_text(text, "stones.toml");
+  };
+  EXPECT_EQ(Simulation(stones(1)).time_step_report().time_step, Simulation(stones(0)).time_step_report().time_step);
+  EXPECT_THROW(on_ranks(2, [&](Ranks& ranks) { Simulation(stones(ranks.rank()), 1, &ranks); }), Error);
 }
 
 // A rank that cannot go on ends all of them.

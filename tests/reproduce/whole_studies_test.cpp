@@ -75,7 +75,7 @@ Curve curve_of(int number, bool cycles, Walls walls) {
 std::string in_words(const Study& study, const Quality& quality, const std::map<std::string, RunResult>& runs) {
   std::string text;
   for (const RunSpec& spec : study.runs(quality)) {
-    text += fmt::format("run {}: {} law '{}' cost {:.6g}{}\n", spec.name, spec.scene, spec.law, spec.cost,
+    text += fmt::format("run {}: {} law '{}' cost {:.3f}{}\n", spec.name, spec.scene, spec.law, spec.cost,
                         spec.may_fail ? " may fail" : "");
     for (const std::string& o : spec.overrides) text += "  " + o + "\n";
     const RunResult& r = runs.at(spec.name);
