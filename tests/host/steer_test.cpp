@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstring>
 #include <limits>
 
 #include "base/error.h"
@@ -134,6 +135,39 @@ TEST_P(Steering, WhatCannotBeSteeredIsToldAndNothingHasChanged) {
 
 INSTANTIATE_TEST_SUITE_P(Kernels, Steering, ::testing::Values("lattice", "general"),
                          [](const auto& of) { return std::string(of.param); });
+
+// A checkpoint of a steered run names its blocks; one that the model does not have is refused, and the next one too.
+TEST(SteeredCheckpoint, BlocksThatAreNotThereAreRefused) {
+  const auto saved = [](const std::string& steered) {
+    std::string text = stones("general");
+    text.resize(text.find("[[stage.force]]"));
+    Simulation simulation(read_scene_text(text, "stones.toml"));
+    simulation.set_force(steered, {kKeep, 1.0, kKeep});
+    return simulation.save();
+  };
+  const std::vector<std::uint8_t> a = saved("a"), b = saved("b");  // blocks 1 and 2
+  ASSERT_EQ(a.size(), b.size());
+  std::string text = stones("general");
+  text.resize(text.find("[[stage.force]]"));
+  const auto number = [](const std::vector<std::uint8_t>& bytes, std::size_t place) {
+    std::int32_t value;
+    std::memcpy(&value, bytes.data() + place, sizeof value);
+    return value;
+  };
+  int found = 0;
+  for (std::size_t i = 0; i + 4 <= a.size(); ++i) {
+    if (number(a, i) != 1 || number(b, i) != 2) continue;
+    ++found;
+    for (const std::int32_t wrong : {5, 6, -1}) {
+      std::vector<std::uint8_t> bytes = a;
+      std::memcpy(bytes.data() + i, &wrong, sizeof wrong);
+      Simulation simulation(read_scene_text(text, "stones.toml"));
+      ASSERT_EQ(simulation.block_count(), 5);
+      EXPECT_THROW(simulation.restore(bytes), Error) << wrong;
+    }
+  }
+  EXPECT_EQ(found, 1);
+}
 
 // Nothing else is held: a stone that is driven along one axis and free otherwise, or spun about one.
 TEST(DrivenStone, FollowsTheOneComponentThatIsPrescribed) {
