@@ -121,6 +121,43 @@ TEST_P(GoldenHash, ThreadsAndFusedInstructionSetsAgreeWithTheRecord) {
                                      "golden_hash_test.cpp and say why in the commit";
 }
 
+// Every number of every row, energies and what damping has taken too: sums over gridpoints and contact points go in
+// parts that no vector's length decides.
+TEST(Rows, HaveTheSameBitsWithVectorsOfFourAndOfEight) {
+  if ((hwy::SupportedTargets() & (HWY_AVX3_DL | HWY_AVX3)) == 0 || (hwy::SupportedTargets() & HWY_AVX2) == 0)
+    GTEST_SKIP() << "no AVX-512 here: there is nothing to compare AVX2 with";
+  struct Numbers : Observer {
+    std::vector<double> all;
+    void on_row(const HistoryRow& row) override {
+      const Energies& e = row.energies.value();
+      all.insert(all.end(), {row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
+                             row.unbalanced_ratio, e.kinetic, e.strain, e.contact_stored, e.dissipated[0],
+                             e.dissipated[1], e.dissipated[2], e.dissipated[3], e.external, e.damping});
+    }
+  };
+  for (const char* kernels : {"lattice", "general"}) {
+    for (const std::vector<std::string>& solver :
+         {std::vector<std::string>{"solver.damping=viscous", "solver.mass_damping=20", "solver.stiffness_damping=1e-6"},
+          {"solver.damping=local"},
+          {"solver.damping=block"}}) {
+      SCOPED_TRACE(kernels + solver[0]);
+      const auto numbers = [&] {
+        std::vector<std::string> overrides = solver;
+        overrides.insert(overrides.end(), {std::string("solver.kernels=") + kernels, "output.energy=true",
+                                           "stage.precompression.duration=0.002", "stage.shear.displacement=0.00002"});
+        Simulation simulation(read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", overrides));
+        Numbers rows;
+        simulation.run(rows);
+        return rows.all;
+      };
+      const std::vector<double> eight = numbers();
+      ASSERT_GT(eight.size(), 1000u);
+      const OnTarget avx2(HWY_AVX2);
+      EXPECT_EQ(numbers(), eight);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Runs, GoldenHash, ::testing::ValuesIn(kRuns),
                          [](const ::testing::TestParamInfo<GoldenRun>& run) { return std::string(run.param.name); });
 
