@@ -106,7 +106,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
     s.sample_energy = !s.riding && (s.watch.pending || (due && s.begin_look()));
     const bool count_crushed = row && s.step_count >= s.watch.next_flags;
-    if (count_crushed) s.watch.next_flags = s.step_count + Watch::kFlagSteps;
+    if (count_crushed) s.watch.next_flags = Watch::after(s.step_count);
     s.step_once(check || row || frame || s.books_energy() || s.sample_energy, count_crushed || frame);
 
     done = check && s.equilibrium_reached(settings);

@@ -35,7 +35,7 @@ void Simulation::Impl::look_at_energies(const Energies& now, double dissipated, 
   std::copy_n(kinds, 3, watch.kinds);
   watch.stored = stored, watch.work_after = work_after;
   watch.pending = true;
-  watch.next_energies = step_count + Watch::kEnergySteps;
+  watch.next_energies = Watch::after(step_count);
 }
 
 double Simulation::Impl::allowed_overlap() const {
@@ -191,7 +191,7 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
         watch.crushed_out);
   });
   // The balance swings about 0 while little has moved yet.
-  const bool known = want_energy ? step_count >= Watch::kEnergySteps : step_count >= 10 * Watch::kEnergySteps;
+  const bool known = want_energy ? step_count >= Watch::kOutputSteps : step_count >= 10 * Watch::kOutputSteps;
   warn(known && !(std::abs(watch.energy_missing) <= Watch::kAllowedMissing * watch.energy_moved), "energy_balance",
        [&] {
          return fmt::format(

@@ -1,6 +1,7 @@
 // Whether a run still is what it assumes to be, looked at when a row of the history is written.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "scene/scene.h"
@@ -22,8 +23,10 @@ struct Watch {
   static constexpr double kAllowedOverlap = 0.05;          // of the least extent of a block
   static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
   static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
-  static constexpr long kEnergySteps = 200;      // between two looks at the energies of a step and the next, at least
-  static constexpr long kFlagSteps = 200;        // between two counts of crushed-out points, at least
+  // Between two looks at the energies of a step and the next, or at the flags of points, at least; and a twentieth of
+  // the steps until then: a law is asked for all that it can tell, which costs ten to twenty steps.
+  static constexpr long kOutputSteps = 200;
+  static long after(long step) { return step + std::max(kOutputSteps, step / 20); }
   static constexpr long kStiffnessSteps = 2000;  // between two looks at tangents and bounds of states, at least
 
   double overlap = 0.0;  // largest closure of a contact point, elastic and crushed, m
