@@ -22,6 +22,15 @@ namespace quoin {
 // From here on memory is asked of the system, which gives pages of zeros once they are written to.
 inline constexpr std::size_t kSparseBytes = std::size_t{1} << 17;
 
+// The address sanitizer knows the bounds of what new gives alone.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSparse = false;
+#elif defined(__has_feature)
+inline constexpr bool kSparse = !__has_feature(address_sanitizer);
+#else
+inline constexpr bool kSparse = true;
+#endif
+
 // With ranks: room is counted where it is written to, and never by more than one small page.
 inline std::atomic<bool> sparse_memory_wanted = false;
 
@@ -36,7 +45,7 @@ struct SparseMemory {
 
   T* allocate(std::size_t n) {
     const std::size_t bytes = n * sizeof(T);
-    if (bytes < kSparseBytes) {
+    if (!kSparse || bytes < kSparseBytes) {
       void* const memory = ::operator new (bytes, std::align_val_t{64});
       return static_cast<T*>(std::memset(memory, 0, bytes));
     }
@@ -47,7 +56,7 @@ struct SparseMemory {
     return static_cast<T*>(memory);
   }
   void deallocate(T* p, std::size_t n) {
-    if (n * sizeof(T) < kSparseBytes)
+    if (!kSparse || n * sizeof(T) < kSparseBytes)
       ::operator delete (p, std::align_val_t{64});
     else
       munmap(p, n * sizeof(T));
@@ -56,6 +65,7 @@ struct SparseMemory {
   template <class U, class... From>
   void construct(U* place, From&&... from) {
     const U value = U(std::forward<From>(from)...);
+    // Bits count: -0.0 is no zero. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
     if (std::memcmp(place, &value, sizeof value) != 0) ::new (static_cast<void*>(place)) U(value);
   }
   template <class U>
@@ -67,10 +77,11 @@ struct SparseMemory {
 // Gives back the pages that lie in this memory whole: zeros from now on.
 template <class T>
 void forget(std::span<T> memory) {
-  static const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
-  const auto begin = reinterpret_cast<std::uintptr_t>(memory.data());
-  const std::uintptr_t first = (begin + page - 1) / page * page, end = (begin + memory.size_bytes()) / page * page;
-  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+  static const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::span<std::byte> bytes = std::as_writable_bytes(memory);
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
+  if (bytes.size() < before + page) return;
+  madvise(bytes.data() + before, (bytes.size() - before) / page * page, MADV_DONTNEED);
 }
 
 template <class Array>

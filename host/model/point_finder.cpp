@@ -1,0 +1,175 @@
+#include "model/point_finder.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace quoin {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double smallest_edge(const Brick& a, const Brick& b) {
+  double edge = a.size[0];
+  for (std::size_t c = 0; c < 3; ++c) edge = std::min({edge, a.size[c], b.size[c]});
+  return edge;
+}
+
+struct FaceNode {
+  int node;
+  Vec3 position;
+};
+
+std::vector<FaceNode> face_nodes(const Brick& brick, const BrickTemplate& shape, int face) {
+  const int axis = face / 2, layer = face % 2 == 0 ? 0 : brick.zones[at(axis)];
+  std::vector<FaceNode> result;
+  for (int k = 0; k <= brick.zones[2]; ++k) {
+    for (int j = 0; j <= brick.zones[1]; ++j) {
+      for (int i = 0; i <= brick.zones[0]; ++i) {
+        const int index[3] = {i, j, k};
+        if (index[axis] != layer) continue;
+        const int node = shape.node_index(i, j, k);
+        Vec3 p = shape.node[at(node)];
+        for (std::size_t c = 0; c < 3; ++c) p[c] += brick.origin[c];
+        result.push_back({node, p});
+      }
+    }
+  }
+  return result;
+}
+
+// A third of each face triangle that lies whole in the joint, to its three gridpoints.
+std::vector<double> face_areas(const BrickTemplate& shape, int face, const std::vector<char>& in_joint) {
+  std::vector<double> area(shape.node.size(), 0.0);
+  const std::size_t s = at((face / 2 + 1) % 3), t = at((face / 2 + 2) % 3);
+  for (const FaceTriangle& triangle : shape.face_triangle) {
+    const auto& n = triangle.node;
+    if (triangle.face != face || !in_joint[at(n[0])] || !in_joint[at(n[1])] || !in_joint[at(n[2])]) continue;
+    const Vec3 &p = shape.node[at(n[0])], &q = shape.node[at(n[1])], &r = shape.node[at(n[2])];
+    const double twice = (q[s] - p[s]) * (r[t] - p[t]) - (q[t] - p[t]) * (r[s] - p[s]);
+    for (int node : n) area[at(node)] += std::abs(twice) / 6.0;
+  }
+  return area;
+}
+
+std::string describe(const Assembly& assembly, const Joint& joint, std::size_t index) {
+  return fmt::format("joint {} between blocks {} and {} (family '{}')", index, joint.block_a, joint.block_b,
+                     assembly.families[at(joint.family)].name);
+}
+
+}  // namespace
+
+const std::vector<NewPoint>& PointFinder::find(std::size_t j) {
+  points_.clear();
+  // The normal points along +axis: a joint that comes the other way round changes sides.
+  Joint joint = assembly_.joints[j];
+  if (joint.face_a % 2 == 0) {
+    std::swap(joint.block_a, joint.block_b);
+    joint.face_a += 1;
+  }
+  const Brick &a = assembly_.bricks[at(joint.block_a)], &b = assembly_.bricks[at(joint.block_b)];
+  joint_ = static_cast<int>(j);
+  family_ = joint.family;
+  axis_ = joint.face_a / 2;
+  tolerance_ = kCoordinateTolerance * smallest_edge(a, b);
+  const double plane_a = a.origin[at(axis_)] + a.size[at(axis_)], plane_b = b.origin[at(axis_)];
+  if (std::abs(plane_a - plane_b) > tolerance_) {
+    throw Error(Exit::bad_input, fmt::format("{}: the faces are {} m apart along axis {}; they must touch",
+                                             describe(assembly_, assembly_.joints[j], j), plane_b - plane_a, axis_));
+  }
+  if (a.rigid && b.rigid) {
+    rigid_to_rigid(joint, a, b);
+  } else if (a.rigid || b.rigid) {
+    rigid_to_deformable(joint, a, b);
+  } else {
+    deformable_to_deformable(joint, a, b);
+  }
+  if (points_.empty()) {
+    throw Error(Exit::bad_input, fmt::format("{}: no contact points; the faces do not share gridpoints",
+                                             describe(assembly_, assembly_.joints[j], j)));
+  }
+  return points_;
+}
+
+void PointFinder::add(Side a, Side b, double area, const Vec3& position) {
+  if (area > 0.0) points_.push_back({a, b, joint_, family_, axis_, area, position});
+}
+
+void PointFinder::deformable_to_deformable(const Joint& joint, const Brick& a, const Brick& b) {
+  const auto nodes_a = face_nodes(a, shape(joint.block_a), 2 * axis_ + 1);
+  const auto nodes_b = face_nodes(b, shape(joint.block_b), 2 * axis_);
+  std::vector<char> in_a(shape(joint.block_a).node.size(), 0), in_b(shape(joint.block_b).node.size(), 0);
+  std::vector<std::pair<const FaceNode*, const FaceNode*>> pairs;
+  for (const FaceNode& p : nodes_a) {
+    for (const FaceNode& q : nodes_b) {
+      if (std::abs(p.position[0] - q.position[0]) > tolerance_ ||
+          std::abs(p.position[1] - q.position[1]) > tolerance_ ||
+          std::abs(p.position[2] - q.position[2]) > tolerance_) {
+        continue;
+      }
+      pairs.emplace_back(&p, &q);
+      in_a[at(p.node)] = in_b[at(q.node)] = 1;
+    }
+  }
+  const auto area_a = face_areas(shape(joint.block_a), 2 * axis_ + 1, in_a);
+  const auto area_b = face_areas(shape(joint.block_b), 2 * axis_, in_b);
+  for (const auto& [p, q] : pairs) {
+    // With an odd number of layers the diagonals of the two faces differ: the mean of both sides is used.
+    const double area = 0.5 * (area_a[at(p->node)] + area_b[at(q->node)]);
+    add({joint.block_a, p->node}, {joint.block_b, q->node}, area, p->position);
+  }
+}
+
+void PointFinder::rigid_to_deformable(const Joint& joint, const Brick& a, const Brick& b) {
+  const Brick &rigid = a.rigid ? a : b, &soft = a.rigid ? b : a;
+  const int soft_block = a.rigid ? joint.block_b : joint.block_a;
+  const int face = a.rigid ? 2 * axis_ : 2 * axis_ + 1;
+  const BrickTemplate& soft_shape = shape(soft_block);
+  std::vector<FaceNode> inside;
+  std::vector<char> in_joint(soft_shape.node.size(), 0);
+  for (const FaceNode& p : face_nodes(soft, soft_shape, face)) {
+    bool covered = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (c == at(axis_)) continue;
+      covered = covered && p.position[c] >= rigid.origin[c] - tolerance_ &&
+                p.position[c] <= rigid.origin[c] + rigid.size[c] + tolerance_;
+    }
+    if (!covered) continue;
+    inside.push_back(p);
+    in_joint[at(p.node)] = 1;
+  }
+  const auto area = face_areas(soft_shape, face, in_joint);
+  for (const FaceNode& p : inside) {
+    const Side soft_side{soft_block, p.node}, rigid_side{a.rigid ? joint.block_a : joint.block_b, -1};
+    add(a.rigid ? rigid_side : soft_side, a.rigid ? soft_side : rigid_side, area[at(p.node)], p.position);
+  }
+}
+
+// A grid over the overlap with points on its edges and corners, weights of the trapezoidal rule: rigid blocks turn
+// about their true corners. The zones of block a over the overlap set the number of points, 2 x 2 at least.
+void PointFinder::rigid_to_rigid(const Joint& joint, const Brick& a, const Brick& b) {
+  const std::size_t s = at((axis_ + 1) % 3), t = at((axis_ + 2) % 3);
+  double low[3], length[3];
+  int cells[3];
+  for (std::size_t c : {s, t}) {
+    low[c] = std::max(a.origin[c], b.origin[c]);
+    length[c] = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - low[c];
+    if (length[c] <= tolerance_) return;
+    cells[c] = std::max(1, static_cast<int>(std::lround(a.zones[c] * length[c] / a.size[c])));
+  }
+  for (int j = 0; j <= cells[t]; ++j) {
+    for (int i = 0; i <= cells[s]; ++i) {
+      Vec3 p{};
+      p[at(axis_)] = b.origin[at(axis_)];
+      p[s] = low[s] + length[s] * i / cells[s];
+      p[t] = low[t] + length[t] * j / cells[t];
+      const double weight = (i == 0 || i == cells[s] ? 0.5 : 1.0) * (j == 0 || j == cells[t] ? 0.5 : 1.0);
+      add({joint.block_a, -1}, {joint.block_b, -1}, weight * length[s] * length[t] / (cells[s] * cells[t]), p);
+    }
+  }
+}
+
+}  // namespace quoin

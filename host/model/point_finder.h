@@ -1,0 +1,48 @@
+// Where a joint has its contact points: at gridpoints of deformable blocks, on a grid between rigid ones.
+#pragma once
+
+#include <vector>
+
+#include "model/model.h"
+
+namespace quoin {
+
+// Coordinates agree when they differ by less than this fraction of the smallest edge in sight.
+inline constexpr double kCoordinateTolerance = 1e-6;
+
+// One side of a joint's contact point before numbering: a template gridpoint of a deformable block, or a rigid body.
+struct Side {
+  int block = -1;
+  int node = -1;  // of a template, or the slot of a body in a group; -1: a lone body
+};
+
+struct NewPoint {
+  Side a, b;
+  int joint, family, axis;
+  double area;
+  Vec3 position;
+};
+
+class PointFinder {
+ public:
+  explicit PointFinder(const Model& model) : model_(model), assembly_(model.assembly) {}
+
+  // Of joint j, in a fixed order; good until the next call. Throws Error(bad_input): faces that do not touch, or share
+  // no gridpoints.
+  const std::vector<NewPoint>& find(std::size_t j);
+
+ private:
+  void add(Side a, Side b, double area, const Vec3& position);
+  const BrickTemplate& shape(int block) const { return model_.template_of(block); }
+  void deformable_to_deformable(const Joint& joint, const Brick& a, const Brick& b);
+  void rigid_to_deformable(const Joint& joint, const Brick& a, const Brick& b);
+  void rigid_to_rigid(const Joint& joint, const Brick& a, const Brick& b);
+
+  const Model& model_;
+  const Assembly& assembly_;
+  std::vector<NewPoint> points_;
+  int joint_ = 0, family_ = 0, axis_ = 0;
+  double tolerance_ = 0.0;
+};
+
+}  // namespace quoin
