@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "scene/read_scene.h"
 #include "step/simulation.h"
+#include "support.h"
 #include "thread_ranks.h"
 
 namespace quoin {
@@ -147,20 +148,7 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
 
   // A stone more that nothing touches: as many contact points, and the same time step.
   const auto stones = [](int free) {
-    std::string text = R"([solver]
-damping = "none"
-kernels = "general"
-[materials.stone]
-density = 2000.0
-young_modulus = 1e9
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e8
-shear_stiffness = 5e7
-[[stage]]
-duration = 0.1
-)";
+    std::string text = undamped_stone("general") + "[[stage]]\nduration = 0.1\n";
     for (int i = 0; i < 2 + free; ++i)
       text += fmt::format("[[block]]\nmaterial = \"stone\"\nbox = {{ lower = [{}, 0, 0], size = [0.1, 0.1, 0.1] }}\n",
                           i < 2 ? 0.1 * i : 3.0);

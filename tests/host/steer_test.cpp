@@ -22,15 +22,7 @@ constexpr double kKeep = std::numeric_limits<double>::quiet_NaN();
 // A driven plate, and two stones beside it that nothing touches, of 0.1 m and 2000 kg/m3: 2 kg. The lattice wants two
 // blocks that touch: they are at rest behind.
 std::string stones(const std::string& kernels) {
-  return "[solver]\ndamping = \"none\"\nkernels = \"" + kernels + R"("
-[materials.stone]
-density = 2000.0
-young_modulus = 1e9
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e8
-shear_stiffness = 5e7
+  return undamped_stone(kernels) + R"(
 [[block]]
 name = "base"
 material = "stone"
@@ -177,17 +169,8 @@ TEST(DrivenStone, FollowsTheOneComponentThatIsPrescribed) {
       std::array<std::string, 3> velocity{"\"free\"", "\"free\"", "\"free\""}, omega{"0", "0", "0"};
       (spin ? omega : velocity)[c] = "0.3";
       Simulation simulation(read_scene_text(
-          fmt::format(R"([solver]
-damping = "none"
-kernels = "general"
-[materials.stone]
-density = 2000.0
-young_modulus = 1e9
-poisson_ratio = 0.2
-[joints.dry]
-law = "elastic"
-normal_stiffness = 1e8
-shear_stiffness = 5e7
+          undamped_stone("general") +
+              fmt::format(R"(
 [[block]]
 name = "stone"
 material = "stone"
@@ -202,8 +185,8 @@ block = "stone"
 velocity = [{}]
 {}
 )",
-                      fmt::join(velocity, ", "),
-                      spin ? fmt::format("omega = [{}]", fmt::join(omega, ", ")) : "rotation_held = false"),
+                          fmt::join(velocity, ", "),
+                          spin ? fmt::format("omega = [{}]", fmt::join(omega, ", ")) : "rotation_held = false"),
           "stone.toml"));
       simulation.advance(100);
       const auto corners = simulation.block_mesh(0).gridpoint;

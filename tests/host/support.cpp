@@ -184,4 +184,17 @@ double largest_after(const Scene& scene, const Assembly& assembly, int steps) {
   return std::isfinite(largest) ? largest : INFINITY;
 }
 
+std::string undamped_stone(const std::string& kernels) {
+  return "[solver]\ndamping = \"none\"\nkernels = \"" + kernels + R"("
+[materials.stone]
+density = 2000.0
+young_modulus = 1e9
+poisson_ratio = 0.2
+[joints.dry]
+law = "elastic"
+normal_stiffness = 1e8
+shear_stiffness = 5e7
+)";
+}
+
 }  // namespace quoin

@@ -3,6 +3,7 @@
 
 #include <Eigen/Dense>
 #include <memory>
+#include <string>
 
 #include "scene/generate.h"
 #include "step/simulation.h"
@@ -39,6 +40,9 @@ void random_velocities(Simulation* simulation, unsigned seed, double largest = 1
 
 // Largest displacement after some steps from small random velocities; infinite when the step gave up.
 double largest_after(const Scene& scene, const Assembly& assembly, int steps);
+
+// The head of a scene file without damping: the material "stone", 2000 kg/m3, and its elastic joints.
+std::string undamped_stone(const std::string& kernels);
 
 // Offset of component c of a gridpoint of a deformable block.
 std::size_t dof(const Model& model, int block, int node, int c);
