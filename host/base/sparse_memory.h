@@ -61,7 +61,13 @@ struct SparseMemory {
     else
       munmap(p, n * sizeof(T));
   }
-  // Zeros are left where they are.
+  // What is made by default is zeros, whatever its type says, and those are left where they are.
+  template <class U>
+  void construct(U* place) {
+    alignas(U) static constexpr unsigned char kZeros[sizeof(U)] = {};
+    if (std::memcmp(place, kZeros, sizeof(U)) != 0) std::memset(static_cast<void*>(place), 0, sizeof(U));
+  }
+  // So are zeros that are given.
   template <class U, class... From>
   void construct(U* place, From&&... from) {
     const U value = U(std::forward<From>(from)...);

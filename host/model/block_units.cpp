@@ -63,17 +63,17 @@ double World::rigid_kinetic_energy(const Unit& unit) const {
 std::vector<UnitInertia> World::inertia_of_units() const {
   std::vector<UnitInertia> inertia(blocks_.size());
   for (int i = 0; i < block_count(); ++i) {
-    if (blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
+    if (owns(i) && blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
   }
   return inertia;
 }
 
 // M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
-void World::scale_motion(const std::vector<UnitInertia>& inertias, std::vector<Vector>& y, bool of_forces) const {
+void World::scale_motion(const std::vector<UnitInertia>& inertias, LaneVector<Vector>& y, bool of_forces) const {
   const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
   for (int i = 0; i < block_count(); ++i) {
     const Unit unit = unit_of(i);
-    if (blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
+    if (!owns(i) || blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
     const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(solver_.unit_inertia);
     const UnitInertia& inertia = inertias[size_t(i)];
     Rigid sum[2];
@@ -102,26 +102,33 @@ void World::scale_motion(const std::vector<UnitInertia>& inertias, std::vector<V
 // the kinetic energy of that inertia is booked, and the time step chosen anew.
 void World::part_units() {
   if (step_count_ < next_check_ || !splits_motion()) return;
+  std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part, J
   bool parted = false;
   for (int a = 0; a < block_count(); ++a) {
     const int b = other_half_[size_t(a)];
-    if (b < a) continue;
+    if (b < a || !owns(a)) continue;
     Vector xa, xb;
     Matrix ra, rb;
     pose(a, xa, ra), pose(b, xb, rb);
-    const Matrix &start_ra = start_r_[size_t(a)], &start_rb = start_r_[size_t(b)];
-    const Vector half = 0.5 * (start_x_[size_t(b)] - start_x_[size_t(a)]);  // to the middle of their joint
+    const Matrix &start_ra = start_[size_t(a)].r, &start_rb = start_[size_t(b)].r;
+    const Vector half = 0.5 * (start_[size_t(b)].x - start_[size_t(a)].x);  // to the middle of their joint
     const Vector opening = xb - rb * transposed_times(start_rb, half) - (xa + ra * transposed_times(start_ra, half));
     const double turned = angle_between(transposed(ra) * rb, transposed(start_ra) * start_rb);
     const double length = std::min(blocks_[size_t(a)].least_extent, blocks_[size_t(b)].least_extent);
     if (turned <= solver_.motion_bound.rotation && norm(opening) <= solver_.motion_bound.sliding * length) continue;
     const double together = rigid_kinetic_energy({{a, b}, 2});
-    other_half_[size_t(a)] = other_half_[size_t(b)] = -1;
-    --unit_count_;
+    freed[size_t(a)] = together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
     parted = true;
-    if (energy_) later_.detection += together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
   }
-  if (!parted) return;
+  if (!any(parted)) return;
+  tell_by_block(freed);
+  for (int a = 0; a < block_count(); ++a) {
+    if (std::isnan(freed[size_t(a)])) continue;
+    int& b = other_half_[size_t(a)];
+    other_half_[size_t(b)] = -1, b = -1;
+    --unit_count_;
+    if (energy_) later_.detection += freed[size_t(a)];
+  }
   fetch_();
   take_back_facets();
   divide_work();

@@ -35,22 +35,24 @@ Placed World::placed(int block) const {
 }
 
 void World::place_blocks() {
-  for (const ModelBlock& b : blocks_) {
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!laid_out_[i]) continue;
+    const ModelBlock& b = blocks_[i];
     Vector* corner = placed_corner_.data() + b.first_corner;
     Vector* normal = placed_normal_.data() + b.first_normal;
     const size_t corners = b.shape->vertices.size(), faces = b.shape->faces.size();
     if (b.body >= 0) {
       const Body& body = bodies_[b.body];
-      for (size_t i = 0; i < corners; ++i) corner[i] = body.x + body.r * corner_[b.first_corner + i];
+      for (size_t k = 0; k < corners; ++k) corner[k] = body.x + body.r * corner_[b.first_corner + k];
       for (size_t f = 0; f < faces; ++f) normal[f] = body.r * body_normal_[b.first_normal + f];
       continue;
     }
-    for (size_t i = 0; i < corners; ++i) corner[i] = node_x_[size_t(b.first_node) + i];
+    for (size_t k = 0; k < corners; ++k) corner[k] = node_x_[size_t(b.first_node) + k];
     for (size_t f = 0; f < faces; ++f) {
       const auto& face = b.shape->faces[f];
       Vector m;
-      for (size_t i = 1; i + 1 < face.size(); ++i) {
-        m += cross(corner[face[i]] - corner[face[0]], corner[face[i + 1]] - corner[face[0]]);
+      for (size_t k = 1; k + 1 < face.size(); ++k) {
+        m += cross(corner[face[k]] - corner[face[0]], corner[face[k + 1]] - corner[face[0]]);
       }
       normal[f] = normalized(m);
     }
@@ -58,12 +60,12 @@ void World::place_blocks() {
 }
 
 // How far b has moved as seen from a since the pair's last narrow detection: translation plus rotation times radius, m.
-double World::pair_motion(const Contact& c) const {
+double World::pair_motion(const Contact& c, const PairPlace& place) const {
   Vector xa, xb;
   Matrix ra, rb;
   pose(c.pair.a, xa, ra), pose(c.pair.b, xb, rb);
-  const Vector shift = transposed_times(ra, xb - xa) - c.relative_x;
-  const double angle = angle_between(transposed(ra) * rb, c.relative_r);
+  const Vector shift = transposed_times(ra, xb - xa) - place.relative_x;
+  const double angle = angle_between(transposed(ra) * rb, place.relative_r);
   return norm(shift) + angle * lever_of(c, norm(xb - xa));
 }
 
@@ -77,30 +79,35 @@ double World::motion_since_broad_phase(int block) const {
   Vector x;
   Matrix r;
   pose(block, x, r);
-  return norm(x - b.broad_x) + angle_between(r, b.broad_r) * b.radius;
+  const Pose& broad = broad_[size_t(block)];
+  return norm(x - broad.x) + angle_between(r, broad.r) * b.radius;
 }
 
 double World::detection_fraction() const {
   return assembly_.contact.small_displacement > 0 ? assembly_.contact.small_displacement : 0.005;
 }
 
-double World::allowed_motion(const Contact& c) const {
+double World::allowed_motion(const Contact& c, const PairPlace& place) const {
   const double extent = std::min(blocks_[c.pair.a].least_extent, blocks_[c.pair.b].least_extent);
   const double fraction = detection_fraction();
-  if (c.count == 0) return std::max(fraction * extent, 0.5 * c.separation.distance);
+  if (c.count == 0) return std::max(fraction * extent, 0.5 * place.separation.distance);
   return (c.initial ? std::max(fraction, assembly_.contact.joint_motion) : fraction) * extent;
 }
 
 struct World::Finding {
+  bool looked_at = false;
   bool fresh = false;             // points placed anew, or none any more
-  size_t begin = 0, end = 0;      // of its points in Detection::points
+  size_t begin = 0;               // of its new points in Detection::points, where they are found here
+  uint32_t fresh_count = 0;       // of these
   uint32_t first = 0, count = 0;  // its points of before, in their family
+  uint32_t first_facet = 0;
 };
 
 struct World::Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
-  std::vector<PairLook> looks;    // of each contact
+  LaneVector<PairPlace> places;   // of each contact
+  LaneVector<PairLook> looks;     // the same
   std::vector<Finding> findings;  // the same
   std::vector<NewPoint> points;
   std::vector<Contact> lost;  // had points, and are no longer close to each other
@@ -116,7 +123,7 @@ struct World::Heir {
 // What contact points were before they were placed anew: families without their laws, and where they sat.
 struct World::Before {
   std::vector<Family> families;
-  std::vector<Facet> facets;
+  LaneVector<Facet> facets;
 };
 
 void World::detect_contacts(bool everything) {
@@ -124,45 +131,65 @@ void World::detect_contacts(bool everything) {
   found.at_start = detections_++ == 0;
   take_back_facets();
   place_blocks();
-  look_closely(close_pairs(everything), everything, found);
+  const std::vector<Pair> pairs = close_pairs(everything);
+  std::optional<Error> fault;
+  try {
+    look_closely(pairs, everything, found);
+  } catch (const Error& error) {
+    fault = error;
+  }
+  fail_together(fault);
+  tell_findings(found);
   if (found.changed || found.at_start) {
     place_points(found);
   } else {
     contacts_ = std::move(found.contacts);
+    pair_place_ = std::move(found.places);
+    pair_look_ = std::move(found.looks);
   }
-  pair_look_ = std::move(found.looks);
-  for (const PairLook& look : pair_look_) next_check_ = std::min(next_check_, look.step);
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (owns(contacts_[i])) next_check_ = std::min(next_check_, pair_look_[i].step);
+  }
+  next_check_ = -long(largest(double(-next_check_)));
+  bind_neighbours();
 }
 
 // Broad phase: all pairs within the skin, found anew when some block has used up its part of it.
 std::vector<Pair> World::close_pairs(bool everything) {
   bool stale = everything;
-  for (size_t i = 0; i < blocks_.size() && !stale; ++i) stale = motion_since_broad_phase(int(i)) > 0.2 * skin_;
+  for (size_t i = 0; i < blocks_.size() && !stale; ++i)
+    stale = owns(int(i)) && motion_since_broad_phase(int(i)) > 0.2 * skin_;
   std::vector<Pair> pairs;
-  if (!stale) {
+  if (!any(stale)) {
     for (const Contact& c : contacts_) pairs.push_back(c.pair);
     return pairs;
   }
   std::vector<Box> boxes(blocks_.size());
   const Vector inflate{0.5 * skin_, 0.5 * skin_, 0.5 * skin_};
   for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!laid_out_[i]) continue;
     const ModelBlock& b = blocks_[i];
     for (size_t k = 0; k < b.shape->vertices.size(); ++k) boxes[i].include(placed_corner_[b.first_corner + k]);
     boxes[i].lower -= inflate, boxes[i].upper += inflate;
-    pose(int(i), blocks_[i].broad_x, blocks_[i].broad_r);
+    pose(int(i), broad_[i].x, broad_[i].r);
   }
+  tell_by_block(boxes);
+  for (size_t i = 0; i < blocks_.size(); ++i) rough_place_[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
-  const auto held = [&](int i) {
-    return blocks_[i].body >= 0 && bodies_[blocks_[i].body].held == 0x3f && assembly_.blocks[i].fixed;
+  const auto held = [&](int i) {  // those that stages drive are laid out everywhere
+    return blocks_[i].body >= 0 && assembly_.blocks[i].fixed &&
+           (!laid_out_[size_t(i)] || bodies_[blocks_[i].body].held == 0x3f);
   };
   std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });
+  hear_of_new_neighbours(pairs);
   return pairs;
 }
 
-// Narrow phase: pairs that are new, or have moved enough, are looked at; the others go on as they are.
+// Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
 void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
   found.contacts.reserve(pairs.size());
-  found.looks.reserve(pairs.size());
+  found.places = LaneVector<PairPlace>(pairs.size());
+  found.looks = LaneVector<PairLook>(pairs.size());
   found.findings.reserve(pairs.size());
   auto old = contacts_.begin();
   const auto lose = [&] {
@@ -172,59 +199,85 @@ void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detect
   for (const Pair& pair : pairs) {
     while (old != contacts_.end() && old->pair < pair) lose();
     const bool known = old != contacts_.end() && old->pair == pair;
+    const size_t then = size_t(old - contacts_.begin()), now = found.contacts.size();
     Contact c;
-    PairLook look;
-    if (known) look = pair_look_[size_t(old - contacts_.begin())], c = *old++;
+    if (known) c = *old++;
     c.pair = pair;
     Finding finding;
-    finding.first = c.first, finding.count = c.count;
-    if (!known || everything || is_ripe(c, look)) {
-      look_at(c, known, finding, found);
-      look_at_pair(c, look);
+    finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
+    if (owns(c)) {
+      PairPlace& place = found.places[now];
+      PairLook& look = found.looks[now];
+      if (known) place = pair_place_[then], look = pair_look_[then];
+      if (!known || everything || is_ripe(c, place, look)) {
+        look_at(c, place, known, finding, found);
+        look_at_pair(c, place, look);
+      }
     }
     found.contacts.push_back(c);
-    found.looks.push_back(look);
     found.findings.push_back(finding);
   }
   while (old != contacts_.end()) lose();
-  found.changed |= !found.lost.empty();
 }
 
 // Where the two blocks of a pair touch, and the points that belong there.
-void World::look_at(Contact& c, bool known, Finding& finding, Detection& found) {
-  ++narrow_calls_;
+void World::look_at(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found) {
+  finding.looked_at = true;
   const Pair pair = c.pair;
   const Placed a = placed(pair.a), b = placed(pair.b);
-  c.separation = separate(a, b, skin_, preference_fraction * size_, known ? &c.separation : nullptr);
+  place.separation = separate(a, b, skin_, preference_fraction * size_, known ? &place.separation : nullptr);
+  const double distance = place.separation.distance;
   Vector xa, xb;
   Matrix ra, rb;
   pose(pair.a, xa, ra), pose(pair.b, xb, rb);
-  c.relative_x = transposed_times(ra, xb - xa);
-  c.relative_r = transposed(ra) * rb;
-  if (found.at_start && c.separation.distance < -joint_tolerance_) {
+  place.relative_x = transposed_times(ra, xb - xa);
+  place.relative_r = transposed(ra) * rb;
+  if (found.at_start && distance < -joint_tolerance_) {
     throw Error(
         Exit::bad_input,
         fmt::format(
             "blocks {} and {} overlap by {:.3g} m near {} (more than the joint tolerance {:.3g} m); move or cut one "
             "of them",
-            label(assembly_, pair.a), label(assembly_, pair.b), -c.separation.distance,
-            place(0.5 * (a.centre + b.centre)), joint_tolerance_));
+            label(assembly_, pair.a), label(assembly_, pair.b), -distance, geometry::place(0.5 * (a.centre + b.centre)),
+            joint_tolerance_));
   }
   finding.begin = found.points.size();
-  if (c.separation.distance <= reach_) {
-    make_points(c, found.at_start, found.points);
+  if (distance <= reach_) {
+    make_points(c, place.separation, found.at_start, found.points);
     finding.fresh = true;
-    c.beside_joint |=
-        found.at_start && found.points.size() == finding.begin && c.separation.distance <= joint_tolerance_;
+    c.beside_joint |= found.at_start && found.points.size() == finding.begin && distance <= joint_tolerance_;
   } else {
     // Beyond reach the points go, unless one still carries something: a joint that stretches further than the skin.
     c.beside_joint = false;
     finding.fresh = !carries(c);
   }
-  finding.end = found.points.size();
-  if (finding.end > finding.begin && c.family < 0) name_family(c, std::span(found.points).subspan(finding.begin));
-  if (c.family < 0) finding.end = finding.begin;  // declared to pass through each other
-  found.changed |= finding.end > finding.begin || (finding.fresh && c.count > 0);
+  const auto fresh = std::span(found.points).subspan(finding.begin);
+  if (!fresh.empty() && c.family < 0) name_family(c, place.separation.normal, fresh);
+  finding.fresh_count = c.family < 0 ? 0 : uint32_t(fresh.size());  // none: declared to pass through each other
+}
+
+// How many points each pair has now, and of what: known to all, so that points have the numbers of one process.
+void World::tell_findings(Detection& found) {
+  struct Told {
+    int32_t family;
+    uint32_t fresh_count;
+    bool looked_at, fresh, beside_joint;
+  };
+  std::vector<Told> told;
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    const Finding& f = found.findings[i];
+    told.push_back({found.contacts[i].family, f.fresh_count, f.looked_at, f.fresh, found.contacts[i].beside_joint});
+  }
+  tell_all(ranks_, std::span(told), [&](size_t i) { return rank_of(found.contacts[i]); });
+  found.changed = !found.lost.empty();
+  for (size_t i = 0; i < found.contacts.size(); ++i) {
+    Contact& c = found.contacts[i];
+    Finding& f = found.findings[i];
+    c.family = told[i].family, c.beside_joint = told[i].beside_joint;
+    f.fresh = told[i].fresh, f.fresh_count = told[i].fresh_count;
+    narrow_calls_ += told[i].looked_at ? 1 : 0;
+    found.changed |= f.fresh && (f.fresh_count > 0 || f.count > 0);
+  }
 }
 
 bool World::carries(const Contact& c) const {
@@ -236,79 +289,119 @@ bool World::carries(const Contact& c) const {
   return false;
 }
 
-void World::name_family(Contact& c, std::span<const NewPoint> points) const {
+void World::name_family(Contact& c, const Vector& normal, std::span<const NewPoint> points) const {
   Vector middle;
   for (const NewPoint& p : points) middle += p.point.at / double(points.size());
-  c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, c.separation.normal}) : 0;
+  c.family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, normal}) : 0;
   if (c.family >= int(families_.size())) {
     throw Error(Exit::bad_input, fmt::format("blocks {} and {} meet near {}, and no joint family is given for them",
                                              label(assembly_, c.pair.a), label(assembly_, c.pair.b), place(middle)));
   }
 }
 
-// Points in the order of the pairs: those that go on are moved, the others made anew with the history of those nearby.
-void World::place_points(Detection& found) {
-  std::vector<size_t> count(families_.size(), 0);
-  for (size_t i = 0; i < found.contacts.size(); ++i) {
-    const Finding& finding = found.findings[i];
-    if (found.contacts[i].family < 0) continue;
-    count[found.contacts[i].family] += finding.fresh ? finding.end - finding.begin : finding.count;
+// Families with room for the points of now, in the order of the pairs; facets in the order of points.
+void World::number_points(Detection& found, Before& before) {
+  std::vector<uint32_t> points(families_.size(), 0), facets(families_.size(), 0);
+  const auto each_contact = [&](const auto& visit) {
+    for (size_t i = 0; i < found.contacts.size(); ++i) {
+      if (found.contacts[i].family >= 0) visit(found.contacts[i], found.findings[i]);
+    }
+  };
+  each_contact([&](Contact& c, const Finding& finding) {
+    c.count = finding.fresh ? finding.fresh_count : finding.count;
+    c.initial = c.initial || (found.at_start && c.count > 0);
+    c.first = points[size_t(c.family)];
+    points[size_t(c.family)] += c.count;
+    facets[size_t(c.family)] += c.count * uint32_t(facets_a_point(c));
+  });
+  for (Contact& c : found.contacts) {
+    if (c.family < 0) c.count = 0;
   }
-  Before before;
   before.families.resize(families_.size());
+  uint32_t all_facets = 0;
   for (size_t k = 0; k < families_.size(); ++k) {
     take_points(families_[k], before.families[k]);
-    resize(families_[k], count[k]);
+    resize(families_[k], points[k]);
+    all_facets += std::exchange(facets[k], all_facets);
   }
-  before.facets = std::move(facets_);
-  facets_.clear();
+  each_contact([&](Contact& c, const Finding&) {
+    c.first_facet = facets[size_t(c.family)];
+    facets[size_t(c.family)] += c.count * uint32_t(facets_a_point(c));
+  });
+  before.facets = std::exchange(facets_, LaneVector<Facet>(all_facets));
+}
 
-  double freed = 0.0;
+// Those that go on are moved, the others made anew with the history of those nearby. Where several processes share the
+// model, those between own blocks and others.
+void World::place_points(Detection& found) {
+  Before before;
+  number_points(found, before);
+
+  // Energies that are freed, J, in a fixed order, and the pairs that they belong to.
+  std::vector<double> freed;
+  std::vector<const Contact*> freed_by;
+  const auto free = [&](const Contact& c, double energy) {
+    if (energy_) freed.push_back(energy), freed_by.push_back(&c);
+  };
   for (const Contact& c : found.lost)
-    freed += energy_of_points(before.families[c.family], before.facets, c.first, c.count);
-  std::vector<uint32_t> fill(families_.size(), 0);
+    free(c, owns(c) ? energy_of_points(before.families[c.family], before.facets, c.first, c.count) : 0.0);
   // Contacts that go on as they are, one after the other before and now: they are copied together.
   Finding kept;
   Contact together;
+  uint32_t facets = 0;
   const auto keep = [&] {
-    if (together.count > 0) keep_points(before, kept, together);
-    together.count = 0;
+    if (together.count > 0) keep_points(before, kept, together, facets);
+    together.count = facets = 0;
   };
   for (size_t i = 0; i < found.contacts.size(); ++i) {
-    Contact& c = found.contacts[i];
+    const Contact& c = found.contacts[i];
     const Finding& finding = found.findings[i];
-    if (c.family < 0) {
-      c.count = 0;
-      continue;
-    }
-    c.first = fill[c.family];
+    if (c.family < 0) continue;
     if (finding.fresh) {
+      const bool own = owns(c);
       keep();
-      c.count = uint32_t(finding.end - finding.begin);
-      c.initial = c.initial || (found.at_start && c.count > 0);
-      freed += energy_of_points(before.families[c.family], before.facets, finding.first, finding.count);
-      hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
-      freed -= energy_of_points(families_[c.family], facets_, c.first, c.count);
-    } else if (c.count > 0) {
+      free(c, own ? energy_of_points(before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
+      if (own) hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
+      free(c, own ? -energy_of_points(families_[c.family], facets_, c.first, c.count) : 0.0);
+    } else if (c.count > 0 && owns(c)) {
+      const uint32_t of_contact = c.count * uint32_t(facets_a_point(c));
       const bool goes_on = together.count > 0 && together.family == c.family &&
                            kept.first + kept.count == finding.first && together.first + together.count == c.first;
       if (goes_on) {
-        kept.count += c.count, together.count += c.count;
+        kept.count += c.count, together.count += c.count, facets += of_contact;
       } else {
         keep();
-        kept = finding, together = c;
+        kept = finding, together = c, facets = of_contact;
       }
     }
-    fill[c.family] += c.count;
-    if (!found.at_start || c.count == 0) continue;
-    StartJoint& joint = start_joints_.emplace_back(StartJoint{c.pair, {}});
-    for (uint32_t k = c.first; k < c.first + c.count; ++k) joint.point.push_back(families_[c.family].point[k].at);
   }
   keep();
-  if (energy_) later_.detection += freed;
+  tell_all(ranks_, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
+  double sum = 0.0;
+  for (const double energy : freed) sum += energy;
+  if (energy_) later_.detection += sum;
   contacts_ = std::move(found.contacts);
+  pair_place_ = std::move(found.places);
+  pair_look_ = std::move(found.looks);
+  if (found.at_start) note_start_joints();
   divide_work();
   if (!found.at_start && local_stiffness_bound() > 1.01 * stiffness_bound_) find_time_step();
+}
+
+void World::note_start_joints() {
+  uint32_t points = 0;
+  for (const Contact& c : contacts_) {
+    if (c.count > 0) start_joints_.push_back({c.pair, points, c.count});
+    points += c.count;
+  }
+  start_point_ = LaneVector<Vector>(points);
+  auto joint = start_joints_.begin();
+  for (const Contact& c : contacts_) {
+    if (c.count == 0) continue;
+    for (uint32_t k = 0; k < c.count && owns(c); ++k)
+      start_point_[joint->first + k] = families_[c.family].point[c.first + k].at;
+    ++joint;
+  }
 }
 
 void World::take_points(Family& f, Family& into) {
@@ -319,7 +412,7 @@ void World::take_points(Family& f, Family& into) {
   f.columns = into.columns;
 }
 
-void World::keep_points(const Before& before, const Finding& finding, const Contact& c) {
+void World::keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets) {
   const Family& old = before.families[c.family];
   Family& f = families_[c.family];
   const auto copy = [&](const auto& from, auto& to) {
@@ -334,10 +427,9 @@ void World::keep_points(const Before& before, const Finding& finding, const Cont
   copy(old.old_jump, f.old_jump);
   copy(old.stored, f.stored);
   for (int k = 0; k < 3; ++k) copy(old.viscous[k], f.viscous[k]);
+  std::copy_n(before.facets.begin() + finding.first_facet, facets, facets_.begin() + c.first_facet);
   const auto carry = [&](int32_t& index) {
-    if (index < 0) return;
-    facets_.push_back(before.facets[index]);
-    index = int32_t(facets_.size()) - 1;
+    if (index >= 0) index += int32_t(c.first_facet) - int32_t(finding.first_facet);
   };
   for (uint32_t i = c.first; i < c.first + c.count; ++i) carry(f.point[i].facet_a), carry(f.point[i].facet_b);
 }
@@ -354,12 +446,18 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
   for (uint32_t j = finding.first; j < finding.first + finding.count; ++j)
     then.push_back(locate(old.point[j], before.facets).at);
   std::vector<Heir> heirs(points.size());
+  uint32_t next_facet = c.first_facet;
+  const auto put = [&](const Facet& facet) {
+    facets_[next_facet] = facet;
+    return int32_t(next_facet++);
+  };
   for (size_t k = 0; k < points.size(); ++k) {
     const uint32_t to = c.first + uint32_t(k);
     Point& p = f.point[to];
     p = points[k].point;
-    if (p.facet_a >= 0) facets_.push_back(points[k].facet_a), p.facet_a = int32_t(facets_.size()) - 1;
-    if (p.facet_b >= 0) facets_.push_back(points[k].facet_b), p.facet_b = int32_t(facets_.size()) - 1;
+    if (p.facet_a >= 0) p.facet_a = put(points[k].facet_a);
+    if (p.facet_b >= 0) p.facet_b = put(points[k].facet_b);
+    if (!f.old_jump.empty()) f.old_jump[to] = std::nan("");  // no rate, no viscous traction in the first step
     long nearest = -1;
     double best = radius2;
     for (uint32_t j = finding.first; j < finding.first + finding.count; ++j) {
@@ -430,21 +528,21 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
 }
 
 void World::resize(Family& f, size_t n) const {
-  f.point.assign(n, {});
-  f.normal_jump.assign(n, 0.0);
-  for (auto& c : f.slid) c.assign(n, 0.0);
-  for (auto& c : f.slip) c.assign(n, 0.0);
-  for (auto& c : f.traction) c.assign(n, 0.0);
-  for (auto& c : f.state) c.assign(n, 0.0);
+  f.point = LaneVector<Point>(n);
+  f.normal_jump = LaneVector<double>(n);
+  for (auto& c : f.slid) c = LaneVector<double>(n);
+  for (auto& c : f.slip) c = LaneVector<double>(n);
+  for (auto& c : f.traction) c = LaneVector<double>(n);
+  for (auto& c : f.state) c = LaneVector<double>(n);
   for (PropertyColumn& c : f.columns) c.values.assign(n, c.usual);
   // Of no use without stiffness damping, and then gone: a stage may have switched it off.
   const size_t viscous = viscous_contacts() ? n : 0;
-  for (auto& c : f.old_traction) c.assign(viscous, 0.0);
-  for (auto& c : f.viscous) c.assign(viscous, 0.0);
-  f.old_jump.assign(viscous, std::nan(""));  // not known: no rate, no viscous traction in the first step
+  for (auto& c : f.old_traction) c = LaneVector<double>(viscous);
+  for (auto& c : f.viscous) c = LaneVector<double>(viscous);
+  f.old_jump = LaneVector<double>(viscous);
   if (energy_) {
-    f.stored.assign(n, 0.0);
-    for (auto& c : f.dissipated) c.assign(n, 0.0);
+    f.stored = LaneVector<double>(n);
+    for (auto& c : f.dissipated) c = LaneVector<double>(n);
   }
 }
 
@@ -502,13 +600,12 @@ void World::keep_energy(const Before& before, const Finding& finding, const Cont
 }
 
 // What these points store at the positions of now, and dissipate on the way there from the last step, J.
-double World::energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first,
-                               uint32_t count) const {
+double World::energy_of_points(const Family& f, const LaneVector<Facet>& facets, uint32_t first, uint32_t count) const {
   if (!energy_ || count == 0) return 0.0;
   Family trial;
   trial.material = f.material;
   const auto part = [&](const auto& column) {
-    return std::vector(column.begin() + first, column.begin() + first + count);
+    return std::remove_cvref_t<decltype(column)>(column.begin() + first, column.begin() + first + count);
   };
   trial.point = part(f.point);
   for (const auto& column : f.state) trial.state.push_back(part(column));
@@ -535,15 +632,14 @@ double World::energy_of_points(const Family& f, const std::vector<Facet>& facets
   return sum;
 }
 
-void World::make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out) {
-  const Separation& s = c.separation;
+void World::make_points(const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
   // since the start, as four units around a joint's end do: their neighbours keep them apart, and the nominal area
   // would lock units that slide past each other by a height of some micrometres.
   const double nominal = c.beside_joint ? 0.0 : std::min(blocks_[c.pair.a].corner_area, blocks_[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
   if (s.feature == Separation::edges) {
-    if (edge_point(c, nominal, out)) return;
+    if (edge_point(c.pair, s, nominal, out)) return;
     // Edges that keep blocks apart but pass beside each other, as the rims of units that lie on one another do.
     const Placed a = placed(c.pair.a), b = placed(c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
@@ -668,9 +764,9 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
 }
 
 // Whether edges cross, and the point where they do, unless its area (m2) is nothing.
-bool World::edge_point(const Contact& c, double area, std::vector<NewPoint>& out) {
-  const Placed a = placed(c.pair.a), b = placed(c.pair.b);
-  const auto &ea = a.shape->edges[c.separation.index_a], &eb = b.shape->edges[c.separation.index_b];
+bool World::edge_point(const Pair& pair, const Separation& separation, double area, std::vector<NewPoint>& out) {
+  const Placed a = placed(pair.a), b = placed(pair.b);
+  const auto &ea = a.shape->edges[separation.index_a], &eb = b.shape->edges[separation.index_b];
   const Vector u = a.vertices[ea.head] - a.vertices[ea.tail], v = b.vertices[eb.head] - b.vertices[eb.tail];
   const auto crossing = crossing_points(a.vertices[ea.tail], u, b.vertices[eb.tail], v);
   if (!crossing) return false;
@@ -678,8 +774,8 @@ bool World::edge_point(const Contact& c, double area, std::vector<NewPoint>& out
   const auto& [pa, pb] = *crossing;
   NewPoint made;
   Point& p = made.point;
-  p.a = c.pair.a, p.b = c.pair.b;
-  p.n = c.separation.normal;
+  p.a = pair.a, p.b = pair.b;
+  p.n = separation.normal;
   p.s = normalized(u - dot(u, p.n) * p.n), p.t = cross(p.n, p.s);
   p.area = area;
   p.at = pb;
@@ -763,7 +859,8 @@ void World::refresh_facet_frame(Point& p, Facet& facet) const {
 }
 
 void World::take_back_facets() {
-  for (const Chunk& chunk : chunks_) {
+  for (const int c : own_chunks_) {
+    const Chunk& chunk = chunks_[size_t(c)];
     Family& f = families_[size_t(chunk.family)];
     for (const FacetLanes& lanes : chunk.facets) {
       for (size_t l = 0; l < lanes.count; ++l) {
@@ -776,7 +873,7 @@ void World::take_back_facets() {
 }
 
 // Where the point is now: place in space, gap from the plane less the reference, position along s and t in a's frame.
-World::Location World::locate(const Point& p, const std::vector<Facet>& facets) const {
+World::Location World::locate(const Point& p, const LaneVector<Facet>& facets) const {
   Location l;
   if (p.facet_b >= 0) {
     const Facet& facet = facets[p.facet_b];

@@ -36,10 +36,11 @@ bool World::moved_enough() {
   const bool all = dt_ != look_dt_ && !bodies_.empty();
   if (step_count_ < next_check_ && !startled_ && !all) return false;
   if (all) look_dt_ = dt_;
+  hear_of_neighbours();
   due_.assign(blocks_.size(), all);
   seen_.resize(bodies_.size());
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (blocks_[i].body < 0 || !(all || block_sums_[i].startled)) continue;
+    if (!laid_out_[i] || blocks_[i].body < 0 || !(all || block_sums_[i].startled)) continue;
     see(int(i));
     due_[i] = 1, block_sums_[i].startled = false;
   }
@@ -50,28 +51,37 @@ bool World::moved_enough() {
   next_check_ = step_count_ + kMostSteps;
   block_look_.resize(blocks_.size(), 0);
   for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!owns(int(i))) continue;
     long& step = block_look_[i];
     if (due_[i] || step <= step_count_) moved |= look_at_block(int(i), step);
     next_check_ = std::min(next_check_, step);
   }
   for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (!owns(contacts_[i])) continue;
     PairLook& look = pair_look_[i];
     if (due_[size_t(look.a)] || due_[size_t(look.b)] || look.step <= step_count_)
-      moved |= look_at_pair(contacts_[i], look);
+      moved |= look_at_pair(contacts_[i], pair_place_[i], look);
     next_check_ = std::min(next_check_, look.step);
+  }
+  if (ranks_) {
+    double of_all[] = {moved ? 1.0 : 0.0, double(-next_check_)};
+    ranks_->largest(of_all);
+    moved = of_all[0] > 0.0, next_check_ = long(-of_all[1]);
   }
   if (moved && small_) {
     small_ = false;  // for good: what has moved once will move again
     for (size_t i = 0; i < blocks_.size(); ++i) {
-      if (blocks_[i].body >= 0) block_look_[i] = next_check_ = step_count_ + 1;  // its way is another one
+      if (blocks_[i].body < 0) continue;
+      next_check_ = step_count_ + 1;  // its way is another one
+      if (laid_out_[i]) block_look_[i] = next_check_;
     }
   }
   return moved;
 }
 
-bool World::is_ripe(const Contact& c, const PairLook& look) const {
+bool World::is_ripe(const Contact& c, const PairPlace& place, const PairLook& look) const {
   const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
-  return seen ? look.ripe : pair_motion(c) > kRipe * allowed_motion(c);
+  return seen ? look.ripe : pair_motion(c, place) > kRipe * allowed_motion(c, place);
 }
 
 void World::see(int i) {
@@ -101,12 +111,18 @@ long World::step_after(double way, double speed, double acceleration) const {
 // Long before anything can have moved by the tolerance, even if it speeds up at 10 g meanwhile.
 long World::steps_of_gridpoints() const {
   double fastest = 0.0;
-  for (const Body& b : bodies_) fastest = std::max(fastest, dot(b.v, b.v));
-  for (const ModelBlock& b : blocks_) {
-    if (b.body >= 0)
-      fastest = std::max(fastest, dot(bodies_[b.body].omega, bodies_[b.body].omega) * b.radius * b.radius);
-    if (b.body < 0) fastest = std::max(fastest, dot(node_v_[b.first_node], node_v_[b.first_node]));
+  for (int i = 0; i < block_count(); ++i) {
+    if (!owns(i)) continue;
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (b.body >= 0) {
+      const Body& body = bodies_[size_t(b.body)];
+      fastest = std::max({fastest, dot(body.v, body.v), dot(body.omega, body.omega) * b.radius * b.radius});
+    } else {
+      const Vector& v = node_v_[size_t(b.first_node)];
+      fastest = std::max(fastest, dot(v, v));
+    }
   }
+  fastest = largest(fastest);
   const double speed = 2 * std::sqrt(fastest) + 100.0 * 100 * dt_;
   return std::clamp(long(0.25 * detection_fraction() * size_ / (speed * dt_)), 1l, 100l);
 }
@@ -120,7 +136,8 @@ bool World::look_at_block(int i, long& step) const {
     Vector x;
     Matrix r;
     pose(i, x, r);
-    moved = norm(x - start_x_[size_t(i)]), turned = angle_between(r, start_r_[size_t(i)]);
+    const Pose& start = start_[size_t(i)];
+    moved = norm(x - start.x), turned = angle_between(r, start.r);
   } else {
     moved = motion_since_broad_phase(i);
   }
@@ -136,8 +153,8 @@ bool World::look_at_block(int i, long& step) const {
   return moved > way || turned > kSmallRotation;
 }
 
-bool World::look_at_pair(const Contact& c, PairLook& look) const {
-  const double moved = pair_motion(c), way = allowed_motion(c);
+bool World::look_at_pair(const Contact& c, const PairPlace& place, PairLook& look) const {
+  const double moved = pair_motion(c, place), way = allowed_motion(c, place);
   look = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
   const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && look_dt_ > 0.0) {

@@ -39,7 +39,7 @@ void World::take_over(const std::vector<PointHistory>& histories) {
       }
       // Axes of the start, as the history has them.
       const bool rides_on_facet = p.facet_a >= 0;
-      const Matrix start = rides_on_facet ? Matrix{} : start_r_[size_t(p.a)];
+      const Matrix start = rides_on_facet ? Matrix{} : start_[size_t(p.a)].r;
       const Vector s = start * p.s, t = start * p.t;
       if (rides_on_facet) refresh_facet_frame(p, facets_[size_t(p.facet_a)]);
 

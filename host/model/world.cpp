@@ -53,7 +53,7 @@ double least_extent_of(const ConvexPolyhedron& s) {
 }
 
 // What the triangles of the surface give to the corner gridpoints, m2: a contact there is then no stiffer than a joint.
-double area_at_corners(const ModelBlock& b, const std::vector<Vector>& x) {
+double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
   double sum = 0.0;
   for (const auto& t : b.surface) {
     const double third = norm(cross(x[t.node[1]] - x[t.node[0]], x[t.node[2]] - x[t.node[0]])) / 6;
@@ -67,11 +67,11 @@ double area_at_corners(const ModelBlock& b, const std::vector<Vector>& x) {
 }  // namespace
 
 World::World(const Assembly& assembly, const SolverSettings& solver,
-             std::vector<std::shared_ptr<const Material>> materials)
-    : assembly_(assembly) {
+             std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
+    : assembly_(assembly), ranks_(ranks) {
   set_damping(solver);
-  build(solver, std::move(materials));
-  find_time_step();
+  number(std::move(materials));
+  if (!ranks_) begin({});
 }
 
 void World::set_damping(const SolverSettings& solver) {
@@ -90,18 +90,23 @@ void World::set_damping(const SolverSettings& solver) {
   }
   for (Family& f : families_) {
     const size_t n = viscous_contacts() ? f.size() : 0;
-    for (auto& column : f.old_traction) column.assign(n, 0.0);
-    f.old_jump.assign(n, std::nan(""));
-    for (auto& column : f.viscous) column.assign(n, 0.0);
+    for (auto& column : f.old_traction) column = LaneVector<double>(n);
+    f.old_jump = LaneVector<double>(n);
+    for (auto& column : f.viscous) column = LaneVector<double>(n);
+  }
+  for (const Contact& c : contacts_) {
+    if (!viscous_contacts() || c.count == 0 || !owns(c)) continue;
+    std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
   bind_columns();
   if (critical_dt_ > 0) find_time_step();
 }
 
-void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials) {
+// What every process knows: settings, how many gridpoints, zones and corners each block has, and where they begin.
+void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
   if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
-  if (solver.selective_time_step > 0) {
+  if (solver_.selective_time_step > 0) {
     throw Error(Exit::bad_input,
                 "selective_time_step is for the small-displacement model of conforming bricks; use mass_scaling here");
   }
@@ -113,43 +118,49 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
               : std::make_shared<const Material>(Law::find(description.law), description.properties),
           description.initial_state);
   }
+  for (const ConvexPolyhedron& shape : assembly_.shapes) {
+    ShapeFacts& facts = shape_facts_.emplace_back();
+    facts.mass = mass_properties(shape);
+    facts.axes = symmetric_eigen(facts.mass.inertia);
+    facts.least_extent = least_extent_of(shape);
+    facts.area = 0.0;
+    for (size_t f = 0; f < shape.faces.size(); ++f) facts.area += face_area(shape, int(f));
+  }
   double least = 1e300;
+  size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
   std::map<std::array<double, 11>, int32_t> lanes_of;  // alike blocks share them: shape, material, zones, orientation
-  for (size_t i = 0; i < assembly_.blocks.size(); ++i) {
+  std::map<std::array<double, 6>, std::pair<int, int>> zoned;
+  blocks_.resize(assembly_.blocks.size());
+  for (size_t i = 0; i < blocks_.size(); ++i) {
     const Block& input = assembly_.blocks[i];
     const auto fault = [&](const std::string& what) {
       return Error(Exit::bad_input, fmt::format("block {}: {}", label(assembly_, int(i)), what));
     };
     if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
     if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
-    const ConvexPolyhedron& shape = assembly_.shapes[input.shape];
-    const BlockMaterial& m = assembly_.materials[input.material];
-    const MassProperties mp = mass_properties(shape);
+    const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+    const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
+    const BlockMaterial& m = assembly_.materials[size_t(input.material)];
+    const MassProperties& mp = facts.mass;
     if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
     if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
     const Matrix turned = matrix(input.orientation);
     const Vector centroid = input.position + turned * mp.centroid;
     if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
       throw fault("its place is no finite number; check its position and rotation");
+    rough_place_.push_back(centroid);
 
-    ModelBlock& b = blocks_.emplace_back();
+    ModelBlock& b = blocks_[i];
     b.shape = &shape;
-    b.least_extent = least_extent_of(shape);
+    b.least_extent = facts.least_extent;
     least = std::min(least, b.least_extent);
-    double surface = 0.0;
-    for (size_t f = 0; f < shape.faces.size(); ++f) surface += face_area(shape, int(f));
-    b.corner_area = surface / (3.0 * double(shape.vertices.size()));
-    b.first_corner = uint32_t(corner_.size());
-    b.first_normal = uint32_t(body_normal_.size());
+    b.corner_area = facts.area / (3.0 * double(shape.vertices.size()));
+    b.first_corner = uint32_t(corners), corners += shape.vertices.size();
+    b.first_normal = uint32_t(normals), normals += shape.normals.size();
     for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - mp.centroid));
+    b.first_node = int32_t(nodes), b.first_zone = int32_t(zones);
     if (input.rigid) {
-      const Eigen3 axes = symmetric_eigen(mp.inertia);
-      Body body;
-      body.x = centroid;
-      body.turn_to(normalized(input.orientation * quaternion(axes.vectors)));
-      body.weight_mass = m.density * mp.volume;
-      body.mass = body.weight_mass * solver.mass_scaling;
-      body.inertia = m.density * solver.mass_scaling * axes.values;
+      const Body body = body_of(int(i));
       if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
           !is_positive(body.inertia.z)) {
         throw fault(
@@ -157,100 +168,192 @@ void World::build(const SolverSettings& solver, std::vector<std::shared_ptr<cons
                         "check density, mass_scaling and the size of the block",
                         body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
       }
-      const bool on_plane = assembly_.symmetry_plane_z0 && touches_plane(shape, input);
-      body.support = on_plane ? kPlaneOfBodies : 0;
-      body.held = input.fixed ? 0x3f : body.support;
-      b.body = int32_t(bodies_.size());
-      bodies_.push_back(body);
-      for (const Vector& p : shape.vertices) corner_.push_back(transposed_times(axes.vectors, p - mp.centroid));
-      for (const Vector& n : shape.normals) body_normal_.push_back(transposed_times(axes.vectors, n));
+      b.body = int32_t(bodies++);
+      continue;
+    }
+    if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
+      throw fault(fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
+                              m.name, m.young_modulus, m.poisson_ratio));
+    }
+    const auto known = zoned.find(zoning_key(input));
+    if (input.zoning || known == zoned.end()) {
+      const auto z = zoning_of(int(i));
+      b.node_count = int(z->nodes.size()), b.zone_count = int(z->zones.size());
+      if (!input.zoning) zoned[zoning_key(input)] = {b.node_count, b.zone_count};
     } else {
-      if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
-        throw fault(
-            fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
-                        m.name, m.young_modulus, m.poisson_ratio));
-      }
-      const Zoning z = input.zoning ? *input.zoning
-                       : input.divisions[0] > 0
-                           ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, int(i)))
-                           : make_zones(shape, input.zone_edge, label(assembly_, int(i)));
-      b.first_node = int32_t(node_x_.size()), b.node_count = int32_t(z.nodes.size());
-      b.first_zone = int32_t(zones_.size()), b.zone_count = int32_t(z.zones.size());
-      for (const Vector& p : z.nodes) {
-        node_x_.push_back(input.position + turned * p);
-        node_held_.push_back(input.fixed ? 7 : 0);
-        node_support_.push_back(assembly_.symmetry_plane_z0 && node_x_.back().z == 0.0 ? kPlaneOfNodes : 0);
-        node_held_.back() |= node_support_.back();
-      }
-      node_mass_.resize(node_x_.size(), 0.0);
-      for (const auto& t : z.zones) {
-        Zone zone;
-        for (int k = 0; k < 4; ++k) zone.node[k] = b.first_node + t[k];
-        // From the shape, not from the place: alike blocks have the same bits.
-        const Vector& o = z.nodes[size_t(t[0])];
-        const Vector e1 = turned * (z.nodes[size_t(t[1])] - o), e2 = turned * (z.nodes[size_t(t[2])] - o),
-                     e3 = turned * (z.nodes[size_t(t[3])] - o);
-        const double six = dot(e1, cross(e2, e3));
-        zone.volume = six / 6;
-        zone.gradient[1] = cross(e2, e3) / six;
-        zone.gradient[2] = cross(e3, e1) / six;
-        zone.gradient[3] = cross(e1, e2) / six;
-        zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
-        zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
-        zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
-        for (int k = 0; k < 4; ++k) node_mass_[zone.node[k]] += m.density * zone.volume / 4;
-        zones_.push_back(zone);
-      }
-      const Quaternion& q = input.orientation;
-      const auto [lanes, is_new] = lanes_of.try_emplace(
-          {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
-           double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
-          int32_t(zone_lanes_.size()));
-      b.first_lanes = lanes->second;
-      if (is_new) put_in_lanes(b);
-      for (Zoning::SurfaceTriangle t : z.surface) {
-        if (input.divisions[0] > 0) begin_at_widest_angle(z.nodes, t);
-        for (int& n : t.node) n += b.first_node;
-        b.surface.push_back(t);
-      }
-      b.corner_area = area_at_corners(b, node_x_) / (3.0 * double(shape.vertices.size()));
-      corner_.resize(corner_.size() + shape.vertices.size());
-      body_normal_.resize(body_normal_.size() + shape.normals.size());
+      std::tie(b.node_count, b.zone_count) = known->second;
     }
+    nodes += size_t(b.node_count), zones += size_t(b.zone_count);
+    const Quaternion& q = input.orientation;
+    const auto [lanes, is_new] = lanes_of.try_emplace(
+        {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
+         double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
+        int32_t(zone_lanes));
+    b.first_lanes = lanes->second;
+    if (is_new) zone_lanes += size_t(b.lanes_count());
   }
-  node_reference_ = node_x_;
-  node_v_.resize(node_x_.size());
-  node_held_v_.resize(node_x_.size());
-  node_weight_mass_ = node_mass_;
-  for (double& m : node_mass_) {
-    m *= solver.mass_scaling;
-    if (!is_positive(m)) {
-      throw Error(Exit::bad_input,
-                  fmt::format("a gridpoint has the mass {:.3g} kg, which must be finite and > 0; check densities, "
-                              "mass_scaling and the sizes of the blocks",
-                              m));
-    }
-  }
-  placed_corner_.resize(corner_.size());
-  placed_normal_.resize(body_normal_.size());
-  block_contact_force_.resize(blocks_.size());
-  start_r_.resize(blocks_.size());
-  start_x_.resize(blocks_.size());
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    pose(int(i), start_x_[i], start_r_[i]);
-    blocks_[i].broad_x = start_x_[i], blocks_[i].broad_r = start_r_[i];
-  }
+  bodies_ = LaneVector<Body>(bodies);
+  for (auto* field : {&corner_, &placed_corner_}) *field = LaneVector<Vector>(corners);
+  for (auto* field : {&body_normal_, &placed_normal_}) *field = LaneVector<Vector>(normals);
+  for (auto* field : {&node_x_, &node_reference_, &node_v_, &node_held_v_}) *field = LaneVector<Vector>(nodes);
+  for (auto* field : {&node_mass_, &node_weight_mass_}) *field = LaneVector<double>(nodes);
+  for (auto* field : {&node_held_, &node_support_}) *field = LaneVector<uint8_t>(nodes);
+  zones_ = LaneVector<Zone>(zones);
+  zone_lanes_ = LaneVector<ZoneLanes>(zone_lanes);
+  start_ = broad_ = LaneVector<Pose>(blocks_.size());
+  block_contact_force_ = LaneVector<Vector>(blocks_.size());
+  contacts_of_family_.resize(families_.size());
+  laid_out_.resize(blocks_.size());
+  block_mass_.resize(blocks_.size());
   find_units();
-  find_frames(solver.internal_forces);
+  find_frames(solver_.internal_forces);
+  divide_blocks();
+  count_sides();
   const ContactSettings& c = assembly_.contact;
   size_ = least;
   skin_ = c.skin > 0 ? c.skin : 0.05 * least;
   reach_ = skin_ / 4;
   joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
   small_ = c.small_displacement > 0;
+}
+
+void World::begin(std::vector<int> rank_of_block) {
+  rank_of_block_ = std::move(rank_of_block);
+  std::optional<Error> fault;
+  try {
+    for (int i = 0; i < block_count(); ++i) {
+      if (!owns(i)) continue;
+      lay_out(i);
+      const ModelBlock& b = blocks_[size_t(i)];
+      double& mass = block_mass_[size_t(i)];
+      if (b.body >= 0) mass = bodies_[size_t(b.body)].weight_mass;
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) mass += node_weight_mass_[size_t(n)];
+    }
+  } catch (const Error& error) {
+    fault = error;
+  }
+  fail_together(fault);
+  tell_by_block(block_mass_);
   detect_contacts(true);
   draw_columns();
-  set_damping(solver);
+  set_damping(SolverSettings(solver_));
+  find_time_step();
+}
+
+// A rigid block at the start.
+Body World::body_of(int block) const {
+  const Block& input = assembly_.blocks[size_t(block)];
+  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
+  const auto& [mp, axes, least_extent, area] = shape_facts_[size_t(input.shape)];
+  Body body;
+  body.x = input.position + matrix(input.orientation) * mp.centroid;
+  body.turn_to(normalized(input.orientation * quaternion(axes.vectors)));
+  body.weight_mass = m.density * mp.volume;
+  body.mass = body.weight_mass * solver_.mass_scaling;
+  body.inertia = m.density * solver_.mass_scaling * axes.values;
+  const bool on_plane = assembly_.symmetry_plane_z0 && touches_plane(shape, input);
+  body.support = on_plane ? kPlaneOfBodies : 0;
+  body.held = input.fixed ? 0x3f : body.support;
+  return body;
+}
+
+std::array<double, 6> World::zoning_key(const Block& b) {
+  return {double(b.shape),        b.zone_edge,     double(b.divisions[0]), double(b.divisions[1]),
+          double(b.divisions[2]), double(b.parity)};
+}
+
+std::shared_ptr<const Zoning> World::zoning_of(int block) {
+  constexpr size_t kFew = 64;
+  const Block& input = assembly_.blocks[size_t(block)];
+  if (input.zoning) return input.zoning;
+  if (zonings_.size() > kFew) zonings_.clear();
+  auto& zoning = zonings_[zoning_key(input)];
+  if (!zoning) {
+    const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+    zoning = std::make_shared<const Zoning>(
+        input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, block))
+                               : make_zones(shape, input.zone_edge, label(assembly_, block)));
+  }
+  return zoning;
+}
+
+// What a block is at the start.
+void World::lay_out(int block) {
+  if (laid_out_[size_t(block)]) return;
+  laid_out_[size_t(block)] = true;
+  const ModelBlock& b = blocks_[size_t(block)];
+  if (b.body >= 0) {
+    bodies_[size_t(b.body)] = body_of(block);
+    const auto& [mp, axes, least_extent, area] = shape_facts_[size_t(assembly_.blocks[size_t(block)].shape)];
+    auto corner = corner_.begin() + b.first_corner;
+    for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(axes.vectors, p - mp.centroid);
+    auto normal = body_normal_.begin() + b.first_normal;
+    for (const Vector& n : b.shape->normals) *normal++ = transposed_times(axes.vectors, n);
+  } else {
+    lay_out_zones(block);
+  }
+  Pose& start = start_[size_t(block)];
+  pose(block, start.x, start.r);
+  broad_[size_t(block)] = start;
+}
+
+void World::lay_out_zones(int block) {
+  const Block& input = assembly_.blocks[size_t(block)];
+  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
+  const Matrix turned = matrix(input.orientation);
+  const std::shared_ptr<const Zoning> z = zoning_of(block);
+  ModelBlock& b = blocks_[size_t(block)];
+  const size_t first = size_t(b.first_node), count = size_t(b.node_count);
+  for (size_t n = 0; n < count; ++n) {
+    const Vector x = input.position + turned * z->nodes[n];
+    node_x_[first + n] = node_reference_[first + n] = x;
+    node_v_[first + n] = node_held_v_[first + n] = {};
+    const bool on_plane = assembly_.symmetry_plane_z0 && x.z == 0.0;
+    node_support_[first + n] = on_plane ? kPlaneOfNodes : 0;
+    node_held_[first + n] = uint8_t((input.fixed ? 7 : 0) | node_support_[first + n]);
+    node_mass_[first + n] = 0.0;
+  }
+  for (size_t k = 0; k < z->zones.size(); ++k) {
+    const auto& t = z->zones[k];
+    Zone& zone = zones_[size_t(b.first_zone) + k];
+    for (size_t c = 0; c < 4; ++c) zone.node[c] = b.first_node + t[c];
+    // From the shape, not from the place: alike blocks have the same bits.
+    const Vector& o = z->nodes[size_t(t[0])];
+    const Vector e1 = turned * (z->nodes[size_t(t[1])] - o), e2 = turned * (z->nodes[size_t(t[2])] - o),
+                 e3 = turned * (z->nodes[size_t(t[3])] - o);
+    const double six = dot(e1, cross(e2, e3));
+    zone.volume = six / 6;
+    zone.gradient[1] = cross(e2, e3) / six;
+    zone.gradient[2] = cross(e3, e1) / six;
+    zone.gradient[3] = cross(e1, e2) / six;
+    zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
+    zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
+    zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
+    for (const int32_t node : zone.node) node_mass_[size_t(node)] += m.density * zone.volume / 4;
+  }
+  for (size_t n = first; n < first + count; ++n) {
+    node_weight_mass_[n] = node_mass_[n];
+    node_mass_[n] *= solver_.mass_scaling;
+    if (!is_positive(node_mass_[n])) {
+      throw Error(Exit::bad_input,
+                  fmt::format("a gridpoint has the mass {:.3g} kg, which must be finite and > 0; check densities, "
+                              "mass_scaling and the sizes of the blocks",
+                              node_mass_[n]));
+    }
+  }
+  if (zone_lanes_[size_t(b.first_lanes)].count == 0) put_in_lanes(b);
+  b.surface.clear();
+  for (Zoning::SurfaceTriangle t : z->surface) {
+    if (input.divisions[0] > 0) begin_at_widest_angle(z->nodes, t);
+    for (int& n : t.node) n += b.first_node;
+    b.surface.push_back(t);
+  }
+  b.corner_area = area_at_corners(b, node_reference_) / (3.0 * double(b.shape->vertices.size()));
+  if (b.alike >= 0 || node_anchor_.empty()) return;
+  std::ranges::copy(
+      anchors_of(std::span(node_reference_).subspan(first, count), std::span(node_mass_).subspan(first, count)),
+      node_anchor_.begin() + b.first_node);
 }
 
 namespace {
@@ -306,17 +409,12 @@ void World::find_frames(InternalForces wanted) {
     for (const int i : blocks) blocks_[size_t(i)].alike = int32_t(alike_.size());
     make_alike(blocks.front());
   }
-  if (!unlike.empty()) node_anchor_.resize(node_x_.size());
-  for (const int i : unlike) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    const size_t first = size_t(b.first_node), count = size_t(b.node_count);
-    const std::span<const Vector> place(node_reference_.data() + first, count);
-    std::ranges::copy(anchors_of(place, {node_mass_.data() + first, count}), node_anchor_.begin() + b.first_node);
-  }
+  if (!unlike.empty()) node_anchor_ = LaneVector<Vector>(node_x_.size());
 }
 
 // Turned back to how the shape stands.
 void World::make_alike(int block) {
+  lay_out(block);
   const ModelBlock& b = blocks_[size_t(block)];
   const Matrix turned = matrix(assembly_.blocks[size_t(block)].orientation);
   std::vector<Vector> node;
@@ -355,7 +453,7 @@ void World::draw_columns() {
 void World::put_in_lanes(const ModelBlock& b) {
   constexpr int kWide = ZoneLanes::kCount;
   for (int z = 0; z < b.zone_count; z += kWide) {
-    ZoneLanes& lanes = zone_lanes_.emplace_back();
+    ZoneLanes& lanes = zone_lanes_[size_t(b.first_lanes + z / kWide)];
     lanes.count = std::min(kWide, b.zone_count - z);
     for (int l = 0; l < kWide; ++l) {
       const bool is_one = l < lanes.count;
@@ -440,6 +538,7 @@ void World::hold(uint8_t& held, uint8_t next, double mass, const Vector& v) {
 }
 
 void World::prescribe(int block, const Vector& velocity, const Vector& omega, uint8_t held) {
+  if (!laid_out_[size_t(block)]) return;
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
@@ -533,9 +632,9 @@ void World::track_energy(bool on) {
   energies_ = {};
   later_ = {};
   for (Family& f : families_) {
-    f.stored.assign(on ? f.size() : 0, 0.0);
-    for (auto& d : f.dissipated) d.assign(on ? f.size() : 0, 0.0);
-    for (auto& column : f.viscous) column.assign(viscous_contacts() ? f.size() : 0, 0.0);
+    f.stored = LaneVector<double>(on ? f.size() : 0);
+    for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
+    for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts() ? f.size() : 0);
   }
   bind_columns();
 }

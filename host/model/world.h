@@ -11,15 +11,19 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 
+#include "base/error.h"
+#include "base/rank_rows.h"
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
 #include "model/alike_blocks.h"
 #include "model/block_inertia.h"
+#include "model/halo.h"
 #include "model/lanes.h"
 #include "model/property_columns.h"
 #include "scene/blocks.h"
@@ -95,16 +99,16 @@ struct Family {
   std::shared_ptr<const Material> material;
   std::vector<double> initial, dry;  // state values
   double kn = 0.0, ks = 0.0;         // stiffness bounds, Pa/m
-  std::vector<Point> point;
-  std::vector<double> slid[2];  // position along s, t in a's frame at the last step, m
-  std::vector<double> normal_jump, slip[2], traction[3];
-  std::vector<std::vector<double>> state;
+  LaneVector<Point> point;
+  LaneVector<double> slid[2];  // position along s, t in a's frame at the last step, m
+  LaneVector<double> normal_jump, slip[2], traction[3];
+  std::vector<LaneVector<double>> state;
   std::vector<PropertyColumn> columns;  // of what scatters
-  std::vector<double> old_traction[3];  // when stiffness damping or contact inspection needs it
-  std::vector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
-  std::vector<double> old_jump;
-  std::vector<double> viscous[3];            // traction of stiffness damping in the last step, Pa
-  std::vector<double> arm[3], offset, area;  // of the points, side by side for the step
+  LaneVector<double> old_traction[3];   // when stiffness damping or contact inspection needs it
+  LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
+  LaneVector<double> old_jump;
+  LaneVector<double> viscous[3];            // traction of stiffness damping in the last step, Pa
+  LaneVector<double> arm[3], offset, area;  // of the points, side by side for the step
   size_t size() const { return point.size(); }
 };
 
@@ -144,6 +148,12 @@ struct FacetRow {
   double force[4];
 };
 
+// The smallest opening of some points, m, and where it is, m.
+struct Deepest {
+  double opening;
+  Vector at;
+};
+
 // A run of points of one family: one call of its law, one piece of work. At most kChunk points.
 struct Chunk {
   int family = 0;
@@ -160,6 +170,9 @@ struct Chunk {
   quoin_status status = QUOIN_OK;
   bool failed = false;
   double stored = 0.0, dissipated[QUOIN_DISSIPATED_COUNT] = {}, damping = 0.0;  // J
+  // for rows of the history
+  double force_sum = 0.0;  // of the sizes of the points' forces, N
+  Deepest deepest{};
 };
 inline constexpr uint32_t kChunk = 256;
 inline constexpr int kBodies = 8;  // rigid blocks that move on side by side
@@ -254,8 +267,9 @@ struct BlockSums {
   Vector net;               // their sum, N
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
-  double deformation = 0.0;  // in a frame, the largest |u| beside the first gridpoint, m
-  bool startled = false;     // moves otherwise than it was seen to
+  double deformation = 0.0;          // in a frame, the largest |u| beside the first gridpoint, m
+  bool startled = false;             // moves otherwise than it was seen to
+  double moved = 0.0, turned = 0.0;  // since the start, for a row of the history, m, rad
 };
 
 // What a contact point of the start goes on from: its law's columns in a model of small displacements.
@@ -270,22 +284,25 @@ struct PointHistory {
   std::vector<double> properties{};  // that scatter, in the order of the family's columns
 };
 
-// Two blocks close to each other.
+// Two blocks close to each other: what every process knows.
 struct Contact {
   geometry::Pair pair;
-  geometry::Separation separation;
   int family = -1;
   uint32_t first = 0, count = 0;  // points in Family::point
+  uint32_t first_facet = 0;       // of these, in World::facets_
   bool initial = false;           // a joint of the start
   bool beside_joint = false;      // blocks that only touch along an edge or at a corner since the start
-  // pose of b seen from a at the last narrow detection
-  Vector relative_x;
+};
+// The same pair at its last narrow detection.
+struct PairPlace {
+  geometry::Separation separation;
+  Vector relative_x;  // pose of b seen from a
   Matrix relative_r;
 };
 
 struct StartJoint {
   geometry::Pair pair;
-  std::vector<Vector> point;  // where its contact points were, m
+  uint32_t first, count;  // into World::start_points()
 };
 
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
@@ -362,17 +379,20 @@ struct ModelBlock {
   double least_extent = 0.0;                               // m
   double corner_area = 0.0;                                // nominal area of an edge or corner contact, m2
   std::vector<geometry::Zoning::SurfaceTriangle> surface;  // deformable, global node numbers
-  // pose at the last broad phase
-  Vector broad_x;
-  Matrix broad_r;
+};
+
+struct Pose {
+  Vector x;
+  Matrix r;
 };
 
 class World {
  public:
   // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
   // Throws Error(bad_input): blocks that overlap at the start (names, place, depth), bad shapes, materials or settings.
+  // ranks: that share the model; then all is numbered, and nothing more there before begin().
   World(const Assembly& assembly, const SolverSettings& solver,
-        std::vector<std::shared_ptr<const Material>> materials = {});
+        std::vector<std::shared_ptr<const Material>> materials = {}, Ranks* ranks = nullptr);
 
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -418,6 +438,22 @@ class World {
   long divisions() const { return divisions_; }  // how often the work has been divided anew
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
   bool looks_at_motion() const { return step_count_ + 1 >= next_check_ || (dt_ != look_dt_ && !bodies_.empty()); }
+
+  // For ranks that share the model (world_parts.cpp). All have its outline: blocks, pairs that are close, how many
+  // contact points they have. Arrays have the numbers of the whole model; laid out, and in memory, is what a rank works
+  // with: its own blocks, the chunks of points that touch them, and what those and close pairs touch of others.
+  void begin(std::vector<int> rank_of_block);
+  // Blocks go to these ranks from now on. known: blocks that every rank is to have besides.
+  void hold(std::vector<int> rank_of_block, std::span<const int> known);
+  void tell_blocks(std::span<const int> blocks);  // to all
+  void tell_joints(std::span<const int> blocks);  // to all: the contact points of these blocks, and whom they touch
+  size_t tell_everything(bool to_all);            // or to rank 0 alone; bytes
+  bool is_laid_out(int block) const { return laid_out_[size_t(block)]; }
+  bool owns(int block) const { return !ranks_ || rank_of_block_[size_t(block)] == ranks_->rank(); }
+  Vector rough_place(int block) const { return rough_place_[size_t(block)]; }  // the same on all ranks, m
+  // visit(rank, first byte, bytes): what steps change of blocks and points, by the rank that knows it.
+  using VisitOwned = std::function<void(int, void*, size_t)>;
+  void each_owned_memory(const VisitOwned& visit);
   // Called before contacts are detected or blocks go with others: where other processes have advanced some of them,
   // what they know is to be fetched.
   void before_dividing(std::function<void()> fetch) { fetch_ = std::move(fetch); }
@@ -433,10 +469,33 @@ class World {
   std::span<const int32_t> blocks_of_piece(int piece) const { return blocks_of(pieces_[size_t(piece)]); }
   int block_count() const { return int(blocks_.size()); }
   const Assembly& assembly() const { return assembly_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }             // in the order of their pairs
+  const std::vector<Contact>& contacts() const { return contacts_; }  // in the order of their pairs
+  const PairPlace& place_of_pair(size_t contact) const { return pair_place_[contact]; }
+  bool owns(const Contact& c) const { return owns(c.pair.a) || owns(c.pair.b); }
   const std::vector<StartJoint>& start_joints() const { return start_joints_; }  // the same
+  // Where contact points of the start were, m.
+  std::span<const Vector> start_points(const StartJoint& joint) const {
+    return std::span(start_point_).subspan(joint.first, joint.count);
+  }
+  // Pairs that have points in a chunk, and their blocks.
+  template <class Visit>
+  void each_contact_of_chunk(int chunk, Visit visit) const {
+    const Chunk& c = chunks_[size_t(chunk)];
+    const std::vector<uint32_t>& of_family = contacts_of_family_[size_t(c.family)];
+    auto i = std::partition_point(of_family.begin(), of_family.end(),
+                                  [&](uint32_t k) { return contacts_[k].first + contacts_[k].count <= c.first; });
+    for (; i != of_family.end() && contacts_[*i].first < c.first + c.count; ++i) visit(size_t(*i));
+  }
+  template <class Visit>
+  void each_block_of_chunk(int chunk, Visit visit) const {
+    each_contact_of_chunk(chunk, [&](size_t i) { visit(contacts_[i].pair.a), visit(contacts_[i].pair.b); });
+  }
   const std::vector<Family>& families() const { return families_; }
-  Vector position(int block) const;                                        // centre of mass, m
+  Vector position(int block) const;  // centre of mass, m
+  Vector start_position(int block) const;
+  double moved(int block) const { return ranks_ ? block_sums_[size_t(block)].moved : moved_by_now(block); }     // m
+  double turned(int block) const { return ranks_ ? block_sums_[size_t(block)].turned : turned_by_now(block); }  // rad
+  std::span<const uint32_t> contacts_of_family(size_t family) const { return contacts_of_family_[family]; }
   Matrix orientation(int block) const;                                     // rotation since the start
   Vector velocity(int block) const;                                        // of the centre of mass, m/s
   Vector angular_velocity(int block) const;                                // rigid, rad/s
@@ -447,30 +506,47 @@ class World {
   // Corners of each face as it stands, counter-clockwise seen from outside: faces of rigid blocks, triangles of the
   // surface of deformable ones, m.
   std::vector<std::vector<Vector>> faces(int block) const;
-  std::vector<Vector>& node_positions() { return node_x_; }
-  const std::vector<Vector>& node_positions() const { return node_x_; }
-  std::vector<Vector>& node_velocities() { return node_v_; }
-  const std::vector<Vector>& node_reference() const { return node_reference_; }
-  const std::vector<double>& node_mass() const { return node_mass_; }
-  const std::vector<Zone>& zones() const { return zones_; }
+  LaneVector<Vector>& node_positions() { return node_x_; }
+  const LaneVector<Vector>& node_positions() const { return node_x_; }
+  LaneVector<Vector>& node_velocities() { return node_v_; }
+  const LaneVector<Vector>& node_reference() const { return node_reference_; }
+  const LaneVector<double>& node_mass() const { return node_mass_; }
+  const LaneVector<Zone>& zones() const { return zones_; }
   Matrix zone_stress(int zone) const;  // Cauchy, Pa, tension positive
   const ModelBlock& block(int i) const { return blocks_[i]; }
-  const std::vector<Body>& bodies() const { return bodies_; }
+  const LaneVector<Body>& bodies() const { return bodies_; }
   Body& body(int block) { return bodies_[blocks_[block].body]; }
   // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
   void hold_node(int node, uint8_t held) { node_held_[node] = held; }
   void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
   const Energies& energies() const { return energies_; }
-  double kinetic_energy() const;             // of the velocities half a step ago, J
+  double kinetic_energy() const;  // of the velocities half a step ago, J
+  double kinetic_energy_of(int block) const;
   Vector net_force() const { return net_; }  // on all that is free to move, of the last step, N
   double strain_energy() const;
   Vector linear_momentum() const;
   Vector angular_momentum(const Vector& about = {}) const;
   double unbalanced_ratio() const;  // largest unbalanced force / mean contact force of the last step; inf: none
+  Deepest deepest_of_chunk(int chunk) const {
+    const Chunk& c = chunks_[size_t(chunk)];
+    return ranks_ ? c.deepest : deepest_of(c);
+  }
+  // A chunk of points: of which family, the first one in it, how many.
+  struct ChunkRange {
+    int family;
+    size_t first, count;
+  };
+  ChunkRange range_of_chunk(int chunk) const {
+    const Chunk& c = chunks_[size_t(chunk)];
+    return {c.family, c.first, c.count};
+  }
   size_t point_count() const;
   double mass() const;
   double mass_of(int block) const;  // that has weight, kg
-  uint64_t hash() const;
+  // parts: hands the bytes of an array on to a function, in pieces if need be; empty: all of it is here.
+  using TakeBytes = std::function<void(std::span<const uint8_t>)>;
+  using GiveParts = std::function<void(const void* first, size_t bytes, const TakeBytes& take)>;
+  uint64_t hash(const GiveParts& parts = {}) const;
 
   // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of
   // every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points. take_over keeps
@@ -487,16 +563,18 @@ class World {
   bool moved_enough();
   void see(int block);
   bool look_at_block(int block, long& step) const;
-  bool look_at_pair(const Contact& c, PairLook& look) const;
-  bool is_ripe(const Contact& c, const PairLook& look) const;  // to be looked at closely when others are
+  bool look_at_pair(const Contact& c, const PairPlace& place, PairLook& look) const;
+  bool is_ripe(const Contact& c, const PairPlace& place, const PairLook& look) const;  // to be looked at closely
   long step_after(double way, double speed, double acceleration = 0.0) const;
   long steps_of_gridpoints() const;
   void detect_contacts(bool everything = false);
   void draw_columns();  // of properties that scatter, for the points of the start
-  // after contacts or columns have changed
+  // After contacts have changed. One process alone has then all that steps read; ranks are to hold their parts first.
   void divide_work();
+  void bind_work();
   void bind_columns();
-  void divide_points();
+  void number_chunks();
+  void bind_points(Chunk& chunk);
   void divide_blocks();
   int most_gridpoints(const Piece& piece) const;  // of one of its blocks
   void fill_columns(Piece& piece);
@@ -507,7 +585,8 @@ class World {
     return {zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count())};
   }
   void divide_sides();
-  static void pack(Family& f);
+  void count_sides();
+  void pack(const Chunk& chunk);
   void bind(Family& f, Chunk& chunk) const;
   void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
   // Rigid motion is told from the rest: inertia is scaled apart, or damping is by block.
@@ -529,22 +608,62 @@ class World {
   void find_units();
   void part_units();
   std::vector<UnitInertia> inertia_of_units() const;  // by the first half or single block; others: nothing
-  void scale_motion(const std::vector<UnitInertia>& inertia, std::vector<Vector>& y, bool of_forces) const;
-  void add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vector>& force) const;
+  void scale_motion(const std::vector<UnitInertia>& inertia, LaneVector<Vector>& y, bool of_forces) const;
+  void add_zone_forces(const LaneVector<Vector>& velocity, LaneVector<Vector>& force) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
-  void build(const SolverSettings& solver, std::vector<std::shared_ptr<const Material>> materials);
+  void number(std::vector<std::shared_ptr<const Material>> materials);
+  void lay_out(int block);
+  void lay_out_zones(int block);
+  Body body_of(int block) const;
+  static std::array<double, 6> zoning_key(const Block& block);
+  std::shared_ptr<const geometry::Zoning> zoning_of(int block);
+  void forget_blocks(size_t first, size_t end);
   void find_time_step();
+
+  // What processes tell each other; one alone knows it all.
+  int rank_of(const Contact& c) const { return rank_of_block_[size_t(c.pair.a)]; }
+  template <class Memory>
+  void tell_by_block(Memory& values) const;
+  bool any(bool here) const;
+  double largest(double here) const;
+  void fail_together(const std::optional<Error>& here) const;  // throws on all ranks where one has failed
+  struct Wanted;
+  size_t tell(const Wanted& wanted);  // bytes
+  template <class Visit>
+  void each_told_memory(const Wanted& wanted, Visit visit);
+  using VisitBytes = std::function<void(void*, size_t)>;
+  void each_memory_of_block(int block, const VisitBytes& visit);
+  struct StartPoints {
+    size_t first, end;
+  };
+  StartPoints start_points_of(int first_block, int end_block) const;  // of joints that begin at these blocks
+  void each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit);
+  void forget_points(size_t family, const std::vector<bool>& contact_stays);
+  void hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs);
+  void bind_neighbours();
+  void hear_of_neighbours();
+  int facets_a_point(const Contact& c) const {
+    return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
+  }
   double highest_frequency() const;  // rad/s
   double local_stiffness_bound() const;
+  double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
+  double turned_by_now(int block) const;
+  double force_sum_of(const Chunk& chunk) const;
+  Deepest deepest_of(const Chunk& chunk) const;
+  // Points of own blocks, in the order of all points: visit(family, point).
+  template <class Visit>
+  void each_own_point(Visit visit) const;
+  struct FrequencyHalo;
   void place_blocks();
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
-  double pair_motion(const Contact& c) const;
+  double pair_motion(const Contact& c, const PairPlace& place) const;
   double lever_of(const Contact& c, double distance) const;
-  double motion_since_broad_phase(int block) const;  // translation plus rotation times radius, m
-  double detection_fraction() const;                 // of a block's least extent
-  double allowed_motion(const Contact& c) const;     // of a pair until it is detected anew, m
+  double motion_since_broad_phase(int block) const;                       // translation plus rotation times radius, m
+  double detection_fraction() const;                                      // of a block's least extent
+  double allowed_motion(const Contact& c, const PairPlace& place) const;  // of a pair until it is detected anew, m
   struct NewPoint;
   struct Finding;
   struct Heir;
@@ -552,22 +671,26 @@ class World {
   struct Before;
   std::vector<geometry::Pair> close_pairs(bool everything);
   void look_closely(const std::vector<geometry::Pair>& pairs, bool everything, Detection& found);
-  void look_at(Contact& c, bool known, Finding& finding, Detection& found);
+  void look_at(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found);
+  void tell_findings(Detection& found);
+  void number_points(Detection& found, Before& before);
   bool carries(const Contact& c) const;
-  void name_family(Contact& c, std::span<const NewPoint> points) const;
+  void name_family(Contact& c, const Vector& normal, std::span<const NewPoint> points) const;
   void place_points(Detection& found);
   static void take_points(Family& f, Family& into);
-  void keep_points(const Before& before, const Finding& finding, const Contact& c);
+  void keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets);
   void hand_over(const Before& before, const Finding& finding, const Contact& c, std::span<const NewPoint> points,
                  bool at_start);
   void inherit(const Family& old, size_t from, const Contact& c, Family& f, size_t to) const;
   void keep_energy(const Before& before, const Finding& finding, const Contact& c, std::span<const Heir> heirs);
   static double plastic_closure(const Family& f, size_t i);
-  double energy_of_points(const Family& f, const std::vector<Facet>& facets, uint32_t first, uint32_t count) const;
+  double energy_of_points(const Family& f, const LaneVector<Facet>& facets, uint32_t first, uint32_t count) const;
   Vector in_space(const Point& p, const Vector& v) const;  // of p's frame
-  void make_points(const Contact& c, bool at_start, std::vector<NewPoint>& out);
+  void make_points(const Contact& c, const geometry::Separation& s, bool at_start, std::vector<NewPoint>& out);
   void face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, std::vector<NewPoint>& out);
-  bool edge_point(const Contact& c, double area, std::vector<NewPoint>& out);
+  bool edge_point(const geometry::Pair& pair, const geometry::Separation& separation, double area,
+                  std::vector<NewPoint>& out);
+  void note_start_joints();
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
   void refresh_facet_frame(Point& p, Facet& facet) const;
   void take_back_facets();  // frames and feet, from lanes to points
@@ -575,42 +698,62 @@ class World {
     Vector at;
     double jump = 0.0, slid[2] = {0.0, 0.0};
   };
-  Location locate(const Point& p, const std::vector<Facet>& facets) const;
+  Location locate(const Point& p, const LaneVector<Facet>& facets) const;
   void resize(Family& f, size_t n) const;
 
   Assembly assembly_;
   SolverSettings solver_;
-  std::vector<ModelBlock> blocks_;
-  std::vector<Body> bodies_;
-  std::vector<Vector> corner_;  // rigid: body frame; deformable: unused (corner gridpoints are used)
-  std::vector<Vector> placed_corner_, placed_normal_;
-  std::vector<Vector> body_normal_;  // rigid: face normals in the body frame
-  std::vector<Matrix> start_r_;      // orientation of every block's frame at the start
-  std::vector<Vector> start_x_;
+  // Of each shape, and zones of a few shapes.
+  struct ShapeFacts {
+    geometry::MassProperties mass;
+    geometry::Eigen3 axes;
+    double least_extent, area;  // m, m2 of the surface
+  };
+  std::vector<ShapeFacts> shape_facts_;
+  std::map<std::array<double, 6>, std::shared_ptr<const geometry::Zoning>> zonings_;
+  Ranks* ranks_ = nullptr;          // null: one process alone
+  std::vector<int> rank_of_block_;  // with ranks
+  std::vector<bool> laid_out_;      // by block
+  std::vector<Vector> rough_place_;
+  Halo neighbours_;                      // motion of whole blocks that are close to those of other ranks
+  std::vector<double> startled_blocks_;  // by block, as neighbours tell it
 
-  std::vector<Vector> node_x_, node_reference_, node_v_;
-  std::vector<double> node_mass_, node_weight_mass_;
-  std::vector<uint8_t> node_held_, node_support_;  // bits 0..2; of held, what a plane of symmetry holds for good
-  std::vector<Vector> node_held_v_;
-  std::vector<Zone> zones_;
-  std::vector<ZoneLanes> zone_lanes_;
+  std::vector<ModelBlock> blocks_;
+  std::vector<double> block_mass_;  // that has weight, kg
+  LaneVector<Body> bodies_;
+  LaneVector<Vector> corner_;  // rigid: body frame; deformable: unused (corner gridpoints are used)
+  LaneVector<Vector> placed_corner_, placed_normal_;
+  LaneVector<Vector> body_normal_;  // rigid: face normals in the body frame
+  LaneVector<Pose> start_, broad_;  // of every block's frame at the start, and at the last broad phase
+
+  LaneVector<Vector> node_x_, node_reference_, node_v_;
+  LaneVector<double> node_mass_, node_weight_mass_;
+  LaneVector<uint8_t> node_held_, node_support_;  // bits 0..2; of held, what a plane of symmetry holds for good
+  LaneVector<Vector> node_held_v_;
+  LaneVector<Zone> zones_;
+  LaneVector<ZoneLanes> zone_lanes_;
   std::vector<AlikeBlocks> alike_;
-  std::vector<Vector> node_anchor_;  // b of blocks in frames of their own; empty: there are none
+  LaneVector<Vector> node_anchor_;   // b of blocks in frames of their own; empty: there are none
   std::vector<uint8_t> by_zone_;     // by block: it has deformed too much for a frame
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
   int unit_count_ = 0;               // of two halves
 
   std::vector<Family> families_;
-  std::vector<Facet> facets_;
+  LaneVector<Facet> facets_;  // family after family, in the order of points
   std::vector<Contact> contacts_;
-  std::vector<PairLook> pair_look_;  // of each contact
-  std::vector<long> block_look_;     // step, by block
-  std::vector<uint8_t> due_;         // by block: for a look of now
-  std::vector<SeenMotion> seen_;     // by body
+  std::vector<std::vector<uint32_t>> contacts_of_family_;  // those that have points
+  LaneVector<PairPlace> pair_place_;                       // of each contact
+  LaneVector<PairLook> pair_look_;                         // the same
+  LaneVector<long> block_look_;                            // step, by block
+  std::vector<uint8_t> due_;                               // by block: for a look of now
+  LaneVector<SeenMotion> seen_;                            // by body
   std::vector<StartJoint> start_joints_;
-  std::vector<Vector> block_contact_force_;
+  LaneVector<Vector> start_point_;
+  LaneVector<Vector> block_contact_force_;
 
-  std::vector<Chunk> chunks_;
+  std::vector<Chunk> chunks_;            // with contents where this process evaluates them
+  std::vector<int> own_chunks_;          // these
+  std::vector<double> sides_;            // by block: of contact points, and of pairs of rigid blocks
   std::vector<Touch> touches_;           // block after block, of a block in the order of families and points
   std::vector<uint32_t> touch_end_;      // by block
   std::vector<PairTouch> pair_touches_;  // the same of pairs of rigid blocks
@@ -618,7 +761,7 @@ class World {
   ByBlock<OwnerTouch> owner_touches_;  // and of points between gridpoints
   ByBlock<CarrierTouch> carrier_touches_;
   ByBlock<GridpointTouch> gridpoint_touches_;
-  LaneVector<FacetRow> facet_rows_;  // of the step
+  LaneVector<FacetRow> facet_rows_;  // of the step, of own chunks
   std::vector<BlockSums> block_sums_;
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;

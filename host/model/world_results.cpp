@@ -27,11 +27,30 @@ Vector World::position(int block) const {
   return mass_mean(b, node_mass_, node_x_);
 }
 
+Vector World::start_position(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  if (b.body >= 0) return start_[size_t(block)].x;
+  return mass_mean(b, node_mass_, node_reference_);
+}
+
 Matrix World::orientation(int block) const {
   Vector x;
   Matrix r;
   pose(block, x, r);
-  return r * transposed(start_r_[block]);
+  return r * transposed(start_[size_t(block)].r);
+}
+
+double World::turned_by_now(int block) const {
+  const Matrix r = transposed(orientation(block));
+  // |R - 1|^2 = 8 sin^2(angle / 2), which keeps its digits at small angles.
+  double squares = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    for (int c = 0; c < 3; ++c) {
+      const double d = r.row[k][c] - (k == c ? 1.0 : 0.0);
+      squares += d * d;
+    }
+  }
+  return 2.0 * std::asin(std::min(1.0, std::sqrt(squares / 8.0)));
 }
 
 Vector World::velocity(int block) const {
@@ -108,21 +127,29 @@ double World::strain_energy() const {
 
 double World::kinetic_energy() const {
   double sum = 0.0;
-  for (const Body& b : bodies_) {
+  for (int i = 0; i < block_count(); ++i) sum += ranks_ ? block_sums_[size_t(i)].kinetic : kinetic_energy_of(i);
+  return sum;
+}
+
+// Of a unit of two halves, what they have together is the first one's.
+double World::kinetic_energy_of(int block) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  double sum = 0.0;
+  if (b.body >= 0) {
+    const Body& body = bodies_[size_t(b.body)];
     for (int k = 0; k < 3; ++k)
-      if (!(b.held >> k & 1)) sum += 0.5 * b.mass * b.v[k] * b.v[k];
-    if ((b.held >> 3) != 7) sum += 0.5 * dot(b.momentum, b.omega);
+      if (!(body.held >> k & 1)) sum += 0.5 * body.mass * body.v[k] * body.v[k];
+    if ((body.held >> 3) != 7) sum += 0.5 * dot(body.momentum, body.omega);
+    return sum;
   }
-  for (size_t i = 0; i < node_v_.size(); ++i) {
+  for (size_t i = size_t(b.first_node); i < size_t(b.first_node + b.node_count); ++i) {
     for (int k = 0; k < 3; ++k) {
       const double factor = node_held_[i] >> k & 1 ? 0.0 : solver_.deformation_inertia;
       sum += 0.5 * factor * node_mass_[i] * node_v_[i][k] * node_v_[i][k];
     }
   }
-  for (int i = 0; splits_motion() && i < block_count(); ++i) {
-    const Unit unit = unit_of(i);
-    if (blocks_[size_t(i)].body < 0 && unit.block[0] == i) sum += rigid_kinetic_energy(unit);
-  }
+  const Unit unit = unit_of(block);
+  if (splits_motion() && unit.block[0] == block) sum += rigid_kinetic_energy(unit);
   return sum;
 }
 
@@ -143,18 +170,29 @@ Vector World::angular_momentum(const Vector& about) const {
 
 double World::unbalanced_ratio() const {
   double forces = 0.0;
-  for (const Family& f : families_) {
-    for (size_t i = 0; i < f.size(); ++i) {
-      double square = 0.0;
-      for (int k = 0; k < 3; ++k) {
-        const double t = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
-        square += t * t;
-      }
-      forces += f.area[i] * std::sqrt(square);
-    }
-  }
+  for (const Chunk& chunk : chunks_) forces += ranks_ ? chunk.force_sum : force_sum_of(chunk);
   if (unbalanced_ == 0.0) return 0.0;
   return forces > 0 ? unbalanced_ * double(point_count()) / forces : std::numeric_limits<double>::infinity();
+}
+
+double World::force_sum_of(const Chunk& chunk) const {
+  const Family& f = families_[size_t(chunk.family)];
+  double sum = 0.0;
+  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double t = f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i]);
+      square += t * t;
+    }
+    sum += f.area[i] * std::sqrt(square);
+  }
+  return sum;
+}
+
+Deepest World::deepest_of(const Chunk& chunk) const {
+  const Family& f = families_[size_t(chunk.family)];
+  const auto first = f.normal_jump.begin() + chunk.first, least = std::min_element(first, first + chunk.count);
+  return {*least, place_of(f.point[size_t(least - f.normal_jump.begin())])};
 }
 
 size_t World::point_count() const {
@@ -163,34 +201,43 @@ size_t World::point_count() const {
   return count;
 }
 
-double World::mass_of(int block) const {
-  const ModelBlock& b = blocks_[size_t(block)];
-  if (b.body >= 0) return bodies_[size_t(b.body)].weight_mass;
-  double sum = 0.0;
-  for (int i = b.first_node; i < b.first_node + b.node_count; ++i) sum += node_weight_mass_[size_t(i)];
-  return sum;
-}
+double World::mass_of(int block) const { return block_mass_[size_t(block)]; }
 
 double World::mass() const {
   double m = 0.0;
-  for (const Body& b : bodies_) m += b.weight_mass;
-  for (double x : node_weight_mass_) m += x;
+  for (const double of_block : block_mass_) m += of_block;
   return m;
 }
 
-uint64_t World::hash() const {
+uint64_t World::hash(const GiveParts& parts) const {
   uint64_t h = 1469598103934665603u;
   const auto add = [&](const void* data, size_t bytes) {
     const auto* p = static_cast<const unsigned char*>(data);
     for (size_t i = 0; i < bytes; ++i) h = (h ^ p[i]) * 1099511628211u;
   };
-  for (const Body& b : bodies_)
-    add(&b.x, sizeof b.x), add(&b.q, sizeof b.q), add(&b.v, sizeof b.v), add(&b.momentum, sizeof b.momentum);
-  add(node_x_.data(), node_x_.size() * sizeof(Vector));
-  add(node_v_.data(), node_v_.size() * sizeof(Vector));
+  const auto each_part = [&](const auto& array, const TakeBytes& take) {
+    const auto bytes = std::as_bytes(std::span(array));
+    if (parts) return parts(bytes.data(), bytes.size(), take);
+    take({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  };
+  std::vector<uint8_t> rest;  // of a body that comes in two parts
+  each_part(bodies_, [&](std::span<const uint8_t> bytes) {
+    rest.insert(rest.end(), bytes.begin(), bytes.end());
+    size_t done = 0;
+    for (; rest.size() - done >= sizeof(Body); done += sizeof(Body)) {
+      Body b;
+      std::memcpy(&b, rest.data() + done, sizeof b);
+      add(&b.x, sizeof b.x), add(&b.q, sizeof b.q), add(&b.v, sizeof b.v), add(&b.momentum, sizeof b.momentum);
+    }
+    rest.erase(rest.begin(), rest.begin() + long(done));
+  });
+  const auto add_all = [&](const auto& array) {
+    each_part(array, [&](std::span<const uint8_t> bytes) { add(bytes.data(), bytes.size()); });
+  };
+  add_all(node_x_), add_all(node_v_);
   for (const Family& f : families_) {
-    for (const auto& c : f.traction) add(c.data(), c.size() * sizeof(double));
-    for (const auto& c : f.state) add(c.data(), c.size() * sizeof(double));
+    for (const auto& c : f.traction) add_all(c);
+    for (const auto& c : f.state) add_all(c);
   }
   return h;
 }

@@ -1,8 +1,11 @@
 // The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
+#include <set>
+
 #include "base/error.h"
 #include "model/lanczos.h"
+#include "model/ranked_rows.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
 
@@ -10,48 +13,62 @@ namespace quoin::blocks {
 
 using namespace geometry;
 
+template <class Visit>
+void World::each_own_point(Visit visit) const {
+  for (size_t k = 0; k < families_.size(); ++k) {
+    const Family& f = families_[k];
+    for (const uint32_t i : contacts_of_family_[k]) {
+      const Contact& c = contacts_[i];
+      if (!owns(c)) continue;
+      for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
+    }
+  }
+}
+
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
 // only compared with its own earlier value, to learn whether the frequency must be computed anew.
 double World::local_stiffness_bound() const {
-  std::vector<double> body(bodies_.size(), 0.0), node(node_x_.size(), 0.0);
-  for (const Family& f : families_) {
+  LaneVector<double> body(bodies_.size()), node(node_x_.size());
+  each_own_point([&](const Family& f, const Point& p) {
     const double k = std::max(f.kn, f.ks);
-    for (const Point& p : f.point) {
-      const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
-      const auto rigid = [&](int block) {
-        const Body& b = bodies_[blocks_[block].body];
-        if (b.held == 0x3f) return;
-        const Vector arm = at - b.x;
-        body[blocks_[block].body] +=
-            k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
-      };
-      const auto soft = [&](const Facet& facet) {
-        for (int i = 0; i < 3; ++i)
-          node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / node_mass_[facet.node[i]];
-      };
-      if (p.facet_a >= 0)
-        soft(facets_[p.facet_a]);
-      else
-        rigid(p.a);
-      if (p.facet_b >= 0)
-        soft(facets_[p.facet_b]);
-      else
-        rigid(p.b);
-    }
-  }
+    const Vector at = p.facet_a >= 0 && p.facet_b >= 0 ? Vector{} : place_of(p);
+    const auto rigid = [&](int block) {
+      const Body& b = bodies_[blocks_[block].body];
+      if (b.held == 0x3f) return;
+      const Vector arm = at - b.x;
+      body[blocks_[block].body] +=
+          k * p.area * (1 / b.mass + dot(arm, arm) / std::min({b.inertia.x, b.inertia.y, b.inertia.z}));
+    };
+    const auto soft = [&](const Facet& facet) {
+      for (int i = 0; i < 3; ++i)
+        node[facet.node[i]] += k * p.area * std::abs(facet.weight[i]) / node_mass_[facet.node[i]];
+    };
+    if (p.facet_a >= 0)
+      soft(facets_[p.facet_a]);
+    else
+      rigid(p.a);
+    if (p.facet_b >= 0)
+      soft(facets_[p.facet_b]);
+    else
+      rigid(p.b);
+  });
   double bound = 0.0;
-  for (double x : body) bound = std::max(bound, x);
-  for (double x : node) bound = std::max(bound, x);
-  return bound;
+  for (int i = 0; i < block_count(); ++i) {
+    if (!owns(i)) continue;
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (b.body >= 0) bound = std::max(bound, body[size_t(b.body)]);
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) bound = std::max(bound, node[size_t(n)]);
+  }
+  return largest(bound);
 }
 
 // K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
 // undeformed shape, turned along; of others zone by zone.
-void World::add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vector>& force) const {
+void World::add_zone_forces(const LaneVector<Vector>& velocity, LaneVector<Vector>& force) const {
   std::vector<double> rows, product;  // four doubles a gridpoint
   for (int i = 0; i < block_count(); ++i) {
     const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0) continue;
+    if (b.body >= 0 || !owns(i)) continue;
     if (by_zone_[size_t(i)]) {
       for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
         const Zone& zone = zones_[size_t(z)];
@@ -78,105 +95,196 @@ void World::add_zone_forces(const std::vector<Vector>& velocity, std::vector<Vec
   }
 }
 
+// Velocities on both sides of contact points between blocks of different ranks, of those who compute them.
+struct World::FrequencyHalo {
+  Halo halo;
+  // of_body(body, visit): its numbers; gridpoints have those of `nodes`.
+  template <class OfBody>
+  FrequencyHalo(const World& world, LaneVector<Vector>& nodes, const OfBody& of_body) {
+    if (!world.ranks_) return;
+    const int here = world.ranks_->rank();
+    using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
+    std::map<int, std::set<Side>> to, from;
+    world.each_own_point([&](const Family&, const Point& p) {
+      const int rank_a = world.rank_of_block_[size_t(p.a)], rank_b = world.rank_of_block_[size_t(p.b)];
+      if (rank_a == rank_b) return;
+      const auto note = [&](int block, int facet, int rank, int other) {
+        std::set<Side>& sides = rank == here ? to[other] : from[rank];
+        if (facet < 0) sides.insert({false, world.blocks_[size_t(block)].body});
+        for (int k = 0; k < 3 && facet >= 0; ++k) sides.insert({true, world.facets_[size_t(facet)].node[k]});
+      };
+      note(p.a, p.facet_a, rank_a, rank_b), note(p.b, p.facet_b, rank_b, rank_a);
+    });
+    const auto add = [&](const Side& side, std::vector<double*>& numbers) {
+      const auto visit = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
+      if (side.first)
+        visit(nodes[size_t(side.second)]);
+      else
+        of_body(side.second, visit);
+    };
+    for (int r = 0; r < world.ranks_->count(); ++r) {
+      Border border{r, {}, {}, {}, {}};
+      for (const Side& side : to[r]) add(side, border.send);
+      for (const Side& side : from[r]) add(side, border.receive);
+      halo.add(std::move(border));
+    }
+  }
+  void exchange(Ranks* ranks) {
+    if (ranks) halo.send(*ranks), halo.receive(*ranks);
+  }
+};
+
+namespace {
+
+// Sums over unknowns in the order of one process.
+class SharedUnknowns : public SharedVectors {
+ public:
+  explicit SharedUnknowns(Ranks& ranks) : rows_(ranks) {}
+  void append(int rank, const VectorRow& row) { rows_.append(rank, row); }
+  std::span<const VectorRow> rows() const override { return rows_.rows(); }
+  double sum(const Add& add) override { return rows_.sum(add); }
+
+ private:
+  RankedRows rows_;
+};
+
+}  // namespace
+
 double World::highest_frequency() const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
-  std::vector<double> scale(n);
-  for (size_t i = 0; i < nb; ++i) {
+  std::unique_ptr<SharedUnknowns> shared;
+  if (ranks_) {
+    shared = std::make_unique<SharedUnknowns>(*ranks_);
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+      const size_t first = 6 * size_t(std::max(blocks_[i].body, 0));
+      if (blocks_[i].body >= 0) shared->append(rank_of_block_[i], {first, first + 6});
+    }
+    for (size_t i = 0; i < blocks_.size(); ++i) {
+      const size_t first = 6 * nb + 3 * size_t(blocks_[i].first_node);
+      if (blocks_[i].body < 0) shared->append(rank_of_block_[i], {first, first + 3 * size_t(blocks_[i].node_count)});
+    }
+  }
+  std::vector<int> own_bodies;
+  std::vector<VectorRow> own_nodes;
+  for (int i = 0; i < block_count(); ++i) {
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (!owns(i)) continue;
+    const VectorRow of_block{size_t(b.first_node), size_t(b.first_node + b.node_count)};
+    if (b.body >= 0)
+      own_bodies.push_back(b.body);
+    else if (!own_nodes.empty() && own_nodes.back().end == of_block.first)
+      own_nodes.back().end = of_block.end;
+    else
+      own_nodes.push_back(of_block);
+  }
+  const auto each_body = [&](const auto& visit) {
+    for (const int i : own_bodies) visit(size_t(i));
+  };
+  const auto each_node = [&](const auto& visit) {
+    for (const VectorRow& row : own_nodes) {
+      for (size_t i = row.first; i < row.end; ++i) visit(i);
+    }
+  };
+  LaneVector<double> scale(n);
+  each_body([&](size_t i) {
     for (int k = 0; k < 3; ++k) {
       scale[6 * i + k] = bodies_[i].held >> k & 1 ? 0.0 : 1 / std::sqrt(bodies_[i].mass);
       // Held about some axes only: as if free, which a constraint can only make softer.
       scale[6 * i + 3 + k] = bodies_[i].held >> 3 == 7 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
     }
-  }
-  for (size_t i = 0; i < nn; ++i) {
+  });
+  each_node([&](size_t i) {
     for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
-  }
-  std::vector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
-  std::vector<Vector> place, normals;  // of all contact points
-  for (const Family& family : families_) {
-    for (const Point& p : family.point) place.push_back(place_of(p)), normals.push_back(frame_of(p).row[0]);
-  }
+  });
+  LaneVector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
+  FrequencyHalo halo(*this, nv, [&](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); });
+  std::vector<Vector> place, normals;  // of own contact points
+  each_own_point(
+      [&](const Family&, const Point& p) { place.push_back(place_of(p)), normals.push_back(frame_of(p).row[0]); });
   const std::vector<UnitInertia> inertia = splits_motion() ? inertia_of_units() : std::vector<UnitInertia>{};
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
     LaneVector<double>& y = *result;
-    for (size_t i = 0; i < nb; ++i) {
+    each_body([&](size_t i) {
       const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
       v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       w[i] = bodies_[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
       f[i] = m[i] = {};
-    }
-    for (size_t i = 0; i < nn; ++i) {
+    });
+    each_node([&](size_t i) {
       const double *xi = x.data() + 6 * nb + 3 * i, *si = scale.data() + 6 * nb + 3 * i;
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
-    }
+    });
     if (splits_motion()) scale_motion(inertia, nv, false);
+    halo.exchange(ranks_);
     add_zone_forces(nv, nf);
-    for (size_t next = 0; const Family& family : families_) {
-      for (const Point& p : family.point) {
-        const Vector at = place[next], normal = normals[next];
-        ++next;
-        Vector va, vb;
-        if (p.facet_a >= 0) {
-          for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
-        } else {
-          const int i = blocks_[p.a].body;
-          va = v[i] + cross(w[i], at - bodies_[i].x);
-        }
-        if (p.facet_b >= 0) {
-          for (int k = 0; k < 3; ++k) vb += facets_[p.facet_b].weight[k] * nv[facets_[p.facet_b].node[k]];
-        } else {
-          const int i = blocks_[p.b].body;
-          vb = v[i] + cross(w[i], at - bodies_[i].x);
-        }
-        const Vector d = vb - va;
-        const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
-        if (p.facet_a >= 0) {
-          for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
-        } else {
-          const int i = blocks_[p.a].body;
-          f[i] -= force, m[i] -= cross(at - bodies_[i].x, force);
-        }
-        if (p.facet_b >= 0) {
-          for (int k = 0; k < 3; ++k) nf[facets_[p.facet_b].node[k]] += facets_[p.facet_b].weight[k] * force;
-        } else {
-          const int i = blocks_[p.b].body;
-          f[i] += force, m[i] += cross(at - bodies_[i].x, force);
-        }
+    size_t next = 0;
+    each_own_point([&](const Family& family, const Point& p) {
+      const Vector at = place[next], normal = normals[next];
+      ++next;
+      Vector va, vb;
+      if (p.facet_a >= 0) {
+        for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
+      } else {
+        const int i = blocks_[p.a].body;
+        va = v[i] + cross(w[i], at - bodies_[i].x);
       }
-    }
+      if (p.facet_b >= 0) {
+        for (int k = 0; k < 3; ++k) vb += facets_[p.facet_b].weight[k] * nv[facets_[p.facet_b].node[k]];
+      } else {
+        const int i = blocks_[p.b].body;
+        vb = v[i] + cross(w[i], at - bodies_[i].x);
+      }
+      const Vector d = vb - va;
+      const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
+      if (p.facet_a >= 0) {
+        for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
+      } else {
+        const int i = blocks_[p.a].body;
+        f[i] -= force, m[i] -= cross(at - bodies_[i].x, force);
+      }
+      if (p.facet_b >= 0) {
+        for (int k = 0; k < 3; ++k) nf[facets_[p.facet_b].node[k]] += facets_[p.facet_b].weight[k] * force;
+      } else {
+        const int i = blocks_[p.b].body;
+        f[i] += force, m[i] += cross(at - bodies_[i].x, force);
+      }
+    });
     if (splits_motion()) scale_motion(inertia, nf, true);
-    for (size_t i = 0; i < nb; ++i) {
+    each_body([&](size_t i) {
       const Vector torque = transposed_times(bodies_[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
         y[6 * i + k] = f[i][k] * scale[6 * i + k];
         y[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
       }
-    }
-    for (size_t i = 0; i < nn; ++i) {
+    });
+    each_node([&](size_t i) {
       for (int k = 0; k < 3; ++k) y[6 * nb + 3 * i + k] = nf[i][k] * scale[6 * nb + 3 * i + k];
-    }
-    double sum = 0.0;
-    for (size_t i = 0; i < n; ++i) sum += x[i] * y[i];
-    return sum;
+    });
+    const auto add = [&](const VectorRow& row, double sum) {
+      for (size_t i = row.first; i < row.end; ++i) sum += x[i] * y[i];
+      return sum;
+    };
+    return shared ? shared->sum(add) : add({0, n}, 0.0);
   };
   LaneVector<double> start(n);
   uint64_t random = 88172645463325252u;  // fixed seed: the same step in every run
   for (size_t i = 0; i < n; ++i) {
     random ^= random << 13, random ^= random >> 7, random ^= random << 17;
-    start[i] = scale[i] == 0 ? 0.0 : double(random >> 11) / 9007199254740992.0 - 0.5;
+    if (scale[i] != 0) start[i] = double(random >> 11) / 9007199254740992.0 - 0.5;
   }
   // Rough beside the lattice's: the frequency is found anew each time that contacts have changed.
   LanczosSettings settings;
   settings.max_steps = 80;
   settings.first_check = 11;
   settings.settled = 1e-6;
-  const double value = largest_eigenvalue(product, std::move(start), settings).value;
+  const double value = largest_eigenvalue(product, std::move(start), settings, shared.get()).value;
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
 void World::hold_by_springs(double eigenvalue) {
+  if (eigenvalue == springs_) return;
   springs_ = eigenvalue;
   find_time_step();
 }
@@ -189,8 +297,9 @@ void World::find_time_step() {
   if (omega == 0) {
     // Nothing is in contact yet: the stiffness that a corner contact will have, taken 4 times for safety.
     double highest = springs_;
-    for (const ModelBlock& b : blocks_) {
-      if (b.body < 0 || bodies_[b.body].held == 0x3f) continue;
+    for (int i = 0; i < block_count(); ++i) {
+      const ModelBlock& b = blocks_[size_t(i)];
+      if (!owns(i) || b.body < 0 || bodies_[b.body].held == 0x3f) continue;
       const Body& body = bodies_[b.body];
       for (const Family& f : families_) {
         const double k = std::max(f.kn, f.ks) * b.corner_area * 4;
@@ -198,6 +307,7 @@ void World::find_time_step() {
                                                         std::min({body.inertia.x, body.inertia.y, body.inertia.z}));
       }
     }
+    highest = largest(highest);
     critical_dt_ = highest > 0 ? 2 / std::sqrt(highest) : 1e-3;
   } else {
     // The eigenvalue of a sum of springs is at most the sum of theirs.

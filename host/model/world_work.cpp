@@ -9,11 +9,11 @@ namespace quoin::blocks {
 
 namespace {
 
-// Sides of something, counted and then filled in block after block.
-template <class Side, class ForEach>
-void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& end, ForEach for_each) {
+// Sides of something, of own blocks, counted and then filled in block after block.
+template <class Side, class Owns, class ForEach>
+void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& end, Owns owns, ForEach for_each) {
   end.assign(blocks, 0);
-  for_each([&](int block, const Side&) { ++end[size_t(block)]; });
+  for_each([&](int block, const Side&) { end[size_t(block)] += owns(block) ? 1 : 0; });
   std::vector<uint32_t> next(blocks, 0);
   for (size_t i = 0, sum = 0; i < blocks; ++i) {
     next[i] = uint32_t(sum);
@@ -21,7 +21,9 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
     end[i] = uint32_t(sum);
   }
   sides.resize(end.empty() ? 0 : end.back());
-  for_each([&](int block, const Side& side) { sides[next[size_t(block)]++] = side; });
+  for_each([&](int block, const Side& side) {
+    if (owns(block)) sides[next[size_t(block)]++] = side;
+  });
 }
 
 // The first one of its triangle: World::anchor.
@@ -32,55 +34,97 @@ bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y &&
 }  // namespace
 
 void World::divide_work() {
-  for (Family& f : families_) pack(f);
-  divide_points();
-  bind_columns();
-  divide_sides();
+  number_chunks();
+  count_sides();
   divide_blocks();
   block_sums_.resize(blocks_.size());
   loaded_.resize(blocks_.size(), 0);
   ++divisions_;
+  if (!ranks_) bind_work();
 }
 
-void World::pack(Family& f) {
-  for (auto& column : f.arm) column.resize(f.size());
-  f.offset.resize(f.size()), f.area.resize(f.size());
-  for (size_t i = 0; i < f.size(); ++i) {
+void World::number_chunks() {
+  chunks_.clear(), own_chunks_.clear();
+  contacts_of_family_.assign(families_.size(), {});
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (contacts_[i].count > 0) contacts_of_family_[size_t(contacts_[i].family)].push_back(uint32_t(i));
+  }
+  for (size_t k = 0; k < families_.size(); ++k) {
+    Family& f = families_[k];
+    for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area}) {
+      if (column->size() != f.size()) *column = LaneVector<double>(f.size());
+    }
+    for (uint32_t first = 0; first < f.size(); first += kChunk) {
+      Chunk& chunk = chunks_.emplace_back();
+      chunk.family = int(k), chunk.first = first;
+      chunk.count = std::min(kChunk, uint32_t(f.size()) - first);
+    }
+  }
+}
+
+// What steps read: of the chunks that touch own blocks, and of own blocks.
+void World::bind_work() {
+  own_chunks_.clear(), facet_rows_.clear();
+  for (int c = 0; c < chunk_count(); ++c) {
+    Chunk& chunk = chunks_[size_t(c)];
+    chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
+    bool own = !ranks_;
+    if (ranks_) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
+    if (!own) {
+      chunk.batch = {};
+      continue;
+    }
+    own_chunks_.push_back(c);
+    pack(chunk);
+    bind_points(chunk);
+  }
+  bind_columns();
+  divide_sides();
+  piece_columns_.clear();
+  for (Piece& piece : pieces_) {
+    if (piece.kind != Piece::Kind::rigid && owns(blocks_of(piece).front())) fill_columns(piece);
+  }
+}
+
+void World::pack(const Chunk& chunk) {
+  Family& f = families_[size_t(chunk.family)];
+  for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
     f.offset[i] = p.offset, f.area[i] = p.area;
   }
 }
 
-void World::divide_points() {
-  chunks_.clear();
-  facet_rows_.clear();
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const Family& f = families_[k];
-    for (uint32_t first = 0; first < f.size(); first += kChunk) {
-      Chunk& chunk = chunks_.emplace_back();
-      chunk.family = int(k), chunk.first = first;
-      chunk.count = std::min(kChunk, uint32_t(f.size()) - first);
-      for (uint32_t i = first; i < first + chunk.count; ++i) {
-        const Point& p = f.point[i];
-        if (p.facet_a >= 0 && p.facet_b >= 0) {
-          put_in_lanes(p, i, chunk);
-          continue;
-        }
-        if (p.facet_a >= 0 || p.facet_b >= 0) {
-          chunk.others.push_back(i);
-          continue;
-        }
-        const int32_t a = blocks_[size_t(p.a)].body, b = blocks_[size_t(p.b)].body;
-        const RigidPair* last = chunk.pairs.empty() ? nullptr : &chunk.pairs.back();
-        const bool goes_on = last && last->a == a && last->b == b && last->first + last->count == i &&
-                             same(last->axis[0], p.n) && same(last->axis[1], p.s);
-        if (goes_on)
-          ++chunk.pairs.back().count;
-        else
-          chunk.pairs.push_back({a, b, i, 1, {p.n, p.s, p.t}, {}, {}, {}, {}});
-      }
+void World::bind_points(Chunk& chunk) {
+  const Family& f = families_[size_t(chunk.family)];
+  for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    const Point& p = f.point[i];
+    if (p.facet_a >= 0 && p.facet_b >= 0) {
+      put_in_lanes(p, i, chunk);
+      continue;
     }
+    if (p.facet_a >= 0 || p.facet_b >= 0) {
+      chunk.others.push_back(i);
+      continue;
+    }
+    const int32_t a = blocks_[size_t(p.a)].body, b = blocks_[size_t(p.b)].body;
+    const RigidPair* last = chunk.pairs.empty() ? nullptr : &chunk.pairs.back();
+    const bool goes_on = last && last->a == a && last->b == b && last->first + last->count == i &&
+                         same(last->axis[0], p.n) && same(last->axis[1], p.s);
+    if (goes_on)
+      ++chunk.pairs.back().count;
+    else
+      chunk.pairs.push_back({a, b, i, 1, {p.n, p.s, p.t}, {}, {}, {}, {}});
+  }
+}
+
+// Each point of a pair has one at both blocks; where these are rigid, all of them together.
+void World::count_sides() {
+  sides_.assign(blocks_.size(), 0.0);
+  for (const Contact& c : contacts_) {
+    if (c.count == 0) continue;
+    const double sides = facets_a_point(c) == 0 ? 1.0 : double(c.count);
+    sides_[size_t(c.pair.a)] += sides, sides_[size_t(c.pair.b)] += sides;
   }
 }
 
@@ -114,8 +158,10 @@ void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
 }
 
 void World::divide_sides() {
-  by_block(blocks_.size(), touches_, touch_end_, [&](const auto& visit) {
-    for (const Chunk& chunk : chunks_) {
+  const auto own = [this](int block) { return owns(block); };
+  by_block(blocks_.size(), touches_, touch_end_, own, [&](const auto& visit) {
+    for (const int c : own_chunks_) {
+      const Chunk& chunk = chunks_[size_t(c)];
       for (const uint32_t i : chunk.others) {
         const Point& p = families_[size_t(chunk.family)].point[i];
         visit(p.a, Touch{chunk.family, i, true});
@@ -124,7 +170,8 @@ void World::divide_sides() {
     }
   });
   const auto each_facet_point = [&](const auto& visit) {  // (point, its first row)
-    for (const Chunk& chunk : chunks_) {
+    for (const int c : own_chunks_) {
+      const Chunk& chunk = chunks_[size_t(c)];
       for (const FacetLanes& lanes : chunk.facets) {
         for (uint32_t l = 0; l < lanes.count; ++l)
           visit(families_[size_t(chunk.family)].point[lanes.first + l], lanes.row + FacetRow::kCount * l);
@@ -134,13 +181,13 @@ void World::divide_sides() {
   const auto node_of = [&](const Facet& f, int corner, int block) {
     return f.node[corner] - blocks_[size_t(block)].first_node;
   };
-  by_block(blocks_.size(), owner_touches_.touch, owner_touches_.end, [&](const auto& visit) {
+  by_block(blocks_.size(), owner_touches_.touch, owner_touches_.end, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
       const Facet& f = facets_[size_t(p.facet_a)];
       visit(p.a, OwnerTouch{row, {node_of(f, 0, p.a), node_of(f, 1, p.a), node_of(f, 2, p.a)}});
     });
   });
-  by_block(blocks_.size(), carrier_touches_.touch, carrier_touches_.end, [&](const auto& visit) {
+  by_block(blocks_.size(), carrier_touches_.touch, carrier_touches_.end, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
       const Facet& f = facets_[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) return;
@@ -149,14 +196,15 @@ void World::divide_sides() {
                               {f.weight[0], f.weight[1], f.weight[2]}});
     });
   });
-  by_block(blocks_.size(), gridpoint_touches_.touch, gridpoint_touches_.end, [&](const auto& visit) {
+  by_block(blocks_.size(), gridpoint_touches_.touch, gridpoint_touches_.end, own, [&](const auto& visit) {
     each_facet_point([&](const Point& p, uint32_t row) {
       const Facet& f = facets_[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) visit(p.b, GridpointTouch{row, node_of(f, 0, p.b)});
     });
   });
-  by_block(blocks_.size(), pair_touches_, pair_touch_end_, [&](const auto& visit) {
-    for (const Chunk& chunk : chunks_) {
+  by_block(blocks_.size(), pair_touches_, pair_touch_end_, own, [&](const auto& visit) {
+    for (const int c : own_chunks_) {
+      const Chunk& chunk = chunks_[size_t(c)];
       for (const RigidPair& pair : chunk.pairs) {
         const Point& p = families_[size_t(chunk.family)].point[pair.first];
         visit(p.a, PairTouch{&pair, true});
@@ -228,10 +276,6 @@ void World::divide_blocks() {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
-  piece_columns_.clear();
-  for (Piece& piece : pieces_) {
-    if (piece.kind != Piece::Kind::rigid) fill_columns(piece);
-  }
 }
 
 int World::most_gridpoints(const Piece& piece) const {
@@ -272,14 +316,10 @@ double World::piece_work(int index) const {
   // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two,
   // with a stiffness of their own one, and a quarter of it as one of up to kBodies blocks alike.
   constexpr double kZone = 2.0, kUnlikeZone = 1.0, kAlikeZone = 4.0, kBody = 3.0;
-  const auto sides = [](const std::vector<uint32_t>& end, size_t b) {
-    return double(end[b] - (b > 0 ? end[b - 1] : 0));
-  };
   const Piece& piece = pieces_[size_t(index)];
   double work = 0.0;
   for (const int32_t i : blocks_of(piece)) {
-    work += sides(touch_end_, size_t(i)) + sides(pair_touch_end_, size_t(i));
-    work += double(owner_touches_.of(i).size() + carrier_touches_.of(i).size() + gridpoint_touches_.of(i).size());
+    work += sides_[size_t(i)];
     const int zones = blocks_[size_t(i)].zone_count;
     if (piece.kind == Piece::Kind::rigid) work += kBody;
     if (piece.kind == Piece::Kind::unlike) work += kUnlikeZone * zones;
@@ -290,7 +330,7 @@ double World::piece_work(int index) const {
 }
 
 void World::bind_columns() {
-  for (Chunk& chunk : chunks_) bind(families_[size_t(chunk.family)], chunk);
+  for (const int c : own_chunks_) bind(families_[size_t(chunks_[size_t(c)].family)], chunks_[size_t(c)]);
 }
 
 void World::bind(Family& f, Chunk& chunk) const {

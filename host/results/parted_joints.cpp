@@ -22,7 +22,7 @@ std::vector<PartedJoint> parted_joints(const Simulation& simulation) {
   for (const blocks::StartJoint& joint : riding->start_joints()) {
     if (touching.contains({joint.pair.a, joint.pair.b})) continue;
     PartedJoint& now = parted.emplace_back(PartedJoint{joint.pair.a, joint.pair.b, {}, {}, 0.0});
-    for (const geometry::Vector& start : joint.point) {
+    for (const geometry::Vector& start : riding->start_points(joint)) {
       const geometry::Vector a = moved(joint.pair.a, start), b = moved(joint.pair.b, start);
       now.side_a.push_back(geometry::array(a)), now.side_b.push_back(geometry::array(b));
       now.opening = std::max(now.opening, norm(b - a));

@@ -14,7 +14,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '0'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '1'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -134,8 +134,9 @@ struct CountingWriter : ArchiveWriter {
   using ArchiveWriter::array;
   void array(const LaneVector<double>& x) {
     value(std::uint64_t{x.size()});
-    more += x.size() * sizeof(double);
+    give(x.data(), x.size() * sizeof(double));
   }
+  void give(const void*, std::size_t size) { more += size; }
 };
 
 // Hands everything on as it comes, arrays by gridpoint and contact point from all ranks.
@@ -145,14 +146,23 @@ struct PartsWriter : ArchiveWriter {
   using ArchiveWriter::array;
   void array(const LaneVector<double>& x) {
     value(std::uint64_t{x.size()});
+    give(x.data(), x.size() * sizeof(double));
+  }
+  void give(const void* first, std::size_t size) {
     hand_on();
-    s.give_array(x, take);
+    s.give_array(first, size, take);
   }
   void hand_on() {
     if (s.ranks->rank() == 0) take(bytes);
     bytes.clear();
   }
 };
+
+void save(ArchiveWriter& writer, blocks::Model& riding) { riding.save(writer); }
+template <class Writer>
+void save(Writer& writer, blocks::Model& riding) {
+  riding.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
+}
 
 template <class Writer>
 void write_state(Writer& writer, const Simulation::Impl& s) {
@@ -169,7 +179,7 @@ void write_state(Writer& writer, const Simulation::Impl& s) {
   // The step of blocks of any shape follows their contacts: it is part of what they save.
   writer.value(s.riding ? 0.0 : s.data.time_step);
   transfer(writer, s);
-  if (s.riding) s.riding->save(writer);
+  if (s.riding) save(writer, *s.riding);
 }
 
 }  // namespace
@@ -185,10 +195,7 @@ std::size_t Simulation::saved_bytes() const {
   std::vector<std::uint8_t> bytes;
   std::size_t more = 0;
   CountingWriter writer{{bytes}, more};
-  if (impl_->riding)
-    write_state(static_cast<ArchiveWriter&>(writer), *impl_);
-  else
-    write_state(writer, *impl_);
+  write_state(writer, *impl_);
   return bytes.size() + more;
 }
 
@@ -205,28 +212,29 @@ void Simulation::save(const TakeBytes& take) const {
   writer.hand_on();
 }
 
-void Simulation::Impl::give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take) {
+void Simulation::Impl::give_array(const void* array, std::size_t whole, const Simulation::TakeBytes& take) {
   struct Stretch {
     std::size_t begin, end;  // bytes from the beginning of the array
     int rank;
   };
   std::vector<Stretch> stretches;
-  const auto* const first = reinterpret_cast<const std::uint8_t*>(array.data());
-  const std::size_t whole = array.size() * sizeof(double);
-  const auto note_of = [&](int rank) {
-    return [&stretches, first, whole, rank](void* memory, std::size_t bytes) {
-      const auto* const from = static_cast<const std::uint8_t*>(memory);
-      if (from < first || from >= first + whole) return;
-      const auto begin = static_cast<std::size_t>(from - first);
-      if (!stretches.empty() && stretches.back().rank == rank && stretches.back().end == begin)
-        stretches.back().end += bytes;
-      else
-        stretches.push_back({begin, begin + bytes, rank});
-    };
+  const auto* const first = static_cast<const std::uint8_t*>(array);
+  const auto note = [&](int rank, const void* memory, std::size_t bytes) {
+    const auto* const from = static_cast<const std::uint8_t*>(memory);
+    if (from < first || from >= first + whole) return;
+    const auto begin = static_cast<std::size_t>(from - first);
+    if (!stretches.empty() && stretches.back().rank == rank && stretches.back().end == begin)
+      stretches.back().end += bytes;
+    else
+      stretches.push_back({begin, begin + bytes, rank});
   };
-  for (std::size_t i = 0; i < share.rank_of_item.size(); ++i)
+  const auto note_of = [&](int rank) {
+    return [&note, rank](const void* memory, std::size_t bytes) { note(rank, memory, bytes); };
+  };
+  if (riding) riding->each_owned_memory(note);
+  for (std::size_t i = 0; !riding && i < share.rank_of_item.size(); ++i)
     each_memory_of_item(Part::all, static_cast<int>(i), note_of(share.rank_of_item[i]));
-  for (std::size_t c = 0; c < share.rank_of_chunk.size(); ++c)
+  for (std::size_t c = 0; !riding && c < share.rank_of_chunk.size(); ++c)
     each_memory_of_chunk(Part::all, static_cast<int>(c), note_of(share.rank_of_chunk[c]));
   std::sort(stretches.begin(), stretches.end(), [](const Stretch& x, const Stretch& y) { return x.begin < y.begin; });
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <numeric>
+
 #include "base/error.h"
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
@@ -93,18 +95,20 @@ void Model::find_contacts() {
   detect_contacts();
 }
 
-std::optional<WrongAnswer> Model::wrong_law() const {
-  for (size_t k = 0; k < families_.size(); ++k) {
-    const Family& f = families_[k];
+std::optional<WrongAnswer> Model::wrong_law(std::span<const int> chunks) const {
+  for (const int c : chunks) {
+    const Chunk& chunk = chunks_[size_t(c)];
+    const Family& f = families_[size_t(chunk.family)];
     Answers answers;
-    answers.count = f.size();
-    for (int c = 0; c < 3; ++c) answers.traction[c] = f.traction[c].data();
-    for (const auto& column : f.state) answers.state.push_back(column.empty() ? nullptr : column.data());
+    answers.count = chunk.count;
+    for (int k = 0; k < 3; ++k) answers.traction[k] = f.traction[k].data() + chunk.first;
+    for (const auto& column : f.state) answers.state.push_back(column.empty() ? nullptr : column.data() + chunk.first);
     auto wrong = wrong_answer(f.material->api(), answers);
     if (!wrong) continue;
-    const Point& p = f.point[wrong->point];
-    wrong->text += fmt::format(": joint family '{}', blocks {} and {}, contact point at {}", assembly_.families[k].name,
-                               label(assembly_, p.a), label(assembly_, p.b), place(place_of(p)));
+    const Point& p = f.point[chunk.first + wrong->point];
+    wrong->text += fmt::format(": joint family '{}', blocks {} and {}, contact point at {}",
+                               assembly_.families[size_t(chunk.family)].name, label(assembly_, p.a),
+                               label(assembly_, p.b), place(place_of(p)));
     return wrong;
   }
   return std::nullopt;
@@ -122,13 +126,15 @@ std::string Model::batch_text(const quoin_batch& batch) const {
 void Model::watch() const {
   for (int i = 0; i < block_count(); ++i) {
     if (std::isfinite(block_sums_[size_t(i)].positions)) continue;
-    if (const auto wrong = wrong_law(); wrong && !wrong->finite)
+    std::vector<int> all(chunks_.size());
+    std::iota(all.begin(), all.end(), 0);
+    if (const auto wrong = wrong_law(all); wrong && !wrong->finite)
       throw Error(Exit::numerical,
                   fmt::format("step {}, time {:.6g} s: {}; tell its author", step_count_, time_, wrong->text));
     throw Error(Exit::numerical,
                 fmt::format("block {}, {} at the start: its position is no finite number at step {}, time {:.6g} s; "
                             "check the velocities and forces of the stage, or reduce time_step_fraction",
-                            label(assembly_, i), place(start_x_[size_t(i)]), step_count_, time_));
+                            label(assembly_, i), place(start_[size_t(i)].x), step_count_, time_));
   }
 }
 
@@ -222,6 +228,8 @@ void Model::report_failure(const Chunk& chunk) const {
     throw Error(Exit::numerical, fmt::format("law '{}' of joint family '{}' refused a batch with status {} at step {}",
                                              law, family, chunk.status, step_count_));
   }
+  if (chunk.batch.count == 0)
+    throw Error(Exit::numerical, fmt::format("law '{}' failed at step {}, on another rank", law, step_count_));
   // Failed points keep their old state, so asking again, this time with the status by point, names the same ones.
   std::vector<uint32_t> status(chunk.count, QUOIN_POINT_OK);
   quoin_batch batch = chunk.batch;
@@ -557,10 +565,11 @@ void Model::leave_frames() {
 void Model::sum_up() {
   unbalanced_ = 0.0;
   net_ = {};
-  for (const BlockSums& sums : block_sums_) {
+  for (int i = 0; i < block_count(); ++i) {
+    const BlockSums& sums = block_sums_[size_t(i)];
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
-    startled_ |= sums.startled;
+    startled_ |= sums.startled && owns(i);
   }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;

@@ -35,7 +35,7 @@ class Model : public World {
   // failed at a point, or the position of a block is no longer a finite number.
   void step();
   // What a law has answered last that it must not, where and to whom; nothing: all is well.
-  std::optional<WrongAnswer> wrong_law() const;
+  std::optional<WrongAnswer> wrong_law(std::span<const int> chunks) const;
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
@@ -46,6 +46,7 @@ class Model : public World {
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();
+  void startle() { startled_ = true; }  // as if a block had been: one of another process
   void find_contacts();
   void run(double duration);  // s
   void run_steps(long steps) {
@@ -55,13 +56,18 @@ class Model : public World {
   // Everything that changes during a run. The families must have the laws that they had at the time. restore() throws
   // Error(bad_input) when the bytes come from another model, which then is in no state to go on from; bits after it are
   // those of an uninterrupted run, whatever the number of threads.
-  void save(ArchiveWriter& writer);
+  // give: takes the bytes of long arrays, in their order, in place of the writer; empty: the writer has all.
+  using GiveArray = std::function<void(ArchiveWriter& writer, const void* first, size_t bytes)>;
+  void save(ArchiveWriter& writer, const GiveArray& give = {});
   void restore(ArchiveReader& reader);
 
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
-  // Whether something of theirs concerns all: a law that has failed, a block that is nowhere or has deformed too much.
+  // Whether something of theirs is wrong: a law that has failed, a block that is nowhere.
   bool in_trouble(std::span<const int> chunks, std::span<const int> pieces) const;
-  bool is_startled(std::span<const int> pieces) const;  // some block of theirs: contacts may have to be found anew
+  bool leaves_frame(std::span<const int> pieces) const;  // some block of theirs, which has deformed too much for it
+  bool is_startled(std::span<const int> pieces) const;   // some block of theirs: contacts may have to be found anew
+  // For rows of the history: what is asked of all blocks and points, found for these.
+  void look_for_row(std::span<const int> chunks, std::span<const int> pieces);
   void each_memory_of_piece(Part part, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.

@@ -20,10 +20,7 @@ void transfer(Archive& archive, Series& series) {
 template <class Archive, class Self>
 void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.solver_);  // damping is a stage's
-  for (auto& b : m.blocks_) {
-    archive.value(b.broad_x);
-    archive.value(b.broad_r);
-  }
+  archive.array(m.broad_);
   archive.array(m.bodies_);
   archive.array(m.node_x_);
   archive.array(m.node_v_);
@@ -48,6 +45,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   }
   archive.array(m.facets_);
   archive.array(m.contacts_);
+  archive.array(m.pair_place_);
   archive.array(m.pair_look_);
   archive.array(m.block_look_);
   archive.array(m.seen_);
@@ -103,9 +101,38 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.later_);
 }
 
-void Model::save(ArchiveWriter& writer) {
+namespace {
+
+struct GivingWriter {
+  ArchiveWriter& to;
+  const Model::GiveArray& give;
+  template <class T>
+  void value(const T& x) {
+    to.value(x);
+  }
+  template <class Array>
+  void array(const Array& x) {
+    to.array(x);
+  }
+  template <class T>
+  void array(const LaneVector<T>& x) {
+    if (!give) return to.array(x);
+    to.value(std::uint64_t{x.size()});
+    give(to, x.data(), x.size() * sizeof(T));
+  }
+  template <class Element, class Fields>
+  void list(const std::vector<Element>& x, Fields&& of_element) {
+    value(std::uint64_t{x.size()});
+    for (const Element& element : x) of_element(*this, element);
+  }
+};
+
+}  // namespace
+
+void Model::save(ArchiveWriter& writer, const GiveArray& give) {
   take_back_facets();
-  transfer_state(writer, *this);
+  GivingWriter giving{writer, give};
+  transfer_state(giving, *this);
 }
 
 void Model::restore(ArchiveReader& reader) {
@@ -115,6 +142,7 @@ void Model::restore(ArchiveReader& reader) {
       node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
       loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() || by_zone_.size() != blocks_.size() ||
       (!applied_.empty() && applied_.size() != blocks_.size()) || pair_look_.size() != contacts_.size() ||
+      pair_place_.size() != contacts_.size() || broad_.size() != blocks_.size() ||
       (!block_look_.empty() && block_look_.size() != blocks_.size()) || (!seen_.empty() && seen_.size() != bodies))
     throw Error(Exit::bad_input, kOther);
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
@@ -138,8 +166,11 @@ void Model::restore(ArchiveReader& reader) {
     if (!fits) throw Error(Exit::bad_input, kOther);
   }
   for (const Contact& c : contacts_) {
-    const bool fits = is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
-                      (c.family < 0 || size_t(c.first) + c.count <= families_[size_t(c.family)].size());
+    const bool fits =
+        is_block(c.pair.a) && is_block(c.pair.b) && c.family < int(families_.size()) &&
+        (c.family < 0 ? c.count == 0
+                      : size_t(c.first) + c.count <= families_[size_t(c.family)].size() &&
+                            c.first_facet + size_t(c.count) * size_t(facets_a_point(c)) <= facets_.size());
     if (!fits) throw Error(Exit::bad_input, kOther);
   }
   for (const PairLook& look : pair_look_) {

@@ -22,10 +22,35 @@ bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces)
     const Piece& piece = pieces_[size_t(p)];
     for (const int32_t b : blocks_of(piece)) {
       if (!std::isfinite(block_sums_[size_t(b)].positions)) return true;
+    }
+  }
+  return false;
+}
+
+bool Model::leaves_frame(std::span<const int> pieces) const {
+  for (const int p : pieces) {
+    const Piece& piece = pieces_[size_t(p)];
+    for (const int32_t b : blocks_of(piece)) {
       if (piece.in_frame() && has_deformed_too_much(b)) return true;
     }
   }
   return false;
+}
+
+// Kinetic energies are those of the step, where it has found them.
+void Model::look_for_row(std::span<const int> chunks, std::span<const int> pieces) {
+  for (const int c : chunks) {
+    Chunk& chunk = chunks_[size_t(c)];
+    chunk.force_sum = force_sum_of(chunk);
+    chunk.deepest = deepest_of(chunk);
+  }
+  for (const int p : pieces) {
+    for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
+      BlockSums& sums = block_sums_[size_t(b)];
+      if (!energy_) sums.kinetic = kinetic_energy_of(b);
+      sums.moved = moved_by_now(b), sums.turned = turned_by_now(b);
+    }
+  }
 }
 
 bool Model::is_startled(std::span<const int> pieces) const {
@@ -63,6 +88,11 @@ void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit)
   visit(&chunk.stored, sizeof chunk.stored);
   visit(chunk.dissipated, sizeof chunk.dissipated);
   visit(&chunk.damping, sizeof chunk.damping);
+  visit(&chunk.force_sum, sizeof chunk.force_sum);
+  visit(&chunk.deepest, sizeof chunk.deepest);
+  visit(&chunk.status, sizeof chunk.status);
+  visit(&chunk.failed, sizeof chunk.failed);
+  visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
   if (part == Part::sums) return;
   part_of(f.normal_jump, chunk, visit);
   for (auto& column : f.traction) part_of(column, chunk, visit);
@@ -80,9 +110,6 @@ void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit)
     visit(&f.point[i], sizeof(Point));
     if (f.point[i].facet_a >= 0) visit(&facets_[size_t(f.point[i].facet_a)], sizeof(Facet));
   }
-  visit(&chunk.status, sizeof chunk.status);
-  visit(&chunk.failed, sizeof chunk.failed);
-  visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
 }
 
 // Keys: bodies, then gridpoints.

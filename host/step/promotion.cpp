@@ -61,7 +61,7 @@ RigidPart rigid_part(const Field& f, const std::vector<Vector>& of, bool symmetr
 
 // Where the gridpoints at these places of a brick are among those of its block in large motion.
 std::vector<std::size_t> gridpoint_order(const Brick& brick, const std::vector<Vector>& place,
-                                         const std::vector<Vector>& reference, const blocks::ModelBlock& block) {
+                                         const LaneVector<Vector>& reference, const blocks::ModelBlock& block) {
   const auto key = [&](const Vector& x) {
     std::array<long, 3> steps{};
     for (int c = 0; c < 3; ++c)

@@ -49,7 +49,11 @@ void Simulation::Impl::hold_all() {
 
 void Simulation::Impl::hold_part() {
   if (!in_parts) return;
-  gathered = gathered_by_first = false;
+  gathered = gathered_by_first = has_row = false;
+  if (riding) {
+    holds_all = false;
+    return riding->hold(rank_of_riding_blocks(), followed_blocks());
+  }
   const std::vector<int> units = own_units();
   model.keep_alone(units, share.chunks);
   model.lay_out(units, share.chunks);

@@ -10,13 +10,11 @@
 #include <span>
 #include <vector>
 
-#include "base/ranks.h"
+#include "base/rank_rows.h"
+#include "model/halo.h"
 #include "scene/assembly.h"
 
 namespace quoin {
-
-// Bytes of all ranks together that are on their way at a time: what is gathered may be most of the model.
-inline constexpr std::size_t kGatherBuffer = std::size_t{4} << 20;
 
 // What is asked for of all blocks and contact points, whoever advances them.
 enum class Part {
@@ -52,28 +50,5 @@ RankShare whole_share(int chunks, int items);
 // Recursive coordinate bisection: along the longest side of the box around the places, into parts of equal cost.
 // Returns the rank of each. place: m; cost: any unit, > 0. Ties go by index, so that every rank finds the same.
 std::vector<int> bisect(const std::vector<Vec3>& place, const std::vector<double>& cost, int ranks);
-
-// The motion that goes from one rank to another after every step: where its numbers lie, in the same order on both
-// sides.
-struct Border {
-  int rank;
-  std::vector<double*> send, receive;
-  std::vector<double> outgoing, incoming;
-};
-
-// One message each way with every rank that shares a border.
-class Halo {
- public:
-  void clear() { borders_.clear(); }
-  void add(Border border);
-  void send(Ranks& ranks);                               // and makes ready to receive; returns at once
-  void receive(Ranks& ranks);                            // waits
-  std::size_t messages() const { return send_.size(); }  // that this rank sends
-  std::size_t bytes() const;                             // in them
-
- private:
-  std::vector<Border> borders_;
-  std::vector<Ranks::Parcel> send_, receive_;
-};
 
 }  // namespace quoin

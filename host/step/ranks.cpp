@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <map>
 #include <set>
 
@@ -26,38 +25,6 @@ constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
 // Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
-
-// Memories one after the other, gone through some bytes at a time.
-class MemoryRow {
- public:
-  // wanted: by this rank, if it is of another one.
-  void add(void* first, std::size_t bytes, bool wanted) {
-    parts_.push_back({{static_cast<std::byte*>(first), bytes}, wanted});
-    rest_ += bytes;
-  }
-  std::size_t rest() const { return rest_; }
-  // The next bytes of the rest, part by part: visit(first, bytes, wanted).
-  template <class Visit>
-  void each(std::size_t bytes, Visit visit) {
-    rest_ -= bytes;
-    while (bytes > 0) {
-      auto& [memory, wanted] = parts_[next_];
-      const std::size_t count = std::min(bytes, memory.size());
-      visit(memory.data(), count, wanted);
-      memory = memory.subspan(count);
-      bytes -= count;
-      if (memory.empty()) ++next_;
-    }
-  }
-
- private:
-  struct Memory {
-    std::span<std::byte> bytes;
-    bool wanted;
-  };
-  std::vector<Memory> parts_;
-  std::size_t next_ = 0, rest_ = 0;
-};
 
 // Items that the contact points of chunks touch, each once: first the first one of the chunk.
 class ChunkItems {
@@ -179,6 +146,10 @@ std::vector<double> Simulation::Impl::estimated_costs() const {
   return cost;
 }
 
+Vec3 Simulation::Impl::riding_place(int block) const {
+  return geometry::array(in_parts ? riding->rough_place(block) : riding->position(block));
+}
+
 RankShare Simulation::Impl::share_of_this_rank() const {
   const int chunks = static_cast<int>(chunk_cost.size()), items = static_cast<int>(item_cost.size());
   if (!ranks) return whole_share(chunks, items);
@@ -197,7 +168,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
     mean.emplace_back();
     const std::vector<int> blocks = blocks_of_item(i);
     for (const int b : blocks) {
-      const Vec3 centre = riding ? geometry::array(riding->position(b)) : centre_of(model.assembly.bricks[at(b)]);
+      const Vec3 centre = riding ? riding_place(b) : centre_of(model.assembly.bricks[at(b)]);
       for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
       if (b == blocks.front()) first.push_back(centre);
     }
@@ -347,8 +318,8 @@ Halo Simulation::Impl::halo_on_borders(const SideNumbers& numbers_of_side) {
   return found;
 }
 
-Halo Simulation::Impl::motion_on_borders() {
-  return halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
+void Simulation::Impl::tell_motion_on_borders() {
+  Halo border = halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
     const int body = model.place[at(block)].body;
     for (std::size_t c = 0; c < 3; ++c) {
       if (body < 0) {
@@ -362,6 +333,7 @@ Halo Simulation::Impl::motion_on_borders() {
         numbers.push_back(&(*quantity)[c][lane]);
     }
   });
+  border.send(*ranks), border.receive(*ranks);
 }
 
 // On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
@@ -381,7 +353,7 @@ void Simulation::Impl::each_side(int chunk, const std::function<void(int, std::i
 
 void Simulation::Impl::each_item(int chunk, const std::function<void(int)>& visit) const {
   if (riding) {
-    riding->each_side(chunk, [&](int block, std::int64_t) { visit(item_of_riding_block[at(block)]); });
+    riding->each_block_of_chunk(chunk, [&](int block) { visit(item_of_riding_block[at(block)]); });
     return;
   }
   const ContactChunk& c = model.chunks[at(chunk)];
@@ -450,23 +422,34 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
-  bool startled = riding && riding->is_startled(share.items);
-  if (riding) agree(riding->in_trouble(share.chunks, share.items), &startled);
+  bool startled = riding && riding->is_startled(share.items), leaves = riding && riding->leaves_frame(share.items);
+  if (riding) ranks_failed = agree(riding->in_trouble(share.chunks, share.items), &startled, &leaves);
+  if (riding && in_parts) {
+    if (startled) riding->startle();
+    if (measure_step)
+      gather(Part::row);
+    else if (want_energy || leaves || ranks_failed)
+      gather(Part::sums);
+    return;
+  }
+  if (leaves) gather(Part::all);
   if (measure_step || (riding && want_energy))
     gather(riding ? Part::row : Part::sums);
   else if (riding && (startled || riding->looks_at_motion()))
     gather(Part::motion);
 }
 
-bool Simulation::Impl::agree(bool trouble, bool* startled) {
+bool Simulation::Impl::agree(bool trouble, bool* startled, bool* leaves_frame) {
   const auto before = Clock::now();
-  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0, startled && *startled ? 1.0 : 0.0};
+  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0, startled && *startled ? 1.0 : 0.0,
+                     leaves_frame && *leaves_frame ? 1.0 : 0.0};
   ranks->largest(wanted);
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
   stop_agreed = stop_agreed || wanted[1] > 0.0;
   if (startled) *startled = wanted[2] > 0.0;
+  if (leaves_frame) *leaves_frame = wanted[3] > 0.0;
   if (wanted[0] > 0.0) gather(Part::all, Who::first);
   return wanted[0] > 0.0;
 }
@@ -509,7 +492,7 @@ void Simulation::Impl::divide_anew() {
       measured_over_estimated[at(b)] *= of_rank[at(share.rank_of_item[at(item)])];
   }
   const std::vector<int> before_it = share.rank_of_item;
-  if (in_parts) {
+  if (in_parts && !riding) {
     const RankShare next = share_of_this_rank();
     gather(Part::all, Who::holders, &next);
   }
@@ -542,9 +525,16 @@ bool Simulation::Impl::has_all() const { return gathered || (gathered_by_first &
 
 void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
   if (!in_parts) who = Who::everybody;
-  if (gathered || (part == Part::all && who == Who::first && gathered_by_first)) return;
+  if (gathered || (part == Part::all && who == Who::first && gathered_by_first) || (part == Part::row && has_row))
+    return;
   const auto before = Clock::now();
   if (part == Part::row || part == Part::all) prepare_row();
+  std::size_t whole = 0;
+  const Part asked = part;
+  if (riding && in_parts) {  // whose sums say what a row takes of blocks and contact points
+    if (part == Part::all) whole = riding->tell_everything(who == Who::everybody);
+    part = Part::sums;
+  }
   const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && ranks->rank() == 0);
   if (part == Part::all && takes_all) hold_all();
   Held held;
@@ -552,43 +542,21 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
   const auto takes = [&](const std::vector<bool>& of_held, std::size_t i) {
     return takes_all || (!of_held.empty() && of_held[i]);
   };
-  std::vector<MemoryRow> of_rank(at(ranks->count()));
+  RankRows rows(*ranks);
   for (int i = 0; i < static_cast<int>(share.rank_of_item.size()); ++i) {
-    MemoryRow& row = of_rank[at(share.rank_of_item[at(i)])];
     const bool wanted = takes(held.items, at(i));
-    each_memory_of_item(part, i, [&](void* first, std::size_t bytes) { row.add(first, bytes, wanted); });
+    each_memory_of_item(
+        part, i, [&](void* first, std::size_t bytes) { rows.add(share.rank_of_item[at(i)], first, bytes, wanted); });
   }
   for (int c = 0; c < static_cast<int>(share.rank_of_chunk.size()); ++c) {
-    MemoryRow& row = of_rank[at(share.rank_of_chunk[at(c)])];
     const bool wanted = takes(held.chunks, at(c));
-    each_memory_of_chunk(part, c, [&](void* first, std::size_t bytes) { row.add(first, bytes, wanted); });
+    each_memory_of_chunk(
+        part, c, [&](void* first, std::size_t bytes) { rows.add(share.rank_of_chunk[at(c)], first, bytes, wanted); });
   }
-  std::size_t whole = 0, longest = 0;
-  for (const MemoryRow& row : of_rank) whole += row.rest(), longest = std::max(longest, row.rest());
-  const std::size_t most = std::max(kGatherBuffer / of_rank.size(), std::size_t{1});
-  std::vector<std::size_t> sizes(of_rank.size());
-  std::vector<std::byte> own, all;
-  for (std::size_t done = 0; done < longest; done += most) {
-    std::size_t on_their_way = 0;
-    for (std::size_t r = 0; r < of_rank.size(); ++r) on_their_way += sizes[r] = std::min(most, of_rank[r].rest());
-    own.resize(sizes[at(ranks->rank())]), all.resize(on_their_way);
-    MemoryRow& row = of_rank[at(ranks->rank())];
-    row.each(own.size(), [to = own.data()](const std::byte* place, std::size_t bytes, bool) mutable {
-      std::memcpy(to, place, bytes);
-      to += bytes;
-    });
-    ranks->gather(own, sizes, all);
-    const std::byte* from = all.data();
-    for (std::size_t r = 0; r < of_rank.size(); from += sizes[r++]) {
-      if (r == at(ranks->rank())) continue;
-      of_rank[r].each(sizes[r], [there = from](std::byte* place, std::size_t bytes, bool wanted) mutable {
-        if (wanted) std::memcpy(place, there, bytes);
-        there += bytes;
-      });
-    }
-  }
-  gathered = part == Part::all && who == Who::everybody;
-  gathered_by_first = gathered_by_first || gathered || (part == Part::all && who == Who::first);
+  whole += rows.tell();
+  has_row = riding && in_parts && asked == Part::row;
+  gathered = asked == Part::all && who == Who::everybody;
+  gathered_by_first = gathered_by_first || gathered || (asked == Part::all && who == Who::first);
   traffic.gathers += 1.0;
   traffic.gathered_bytes += static_cast<double>(whole);
   const double seconds = seconds_since(before);
@@ -686,6 +654,7 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
 }
 
 void Simulation::Impl::prepare_row() {
+  if (riding && in_parts) riding->look_for_row(share.chunks, share.items);
   if (riding) return;
   whole_motions.resize(model.assembly.bricks.size());
   body_force.resize(model.bodies.size());

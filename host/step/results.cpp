@@ -281,8 +281,12 @@ bool Simulation::keeps_state(const std::string& id) const {
 
 std::array<long, kConditionCount> Simulation::condition_counts() const {
   if (impl_->end_conditions && !impl_->has_all()) return *impl_->end_conditions;
+  return impl_->conditions_here();
+}
+
+std::array<long, kConditionCount> Simulation::Impl::conditions_here() const {
   std::array<long, kConditionCount> counts{};
-  for (std::uint32_t flags : impl_->current_flags()) ++counts[static_cast<std::size_t>(condition_of(flags))];
+  for (const std::uint32_t f : current_flags()) ++counts[static_cast<std::size_t>(condition_of(f))];
   return counts;
 }
 
@@ -310,40 +314,57 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
 }  // namespace
 
 std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
-  if (flags_step != step_count - 1) {
-    Halo border = motion_on_borders();
-    border.send(*ranks), border.receive(*ranks);
-  }
+  if (!riding && flags_step != step_count - 1) tell_motion_on_borders();
   const std::vector<std::uint32_t> now = current_flags();
+  std::vector<std::size_t> first_of_family{0};
+  for (std::size_t f = 0; riding && f < riding->families().size(); ++f)
+    first_of_family.push_back(first_of_family.back() + riding->families()[f].size());
   std::array<long, kConditionCount> counts{};
   for (const int c : share.chunks) {
     if (!share.owns_chunk(c, ranks->rank())) continue;
-    const ContactChunk& chunk = model.chunks[at(c)];
-    for (int i = 0; i < chunk.point_count; ++i)
-      ++counts[static_cast<std::size_t>(condition_of(now[at(chunk.first_point + i)]))];
+    std::size_t first, count;
+    if (riding) {
+      const auto range = riding->range_of_chunk(c);
+      first = first_of_family[at(range.family)] + range.first, count = range.count;
+    } else {
+      first = at(model.chunks[at(c)].first_point), count = at(model.chunks[at(c)].point_count);
+    }
+    for (std::size_t i = first; i < first + count; ++i) ++counts[static_cast<std::size_t>(condition_of(now[i]))];
   }
   return counts;
+}
+
+std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
+  const std::array<long, kConditionCount> own = own_conditions();
+  std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
+  const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
+  ranks->gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(of_rank)));
+  std::array<long, kConditionCount> sum{};
+  for (const auto& counts : of_rank) {
+    for (std::size_t k = 0; k < counts.size(); ++k) sum[k] += counts[k];
+  }
+  return sum;
 }
 
 // Who asks for neither pictures nor files of all of it needs no rank that has all of it.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
-  const std::array<long, kConditionCount> own = own_conditions();
-  std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
-  const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
-  ranks->gather(std::as_bytes(std::span(own)), sizes, std::as_writable_bytes(std::span(of_rank)));
-  end_conditions.emplace();
-  for (const auto& counts : of_rank) {
-    for (std::size_t k = 0; k < counts.size(); ++k) (*end_conditions)[k] += counts[k];
-  }
+  end_conditions = conditions_of_all();
   const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
   const OutputSettings& output = scene.output;
   if (crushed_out || output.plots || output.end_state) return gather(Part::all, Who::first);
   gather(Part::row);
+  const auto give = [&](const void* first, std::size_t bytes, const TakeBytes& take) {
+    give_array(first, bytes, take);
+  };
+  if (riding) {
+    end_hash = riding->hash(give);
+    return;
+  }
   end_hash = kHashStart;
   add_to_hash(body_lanes, &end_hash);
   const auto add = [&](const LaneVector<double>& array) {
-    give_array(array, [&](std::span<const std::uint8_t> bytes) {
+    give(array.data(), array.size() * sizeof(double), [&](std::span<const std::uint8_t> bytes) {
       add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &end_hash);
     });
   };
@@ -353,8 +374,8 @@ void Simulation::Impl::end_run() {
 }
 
 std::uint64_t Simulation::hash() const {
-  if (impl_->riding) return impl_->riding->hash();
   if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
+  if (impl_->riding) return impl_->riding->hash();
   std::uint64_t hash = kHashStart;
   const auto add = [&](const auto& values) { add_to_hash(values, &hash); };
   add_to_hash(impl_->body_lanes, &hash);

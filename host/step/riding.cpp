@@ -23,18 +23,17 @@ constexpr double kBed = 0.7;      // cosine of the normal to the vertical from w
 
 void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                                     std::vector<std::shared_ptr<const Material>> materials) {
-  riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials));
-  riding->track_energy(want_energy);
-  riding->before_dividing([this] { gather(Part::all); });
-  riding_start.clear(), on_base.clear();
-  for (int i = 0; i < riding->block_count(); ++i) riding_start.push_back(riding->position(i));
-  const auto& blocks = riding->assembly().blocks;
-  for (const blocks::Contact& c : riding->contacts()) {
-    if (c.count == 0 || std::abs(c.separation.normal.y) < kBed) continue;
-    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
-    if (blocks[a].fixed) on_base.push_back(c.pair.b);
-    if (blocks[b].fixed) on_base.push_back(c.pair.a);
+  in_parts = may_ride_in_parts(shapes);
+  riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials), in_parts ? ranks : nullptr);
+  if (in_parts) {
+    agree_on_model();
+    divide_work();
+    riding->begin(rank_of_riding_blocks());
+  } else {
+    riding->before_dividing([this] { gather(Part::all); });
   }
+  riding->track_energy(want_energy);
+  find_blocks_on_base();
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
     for (const BodyControl& control : s.controls) blocks_named(control.body, s.source.text);
@@ -55,6 +54,71 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   }));
   follow_time_step();
   time_step.model_mass = riding->mass();
+}
+
+// Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
+void Simulation::Impl::find_blocks_on_base() {
+  const auto& blocks = riding->assembly().blocks;
+  on_base.assign(blocks.size(), 0);
+  const auto& contacts = riding->contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const blocks::Contact& c = contacts[i];
+    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(i).separation.normal.y) < kBed) continue;
+    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
+    if (blocks[a].fixed) on_base[b] = 1;
+    if (blocks[b].fixed) on_base[a] = 1;
+  }
+  if (in_parts)
+    tell_all(ranks, std::span(on_base), [rank = rank_of_riding_blocks()](std::size_t block) { return rank[block]; });
+}
+
+// Damage and properties that scatter are found over all contact points; a promotion hands over all of a lattice.
+bool Simulation::Impl::may_ride_in_parts(const blocks::Assembly& shapes) const {
+  return ranks && !left && scene.damage.empty() &&
+         std::none_of(shapes.families.begin(), shapes.families.end(),
+                      [](const JointFamily& family) { return family.scatters(); });
+}
+
+std::vector<int> Simulation::Impl::rank_of_riding_blocks() const {
+  std::vector<int> rank;
+  for (const int item : item_of_riding_block) rank.push_back(share.rank_of_item[static_cast<std::size_t>(item)]);
+  return rank;
+}
+
+// What every rank follows through a stage, whoever advances it.
+std::vector<int> Simulation::Impl::followed_blocks() const {
+  std::vector<int> followed = monitor_blocks;
+  for (const Drive& drive : drives) followed.push_back(drive.block);
+  for (const blocks::Load& given : riding->loads()) followed.push_back(given.block);
+  for (const blocks::Pressure& given : riding->pressures()) followed.push_back(given.block);
+  for (const Floor& floor : whiffletree) followed.insert(followed.end(), floor.riding.begin(), floor.riding.end());
+  return followed;
+}
+
+// Before a stage is bound that names them; previous: null: it is the first.
+void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* previous) {
+  std::vector<int> told = followed_blocks();
+  const auto add = [&](const std::string& name) {
+    const std::vector<int> named = blocks_named(name, settings.source.text);
+    told.insert(told.end(), named.begin(), named.end());
+  };
+  for (const BodyControl& control : settings.controls) add(control.body);
+  for (const Stage* stage_of_loads : {&settings, previous}) {
+    if (!stage_of_loads) continue;
+    for (const PointForce& given : stage_of_loads->forces) add(given.block);
+    for (const FacePressure& given : stage_of_loads->pressures) add(given.block);
+  }
+  if (settings.whiffletree) {
+    for (const auto& floor : settings.whiffletree->floors) std::for_each(floor.begin(), floor.end(), add);
+  }
+  std::vector<int> watched;
+  if (const std::string& name = watched_block(settings); !name.empty())
+    watched = blocks_named(name, settings.source.text);
+  told.insert(told.end(), watched.begin(), watched.end());
+  std::sort(told.begin(), told.end());
+  told.erase(std::unique(told.begin(), told.end()), told.end());
+  riding->tell_blocks(told);
+  riding->tell_joints(watched);
 }
 
 std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {
@@ -183,8 +247,7 @@ void Simulation::Impl::add_loads(const Stage& settings) {
     added.force = geometry::vector(given.force);
     // The point moves with its block.
     added.point = m.position(added.block) +
-                  m.orientation(added.block) *
-                      (geometry::vector(given.point) - riding_start[static_cast<std::size_t>(added.block)]);
+                  m.orientation(added.block) * (geometry::vector(given.point) - m.start_position(added.block));
     m.add(added);
   }
   for (const FacePressure& pressure : settings.pressures) {
@@ -252,18 +315,22 @@ bool Simulation::Impl::collapse_ended() {
 void Simulation::Impl::watch_uplift() {
   if (outcome.base_slip_at_uplift) return;
   double opened = 0.0;
-  for (const blocks::Contact& c : riding->contacts()) {
-    if (c.count == 0 || std::abs(c.separation.normal.y) < kBed) continue;
+  const auto& contacts = riding->contacts();
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const blocks::Contact& c = contacts[k];
+    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(k).separation.normal.y) < kBed) continue;
     const auto& family = riding->families()[static_cast<std::size_t>(c.family)];
     for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
   }
+  if (in_parts) opened = largest_of_ranks(opened);
   if (opened < kUplift) return;
   double slip = 0.0;
-  for (const int b : on_base) {
+  for (int b = 0; b < riding->block_count(); ++b) {
+    if (!on_base[static_cast<std::size_t>(b)] || !riding->owns(b)) continue;
     const Vec3 d = riding_displacement(b);
     slip = std::max(slip, std::hypot(d[0], d[2]));
   }
-  outcome.base_slip_at_uplift = slip;
+  outcome.base_slip_at_uplift = in_parts ? largest_of_ranks(slip) : slip;
 }
 
 double Simulation::Impl::now() const {
@@ -279,6 +346,8 @@ void Simulation::Impl::end_riding_step(double timed) {
   const auto before = timed > 0.0 ? Clock::now() : Clock::time_point();
   const bool moved = riding->end_step();
   if (timed > 0.0) times[Phase::detection] += timed * seconds_since(before);
+  if (ranks_failed)  // here all is well
+    throw Error(Exit::numerical, fmt::format("step {}: another rank cannot go on", step_count));
   if (moved) {
     const auto found = Clock::now();
     riding->find_contacts();
@@ -295,6 +364,7 @@ void Simulation::Impl::follow_time_step() {
 }
 
 void Simulation::Impl::measure_riding_step() {
+  if (in_parts) gather(Part::row);
   unbalanced_ratio = riding->unbalanced_ratio();
   const blocks::Energies& e = riding->energies();
   kinetic = want_energy ? e.kinetic : riding->kinetic_energy();
@@ -314,7 +384,7 @@ void Simulation::Impl::measure_riding_step() {
 // ---- Results -------------------------------------------------------------------------------------------------------
 
 Vec3 Simulation::Impl::riding_displacement(int block) const {
-  return geometry::array(riding->position(block) - riding_start[static_cast<std::size_t>(block)]);
+  return geometry::array(riding->position(block) - riding->start_position(block));
 }
 
 Vec3 Simulation::Impl::riding_displacement(const std::vector<int>& blocks) const {
@@ -333,7 +403,7 @@ double Simulation::Impl::largest_displacement() const {
     look(norm(geometry::vector((has_all() ? whole_motion_of(i) : whole_motions[i]).translation)));
   for (int i = 0; riding && i < riding->block_count(); ++i) {
     if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
-    look(norm(riding->position(i) - riding_start[static_cast<std::size_t>(i)]));
+    look(riding->moved(i));
   }
   return largest;
 }
@@ -363,11 +433,12 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
 // What these blocks touch is above them, as over a bottom beam.
 bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
   double arms = 0.0;
-  for (const blocks::Family& f : riding->families()) {
-    for (const blocks::Point& p : f.point) {
-      for (const int block : blocks) {
-        if (p.a == block || p.b == block) arms += riding->place_of(p).y - riding->position(block).y;
-      }
+  for (const blocks::Contact& c : riding->contacts()) {
+    for (const int block : blocks) {
+      if (c.pair.a != block && c.pair.b != block) continue;
+      for (std::size_t i = c.first; i < c.first + c.count; ++i)
+        arms += riding->place_of(riding->families()[static_cast<std::size_t>(c.family)].point[i]).y -
+                riding->position(block).y;
     }
   }
   return arms > 0.0;
@@ -376,47 +447,42 @@ bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
 // Rotations only: blocks that ride may leave their joints altogether.
 void Simulation::Impl::look_at_riding_motion() {
   for (int i = 0; i < riding->block_count(); ++i) {
-    const geometry::Matrix r = transposed(riding->orientation(i));
-    // |R - 1|^2 = 8 sin^2(angle / 2), which keeps its digits at small angles.
-    double squares = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      for (int c = 0; c < 3; ++c) {
-        const double d = r.row[k][c] - (k == c ? 1.0 : 0.0);
-        squares += d * d;
-      }
-    }
-    const double angle = 2.0 * std::asin(std::min(1.0, std::sqrt(squares / 8.0)));
+    const double angle = riding->turned(i);
     if (!(angle <= motion_seen.rotation)) motion_seen.rotation = angle, motion_seen.turned_block = i;
   }
 }
 
-// Family after family.
+// Chunk by chunk: of all, or where others have not told of theirs, of those of this rank.
 void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
-  std::size_t first = 0;
-  for (const blocks::Family& f : riding->families()) {
-    const std::size_t n = f.size(), first_of_family = first;
-    first += n;
-    if (n == 0 || !(f.material->api().capabilities & capability)) continue;
-    std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
-    std::vector<quoin_in> old;
-    std::vector<quoin_out> fresh;
-    for (std::size_t k = 0; k < f.state.size(); ++k) {
-      old.push_back({f.state[k].data(), 1});
-      fresh.push_back({unused.data() + (3 + k) * n, 1});
+  std::vector<std::size_t> first_of_family;
+  std::size_t points = 0;
+  for (const blocks::Family& f : riding->families()) first_of_family.push_back(points), points += f.size();
+  std::vector<double> zero, unused;
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (const int c : !in_parts || has_all() ? whole_share(riding->chunk_count(), 0).chunks : share.chunks) {
+    const auto [k, first, n] = riding->range_of_chunk(c);
+    const blocks::Family& f = riding->families()[static_cast<std::size_t>(k)];
+    if (!(f.material->api().capabilities & capability)) continue;
+    zero.assign(n, 0.0), unused.resize((3 + f.state.size()) * n);
+    old.clear(), fresh.clear();
+    for (std::size_t s = 0; s < f.state.size(); ++s) {
+      old.push_back({f.state[s].data() + first, 1});
+      fresh.push_back({unused.data() + (3 + s) * n, 1});
     }
     quoin_batch batch{};
     batch.struct_size = sizeof batch;
     batch.count = n;
-    batch.normal_jump = {f.normal_jump.data(), 1};
+    batch.normal_jump = {f.normal_jump.data() + first, 1};
     for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-    for (std::size_t k = 0; k < 3; ++k) {
-      batch.traction_old[k] = {f.traction[k].data(), 1};
-      batch.traction_new[k] = {unused.data() + k * n, 1};
+    for (std::size_t t = 0; t < 3; ++t) {
+      batch.traction_old[t] = {f.traction[t].data() + first, 1};
+      batch.traction_new[t] = {unused.data() + t * n, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
-    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, 0);
+    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, first);
     batch.property_column_count = properties.size(), batch.property_columns = properties.data();
-    outputs(batch, first_of_family);
+    outputs(batch, first_of_family[static_cast<std::size_t>(k)] + first);
     f.material->evaluate(&batch);
   }
 }
@@ -478,13 +544,13 @@ std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) co
 std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bool(int block)>& wanted) const {
   const std::vector<std::uint32_t> all_flags = current_flags();
   std::vector<ContactPoint> points;
-  std::int32_t next = 0;
+  std::size_t first_of_family = 0;
   for (std::size_t k = 0; k < riding->families().size(); ++k) {
     const blocks::Family& f = riding->families()[k];
-    for (std::size_t i = 0; i < f.size(); ++i) {
-      const std::int32_t index = next++;
+    const auto add = [&](std::size_t i) {
+      const auto index = static_cast<std::int32_t>(first_of_family + i);
       const blocks::Point& p = f.point[i];
-      if (!wanted(p.a)) continue;
+      if (!wanted(p.a)) return;
       const geometry::Matrix r = riding->frame_of(p);
       ContactPoint point{};
       point.index = index;
@@ -502,7 +568,13 @@ std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bo
       point.flags = all_flags[static_cast<std::size_t>(index)];
       point.condition = condition_of(point.flags);
       points.push_back(point);
+    };
+    for (const std::uint32_t contact : riding->contacts_of_family(k)) {
+      const blocks::Contact& c = riding->contacts()[contact];
+      if (in_parts && !has_all() && !riding->owns(c)) continue;
+      for (std::size_t i = c.first; i < c.first + c.count; ++i) add(i);
     }
+    first_of_family += f.size();
   }
   return points;
 }

@@ -24,10 +24,12 @@ void Simulation::Impl::begin_stage(int index) {
   gather(Part::row);
   if (!in_parts || !settings.law_swaps.empty())
     gather(Part::all);
-  else if (settings.whiffletree)
+  else if (settings.whiffletree && !riding)
     gather(Part::all, Who::holders);
+  const Stage* const previous = index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr;
+  if (riding && in_parts) tell_blocks_of_stage(settings, previous);
   if (riding)
-    begin_riding_stage(settings, index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr);
+    begin_riding_stage(settings, previous);
   else
     control_bodies(settings);
   gravity_from = data.gravity;

@@ -195,6 +195,11 @@ struct Simulation::Impl {
 
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
   void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
+  void find_blocks_on_base();
+  bool may_ride_in_parts(const blocks::Assembly& shapes) const;
+  std::vector<int> rank_of_riding_blocks() const;
+  std::vector<int> followed_blocks() const;
+  void tell_blocks_of_stage(const Stage& settings, const Stage* previous);
   std::vector<int> blocks_named(const std::string& name, const std::string& where) const;
   void watch_blocks(const Stage& settings);                       // the monitor of the stage
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
@@ -235,12 +240,13 @@ struct Simulation::Impl {
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
   std::vector<double> estimated_costs() const;  // by item, its contact points included; any unit
+  Vec3 riding_place(int block) const;           // all ranks find the same
   RankShare share_of_this_rank() const;         // in large motion once all has been gathered: positions count
   void bind_halo();  // what neighbours ask for in every step, and all ranks of what stages watch
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
   using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
   Halo halo_on_borders(const SideNumbers& numbers_of);
-  Halo motion_on_borders();                    // displacement and velocity
+  void tell_motion_on_borders();               // displacement and velocity
   std::vector<int> ranks_of(int chunk) const;  // that evaluate it
   // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
   void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
@@ -248,9 +254,12 @@ struct Simulation::Impl {
   void begin_with_ranks();
   void agree_on_model() const;
   // An array whose parts ranks hold, some megabytes at a time, to rank 0.
-  void give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take);
+  void give_array(const void* array, std::size_t bytes, const Simulation::TakeBytes& take);
   void end_run();  // what results ask rank 0 for
+  // How many contact points are in which state: of all, who has them; of chunks of this rank; of those of all ranks.
+  std::array<long, kConditionCount> conditions_here() const;
   std::array<long, kConditionCount> own_conditions();
+  std::array<long, kConditionCount> conditions_of_all();
   // Where each rank holds a part of the lattice (in_parts).
   bool may_be_in_parts(const Assembly& assembly) const;
   struct Held {
@@ -268,7 +277,7 @@ struct Simulation::Impl {
   void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
   void prepare_row();                                            // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that rank 0 sees what it is.
-  bool agree(bool trouble, bool* startled = nullptr);
+  bool agree(bool trouble, bool* startled = nullptr, bool* leaves_frame = nullptr);
   double largest_of_ranks(double here) const;
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
@@ -338,8 +347,7 @@ struct Simulation::Impl {
 
   // Blocks of any shape in large motion; null: none.
   std::unique_ptr<blocks::Model> riding;
-  std::vector<geometry::Vector> riding_start;  // centres of mass at the start, m
-  std::vector<int> on_base;                    // free blocks that rest on fixed ones at the start
+  std::vector<std::uint8_t> on_base;  // by block: a free one that rests on fixed ones at the start
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
   double riding_stage_start = 0.0;                     // s
@@ -398,7 +406,9 @@ struct Simulation::Impl {
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
   Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
-  bool in_parts = false;                  // each rank holds a part of the lattice
+  bool in_parts = false;                  // each rank holds a part of the model
+  bool ranks_failed = false;              // one of them in this step
+  bool has_row = false;                   // what a row takes, in large motion in parts, of the last step
   bool holds_all = true;                  // this one all of it
   std::vector<int> unit_of_group;         // by block group: its item
   std::vector<int> item_of_riding_block;  // with ranks

@@ -54,12 +54,11 @@ void Simulation::Impl::look_at_points() {
     watch.overlap_at = place();
   };
   long crushed_out = 0;
-  if (riding) {
-    for (const blocks::Family& f : riding->families()) {
-      for (std::size_t i = 0; i < f.size(); ++i)
-        see(f.normal_jump[i], [&] { return geometry::array(riding->place_of(f.point[i])); });
-    }
-  } else {
+  for (int c = 0; riding && c < riding->chunk_count(); ++c) {
+    const blocks::Deepest deepest = riding->deepest_of_chunk(c);
+    see(deepest.opening, [&] { return geometry::array(deepest.at); });
+  }
+  if (!riding) {
     for (const LawCall& call : calls) {
       see(call.deepest, [&] { return model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
       crushed_out += call.crushed_out;
@@ -89,10 +88,8 @@ void Simulation::Impl::look_at_stiffness() {
   };
   if (riding) {
     for (const blocks::Family& f : riding->families()) hold(*f.material, f.size());
-    const std::vector<std::uint32_t> all_flags = current_flags();
-    const auto crushed_out = std::count_if(all_flags.begin(), all_flags.end(),
-                                           [](std::uint32_t f) { return condition_of(f) == Condition::crushed_out; });
-    watch.crushed_out = std::max(watch.crushed_out, static_cast<long>(crushed_out));
+    const auto counts = in_parts && !has_all() ? conditions_of_all() : conditions_here();
+    watch.crushed_out = std::max(watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
   } else {
     for (const ContactFamily& family : model.families)
       hold(*family.material, static_cast<std::size_t>(family.point_count));
@@ -100,7 +97,10 @@ void Simulation::Impl::look_at_stiffness() {
 }
 
 std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
-  if (riding) return riding->wrong_law();
+  if (riding) {
+    const bool all = !in_parts || has_all();
+    return riding->wrong_law(all ? whole_share(riding->chunk_count(), 0).chunks : share.chunks);
+  }
   // Of `count` points of a family from `first` on.
   const auto look_at = [&](std::size_t f, std::size_t first, std::size_t count) {
     const ContactFamily& family = model.families[f];
@@ -143,8 +143,7 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   if (step_count >= watch.next_stiffness) {
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     if (in_parts) {
-      Halo border = motion_on_borders();
-      border.send(*ranks), border.receive(*ranks);
+      if (!riding) tell_motion_on_borders();
       look_at_stiffness();
       watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
       if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them

@@ -54,7 +54,8 @@ void collapse(int courses, int width, double rest) {
   }
   double overlap = 0.0;
   m->detect_now();
-  for (const Contact& c : m->contacts()) overlap = std::max(overlap, -c.separation.distance);
+  for (size_t i = 0; i < m->contacts().size(); ++i)
+    overlap = std::max(overlap, -m->place_of_pair(i).separation.distance);
   const Energies e = m->energies();
   std::printf(
       "  collapse of %d blocks: %ld steps in %.1f s, %ld detections, %ld narrow calls; top %.2f m of %.2f m; fastest "

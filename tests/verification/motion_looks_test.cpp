@@ -13,7 +13,8 @@ class Watched : public Model {
   // Motion of the pair that has moved furthest since its contact was found, over what it may.
   double furthest() const {
     double most = 0.0;
-    for (const Contact& c : contacts_) most = std::max(most, pair_motion(c) / allowed_motion(c));
+    for (size_t i = 0; i < contacts_.size(); ++i)
+      most = std::max(most, pair_motion(contacts_[i], pair_place_[i]) / allowed_motion(contacts_[i], pair_place_[i]));
     return most;
   }
 };

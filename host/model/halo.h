@@ -1,0 +1,34 @@
+// Numbers that neighbouring ranks tell each other again and again.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "base/ranks.h"
+
+namespace quoin {
+
+// The motion that goes from one rank to another after every step: where its numbers lie, in the same order on both
+// sides.
+struct Border {
+  int rank;
+  std::vector<double*> send, receive;
+  std::vector<double> outgoing, incoming;
+};
+
+// One message each way with every rank that shares a border.
+class Halo {
+ public:
+  void clear() { borders_.clear(); }
+  void add(Border border);
+  void send(Ranks& ranks);                               // and makes ready to receive; returns at once
+  void receive(Ranks& ranks);                            // waits
+  std::size_t messages() const { return send_.size(); }  // that this rank sends
+  std::size_t bytes() const;                             // in them
+
+ private:
+  std::vector<Border> borders_;
+  std::vector<Ranks::Parcel> send_, receive_;
+};
+
+}  // namespace quoin

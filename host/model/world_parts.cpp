@@ -1,0 +1,409 @@
+// A model that several processes share: what each of them has of it, and how it gets what it did not have.
+//
+// Arrays have the numbers of the whole model; memory they have where a rank works (base/sparse_memory.h). What steps
+// change of a block is known to its owner; contact points to the owners of both blocks of their pair.
+#include <algorithm>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+namespace {
+
+template <class Array>
+void forget_items(Array& array, size_t first, size_t end) {
+  if (!array.empty()) forget_part(array, first, end);
+}
+
+}  // namespace
+
+template <class Memory>
+void World::tell_by_block(Memory& values) const {
+  tell_all(ranks_, std::span(values), [&](size_t block) { return rank_of_block_[block]; });
+}
+template void World::tell_by_block(std::vector<double>&) const;
+template void World::tell_by_block(std::vector<geometry::Box>&) const;
+
+bool World::any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
+
+double World::largest(double here) const {
+  if (ranks_) ranks_->largest({&here, 1});
+  return here;
+}
+
+// The fault of the first rank that has one.
+void World::fail_together(const std::optional<Error>& here) const {
+  if (!ranks_) {
+    if (here) throw *here;
+    return;
+  }
+  const double first = -largest(here ? -double(ranks_->rank()) : -double(ranks_->count()));
+  const int rank = int(first);
+  if (rank == ranks_->count()) return;
+  const bool mine = rank == ranks_->rank();
+  const std::string text = mine ? here->what() : "";
+  const auto length = size_t(largest(double(text.size())));
+  const int code = int(largest(mine ? double(here->exit_code) : 0.0));
+  std::vector<size_t> sizes(size_t(ranks_->count()), 0);
+  sizes[size_t(rank)] = length;
+  std::string told(length, ' ');
+  ranks_->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(told)));
+  throw Error(Exit(code), told);
+}
+
+// ---- What there is to tell -----------------------------------------------------------------------------------------
+
+void World::each_memory_of_block(int block, const VisitBytes& visit) {
+  const ModelBlock& b = blocks_[size_t(block)];
+  const auto i = size_t(block), node = size_t(b.first_node), nodes = size_t(b.node_count);
+  if (b.body >= 0) {
+    visit(&bodies_[size_t(b.body)], sizeof(Body));
+    if (!seen_.empty()) visit(&seen_[size_t(b.body)], sizeof(SeenMotion));
+  } else {
+    for (auto* field : {&node_x_, &node_v_, &node_held_v_}) visit(&(*field)[node], nodes * sizeof(Vector));
+    visit(&node_held_[node], nodes);
+  }
+  visit(&broad_[i], sizeof(Pose));
+  if (!block_look_.empty()) visit(&block_look_[i], sizeof(long));
+  visit(&block_contact_force_[i], sizeof(Vector));
+  const StartPoints joints = start_points_of(block, block + 1);
+  if (joints.end > joints.first) visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(Vector));
+}
+
+World::StartPoints World::start_points_of(int first_block, int end_block) const {
+  const auto first_of = [&](int block) {
+    const auto joint = std::ranges::lower_bound(start_joints_, block, {}, [](const StartJoint& j) { return j.pair.a; });
+    return joint == start_joints_.end() ? start_point_.size() : size_t(joint->first);
+  };
+  return {first_of(first_block), first_of(end_block)};
+}
+
+void World::each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit) {
+  Family& f = families_[size_t(family)];
+  const auto column = [&](auto& values) {
+    if (!values.empty()) visit(&values[first], (end - first) * sizeof values[0]);
+  };
+  column(f.point);
+  for (auto& values : f.slid) column(values);
+  column(f.normal_jump);
+  for (auto& values : f.slip) column(values);
+  for (auto& values : f.traction) column(values);
+  for (auto& values : f.state) column(values);
+  for (auto& values : f.old_traction) column(values);
+  column(f.old_jump), column(f.stored);
+  for (auto& values : f.dissipated) column(values);
+  for (auto& values : f.viscous) column(values);
+}
+
+struct World::Wanted {
+  std::vector<bool> block, contact;            // that are told
+  std::vector<bool> block_here, contact_here;  // wanted here
+  std::span<const int> known_by;               // rank of each block
+  explicit Wanted(const World& world, std::span<const int> known)
+      : block(world.blocks_.size()),
+        contact(world.contacts_.size()),
+        block_here(block),
+        contact_here(contact),
+        known_by(known) {}
+};
+
+// visit(rank, first byte, bytes, whether it is wanted here). Neighbouring contacts of one rank go together, array by
+// array, in the same order on all ranks, whatever each of them wants of them.
+template <class Visit>
+void World::each_told_memory(const Wanted& w, Visit visit) {
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!w.block[i]) continue;
+    each_memory_of_block(int(i), [&](void* first, size_t bytes) {
+      if (bytes > 0) visit(w.known_by[i], first, bytes, bool(w.block_here[i]));
+    });
+  }
+  const auto rank_of_contact = [&](size_t i) { return w.known_by[size_t(contacts_[i].pair.a)]; };
+  // Items of arrays that go together, from some item on: how many of them are wanted here, or not, in turn.
+  struct Part {
+    size_t items;
+    bool here;
+  };
+  std::vector<Part> parts;
+  int rank = 0;
+  const auto add = [&](size_t items, bool here) {
+    if (parts.empty() || parts.back().here != here) parts.push_back({0, here});
+    parts.back().items += items;
+  };
+  const auto visit_parts = [&](void* first, size_t item_bytes) {
+    auto* at = static_cast<std::byte*>(first);
+    for (const Part& part : parts) {
+      if (part.items > 0) visit(rank, at, part.items * item_bytes, part.here);
+      at += part.items * item_bytes;
+    }
+  };
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (!w.contact[i]) continue;
+    const size_t first = i;
+    rank = rank_of_contact(i), parts.clear();
+    for (; i < contacts_.size() && w.contact[i] && rank_of_contact(i) == rank; ++i) add(1, w.contact_here[i]);
+    visit_parts(&pair_place_[first], sizeof(PairPlace));
+    visit_parts(&pair_look_[first], sizeof(PairLook));
+    --i;
+  }
+  for (size_t k = 0; k < families_.size(); ++k) {
+    const std::vector<uint32_t>& of_family = contacts_of_family_[k];
+    for (size_t i = 0; i < of_family.size(); ++i) {
+      if (!w.contact[of_family[i]]) continue;
+      const size_t first_of_run = i;
+      const Contact& from = contacts_[of_family[i]];
+      rank = rank_of_contact(of_family[i]), parts.clear();
+      for (; i < of_family.size() && w.contact[of_family[i]] && rank_of_contact(of_family[i]) == rank; ++i)
+        add(contacts_[of_family[i]].count, w.contact_here[of_family[i]]);
+      const Contact& last = contacts_[of_family[--i]];
+      const size_t points = last.first + last.count - from.first;
+      each_memory_of_points(int(k), from.first, from.first + points,
+                            [&](void* at, size_t bytes) { visit_parts(at, bytes / points); });
+      parts.clear();
+      for (size_t c = first_of_run; c <= i; ++c) {
+        const Contact& contact = contacts_[of_family[c]];
+        add(contact.count * size_t(facets_a_point(contact)), w.contact_here[of_family[c]]);
+      }
+      if (!facets_.empty()) visit_parts(&facets_[0] + from.first_facet, sizeof(Facet));
+    }
+  }
+}
+
+size_t World::tell(const Wanted& wanted) {
+  RankRows rows(*ranks_);
+  each_told_memory(wanted, [&](int rank, void* first, size_t bytes, bool here) { rows.add(rank, first, bytes, here); });
+  return rows.tell();
+}
+
+void World::each_owned_memory(const VisitOwned& visit) {
+  Wanted all(*this, rank_of_block_);
+  all.block.assign(blocks_.size(), true), all.contact.assign(contacts_.size(), true);
+  each_told_memory(all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
+}
+
+// ---- Who is told what ----------------------------------------------------------------------------------------------
+
+namespace {
+
+// Who needs something that some ranks know.
+struct Need {
+  std::vector<bool>& told;
+  std::vector<bool>& here;
+  int this_rank;
+  void add(size_t item, int rank, bool knows) {
+    if (knows) return;
+    told[item] = true;
+    if (rank == this_rank) here[item] = true;
+  }
+};
+
+}  // namespace
+
+void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
+  take_back_facets();
+  const std::vector<int> before = std::exchange(rank_of_block_, std::move(rank_of_block));
+  const int here = ranks_->rank();
+  Wanted wanted(*this, before);
+  Need of_blocks{wanted.block, wanted.block_here, here}, of_contacts{wanted.contact, wanted.contact_here, here};
+  std::vector<bool> stays(blocks_.size()), contact_stays(contacts_.size());
+  const auto need_block = [&](int block, int rank) {
+    if (rank == here) stays[size_t(block)] = true;
+    of_blocks.add(size_t(block), rank, before[size_t(block)] == rank);
+  };
+  const auto need_contact = [&](size_t i, int rank) {
+    const auto [a, b] = contacts_[i].pair;
+    if (rank == here) contact_stays[i] = true;
+    of_contacts.add(i, rank, before[size_t(a)] == rank || before[size_t(b)] == rank);
+  };
+  for (int b = 0; b < block_count(); ++b) need_block(b, rank_of_block_[size_t(b)]);
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    const auto [a, b] = contacts_[i].pair;
+    for (const int rank : {rank_of_block_[size_t(a)], rank_of_block_[size_t(b)]})
+      need_block(a, rank), need_block(b, rank), need_contact(i, rank);
+  }
+  std::vector<int> evaluate;
+  for (int c = 0; c < chunk_count(); ++c) {
+    evaluate.clear();
+    each_contact_of_chunk(c, [&](size_t i) {
+      for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
+        const int rank = rank_of_block_[size_t(block)];
+        if (std::ranges::find(evaluate, rank) == evaluate.end()) evaluate.push_back(rank);
+      }
+    });
+    if (evaluate.size() == 1) continue;
+    each_contact_of_chunk(c, [&](size_t i) {
+      for (const int rank : evaluate) {
+        need_contact(i, rank);
+        need_block(contacts_[i].pair.a, rank), need_block(contacts_[i].pair.b, rank);
+      }
+    });
+  }
+  for (const int block : known) {
+    for (int r = 0; r < ranks_->count(); ++r) need_block(block, r);
+  }
+  for (int b = 0; b < block_count(); ++b) {
+    if (stays[size_t(b)]) lay_out(b);
+  }
+  tell(wanted);
+
+  each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(first, end); });
+  each_row(contact_stays, false, [&](size_t first, size_t end) {
+    forget_part(pair_place_, first, end), forget_part(pair_look_, first, end);
+  });
+  for (size_t k = 0; k < families_.size(); ++k) forget_points(k, contact_stays);
+  bind_work();
+  bind_neighbours();
+}
+
+void World::forget_points(size_t family, const std::vector<bool>& contact_stays) {
+  Family& f = families_[family];
+  const std::vector<uint32_t>& of_family = contacts_of_family_[family];
+  for (size_t i = 0; i < of_family.size(); ++i) {
+    if (contact_stays[of_family[i]]) continue;
+    const Contact& from = contacts_[of_family[i]];
+    while (i + 1 < of_family.size() && !contact_stays[of_family[i + 1]]) ++i;
+    const Contact& last = contacts_[of_family[i]];
+    each_memory_of_points(int(family), from.first, last.first + last.count,
+                          [](void* first, size_t bytes) { forget(std::span(static_cast<std::byte*>(first), bytes)); });
+    for (auto* column : {&f.arm[0], &f.arm[1], &f.arm[2], &f.offset, &f.area})
+      forget_items(*column, from.first, last.first + last.count);
+    forget_items(facets_, from.first_facet, last.first_facet + last.count * size_t(facets_a_point(last)));
+  }
+}
+
+void World::forget_blocks(size_t first, size_t end) {
+  const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
+  const auto nodes = [&](auto& field) {
+    forget_items(field, size_t(from.first_node), size_t(last.first_node + last.node_count));
+  };
+  nodes(node_x_), nodes(node_reference_), nodes(node_v_), nodes(node_held_v_), nodes(node_anchor_);
+  nodes(node_mass_), nodes(node_weight_mass_), nodes(node_held_), nodes(node_support_);
+  forget_items(zones_, size_t(from.first_zone), size_t(last.first_zone + last.zone_count));
+  for (auto* field : {&corner_, &placed_corner_})
+    forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
+  for (auto* field : {&body_normal_, &placed_normal_})
+    forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
+  for (auto* field : {&start_, &broad_}) forget_items(*field, first, end);
+  const StartPoints joints = start_points_of(int(first), int(end));
+  forget_items(start_point_, joints.first, joints.end);
+  forget_items(block_look_, first, end), forget_items(block_contact_force_, first, end);
+  int first_body = -1, last_body = -1;
+  for (size_t i = first; i < end; ++i) {
+    laid_out_[i] = false;
+    std::vector<geometry::Zoning::SurfaceTriangle>().swap(blocks_[i].surface);
+    if (blocks_[i].body < 0) continue;
+    if (first_body < 0) first_body = blocks_[i].body;
+    last_body = blocks_[i].body;
+  }
+  if (first_body < 0) return;
+  forget_items(bodies_, size_t(first_body), size_t(last_body) + 1);
+  forget_items(seen_, size_t(first_body), size_t(last_body) + 1);
+}
+
+void World::tell_blocks(std::span<const int> told) {
+  Wanted wanted(*this, rank_of_block_);
+  for (const int b : told) {
+    lay_out(b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
+  }
+  tell(wanted);
+}
+
+void World::tell_joints(std::span<const int> of_blocks) {
+  Wanted wanted(*this, rank_of_block_);
+  std::vector<bool> asked(blocks_.size());
+  for (const int b : of_blocks) asked[size_t(b)] = true;
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    const Contact& c = contacts_[i];
+    if (c.count == 0 || !(asked[size_t(c.pair.a)] || asked[size_t(c.pair.b)])) continue;
+    wanted.contact[i] = true, wanted.contact_here[i] = !owns(c);
+    for (const int b : {c.pair.a, c.pair.b}) {
+      lay_out(b);
+      wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
+    }
+  }
+  tell(wanted);
+}
+
+size_t World::tell_everything(bool to_all) {
+  take_back_facets();
+  Wanted wanted(*this, rank_of_block_);
+  const bool here = to_all || ranks_->rank() == 0;
+  for (int b = 0; b < block_count(); ++b) {
+    if (here) lay_out(b);
+    wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = here && !owns(b);
+  }
+  for (size_t i = 0; i < contacts_.size(); ++i)
+    wanted.contact[i] = true, wanted.contact_here[i] = here && !owns(contacts_[i]);
+  const size_t bytes = tell(wanted);
+  for (Chunk& chunk : chunks_) {
+    if (here) pack(chunk), bind(families_[size_t(chunk.family)], chunk);
+  }
+  return bytes;
+}
+
+// ---- Blocks close to those of other ranks --------------------------------------------------------------------------
+
+void World::hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs) {
+  if (!ranks_) return;
+  Wanted wanted(*this, rank_of_block_);
+  Need need{wanted.block, wanted.block_here, ranks_->rank()};
+  for (const auto& [a, b] : pairs) {
+    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
+    if (rank_a == rank_b) continue;
+    need.add(size_t(a), rank_b, false), need.add(size_t(b), rank_a, false);
+  }
+  for (int b = 0; b < block_count(); ++b) {
+    if (wanted.block_here[size_t(b)]) lay_out(b);
+  }
+  tell(wanted);
+  place_blocks();
+}
+
+void World::bind_neighbours() {
+  neighbours_.clear();
+  if (!ranks_) return;
+  const int here = ranks_->rank();
+  startled_blocks_.resize(blocks_.size(), 0.0);
+  std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks that it is told, and tells
+  for (const Contact& c : contacts_) {
+    const auto [a, b] = c.pair;
+    const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
+    if (rank_a == rank_b || !owns(c)) continue;
+    const bool own = rank_a == here;
+    auto& [to, from] = with[own ? rank_b : rank_a];
+    to.push_back(own ? a : b), from.push_back(own ? b : a);
+  }
+  const auto numbers_of = [&](std::vector<int>& list, std::vector<double*>& numbers) {
+    std::ranges::sort(list);
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    const auto add = [&](Vector& v) { numbers.insert(numbers.end(), {&v.x, &v.y, &v.z}); };
+    for (const int block : list) {
+      const ModelBlock& b = blocks_[size_t(block)];
+      if (b.body >= 0) {
+        Body& body = bodies_[size_t(b.body)];
+        for (Vector* v : {&body.x, &body.v, &body.omega}) add(*v);
+        for (Vector& row : body.r.row) add(row);
+        for (Vector& row : body.transposed_r.row) add(row);
+        numbers.push_back(&startled_blocks_[size_t(block)]);
+      }
+      for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(node_x_[size_t(n)]);
+    }
+  };
+  for (auto& [rank, blocks] : with) {
+    Border border{rank, {}, {}, {}, {}};
+    numbers_of(blocks.first, border.send), numbers_of(blocks.second, border.receive);
+    neighbours_.add(std::move(border));
+  }
+}
+
+void World::hear_of_neighbours() {
+  if (!ranks_) return;
+  for (size_t i = 0; i < blocks_.size(); ++i) startled_blocks_[i] = owns(int(i)) && block_sums_[i].startled ? 1.0 : 0.0;
+  neighbours_.send(*ranks_);
+  neighbours_.receive(*ranks_);
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    if (!owns(int(i))) block_sums_[i].startled = startled_blocks_[i] > 0.0;
+  }
+}
+
+}  // namespace quoin::blocks
