@@ -264,18 +264,20 @@ void World::tell_findings(Detection& found) {
     bool looked_at, fresh, beside_joint;
   };
   std::vector<Told> told;
-  for (size_t i = 0; i < found.contacts.size(); ++i) {
+  for (size_t i = 0; ranks_ && i < found.contacts.size(); ++i) {
     const Finding& f = found.findings[i];
     told.push_back({found.contacts[i].family, f.fresh_count, f.looked_at, f.fresh, found.contacts[i].beside_joint});
   }
   tell_all(ranks_, std::span(told), [&](size_t i) { return rank_of(found.contacts[i]); });
-  found.changed = !found.lost.empty();
-  for (size_t i = 0; i < found.contacts.size(); ++i) {
+  for (size_t i = 0; i < told.size(); ++i) {
     Contact& c = found.contacts[i];
     Finding& f = found.findings[i];
     c.family = told[i].family, c.beside_joint = told[i].beside_joint;
-    f.fresh = told[i].fresh, f.fresh_count = told[i].fresh_count;
-    narrow_calls_ += told[i].looked_at ? 1 : 0;
+    f.fresh_count = told[i].fresh_count, f.looked_at = told[i].looked_at, f.fresh = told[i].fresh;
+  }
+  found.changed = !found.lost.empty();
+  for (const Finding& f : found.findings) {
+    narrow_calls_ += f.looked_at ? 1 : 0;
     found.changed |= f.fresh && (f.fresh_count > 0 || f.count > 0);
   }
 }

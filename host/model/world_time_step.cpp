@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "model/lanczos.h"
-#include "model/ranked_rows.h"
+#include "model/told_sums.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
 
@@ -134,36 +134,14 @@ struct World::FrequencyHalo {
   }
 };
 
-namespace {
-
-// Sums over unknowns in the order of one process.
-class SharedUnknowns : public SharedVectors {
- public:
-  explicit SharedUnknowns(Ranks& ranks) : rows_(ranks) {}
-  void append(int rank, const VectorRow& row) { rows_.append(rank, row); }
-  std::span<const VectorRow> rows() const override { return rows_.rows(); }
-  double sum(const Add& add) override { return rows_.sum(add); }
-
- private:
-  RankedRows rows_;
-};
-
-}  // namespace
-
 double World::highest_frequency() const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
-  std::unique_ptr<SharedUnknowns> shared;
+  std::unique_ptr<ToldSums> shared;
   if (ranks_) {
-    shared = std::make_unique<SharedUnknowns>(*ranks_);
-    for (size_t i = 0; i < blocks_.size(); ++i) {
-      const size_t first = 6 * size_t(std::max(blocks_[i].body, 0));
-      if (blocks_[i].body >= 0) shared->append(rank_of_block_[i], {first, first + 6});
-    }
-    for (size_t i = 0; i < blocks_.size(); ++i) {
-      const size_t first = 6 * nb + 3 * size_t(blocks_[i].first_node);
-      if (blocks_[i].body < 0) shared->append(rank_of_block_[i], {first, first + 3 * size_t(blocks_[i].node_count)});
-    }
+    shared = std::make_unique<ToldSums>(*ranks_);
+    for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], blocks_[i].body >= 0 ? 6 : 0);
+    for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], 3 * size_t(blocks_[i].node_count));
   }
   std::vector<int> own_bodies;
   std::vector<VectorRow> own_nodes;

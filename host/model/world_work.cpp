@@ -45,7 +45,7 @@ void World::divide_work() {
 
 void World::number_chunks() {
   chunks_.clear(), own_chunks_.clear();
-  contacts_of_family_.assign(families_.size(), {});
+  for (auto& of_family : contacts_of_family_) of_family.clear();
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (contacts_[i].count > 0) contacts_of_family_[size_t(contacts_[i].family)].push_back(uint32_t(i));
   }

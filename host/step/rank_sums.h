@@ -1,10 +1,12 @@
-// Vectors of a model whose items ranks share, with sums over all of them in the order of one process.
+// Vectors of a model whose items ranks share: sums over all of them in the order of one process.
+//
+// A sum goes from the rank of the first items to that of the next, and so on, as often as items in a row change hands:
+// it takes as long as in one process, but no rank needs the numbers of another.
 #pragma once
 
 #include <vector>
 
 #include "model/model.h"
-#include "model/ranked_rows.h"
 #include "model/shared_model.h"
 #include "step/rank_share.h"
 
@@ -16,16 +18,24 @@ class RankSums : public SharedModel {
   RankSums(const Model& model, const RankShare& share, std::vector<int> units, const std::vector<int>& rank_of_body,
            Ranks& ranks, std::function<Halo(LaneVector<double>&)> halo_of);
 
-  std::span<const VectorRow> rows() const override { return rows_.rows(); }
-  double sum(const Add& add) override { return rows_.sum(add); }
+  std::span<const VectorRow> rows() const override { return rows_; }
+  double sum(const Add& add) override;
   std::span<const int> units() const override { return units_; }
   std::span<const int> chunks() const override { return chunks_; }
   void exchange(LaneVector<double>& vector) override;
 
  private:
+  // Of one rank.
+  struct Run {
+    int rank;
+    VectorRow row;
+  };
+  void append(int rank, const VectorRow& row);
+
+  std::vector<Run> runs_;  // of all ranks, in order
+  std::vector<VectorRow> rows_;
   std::vector<int> units_, chunks_;
   Ranks& ranks_;
-  RankedRows rows_;
   std::function<Halo(LaneVector<double>&)> halo_of_;
   Halo halo_;
   const LaneVector<double>* exchanged_ = nullptr;

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "step/simulation.h"
 #include "support.h"
 #include "thread_ranks.h"
@@ -22,7 +23,7 @@ struct Case {
   const char* name;
   std::string scene;
   Overrides overrides;
-  enum { nothing, promotion, detection } has = nothing;
+  enum { nothing, promotion, detection, parting } has = nothing;
 };
 
 // What is compared, bit for bit.
@@ -68,6 +69,12 @@ Found alone(const Case& of) {
   Rows rows;
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
+  if (of.has == Case::detection || of.has == Case::parting) {
+    EXPECT_GT(simulation.riding()->detections(), 2);
+  }
+  if (of.has == Case::parting) {
+    EXPECT_LT(simulation.riding()->unit_count(), 16);
+  }
   return found_in(simulation, rows);
 }
 
@@ -103,6 +110,16 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
 }
 
 const std::string kTests = QUOIN_HOST_TESTS "/../", kScenes = QUOIN_SCENES "/";
+// Units of two halves in large motion, thrown at once until they come apart.
+const Overrides kHalves = {"solver.large_motion=always",
+                           "wall.mid_unit_joints=true",
+                           "wall.unit_joint=mortar",
+                           "wall.courses=4",
+                           "wall.units_per_course=4",
+                           "output.energy=true",
+                           "stage.precompression.duration=0.002",
+                           "stage.shear.velocity=2",
+                           "stage.shear.displacement=0.004"};
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ManyRanks,
     ::testing::Values(Case{"Wall",
@@ -125,7 +142,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Case{"Deformable",
                            kScenes + "mixed.toml",
                            {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
-                            "stage.push.duration=0.004"}}),
+                            "stage.push.duration=0.004"}},
+                      Case{"FreedEnergies",
+                           kScenes + "mixed.toml",
+                           {"output.energy=true", "stage.weight.duration=0.05", "stage.push.duration=0.1"},
+                           Case::detection},
+                      Case{"HalvesThatPart", kTests + "cli/small_wall.toml", kHalves, Case::parting}),
     [](const auto& of) { return std::string(of.param.name); });
 
 TEST(Ranks, WithDifferentModelsAreRefused) {
@@ -156,6 +178,50 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   };
   EXPECT_EQ(Simulation(stones(1)).time_step_report().time_step, Simulation(stones(0)).time_step_report().time_step);
   EXPECT_THROW(on_ranks(2, [&](Ranks& ranks) { Simulation(stones(ranks.rank()), 1, &ranks); }), Error);
+}
+
+// 40 x 40 units: each of four ranks works with a quarter, and what is close to it.
+TEST(Ranks, HoldTheirPartsOfLargeMotion) {
+  const Overrides settings = {"solver.large_motion=always", "wall.courses=40", "wall.units_per_course=40"};
+  on_ranks(4, [&](Ranks& ranks) {
+    Simulation simulation(read_scene(kTests + "cli/small_wall.toml", settings), 1, &ranks);
+    simulation.advance(3);
+    int own = 0, laid_out = 0;
+    for (int b = 0; b < simulation.block_count(); ++b) {
+      own += simulation.owns_block(b) ? 1 : 0;
+      laid_out += simulation.riding()->is_laid_out(b) ? 1 : 0;
+    }
+    EXPECT_GT(own, simulation.block_count() / 8);
+    EXPECT_GT(laid_out, own) << "neighbours";
+    EXPECT_LT(laid_out, simulation.block_count() / 2);
+  });
+}
+
+// What three ranks have written in the middle of a collapse, two go on from: the bits of one process.
+TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
+  const auto read = [] {
+    return read_scene(kScenes + "mixed.toml", {"stage.weight.gravity=[20.0, -9.81, 0.0]"});  // the post falls over
+  };
+  constexpr long kFirst = 2000, kThen = 2000;
+  Simulation alone(read(), 1);
+  alone.advance(kFirst + kThen, true);
+  const auto goes_on = [&](int count, const std::vector<std::uint8_t>& from, long steps) {
+    std::vector<std::uint8_t> state;
+    on_ranks(count, [&](Ranks& ranks) {
+      Simulation simulation(read(), 1, &ranks);
+      if (!from.empty()) simulation.restore(from);
+      simulation.advance(steps, true);
+      simulation.save(
+          [&](std::span<const std::uint8_t> bytes) { state.insert(state.end(), bytes.begin(), bytes.end()); });
+    });
+    return state;
+  };
+  const std::vector<std::uint8_t> last = goes_on(2, goes_on(3, {}, kFirst), kThen);
+  Simulation reader(read(), 1);
+  reader.restore(last);
+  EXPECT_GT(alone.riding()->detections(), 2);
+  EXPECT_EQ(reader.step(), alone.step());
+  EXPECT_EQ(reader.hash(), alone.hash());
 }
 
 // A rank that cannot go on ends all of them.
