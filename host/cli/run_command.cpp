@@ -145,7 +145,7 @@ class Recorder : public Observer {
                     "strain energy {:.6g} J, jump {:+.3g} J; time step {:.3g} s",
                     p.why, p.step, p.time, simulation.point_count(), p.strain_energy, p.energy_jump,
                     simulation.time_step_report().time_step));
-    surfaces_ = Surfaces(simulation);
+    surfaces_ = Surfaces();
   }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
@@ -170,7 +170,7 @@ class Recorder : public Observer {
     progress_.show(progress, last_.displacement, last_.horizontal_force);
   }
   void on_frame(const Simulation& simulation, int, int) override {
-    if (frames_fault_) return;
+    if (frames_fault_) return frames_.leave_out(simulation);
     try {
       frames_.add_piece(simulation);
     } catch (const Error& error) {  // the run goes on without
@@ -300,18 +300,15 @@ void share(Ranks& ranks, SharedFolder& folder) {
 // All that the ranks beside rank 0 do, which alone speaks and writes: all but their pieces of frames.
 class Follower : public Observer {
  public:
-  Follower(const Simulation& simulation, const SharedFolder& folder, bool compressed, Pieces pieces) {
-    if (pieces.count <= 1) return;
-    surfaces_.emplace(simulation);
-    frames_.emplace(folder.path, *surfaces_, folder.frame_times, compressed, pieces);
+  Follower(const SharedFolder& folder, bool compressed, Pieces pieces) {
+    if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
   void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
-  void on_promotion(const Simulation& simulation) override {
-    if (frames_) *surfaces_ = Surfaces(simulation);
-  }
+  void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
   void on_frame(const Simulation& simulation, int, int) override {
-    if (!frames_ || fault_) return;
+    if (!frames_) return bring_frame(simulation, surfaces_);
+    if (fault_) return;
     try {
       frames_->add_piece(simulation);
     } catch (const Error& error) {  // the run goes on without
@@ -321,8 +318,8 @@ class Follower : public Observer {
   const std::optional<Error>& fault() const { return fault_; }
 
  private:
-  std::optional<Surfaces> surfaces_;
-  std::optional<VtkSeries> frames_;
+  Surfaces surfaces_;
+  std::optional<VtkSeries> frames_;  // in pieces
   std::optional<Error> fault_;
 };
 
@@ -367,7 +364,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     _exit(static_cast<int>(Exit::numerical));
   });
   const StopOnSignal guard(simulation);
-  Follower follower(simulation, folder, options.compressed, pieces);
+  Follower follower(folder, options.compressed, pieces);
   const auto tell = [&](const std::string& text) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
@@ -553,7 +550,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   });
   if (!lock) write_run_record(folder, options.scene);
 
-  Surfaces surfaces(simulation);
+  Surfaces surfaces;
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
   const OutputSettings& output = simulation.scene().output;
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),

@@ -159,13 +159,12 @@ Magnified magnified(const Simulation& simulation) {
 }
 
 // Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
-void write_outlines(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
-                    const Magnified& view) {
+void write_outlines(const std::filesystem::path& folder, const Simulation& simulation, const Magnified& view) {
   const std::vector<Brick>& bricks = simulation.assembly().bricks;
   std::string brick_data, beam_data;
   for (size_t b = 0; b < bricks.size(); ++b) {
     const Brick& brick = bricks[b];
-    const auto mesh = surfaces.mesh(simulation, static_cast<int>(b));
+    const auto mesh = simulation.block_mesh(static_cast<int>(b));
     const double x0 = brick.origin[0], y0 = brick.origin[1], x1 = x0 + brick.size[0], y1 = y0 + brick.size[1];
     const double tolerance = 1e-6 * (brick.size[0] + brick.size[1]), front = brick.origin[2] + brick.size[2];
     std::vector<std::pair<double, size_t>> outline;  // place along the edge, gridpoint
@@ -271,7 +270,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   make_folder(folder / "plots");
   const Scene& scene = simulation.scene();
   const Magnified view = magnified(simulation);
-  write_outlines(folder, simulation, surfaces, view);
+  write_outlines(folder, simulation, view);
   const std::string plot = write_joints(folder, joint_quads(simulation, surfaces, view));
 
   std::string state = "law " + law;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 namespace quoin {
 
@@ -63,7 +64,7 @@ class JointGrid {
     points_.push_back({tangential[0], tangential[1], point});
     rows_.push_back(tangential[0]), columns_.push_back(tangential[1]);
   }
-  void append_quads(std::vector<std::array<int, 4>>& quads) {
+  void append_quads(std::vector<Surfaces::Quad>& quads) {
     for (auto* places : {&rows_, &columns_}) {
       std::sort(places->begin(), places->end());
       places->erase(std::unique(places->begin(), places->end()), places->end());
@@ -95,15 +96,7 @@ class JointGrid {
 
 }  // namespace
 
-Surfaces::Surfaces(const Simulation& simulation) {
-  for (int b = 0; simulation.riding() && b < simulation.block_count(); ++b) meshes_.push_back(simulation.block_mesh(b));
-}
-
-Simulation::BlockMesh Surfaces::mesh(const Simulation& simulation, int block) const {
-  return meshes_.empty() ? simulation.block_mesh(block) : meshes_[static_cast<size_t>(block)];
-}
-
-const std::vector<std::array<int, 4>>& Surfaces::quads(const Simulation& simulation) const {
+const std::vector<Surfaces::Quad>& Surfaces::quads(const Simulation& simulation) const {
   // In large motion contact points come and go: they know their place themselves.
   const Model& model = simulation.model();
   if (simulation.riding() || of_layout_ == model.layouts()) return quads_;
@@ -128,23 +121,35 @@ const std::vector<std::array<int, 4>>& Surfaces::quads(const Simulation& simulat
   return quads_;
 }
 
-std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, bool own_alone) const {
+std::span<const Surfaces::Quad> Surfaces::quads_of_joints(const Simulation& simulation, int first, int end) const {
+  const std::vector<Quad>& all = quads(simulation);
+  const auto from = [&](int joint) {
+    return std::partition_point(all.begin(), all.end(), [&](const Quad& quad) {
+      return simulation.model().point_joint[static_cast<size_t>(quad[0])] < joint;
+    });
+  };
+  return {from(first), from(end)};
+}
+
+std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, const PointRange& range,
+                                               bool own_alone) const {
   const std::vector<Brick>& bricks = simulation.assembly().bricks;
-  std::vector<std::vector<Vec3>> displacement(bricks.size());  // where asked for
+  std::unordered_map<int, std::vector<Vec3>> displacement;  // of blocks, where asked for
   const auto displacement_of = [&](int block, const Vec3& position) {
-    std::vector<Vec3>& of_block = displacement[static_cast<size_t>(block)];
+    std::vector<Vec3>& of_block = displacement[block];
     if (of_block.empty()) of_block = simulation.block_displacement(block);
     return displacement_at(bricks[static_cast<size_t>(block)], position, of_block);
   };
-  const auto contacts = simulation.contact_points(own_alone);
-  const auto told = simulation.damage();
-  const auto slip = simulation.state("slip"), closure = simulation.state("w");
+  const auto contacts = simulation.contact_points(range, own_alone);
+  if (contacts.empty()) return {};
+  const auto told = simulation.damage(range);
+  const auto slip = simulation.state("slip", range), closure = simulation.state("w", range);
   auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };
 
   std::vector<JointPoint> points;
   points.reserve(contacts.size());
   for (const ContactPoint& c : contacts) {
-    const size_t i = static_cast<size_t>(c.index);
+    const auto i = static_cast<size_t>(c.index - range.first);
     JointPoint p{};
     p.contact = c;
     if (!simulation.riding()) {
