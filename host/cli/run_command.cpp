@@ -316,6 +316,7 @@ class Follower : public Observer {
     }
   }
   const std::optional<Error>& fault() const { return fault_; }
+  const Surfaces& surfaces() const { return surfaces_; }
 
  private:
   Surfaces surfaces_;
@@ -327,6 +328,25 @@ class Follower : public Observer {
 Pieces pieces_of(const Scene& scene, const Ranks* ranks) {
   if (!ranks || !scene.output.pieces || scene.output.frames == 0) return {};
   return {ranks->rank(), ranks->count()};
+}
+
+// Pictures of blocks, not of bricks.
+bool shows_blocks(const Simulation& simulation) { return simulation.riding() || simulation.scene().blocks; }
+
+// So that rank 0 has what its pictures show, where that is little. By all ranks.
+void gather_for_pictures(Simulation& simulation) {
+  if (simulation.scene().output.plots && shows_blocks(simulation) && simulation.block_count() <= kMostBlocks)
+    simulation.gather_at_first();
+}
+
+// What keep_results of rank 0 waits for.
+void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {
+  const OutputSettings& output = simulation.scene().output;
+  if (failed && output.frames > 0) bring_frame(simulation, surfaces);
+  find_crushed_out(simulation);
+  gather_for_pictures(simulation);
+  if (output.plots && !shows_blocks(simulation)) bring_cracks(simulation, surfaces);
+  if (output.end_state && !failed) simulation.save({});
 }
 
 Scene scene_of(RunOptions* options, const Ranks* ranks) {
@@ -369,18 +389,21 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
   };
+  bool failed = false;
   try {
     simulation.run(follower);
-    if (follower.fault()) {
-      exit_code = static_cast<int>(follower.fault()->exit_code);
-      tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
-    }
   } catch (const Error& error) {
+    failed = true;
     exit_code = static_cast<int>(error.exit_code);
-    if (simulation.ranks_together()) return;
-    tell(error.what());
-    ranks.abort(exit_code);
+    if (!simulation.ranks_together()) {
+      tell(error.what());
+      ranks.abort(exit_code);
+    }
   }
+  bring_results(simulation, follower.surfaces(), failed);
+  if (failed || !follower.fault()) return;
+  exit_code = static_cast<int>(follower.fault()->exit_code);
+  tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
 }
 
 // Before the first step. resumed: by --resume, goes_on: from a checkpoint.
@@ -426,7 +449,7 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   std::string of_cracks, of_mechanism;
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
-  } else if (simulation.riding() || simulation.scene().blocks) {
+  } else if (shows_blocks(simulation)) {
     of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
     of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
   } else {
@@ -439,7 +462,7 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
 
 // What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
 // and costs nothing else but the exit code.
-void keep_results(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, bool report,
+void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, bool report,
                   const std::optional<Error>& failure, Recorder& recorder, RunInfo& info, int& exit_code) {
   const auto keep = [&](const auto& write) {
     try {
@@ -462,12 +485,14 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
+    if (failure && has_all && info.law_answers && recorder.frames_fault()) bring_frame(simulation, surfaces);
     if (failure && has_all && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   info.quasi_static = check_quasi_static(rows, simulation.scene());
   if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  if (has_all) gather_for_pictures(simulation);
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();

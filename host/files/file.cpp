@@ -166,6 +166,8 @@ void DurableFile::finish(std::span<const std::uint8_t> first_bytes) {
   close(folder);
 }
 
+void GrowingFile::append(std::string_view bytes) { require(write_all(file_, bytes.data(), bytes.size())); }
+
 void PlacedFile::write_at(std::uint64_t place, std::span<const char> bytes) {
   require(lseek(file_, static_cast<off_t>(place), SEEK_SET) >= 0 && write_all(file_, bytes.data(), bytes.size()));
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace quoin {
@@ -41,6 +42,14 @@ class DurableFile : public UnfinishedFile {
   void append(std::span<const std::uint8_t> bytes);
   // The first bytes once more, with what is known at the end alone.
   void finish(std::span<const std::uint8_t> first_bytes = {});
+};
+
+// From its first byte to its last.
+class GrowingFile : public UnfinishedFile {
+ public:
+  explicit GrowingFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
+  void append(std::string_view bytes);
+  void finish() { close_and_rename(); }
 };
 
 // Written at any places, in any order.

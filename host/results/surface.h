@@ -28,6 +28,9 @@ struct JointPoint {
   Crack crack;
 };
 
+// Contact points of the lattice that this rank has, joint after joint.
+std::vector<std::int32_t> points_by_joint(const Simulation& simulation);
+
 // Surfaces of joints. Reusable for all frames of a model.
 class Surfaces {
  public:

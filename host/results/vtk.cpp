@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <exception>
 #include <functional>
 #include <optional>
 #include <set>
 
+#include "base/attempt.h"
 #include "files/result_folder.h"
 #include "results/vtk_file.h"
 
@@ -223,41 +223,31 @@ std::string piece_name(const char* kind, size_t frame, int rank) {
   return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
 }
 
-// A file that rows go to, as long as it can be written: other ranks bring theirs all the same, and it may not be for
-// this one to write it.
+// A file that rows go to, as long as it can be written: other ranks bring theirs all the same. Without open() rows are
+// let go.
 class Sink {
  public:
+  explicit Sink(Attempt& attempt) : attempt_(attempt) {}
   void open(const std::filesystem::path& path, std::vector<VtkArray> arrays, const VtkSizes& sizes, bool compressed) {
-    attempt([&] { file_.emplace(path, std::move(arrays), sizes, compressed); });
+    attempt_([&] { file_.emplace(path, std::move(arrays), sizes, compressed); });
   }
   // first_point: that its cells count from.
   void take(Rows rows, std::optional<std::uint64_t> first_point = {}) {
-    if (file_)
-      attempt([&] {
-        const std::uint64_t points = rows.points(), corners = rows.corners();
-        rows.move_behind(first_point.value_or(points_), corners_);
-        rows.append_to(*file_);
-        points_ += points, corners_ += corners;
-      });
+    if (!file_) return;
+    attempt_([&] {
+      const std::uint64_t points = rows.points(), corners = rows.corners();
+      rows.move_behind(first_point.value_or(points_), corners_);
+      rows.append_to(*file_);
+      points_ += points, corners_ += corners;
+    });
   }
   void finish() {
-    if (file_) attempt([&] { file_->finish(); });
+    if (file_) attempt_([&] { file_->finish(); });
   }
-  const std::exception_ptr& fault() const { return fault_; }
 
  private:
-  template <class Do>
-  void attempt(const Do& what) {
-    if (fault_) return;
-    try {
-      what();
-    } catch (...) {
-      fault_ = std::current_exception();
-      file_.reset();
-    }
-  }
+  Attempt& attempt_;
   std::optional<VtkFile> file_;
-  std::exception_ptr fault_;
   std::uint64_t points_ = 0, corners_ = 0;
 };
 
@@ -271,8 +261,8 @@ struct Target {
   bool written = false;  // by this rank; else it only brings what rank 0 writes
 };
 
-std::exception_ptr write_blocks(const Simulation& simulation, const Target& target) {
-  Sink sink;
+void write_blocks(const Simulation& simulation, const Target& target, Attempt& attempt) {
+  Sink sink(attempt);
   const std::vector<Run> runs = simulation.runs_of_blocks();
   VtkSizes sizes;
   for (const Run& run : runs) {
@@ -296,11 +286,10 @@ std::exception_ptr write_blocks(const Simulation& simulation, const Target& targ
         [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
   }
   if (target.written) sink.finish();
-  return sink.fault();
 }
 
-std::exception_ptr write_joints(const Simulation& simulation, const Surfaces& surfaces, const Target& target) {
-  Sink sink;
+void write_joints(const Simulation& simulation, const Surfaces& surfaces, const Target& target, Attempt& attempt) {
+  Sink sink(attempt);
   const std::vector<std::string> states = state_ids(simulation);
   const std::size_t arrays = kFirstState + states.size();
   const bool quads = !simulation.riding();
@@ -337,7 +326,7 @@ std::exception_ptr write_joints(const Simulation& simulation, const Surfaces& su
     sink.take(quads_of(own, [&](int point) { return std::int64_t{place[static_cast<std::size_t>(point)]} - 1; }),
               kAbsolute);
     sink.finish();
-    return sink.fault();
+    return;
   }
   const std::vector<Run> of_joints = quads ? simulation.runs_of_joints() : std::vector<Run>{};
   const auto quads_in = [&](const Run& run) { return surfaces.quads_of_joints(simulation, run.first, run.end); };
@@ -355,7 +344,6 @@ std::exception_ptr write_joints(const Simulation& simulation, const Surfaces& su
       of_joints, [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows), kAbsolute); });
   if (target.written) sink.finish();
-  return sink.fault();
 }
 
 }  // namespace
@@ -401,20 +389,24 @@ void VtkSeries::add_piece(const Simulation& simulation) { add(simulation, pieces
 
 void VtkSeries::add(const Simulation& simulation, bool piece) {
   const size_t frame = times_.size();
-  std::exception_ptr fault;
+  Attempt attempt;
   for (const char* kind : kKinds) {
     const bool blocks = kind == kKinds[0];
     const std::string name = piece ? piece_name(kind, frame, pieces_.rank) : fmt::format("{}_{:04}.vtu", kind, frame);
-    const Target target{folder_ / name, compressed_, piece, !fault};
-    const auto failed = blocks ? write_blocks(simulation, target) : write_joints(simulation, surfaces_, target);
-    if (!fault) fault = failed;
-    if (fault || !piece || pieces_.rank > 0) continue;
+    const Target target{folder_ / name, compressed_, piece, !attempt.failed()};
+    if (blocks)
+      write_blocks(simulation, target, attempt);
+    else
+      write_joints(simulation, surfaces_, target, attempt);
+    if (!piece || pieces_.rank > 0) continue;
     std::vector<std::string> all;
     for (int r = 0; r < pieces_.count; ++r) all.push_back(piece_name(kind, frame, r));
-    write_vtk_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame),
-                    blocks ? arrays_of_blocks() : arrays_of_joints(state_ids(simulation)), all);
+    attempt([&] {
+      write_vtk_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame),
+                      blocks ? arrays_of_blocks() : arrays_of_joints(state_ids(simulation)), all);
+    });
   }
-  if (fault) std::rethrow_exception(fault);
+  attempt.rethrow();
   times_.push_back(simulation.time());
   note_pieces();
 }
@@ -424,8 +416,9 @@ void VtkSeries::leave_out(const Simulation& simulation) {
 }
 
 void bring_frame(const Simulation& simulation, const Surfaces& surfaces) {
-  write_blocks(simulation, {});
-  write_joints(simulation, surfaces, {});
+  Attempt nothing;
+  write_blocks(simulation, {}, nothing);
+  write_joints(simulation, surfaces, {}, nothing);
 }
 
 void VtkSeries::note_pieces() const {

@@ -112,6 +112,14 @@ void Simulation::bring_to_first(std::span<const Run> runs, const std::function<s
   }
 }
 
+bool Simulation::ranks_bring() const { return impl_->ranks_bring(); }
+
+double Simulation::largest_of_ranks(double brought) const {
+  return impl_->ranks_bring() ? impl_->largest_of_ranks(brought) : brought;
+}
+
+void Simulation::gather_at_first() { impl_->gather(Part::all, Who::first); }
+
 double Simulation::sum_of_ranks(double brought) const {
   if (!impl_->ranks_bring()) return brought;
   std::vector<double> of_rank(at(impl_->ranks->count()));

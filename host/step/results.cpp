@@ -266,6 +266,10 @@ std::vector<ContactPoint> Simulation::contact_points(const PointRange& range, bo
   return result;
 }
 
+std::pair<Vec3, Vec3> Simulation::displacement_of_sides(std::int32_t point) const {
+  return impl_->motion_of_sides(point, 1.0, 0.0);
+}
+
 std::vector<double> Simulation::state(const std::string& id, const PointRange& range) const {
   if (impl_->riding) return impl_->riding_state(id, range);
   std::vector<double> result(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
@@ -328,10 +332,6 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
 }  // namespace
 
 std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
-  if (flags_step != step_count - 1) {
-    Halo border = motion_on_borders();
-    border.send(*ranks), border.receive(*ranks);
-  }
   const std::vector<std::uint32_t> now = current_flags(all_points());
   std::array<long, kConditionCount> counts{};
   for (const int c : share.chunks) {
@@ -343,9 +343,11 @@ std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
   return counts;
 }
 
-// Who asks for neither pictures nor files of all of it needs no rank that has all of it.
+// What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
+  Halo border = motion_on_borders();
+  border.send(*ranks), border.receive(*ranks);
   const std::array<long, kConditionCount> own = own_conditions();
   std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
   const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
@@ -354,9 +356,6 @@ void Simulation::Impl::end_run() {
   for (const auto& counts : of_rank) {
     for (std::size_t k = 0; k < counts.size(); ++k) (*end_conditions)[k] += counts[k];
   }
-  const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
-  const OutputSettings& output = scene.output;
-  if (crushed_out || output.plots || output.end_state) return gather(Part::all, Who::first);
   gather(Part::row);
   end_hash = kHashStart;
   add_to_hash(body_lanes, &end_hash);

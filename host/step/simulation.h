@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -183,10 +184,10 @@ class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
   // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
-  // are those of one process. run() then calls observers of all ranks at the same steps, and rank 0 has the whole state
-  // at hand when it is asked for results, and after run(); the others have what they hold. Only run() may be used to
-  // step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation; null: one
-  // process.
+  // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds:
+  // results of all are brought to rank 0 (bring_to_first), or it has all after gather_at_first(), after a failure that
+  // all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks have
+  // different models. Ranks must outlive the simulation; null: one process.
   explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
@@ -262,6 +263,8 @@ class Simulation {
   // own_alone: of joints that begin at a block of this rank (owns_block).
   std::vector<ContactPoint> contact_points(const PointRange& range, bool own_alone = false) const;
   std::vector<ContactPoint> contact_points() const { return contact_points(all_points()); }
+  // Of the gridpoints that it joins, of block a and block b, m. On the lattice.
+  std::pair<Vec3, Vec3> displacement_of_sides(std::int32_t point) const;
   // Column of a law state, by id; NaN where the law of a point has no such state or does not keep it.
   std::vector<double> state(const std::string& id, const PointRange& range) const;
   std::vector<double> state(const std::string& id) const { return state(id, all_points()); }
@@ -313,7 +316,11 @@ class Simulation {
   // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
   void bring_to_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
                       const std::function<void(const std::string&)>& take) const;
-  double sum_of_ranks(double brought) const;  // of what each brings; for rank 0
+  bool ranks_bring() const;                   // false: one process, or rank 0 has all
+  double sum_of_ranks(double brought) const;  // of what each brings
+  double largest_of_ranks(double brought) const;
+  // So that rank 0 has all from now on. All ranks call it at the same moment.
+  void gather_at_first();
   // In order, those of joints that begin at a block of this rank.
   void each_own_point(const std::function<void(std::int32_t)>& visit) const;
 

@@ -180,6 +180,8 @@ struct Simulation::Impl {
                   const Vec3& position) const;
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
+  // Of the two gridpoints that a contact point joins, of block a and block b: their sum with these factors.
+  std::pair<Vec3, Vec3> motion_of_sides(std::int32_t point, double of_displacement, double of_velocity) const;
   Vec3 jump_of(std::int32_t point, double of_displacement,
                double of_velocity) const;                // of their sum with these factors
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in

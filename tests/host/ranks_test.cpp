@@ -88,6 +88,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       have_blocks += owns ? 1 : 0;
       Rows rows;
       simulation.run(rows);
+      simulation.gather_at_first();
       if (ranks.rank() == 0) first = found_in(simulation, rows);
     });
     EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
