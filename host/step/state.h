@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/smooth_step.h"
 #include "base/thread_pool.h"
 #include "law/answers.h"
@@ -224,7 +225,7 @@ struct Simulation::Impl {
   double now() const;         // s, since the start
 
   // --- checkpoints (checkpoint.cpp) ---------------------------------------------------------------------------------
-  void restore(const std::vector<std::uint8_t>& bytes);  // throws half way
+  void restore(ByteSource& source);  // throws half way
   std::shared_ptr<const Material> material_in_stage(std::size_t family, int of_stage) const;
 
   // --- from small displacements to large motion (promotion.cpp) -----------------------------------------------------
@@ -257,6 +258,14 @@ struct Simulation::Impl {
     std::vector<bool> items, chunks;
   };
   Held held_with(const RankShare& shares) const;
+  // Gridpoints, as numbers of arrays that have them, and contact points that this rank does not hold.
+  struct Rows {
+    std::vector<VectorRow> gridpoints, points;
+  };
+  Rows rows_elsewhere(const Held& held) const;
+  // Of an array of the state, in order: visit(first, end).
+  void each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+                          const std::function<void(std::size_t, std::size_t)>& visit) const;
   std::vector<int> own_units() const;  // in order
   void hold_part();                    // by share: gives back the memory of the rest
   void hold_all();

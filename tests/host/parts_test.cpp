@@ -2,11 +2,14 @@
 // and memory for its part alone.
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <mutex>
 #include <numeric>
 #include <string>
 
+#include "base/archive.h"
+#include "base/error.h"
 #include "base/sparse_memory.h"
 #include "model/lanczos.h"
 #include "scene/read_scene.h"
@@ -223,6 +226,65 @@ TEST(RunInParts, IsThatOfOneProcess) {
       EXPECT_EQ(simulation.hash(), alone.hash());
       EXPECT_EQ(simulation.condition_counts(), alone.condition_counts());
     });
+  }
+}
+
+// Counts what is looked at of a state.
+struct CountedBytes : BytesInMemory {
+  using BytesInMemory::BytesInMemory;
+  std::size_t taken = 0;
+  void take(void* to, std::size_t size) override { BytesInMemory::take(to, size), taken += size; }
+};
+
+// From states of one process: before the first stage, in it and in the next one.
+TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
+  Simulation alone(small_wall(false));
+  Kept kept;
+  const std::vector<std::uint8_t> start = alone.save();
+  alone.run(kept);
+  ASSERT_GT(kept.saved.size(), 2u);
+  for (const auto& [count, state] : {std::pair(4, kept.saved.back()), {2, kept.saved.front()}, {3, start}}) {
+    on_ranks(count, [&](Ranks& ranks) {
+      Simulation simulation(small_wall(false), 1, &ranks);
+      CountedBytes source(state);
+      simulation.restore(source);
+      // In so small a wall most chunks of contact points lie on borders: 0.79 to 0.97 of it. All of it is 1.
+      EXPECT_LT(double(source.taken), 0.98 * double(state.size())) << count;
+      Observer nobody;
+      simulation.run(nobody);
+      if (ranks.rank() == 0) {
+        EXPECT_EQ(simulation.hash(), alone.hash()) << count;
+      }
+    });
+  }
+}
+
+// The sizes of arrays are those of the file: none may lead a rank beyond its own.
+TEST(RunInParts, RefusesAStateOfAnotherModelOrCutShort) {
+  Scene larger = small_wall(false), smaller = small_wall(false);
+  larger.wall->courses += 1, smaller.wall->courses -= 1;
+  // With the time step of this one, which is what tells models apart before their sizes do.
+  Simulation here(small_wall(false));
+  for (const Scene& of_other : {larger, smaller}) {
+    Simulation other(of_other);
+    std::vector<std::uint8_t> state = other.save();
+    const auto put = [&](double from, double to) {
+      for (std::size_t at = 0; at + sizeof from <= state.size(); ++at) {
+        if (std::memcmp(&state[at], &from, sizeof from) == 0) return std::memcpy(&state[at], &to, sizeof to), true;
+      }
+      return false;
+    };
+    ASSERT_TRUE(put(other.time_step_report().time_step, here.time_step_report().time_step));
+    for (const std::size_t size : {state.size(), state.size() / 2}) {
+      const std::vector<std::uint8_t> bytes(state.begin(), state.begin() + static_cast<long>(size));
+      EXPECT_THROW(on_ranks(2,
+                            [&](Ranks& ranks) {
+                              Simulation simulation(small_wall(false), 1, &ranks);
+                              BytesInMemory source(bytes);
+                              simulation.restore(source);
+                            }),
+                   Error);
+    }
   }
 }
 
