@@ -199,7 +199,7 @@ void bring_to_rest(const JointFamily& family, const std::shared_ptr<const Materi
   at_rest.opening = gap.data(), at_rest.area = area.data();
   at_rest.traction = {zero.data(), zero.data(), zero.data()};
   for (std::size_t k = 0; k < states; ++k) at_rest.state.push_back(state.data() + k * n);
-  const MigratedFamily rest = migrate(family, *material, material, at_rest);
+  const MigratedFamily rest = migrate(family, *material, *material, at_rest);
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t k = 0; k < states; ++k) result.state[k * points.size() + damaged[j]] = rest.state[k * n + j];
     result.opening_shift[damaged[j]] = gap[j] + rest.opening_shift[j];

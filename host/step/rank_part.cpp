@@ -116,6 +116,27 @@ void Simulation::Impl::hold_part() {
   bind_columns();
 }
 
+void Simulation::Impl::throw_together(const std::optional<Error>& fault) {
+  if (!ranks) {
+    if (fault) throw *fault;
+    return;
+  }
+  const int count = ranks->count();
+  const std::string text = fault ? fault->what() : "";
+  // The lowest rank, and what it has to say: its exit code, and how long its words are.
+  const double first = count - largest_of_ranks(fault ? count - ranks->rank() : 0.0);
+  if (first == count) return;
+  const bool here = ranks->rank() == static_cast<int>(first);
+  double told[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
+  ranks->largest(told);
+  std::vector<std::size_t> sizes(at(count));
+  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(told[1]);
+  std::string of_first(static_cast<std::size_t>(told[1]), ' ');
+  ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
+                std::as_writable_bytes(std::span(of_first)));
+  throw Error(static_cast<Exit>(static_cast<int>(told[0])), of_first);
+}
+
 std::unique_ptr<SharedModel> Simulation::Impl::share_of_model() {
   std::vector<int> rank_of_body;
   for (const RigidBody& body : model.bodies) rank_of_body.push_back(share.rank_of_item[at(item_of_block(body.block))]);

@@ -310,10 +310,7 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
 }  // namespace
 
 std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
-  if (flags_step != step_count - 1) {
-    Halo border = motion_on_borders();
-    border.send(*ranks), border.receive(*ranks);
-  }
+  if (flags_step != step_count - 1) hear_all_of_borders();
   const std::vector<std::uint32_t> now = current_flags();
   std::array<long, kConditionCount> counts{};
   for (const int c : share.chunks) {

@@ -154,7 +154,7 @@ struct Simulation::Impl {
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
-  // The law's material for a joint family: with the properties that it knows, as the scene gives them.
+  void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
   double largest_displacement() const;  // of any block that is not fixed, m
   WholeMotion whole_motion_of(std::size_t brick) const;
@@ -241,7 +241,7 @@ struct Simulation::Impl {
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
   using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
   Halo halo_on_borders(const SideNumbers& numbers_of);
-  Halo motion_on_borders();                    // displacement and velocity
+  void hear_all_of_borders();                  // displacement and velocity, which steps tell in part
   std::vector<int> ranks_of(int chunk) const;  // that evaluate it
   // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
   void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
@@ -282,6 +282,8 @@ struct Simulation::Impl {
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
+  // All ranks throw what the first of them has found that has found anything.
+  void throw_together(const std::optional<Error>& fault);
   void collect_traffic();
   void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
   void divide_anew();

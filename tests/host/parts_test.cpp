@@ -2,6 +2,7 @@
 // and memory for its part alone.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <mutex>
@@ -180,7 +181,7 @@ struct Kept : Observer {
 Scene small_wall(bool with_pictures) {
   Scene scene = read_scene(std::string(QUOIN_HOST_TESTS) + "/../cli/small_wall.toml",
                            {"wall.courses=24", "wall.units_per_course=24", "stage.precompression.duration=0.002",
-                            "stage.shear.displacement=0.000001", "output.frames=0"});
+                            "stage.shear.displacement=0.000001", "stage.shear.law=coulomb_slip", "output.frames=0"});
   scene.output.plots = with_pictures;
   return scene;
 }
@@ -216,12 +217,11 @@ TEST(RunInParts, IsThatOfOneProcess) {
       EXPECT_EQ(points == model.point_count, all_for_pictures) << points << " of " << model.point_count;
       if (ranks.rank() != 0) return;
       ASSERT_EQ(here.saved.size(), kept.saved.size());
-      Simulation of_ranks(small_wall(false)), of_one(small_wall(false));
-      for (std::size_t i = 0; i < kept.saved.size(); i += 3) {
-        EXPECT_EQ(here.saved[i].size(), kept.saved[i].size());
-        of_ranks.restore(here.saved[i]);
-        of_one.restore(kept.saved[i]);
-        EXPECT_EQ(of_ranks.hash(), of_one.hash());
+      constexpr long kCounters = 512;  // bytes at the end, some between fields: all arrays are before them
+      for (std::size_t i = 0; i < kept.saved.size(); ++i) {
+        const auto &of_ranks = here.saved[i], &of_one = kept.saved[i];
+        ASSERT_EQ(of_ranks.size(), of_one.size());
+        EXPECT_TRUE(std::equal(of_one.begin(), of_one.end() - kCounters, of_ranks.begin())) << i;
       }
       EXPECT_EQ(simulation.hash(), alone.hash());
       EXPECT_EQ(simulation.condition_counts(), alone.condition_counts());

@@ -36,6 +36,10 @@ struct Found {
 
 struct Rows : Observer {
   std::vector<std::uint64_t> bits;
+  void on_law_swap(const LawSwap& swap) override {
+    for (const double x : {double(swap.points), double(swap.limited), swap.stored_before, swap.energy_jump})
+      bits.push_back(std::bit_cast<std::uint64_t>(x));
+  }
   void on_row(const HistoryRow& row) override {
     for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
@@ -113,6 +117,11 @@ INSTANTIATE_TEST_SUITE_P(
                            kTests + "host/small_building.toml",
                            {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
                       Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
+                      Case{"LawSwaps",
+                           kTests + "cli/small_wall.toml",
+                           {"wall.courses=10", "wall.units_per_course=10", "stage.precompression.duration=0.002",
+                            "stage.shear.displacement=0.00002", "stage.shear.law=coulomb_slip",
+                            "joints.mortar.tensile_strength=3e4"}},
                       Case{"Promotion",
                            kTests + "cli/small_wall.toml",
                            {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
