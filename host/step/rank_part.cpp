@@ -20,9 +20,9 @@ void forget_if_any(Column& column, const VectorRow& row) {
 
 }  // namespace
 
-// Damage, properties that scatter and steps by rows of K are found over all contact points.
+// Properties that scatter and steps by rows of K are found over all contact points.
 bool Simulation::Impl::may_be_in_parts(const Assembly& assembly) const {
-  return ranks && !assembly.bricks.empty() && scene.damage.empty() && time_step_by_parts(scene.solver) &&
+  return ranks && !assembly.bricks.empty() && time_step_by_parts(scene.solver) &&
          std::none_of(assembly.families.begin(), assembly.families.end(),
                       [](const JointFamily& family) { return family.scatters(); });
 }

@@ -45,6 +45,8 @@ struct BodyLanes {
   bool at_rest = false;  // and held there: a step changes nothing
 };
 
+struct CrackedBlock;
+
 // Control of a body through a stage: from what was to what shall be, over the ramp.
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};
@@ -250,7 +252,9 @@ struct Simulation::Impl {
   void agree_on_model() const;
   // An array whose parts ranks hold, some megabytes at a time, to rank 0.
   void give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take);
-  void end_run();  // what results ask rank 0 for
+  void end_run();     // what results ask rank 0 for
+  void note_start();  // the hash, where no rank can tell it alone
+  std::uint64_t hash_by_parts(bool at_rest);
   std::array<long, kConditionCount> own_conditions();
   // Where each rank holds a part of the lattice (in_parts).
   bool may_be_in_parts(const Assembly& assembly) const;
@@ -300,15 +304,18 @@ struct Simulation::Impl {
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
-  void take_damage();   // of the scene: states and openings before the first stage
+  void take_damage();  // of the scene: states and openings before the first stage
+  void damage_riding(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
+  void damage_lattice(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
   void bind_energies(LawCall& call, const ContactChunk& chunk);
-  void begin_states();    // of laws
-  void share_inertia();   // where the blocks of a group are alike
-  void divide_work();     // costs, and the share of this rank
-  void bind_work();       // what follows from it
-  void partition_work();  // both, and holds its part
+  std::vector<int> chunks_here() const;  // that this process holds
+  void begin_states();                   // of laws
+  void share_inertia();                  // where the blocks of a group are alike
+  void divide_work();                    // costs, and the share of this rank
+  void bind_work();                      // what follows from it
+  void partition_work();                 // both, and holds its part
   std::vector<std::uint32_t> current_flags() const;
   // Fills the optional outputs of a batch with columns that begin at this contact point.
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
@@ -427,6 +434,7 @@ struct Simulation::Impl {
   // Of the end of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
+  std::optional<std::uint64_t> start_hash;  // of a run in parts whose states do not begin all alike
 
   bool time_every_step = false;
   PhaseTimes times;

@@ -29,9 +29,8 @@ struct Case {
 struct Found {
   std::vector<std::uint64_t> rows;
   std::vector<double> blocks, points;
-  std::uint64_t hash = 0;
+  std::uint64_t start_hash = 0, hash = 0;
   long steps = 0;
-  bool operator==(const Found&) const = default;
 };
 
 struct Rows : Observer {
@@ -53,8 +52,8 @@ struct Rows : Observer {
   }
 };
 
-Found found_in(const Simulation& simulation, const Rows& rows) {
-  Found found{rows.bits, {}, {}, simulation.hash(), simulation.step()};
+Found found_in(const Simulation& simulation, const Rows& rows, std::uint64_t start_hash) {
+  Found found{rows.bits, {}, {}, start_hash, simulation.hash(), simulation.step()};
   for (int b = 0; b < simulation.block_count(); ++b) {
     for (const Vec3& u : simulation.block_displacement(b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
     for (const Vec3& v : simulation.block_velocity(b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
@@ -70,9 +69,10 @@ Found found_in(const Simulation& simulation, const Rows& rows) {
 Found alone(const Case& of) {
   Simulation simulation(read_scene(of.scene, of.overrides));
   Rows rows;
+  const std::uint64_t start = simulation.hash();
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
-  return found_in(simulation, rows);
+  return found_in(simulation, rows, start);
 }
 
 class ManyRanks : public ::testing::TestWithParam<Case> {};
@@ -91,8 +91,9 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
       have_blocks += owns ? 1 : 0;
       Rows rows;
+      const std::uint64_t start = simulation.hash();  // of rank 0: a checkpoint is told by it
       simulation.run(rows);
-      if (ranks.rank() == 0) first = found_in(simulation, rows);
+      if (ranks.rank() == 0) first = found_in(simulation, rows, start);
     });
     EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
     if (count > 1) {
@@ -101,6 +102,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     EXPECT_EQ(first.rows, one.rows) << count;
     EXPECT_EQ(first.blocks, one.blocks) << count;
     EXPECT_EQ(first.points, one.points) << count;
+    EXPECT_EQ(first.start_hash, one.start_hash) << count;
     EXPECT_EQ(first.hash, one.hash) << count;
     EXPECT_EQ(first.steps, one.steps) << count;
   }
@@ -109,32 +111,37 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
 const std::string kTests = QUOIN_HOST_TESTS "/../", kScenes = QUOIN_SCENES "/";
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ManyRanks,
-    ::testing::Values(Case{"Wall",
-                           kTests + "cli/small_wall.toml",
-                           {"output.energy=true", "stage.precompression.duration=0.004",
-                            "stage.shear.displacement=0.00003"}},
-                      Case{"Building",
-                           kTests + "host/small_building.toml",
-                           {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
-                      Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
-                      Case{"LawSwaps",
-                           kTests + "cli/small_wall.toml",
-                           {"wall.courses=10", "wall.units_per_course=10", "stage.precompression.duration=0.002",
-                            "stage.shear.displacement=0.00002", "stage.shear.law=coulomb_slip",
-                            "joints.mortar.tensile_strength=3e4"}},
-                      Case{"Promotion",
-                           kTests + "cli/small_wall.toml",
-                           {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
-                           Case::promotion},
-                      Case{"Arch",
-                           kScenes + "arch.toml",
-                           {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
-                            "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
-                           Case::detection},
-                      Case{"Deformable",
-                           kScenes + "mixed.toml",
-                           {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
-                            "stage.push.duration=0.004"}}),
+    ::testing::Values(
+        Case{"Wall",
+             kTests + "cli/small_wall.toml",
+             {"output.energy=true", "stage.precompression.duration=0.004", "stage.shear.displacement=0.00003"}},
+        Case{"Building",
+             kTests + "host/small_building.toml",
+             {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
+        Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
+        Case{
+            "LawSwaps",
+            kTests + "cli/small_wall.toml",
+            {"wall.courses=10", "wall.units_per_course=10", "stage.precompression.duration=0.002",
+             "stage.shear.displacement=0.00002", "stage.shear.law=coulomb_slip", "joints.mortar.tensile_strength=3e4"}},
+        Case{"Damage",
+             kScenes + "damaged_wall_030.toml",
+             {"wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]",
+              "damage.1.opening=1e-6", "stage.precompression.duration=0.002", "stage.settlement.displacement=0.00001",
+              "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001"}},
+        Case{"Promotion",
+             kTests + "cli/small_wall.toml",
+             {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
+             Case::promotion},
+        Case{"Arch",
+             kScenes + "arch.toml",
+             {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
+              "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
+             Case::detection},
+        Case{"Deformable",
+             kScenes + "mixed.toml",
+             {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
+              "stage.push.duration=0.004"}}),
     [](const auto& of) { return std::string(of.param.name); });
 
 TEST(Ranks, WithDifferentModelsAreRefused) {
@@ -165,6 +172,46 @@ TEST(Ranks, WithDifferentModelsAreRefused) {
   };
   EXPECT_EQ(Simulation(stones(1)).time_step_report().time_step, Simulation(stones(0)).time_step_report().time_step);
   EXPECT_THROW(on_ranks(2, [&](Ranks& ranks) { Simulation(stones(ranks.rank()), 1, &ranks); }), Error);
+}
+
+// What one rank finds while it makes its part is told by all of them, in its words.
+TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
+  const auto words = [&](const Overrides& overrides, int rank) {
+    std::string told;
+    EXPECT_THROW(on_ranks(3,
+                          [&](Ranks& ranks) {
+                            try {
+                              Simulation simulation(read_scene(kScenes + "damaged_wall_030.toml", overrides), 1,
+                                                    &ranks);
+                              Observer nobody;
+                              simulation.run(nobody);
+                            } catch (const Error& error) {
+                              if (ranks.rank() == rank) told = error.what();
+                              EXPECT_TRUE(error.exit_code == Exit::bad_input || error.exit_code == Exit::law_refused);
+                              throw;
+                            }
+                          }),
+                 Error);
+    return told;
+  };
+  const Overrides small{"wall.courses=6", "wall.zones=[2, 1, 1]", "stage.precompression.duration=0.001"};
+  const auto with = [&](const Overrides& more) {
+    Overrides all = small;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  // A crack in one corner, in joints that are not broken through.
+  const Overrides open =
+      with({"damage.1.crack=[[0.8, 0.1], [0.99, 0.1]]", "damage.1.initial_state=\"bonded\"", "damage.1.opening=1e-4"});
+  const Overrides nowhere = with({"damage.1.from=[5, 0, 0]"});
+  const Overrides weak = with({"damage.1.xi=0.5", "stage.settlement.law=elastic", "stage.shear.law=coulomb_slip",
+                               "stage.settlement.displacement=0.00001", "stage.settlement.ramp_time=0.001",
+                               "joints.mortar.cohesion=1e3", "joints.mortar.tensile_strength=1e3"});
+  for (const int rank : {0, 1, 2}) {
+    EXPECT_NE(words(open, rank).find("cannot stand open without force"), std::string::npos) << words(open, rank);
+    EXPECT_NE(words(nowhere, rank).find("no contact point of its joints"), std::string::npos) << words(nowhere, rank);
+    EXPECT_NE(words(weak, rank).find("outside the strength"), std::string::npos) << words(weak, rank);
+  }
 }
 
 // A rank that cannot go on ends all of them.
