@@ -4,6 +4,7 @@
 // the chunks that touch them, and what those chunks touch of others.
 #include <algorithm>
 
+#include "model/scattered_points.h"
 #include "step/rank_sums.h"
 #include "step/state.h"
 
@@ -20,11 +21,9 @@ void forget_if_any(Column& column, const VectorRow& row) {
 
 }  // namespace
 
-// Properties that scatter and steps by rows of K are found over all contact points.
+// Steps by rows of K are found over all contact points.
 bool Simulation::Impl::may_be_in_parts(const Assembly& assembly) const {
-  return ranks && !assembly.bricks.empty() && time_step_by_parts(scene.solver) &&
-         std::none_of(assembly.families.begin(), assembly.families.end(),
-                      [](const JointFamily& family) { return family.scatters(); });
+  return ranks && !assembly.bricks.empty() && time_step_by_parts(scene.solver);
 }
 
 std::vector<int> Simulation::Impl::own_units() const {
@@ -135,6 +134,26 @@ void Simulation::Impl::throw_together(const std::optional<Error>& fault) {
   ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
                 std::as_writable_bytes(std::span(of_first)));
   throw Error(static_cast<Exit>(static_cast<int>(told[0])), of_first);
+}
+
+void Simulation::Impl::hold_first_part() {
+  std::optional<Error> fault;  // of properties drawn for this part
+  try {
+    hold_part();
+  } catch (const Error& error) {
+    fault = error;
+  }
+  throw_together(fault);
+  std::vector<double> most;
+  for (const ContactFamily& family : model.families) {
+    for (const PropertyColumn& column : family.columns) most.push_back(column.most);
+  }
+  ranks->largest(most);
+  auto next = most.begin();
+  for (ContactFamily& family : model.families) {
+    for (PropertyColumn& column : family.columns) column.most = *next++;
+  }
+  bound_stiffness(model);
 }
 
 std::unique_ptr<SharedModel> Simulation::Impl::share_of_model() {

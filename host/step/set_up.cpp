@@ -74,7 +74,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   if (in_parts) {
     agree_on_model();
     divide_work();
-    hold_part();
+    hold_first_part();
     shared = share_of_model();
   }
   inertia = {};

@@ -272,6 +272,7 @@ struct Simulation::Impl {
                           const std::function<void(std::size_t, std::size_t)>& visit) const;
   std::vector<int> own_units() const;  // in order
   void hold_part();                    // by share: gives back the memory of the rest
+  void hold_first_part();              // and all agree on how stiff the stiffest joints are
   void hold_all();
   std::unique_ptr<SharedModel> share_of_model();
   void bind_inertia();  // of what is held

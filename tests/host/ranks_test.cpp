@@ -129,6 +129,23 @@ INSTANTIATE_TEST_SUITE_P(
              {"wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]",
               "damage.1.opening=1e-6", "stage.precompression.duration=0.002", "stage.settlement.displacement=0.00001",
               "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001"}},
+        Case{"Scatter",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=9", "stage.precompression.duration=0.002",
+              "stage.shear.displacement=0.00002",
+              "joints.mortar.normal_stiffness={distribution='lognormal', mean=82e9, cov=0.3}",
+              "joints.mortar.shear_stiffness={distribution='uniform', lower=30e9, upper=40e9, level='course'}",
+              "joints.mortar.fracture_energy_tension={distribution='lognormal', mean=15, cov=0.2, level='wall'}"}},
+        Case{"CorrelatedScatter",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=9", "stage.precompression.duration=0.002",
+              "stage.shear.displacement=0.00002",
+              "joints.mortar.tensile_strength={distribution='lognormal', mean=3e4, cov=0.3, level='point', "
+              "correlation_length=0.3, scatter_of='joint'}",
+              "joints.mortar.cohesion={distribution='lognormal', mean=2e5, cov=0.3, level='unit', "
+              "correlation_length=0.5}",
+              "joints.mortar.normal_stiffness={distribution='lognormal', mean=82e9, cov=0.3, level='joint', "
+              "correlation_length=0.2}"}},
         Case{"Promotion",
              kTests + "cli/small_wall.toml",
              {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
