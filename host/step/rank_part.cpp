@@ -21,11 +21,6 @@ void forget_if_any(Column& column, const VectorRow& row) {
 
 }  // namespace
 
-// Steps by rows of K are found over all contact points.
-bool Simulation::Impl::may_be_in_parts(const Assembly& assembly) const {
-  return ranks && !assembly.bricks.empty() && time_step_by_parts(scene.solver);
-}
-
 std::vector<int> Simulation::Impl::own_units() const {
   std::vector<int> own;
   for (int u = 0; u < static_cast<int>(model.unit_groups.size()); ++u) {
@@ -94,10 +89,14 @@ void Simulation::Impl::hold_part() {
   const std::vector<int> units = own_units();
   model.keep_alone(units, share.chunks);
   model.lay_out(units, share.chunks);
+  const Held held = held_with(share);
   for (const LoadedBlock& loaded : loaded_blocks) model.weigh(item_of_block(loaded.block));
+  for (int u = 0; needs_rows(scene.solver) && u < static_cast<int>(model.unit_groups.size()); ++u) {
+    if (held.items[at(u)]) model.weigh(u);
+  }
   holds_all = false;
 
-  const Rows elsewhere = rows_elsewhere(held_with(share));
+  const Rows elsewhere = rows_elsewhere(held);
   for (const VectorRow& row : elsewhere.points) {
     for (auto& column : force) forget_if_any(column, row);
     for (auto& column : energy_columns) forget_if_any(column, row);
@@ -110,7 +109,8 @@ void Simulation::Impl::hold_part() {
   for (auto& column : traction) forget_elsewhere(column);
   for (auto& columns : law_state) forget_elsewhere(columns);
   if (dt_over_mass.empty()) return;  // the first time, before there is a time step
-  inertia = inertia_in_use(model, scene.solver);
+  const std::unique_ptr<SharedModel> shared = needs_rows(scene.solver) ? share_of_model() : nullptr;
+  inertia = inertia_in_use(model, scene.solver, shared.get());
   share_inertia();
   bind_columns();
 }

@@ -48,7 +48,7 @@ void Simulation::Impl::bind_step() {
 }
 
 void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials) {
-  in_parts = may_be_in_parts(assembly);
+  in_parts = ranks && !assembly.bricks.empty();
   holds_all = !in_parts;
   model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
   joint_sliding =

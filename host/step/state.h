@@ -257,7 +257,6 @@ struct Simulation::Impl {
   std::uint64_t hash_by_parts(bool at_rest);
   std::array<long, kConditionCount> own_conditions();
   // Where each rank holds a part of the lattice (in_parts).
-  bool may_be_in_parts(const Assembly& assembly) const;
   struct Held {
     std::vector<bool> items, chunks;
   };

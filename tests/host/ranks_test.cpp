@@ -22,7 +22,7 @@ struct Case {
   const char* name;
   std::string scene;
   Overrides overrides;
-  enum { nothing, promotion, detection } has = nothing;
+  enum { nothing, promotion, detection, added_mass } has = nothing;
 };
 
 // What is compared, bit for bit.
@@ -31,6 +31,7 @@ struct Found {
   std::vector<double> blocks, points;
   std::uint64_t start_hash = 0, hash = 0;
   long steps = 0;
+  double time_step = 0.0, added_mass = 0.0;
 };
 
 struct Rows : Observer {
@@ -53,7 +54,14 @@ struct Rows : Observer {
 };
 
 Found found_in(const Simulation& simulation, const Rows& rows, std::uint64_t start_hash) {
-  Found found{rows.bits, {}, {}, start_hash, simulation.hash(), simulation.step()};
+  Found found{rows.bits,
+              {},
+              {},
+              start_hash,
+              simulation.hash(),
+              simulation.step(),
+              simulation.time_step_report().time_step,
+              simulation.time_step_report().added_mass};
   for (int b = 0; b < simulation.block_count(); ++b) {
     for (const Vec3& u : simulation.block_displacement(b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
     for (const Vec3& v : simulation.block_velocity(b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
@@ -72,6 +80,8 @@ Found alone(const Case& of) {
   const std::uint64_t start = simulation.hash();
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
+  EXPECT_EQ(simulation.time_step_report().added_mass > 1e-3 * simulation.time_step_report().model_mass,
+            of.has == Case::added_mass);
   return found_in(simulation, rows, start);
 }
 
@@ -105,6 +115,8 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     EXPECT_EQ(first.start_hash, one.start_hash) << count;
     EXPECT_EQ(first.hash, one.hash) << count;
     EXPECT_EQ(first.steps, one.steps) << count;
+    EXPECT_EQ(first.time_step, one.time_step) << count;
+    EXPECT_EQ(first.added_mass, one.added_mass) << count;
   }
 }
 
@@ -129,6 +141,25 @@ INSTANTIATE_TEST_SUITE_P(
              {"wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]",
               "damage.1.opening=1e-6", "stage.precompression.duration=0.002", "stage.settlement.displacement=0.00001",
               "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001"}},
+        Case{"SelectiveWall",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=8", "wall.half_thickness=true", "wall.zones=[2, 1, 2]",
+              "solver.selective_time_step=4e-5", "stage.precompression.duration=0.004",
+              "stage.shear.displacement=0.00005"},
+             Case::added_mass},
+        Case{"SelectiveBuilding",
+             kTests + "host/small_building.toml",
+             {"stage.push.displacement=0.00005", "stage.push.record_interval=100", "solver.selective_time_step=4e-5"},
+             Case::added_mass},
+        Case{"SelectiveRigidUnits",
+             kScenes + "cube_wall_10.toml",
+             {"stage.1.displacement=0.00005", "solver.selective_time_step=2e-4"},
+             Case::added_mass},
+        Case{"Nodal",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=8", "solver.critical_time_step='nodal'",
+              "solver.damping='local'", "solver.time_step_fraction=0.3", "stage.precompression.duration=0.003",
+              "stage.shear.displacement=0.00002"}},
         Case{"Scatter",
              kTests + "cli/small_wall.toml",
              {"wall.courses=8", "wall.units_per_course=9", "stage.precompression.duration=0.002",
