@@ -310,7 +310,7 @@ void restore_from(const std::filesystem::path& path, const StoredState& state, S
 
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance) {
   const Identity identity = end_identity(simulation, provenance, simulation.scene().stages.size());
-  write_checkpoint(folder / "end_state.bin", identity, {{}, {}, simulation.save()});
+  write_checkpoint(folder / "end_state.bin", identity, {}, {}, simulation);
 }
 
 void keep_start(const Scene& scene, const std::filesystem::path& folder) {

@@ -391,33 +391,55 @@ void Simulation::Impl::look_at_riding_motion() {
   }
 }
 
-// Family after family.
-void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
-  std::size_t first = 0;
-  for (const blocks::Family& f : riding->families()) {
-    const std::size_t n = f.size(), first_of_family = first;
-    first += n;
-    if (n == 0 || !(f.material->api().capabilities & capability)) continue;
+namespace {
+
+// Of the points of families one after the other those in a range.
+struct FamilyPart {
+  const blocks::Family& family;
+  int index;               // of the family
+  std::size_t first, end;  // in it
+  std::size_t before;      // points of the families before
+};
+
+std::vector<FamilyPart> parts_of(const std::vector<blocks::Family>& families, const PointRange& range) {
+  std::vector<FamilyPart> parts;
+  std::size_t before = 0;
+  const auto from = static_cast<std::size_t>(range.first), to = static_cast<std::size_t>(range.end);
+  for (const blocks::Family& f : families) {
+    const std::size_t first = std::max(from, before), end = std::min(to, before + f.size());
+    if (first < end) parts.push_back({f, static_cast<int>(&f - families.data()), first - before, end - before, before});
+    before += f.size();
+  }
+  return parts;
+}
+
+}  // namespace
+
+void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointRange& range,
+                                          const PointOutputs& outputs) const {
+  for (const auto& [f, index, first, end, before] : parts_of(riding->families(), range)) {
+    if (!(f.material->api().capabilities & capability)) continue;
+    const std::size_t n = end - first;
     std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
     std::vector<quoin_in> old;
     std::vector<quoin_out> fresh;
     for (std::size_t k = 0; k < f.state.size(); ++k) {
-      old.push_back({f.state[k].data(), 1});
+      old.push_back({f.state[k].data() + first, 1});
       fresh.push_back({unused.data() + (3 + k) * n, 1});
     }
     quoin_batch batch{};
     batch.struct_size = sizeof batch;
     batch.count = n;
-    batch.normal_jump = {f.normal_jump.data(), 1};
+    batch.normal_jump = {f.normal_jump.data() + first, 1};
     for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
     for (std::size_t k = 0; k < 3; ++k) {
-      batch.traction_old[k] = {f.traction[k].data(), 1};
+      batch.traction_old[k] = {f.traction[k].data() + first, 1};
       batch.traction_new[k] = {unused.data() + k * n, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
-    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, 0);
+    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, first);
     batch.property_column_count = properties.size(), batch.property_columns = properties.data();
-    outputs(batch, first_of_family);
+    outputs(batch, before + first);
     f.material->evaluate(&batch);
   }
 }
@@ -440,6 +462,16 @@ Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
     for (std::size_t k = 0; k < 4; ++k) zone[k] = riding->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
   }
   return mesh;
+}
+
+Simulation::BlockSize Simulation::Impl::riding_size(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  BlockSize size;
+  size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
+  size.zones = static_cast<std::uint64_t>(b.zone_count);
+  size.faces = b.shape->faces.size();
+  for (const auto& face : b.shape->faces) size.face_corners += face.size();
+  return size;
 }
 
 std::vector<Vec3> Simulation::Impl::riding_displacements(int block) const {
@@ -476,31 +508,29 @@ std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) co
   return result;
 }
 
-std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bool(int block)>& wanted) const {
-  const std::vector<std::uint32_t> all_flags = current_flags();
+std::vector<ContactPoint> Simulation::Impl::riding_points(const PointRange& range,
+                                                          const std::function<bool(int block)>& wanted) const {
+  const std::vector<std::uint32_t> flags_there = current_flags(range);
   std::vector<ContactPoint> points;
-  std::int32_t next = 0;
-  for (std::size_t k = 0; k < riding->families().size(); ++k) {
-    const blocks::Family& f = riding->families()[k];
-    for (std::size_t i = 0; i < f.size(); ++i) {
-      const std::int32_t index = next++;
+  for (const auto& [f, index, first, end, before] : parts_of(riding->families(), range)) {
+    for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;
       const geometry::Matrix r = riding->frame_of(p);
       ContactPoint point{};
-      point.index = index;
+      point.index = static_cast<std::int32_t>(before + i);
       point.position = geometry::array(riding->place_of(p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);
       point.area = p.area;
       point.joint = -1;
-      point.family = static_cast<int>(k);
+      point.family = index;
       point.block_a = p.a;
       point.block_b = p.b;
       point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
-      point.flags = all_flags[static_cast<std::size_t>(index)];
+      point.flags = flags_there[static_cast<std::size_t>(point.index - range.first)];
       point.condition = condition_of(point.flags);
       points.push_back(point);
     }
@@ -508,15 +538,18 @@ std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bo
   return points;
 }
 
-std::vector<double> Simulation::Impl::riding_state(const std::string& id) const {
+std::vector<double> Simulation::Impl::riding_state(const std::string& id, const PointRange& range) const {
   std::vector<double> values;
-  for (const blocks::Family& f : riding->families()) {
+  for (const auto& [f, index, first, end, before] : parts_of(riding->families(), range)) {
     const int k = f.material->law().state_index(id);
-    if (k < 0)
-      values.resize(values.size() + f.size(), std::numeric_limits<double>::quiet_NaN());
-    else
-      values.insert(values.end(), f.state[static_cast<std::size_t>(k)].begin(),
-                    f.state[static_cast<std::size_t>(k)].end());
+    const std::size_t count = end - first;
+    if (k < 0) {
+      values.resize(values.size() + count, std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const std::span column(f.state[static_cast<std::size_t>(k)]);
+    values.insert(values.end(), column.begin() + static_cast<std::ptrdiff_t>(first),
+                  column.begin() + static_cast<std::ptrdiff_t>(end));
   }
   return values;
 }

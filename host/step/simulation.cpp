@@ -56,10 +56,16 @@ void Simulation::run(Observer& observer) {
   try {
     while (run_stage(observer)) {
     }
-  } catch (const Error&) {
-    // What all ranks have found is told with all that they know.
+  } catch (const Error& error) {
     if (impl_->ranks) impl_->together = impl_->ranks->all_here(kTogether);
-    if (impl_->together) impl_->gather(Part::all, Who::first), impl_->collect_traffic();
+    if (impl_->together) {
+      // What all ranks have found is told with all that they know. Who was only asked to stop has nothing to find.
+      if (impl_->any_rank(error.exit_code != Exit::interrupted))
+        impl_->gather(Part::all, Who::first);
+      else
+        impl_->end_run();
+      impl_->collect_traffic();
+    }
     throw;
   }
   impl_->end_run();

@@ -183,6 +183,8 @@ struct Simulation::Impl {
                   const Vec3& position) const;
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
+  // Of the two gridpoints that a contact point joins, of block a and block b: their sum with these factors.
+  std::pair<Vec3, Vec3> motion_of_sides(std::int32_t point, double of_displacement, double of_velocity) const;
   Vec3 jump_of(std::int32_t point, double of_displacement,
                double of_velocity) const;                // of their sum with these factors
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
@@ -216,11 +218,12 @@ struct Simulation::Impl {
   void measure_riding(HistoryRow& row) const;
   void look_at_riding_motion();
   BlockMesh riding_mesh(int block) const;
+  BlockSize riding_size(int block) const;
   std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
   std::vector<Vec3> riding_velocities(int block) const;
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
-  std::vector<ContactPoint> riding_points(const std::function<bool(int block)>& wanted) const;
-  std::vector<double> riding_state(const std::string& id) const;
+  std::vector<ContactPoint> riding_points(const PointRange& range, const std::function<bool(int block)>& wanted) const;
+  std::vector<double> riding_state(const std::string& id, const PointRange& range) const;
   void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
   double stage_time() const;  // s, since the stage began
@@ -277,9 +280,9 @@ struct Simulation::Impl {
   void bind_inertia();  // of what is held
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
-  void fetch_for_frame();  // all of it, or with pieces what joints of this rank show of the blocks of others
-  void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
-  void prepare_row();                                            // what a row has of the blocks of this rank
+  void fetch_for_frame();    // what results by run, or pieces, show of the blocks of others; or all of it
+  bool ranks_bring() const;  // to rank 0 what it writes of them
+  void prepare_row();        // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that rank 0 sees what it is.
   bool agree(bool trouble, bool* startled = nullptr);
   double largest_of_ranks(double here) const;
@@ -316,13 +319,14 @@ struct Simulation::Impl {
   void divide_work();                    // costs, and the share of this rank
   void bind_work();                      // what follows from it
   void partition_work();                 // both, and holds its part
-  std::vector<std::uint32_t> current_flags() const;
+  std::vector<std::uint32_t> current_flags(const PointRange& range) const;
   // Fills the optional outputs of a batch with columns that begin at this contact point.
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
   // A step that moves nothing, into scratch but for these outputs: of the points whose law has the capability.
-  void ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
-  void ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
+  void ask_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
+  void ask_riding_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
   std::size_t contact_point_count() const;
+  PointRange all_points() const { return {0, static_cast<std::int32_t>(contact_point_count())}; }
 
   Scene scene;
   Model model;
@@ -415,7 +419,6 @@ struct Simulation::Impl {
 
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
-  Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
   bool in_parts = false;                  // each rank holds a part of the lattice
   bool holds_all = true;                  // this one all of it
   std::vector<int> unit_of_group;         // by block group: its item

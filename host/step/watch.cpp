@@ -71,7 +71,7 @@ void Simulation::Impl::look_at_points() {
 // The time step follows from upper bounds that the laws state of themselves.
 void Simulation::Impl::look_at_stiffness() {
   LaneVector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
-  ask_at_rest(QUOIN_CAN_TANGENT, [&](quoin_batch& batch, std::size_t first) {
+  ask_at_rest(QUOIN_CAN_TANGENT, all_points(), [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
     batch.tangent[4] = {shear[0].data() + first, 1};
     batch.tangent[8] = {shear[1].data() + first, 1};
@@ -89,7 +89,7 @@ void Simulation::Impl::look_at_stiffness() {
   };
   if (riding) {
     for (const blocks::Family& f : riding->families()) hold(*f.material, f.size());
-    const std::vector<std::uint32_t> all_flags = current_flags();
+    const std::vector<std::uint32_t> all_flags = current_flags(all_points());
     const auto crushed_out = std::count_if(all_flags.begin(), all_flags.end(),
                                            [](std::uint32_t f) { return condition_of(f) == Condition::crushed_out; });
     watch.crushed_out = std::max(watch.crushed_out, static_cast<long>(crushed_out));

@@ -178,28 +178,27 @@ struct Kept : Observer {
   }
 };
 
-Scene small_wall(bool with_pictures) {
-  Scene scene = read_scene(std::string(QUOIN_HOST_TESTS) + "/../cli/small_wall.toml",
-                           {"wall.courses=24", "wall.units_per_course=24", "stage.precompression.duration=0.002",
-                            "stage.shear.displacement=0.000001", "stage.shear.law=coulomb_slip", "output.frames=0"});
-  scene.output.plots = with_pictures;
-  return scene;
+Scene small_wall() {
+  return read_scene(std::string(QUOIN_HOST_TESTS) + "/../cli/small_wall.toml",
+                    {"wall.courses=24", "wall.units_per_course=24", "stage.precompression.duration=0.002",
+                     "stage.shear.displacement=0.000001", "stage.shear.law=coulomb_slip", "output.frames=0"});
 }
 
 // History, checkpoints, hash and conditions of one process, bit for bit; and no rank has laid out all contact points
-// but rank 0 where somebody asks for pictures.
+// but rank 0 where somebody asks for that.
 TEST(RunInParts, IsThatOfOneProcess) {
-  Simulation alone(small_wall(false));
+  Simulation alone(small_wall());
   Kept kept;
   alone.run(kept);
   ASSERT_GT(kept.rows.size(), 3u);
   ASSERT_GT(kept.saved.size(), 1u);
-  for (const auto& [count, with_pictures] : {std::pair(2, true), {3, false}}) {
+  for (const auto& [count, gathered] : {std::pair(2, true), {3, false}}) {
     std::mutex one_at_a_time;
     on_ranks(count, [&](Ranks& ranks) {
-      Simulation simulation(small_wall(with_pictures), 1, &ranks);
+      Simulation simulation(small_wall(), 1, &ranks);
       Kept here;
       simulation.run(here);
+      if (gathered) simulation.gather_at_first();
       const std::lock_guard lock(one_at_a_time);
       ASSERT_EQ(here.rows.size(), kept.rows.size());
       for (std::size_t i = 0; i < kept.rows.size(); ++i) {
@@ -213,8 +212,7 @@ TEST(RunInParts, IsThatOfOneProcess) {
       long points = 0;
       for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c)
         points += model.has_laid_out(c) ? model.chunks[at(c)].point_count : 0;
-      const bool all_for_pictures = with_pictures && ranks.rank() == 0;
-      EXPECT_EQ(points == model.point_count, all_for_pictures) << points << " of " << model.point_count;
+      EXPECT_EQ(points == model.point_count, gathered && ranks.rank() == 0) << points << " of " << model.point_count;
       if (ranks.rank() != 0) return;
       ASSERT_EQ(here.saved.size(), kept.saved.size());
       constexpr long kCounters = 512;  // bytes at the end, some between fields: all arrays are before them
@@ -238,14 +236,14 @@ struct CountedBytes : BytesInMemory {
 
 // From states of one process: before the first stage, in it and in the next one.
 TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
-  Simulation alone(small_wall(false));
+  Simulation alone(small_wall());
   Kept kept;
   const std::vector<std::uint8_t> start = alone.save();
   alone.run(kept);
   ASSERT_GT(kept.saved.size(), 2u);
   for (const auto& [count, state] : {std::pair(4, kept.saved.back()), {2, kept.saved.front()}, {3, start}}) {
     on_ranks(count, [&](Ranks& ranks) {
-      Simulation simulation(small_wall(false), 1, &ranks);
+      Simulation simulation(small_wall(), 1, &ranks);
       CountedBytes source(state);
       simulation.restore(source);
       // In so small a wall most chunks of contact points lie on borders: 0.79 to 0.97 of it. All of it is 1.
@@ -261,10 +259,10 @@ TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
 
 // The sizes of arrays are those of the file: none may lead a rank beyond its own.
 TEST(RunInParts, RefusesAStateOfAnotherModelOrCutShort) {
-  Scene larger = small_wall(false), smaller = small_wall(false);
+  Scene larger = small_wall(), smaller = small_wall();
   larger.wall->courses += 1, smaller.wall->courses -= 1;
   // With the time step of this one, which is what tells models apart before their sizes do.
-  Simulation here(small_wall(false));
+  Simulation here(small_wall());
   for (const Scene& of_other : {larger, smaller}) {
     Simulation other(of_other);
     std::vector<std::uint8_t> state = other.save();
@@ -279,7 +277,7 @@ TEST(RunInParts, RefusesAStateOfAnotherModelOrCutShort) {
       const std::vector<std::uint8_t> bytes(state.begin(), state.begin() + static_cast<long>(size));
       EXPECT_THROW(on_ranks(2,
                             [&](Ranks& ranks) {
-                              Simulation simulation(small_wall(false), 1, &ranks);
+                              Simulation simulation(small_wall(), 1, &ranks);
                               BytesInMemory source(bytes);
                               simulation.restore(source);
                             }),

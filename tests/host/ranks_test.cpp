@@ -103,6 +103,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       Rows rows;
       const std::uint64_t start = simulation.hash();  // of rank 0: a checkpoint is told by it
       simulation.run(rows);
+      simulation.gather_at_first();
       if (ranks.rank() == 0) first = found_in(simulation, rows, start);
     });
     EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
