@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstdlib>
 
 #include "base/error.h"
 #include "scene/read_scene.h"
@@ -192,6 +193,44 @@ INSTANTIATE_TEST_SUITE_P(
              {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
               "stage.push.duration=0.004"}}),
     [](const auto& of) { return std::string(of.param.name); });
+
+// What belongs to contact points, and what is found over all of them, goes with blocks that change hands in mid-run:
+// openings of damage, drawn properties, raised inertia.
+TEST(Ranks, DividedAnewKeepWhatPointsHave) {
+  const Case of{
+      "DividedAnew",
+      kScenes + "damaged_wall_030.toml",
+      {"wall.courses=32", "wall.zones=[1, 1, 1]", "damage.1.crack=[[0.11, 1.9], [0.88, 0.07]]", "damage.1.opening=1e-6",
+       "stage.precompression.duration=0.006", "stage.settlement.displacement=0.00001",
+       "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001", "solver.selective_time_step=1.5e-5",
+       "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3}"},
+      Case::added_mass};
+  const Found one = alone(of);
+  setenv("QUOIN_DEAR_BLOCKS", "60x100", 1);  // step/state.h
+  std::atomic<int> changed_hands = 0;
+  Found first;
+  on_ranks(3, [&](Ranks& ranks) {
+    Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
+    const auto owned = [&] {
+      std::vector<bool> blocks;
+      for (int b = 0; b < simulation.block_count(); ++b) blocks.push_back(simulation.owns_block(b));
+      return blocks;
+    };
+    const std::vector<bool> before = owned();
+    const std::uint64_t start = simulation.hash();
+    Rows rows;
+    simulation.run(rows);
+    changed_hands += owned() != before ? 1 : 0;
+    simulation.gather_at_first();
+    if (ranks.rank() == 0) first = found_in(simulation, rows, start);
+  });
+  unsetenv("QUOIN_DEAR_BLOCKS");
+  EXPECT_GT(changed_hands, 0);
+  EXPECT_EQ(first.rows, one.rows);
+  EXPECT_EQ(first.blocks, one.blocks);
+  EXPECT_EQ(first.points, one.points);
+  EXPECT_EQ(first.hash, one.hash);
+}
 
 TEST(Ranks, WithDifferentModelsAreRefused) {
   const std::string scene = kTests + "cli/small_wall.toml";
