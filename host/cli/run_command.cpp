@@ -358,25 +358,30 @@ Scene scene_of(RunOptions* options, const Ranks* ranks) {
   return scene;
 }
 
+// Where the run in this folder was kept, or where its scene starts.
+void begin(Simulation* simulation, const fs::path& folder, const StoredState& kept) {
+  if (kept.bytes > 0)
+    restore_from(folder / "checkpoint.bin", kept, simulation);
+  else
+    take_start(simulation);
+}
+
 void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   if (!options.resume.empty()) {
+    options.resume = fs::absolute(options.resume).string();  // read_run_record goes to where the run was started
     if (is_done(options.resume)) return;
     options.scene = read_run_record(options.resume);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
   Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
-  std::vector<std::uint8_t> state;
-  share_bytes(ranks, state);
+  StoredState state;
+  ranks.share(std::as_writable_bytes(std::span(&state, 1)));
+  begin(&simulation, options.resume, state);
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
   SharedFolder folder;
   if (pieces.count > 1) {
     share(ranks, folder);
     use_part_token(folder.token);
-  }
-  if (state.empty()) {
-    take_start(&simulation);
-  } else {
-    simulation.restore(state);
   }
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;
@@ -557,14 +562,9 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   Identity identity = identity_of(simulation, info.provenance);
   Checkpoint before;
   const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
-  if (goes_on) {
-    before = read_checkpoint(folder / "checkpoint.bin", identity);
-    simulation.restore(before.state);
-  } else {
-    take_start(&simulation);
-  }
-  if (ranks) share_bytes(*ranks, before.state);
-  before.state = {};
+  if (goes_on) before = find_checkpoint(folder / "checkpoint.bin", identity);
+  if (ranks) ranks->share(std::as_writable_bytes(std::span(&before.stored, 1)));
+  begin(&simulation, folder, before.stored);
   const Pieces pieces = pieces_of(simulation.scene(), ranks);
   if (pieces.count > 1) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};

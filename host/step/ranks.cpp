@@ -340,8 +340,8 @@ Halo Simulation::Impl::halo_on_borders(const SideNumbers& numbers_of_side) {
   return found;
 }
 
-Halo Simulation::Impl::motion_on_borders() {
-  return halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
+void Simulation::Impl::hear_all_of_borders() {
+  Halo border = halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
     const int body = model.place[at(block)].body;
     for (std::size_t c = 0; c < 3; ++c) {
       if (body < 0) {
@@ -355,6 +355,8 @@ Halo Simulation::Impl::motion_on_borders() {
         numbers.push_back(&(*quantity)[c][lane]);
     }
   });
+  border.send(*ranks);
+  border.receive(*ranks);
 }
 
 // On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
@@ -593,8 +595,7 @@ void Simulation::Impl::fetch_for_frame() {
   if (!in_parts && !scene.output.pieces) return gather(Part::all, Who::first);
   if (!ranks || riding) return;
   const auto before = Clock::now();
-  Halo border = motion_on_borders();
-  border.send(*ranks), border.receive(*ranks);
+  hear_all_of_borders();
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
@@ -651,9 +652,11 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
   const ContactChunk& c = model.chunks[at(chunk)];
   const auto first = at(c.first_point), count = at(c.point_count);
   for (auto& column : traction) visit(column.data() + first, count * sizeof(double));
-  for (const quoin_out& column : call.state_new) {
-    if (column.data) visit(column.data, count * sizeof(double));
-  }
+  if (!normal_shift.empty()) visit(normal_shift.data() + first, count * sizeof(double));
+  const ContactFamily& family = model.families[at(c.family)];
+  LaneVector<double>& states = law_state[at(c.family)];
+  for (std::size_t begin = 0; begin < states.size(); begin += at(family.point_count))
+    visit(states.data() + begin + (first - at(family.first_point)), count * sizeof(double));
   visit(flags.data() + first, count * sizeof flags[0]);
   visit_value(call.failed, visit);
   visit_value(call.status, visit);

@@ -346,8 +346,7 @@ std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
 // What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
-  Halo border = motion_on_borders();
-  border.send(*ranks), border.receive(*ranks);
+  hear_all_of_borders();
   const std::array<long, kConditionCount> own = own_conditions();
   std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
   const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
@@ -357,21 +356,35 @@ void Simulation::Impl::end_run() {
     for (std::size_t k = 0; k < counts.size(); ++k) (*end_conditions)[k] += counts[k];
   }
   gather(Part::row);
-  end_hash = kHashStart;
-  add_to_hash(body_lanes, &end_hash);
+  end_hash = hash_by_parts(false);
+}
+
+void Simulation::Impl::note_start() {
+  start_hash.reset();
+  if (!in_parts || scene.damage.empty()) return;
+  prepare_row();
+  start_hash = hash_by_parts(true);
+}
+
+// at_rest: all but states of laws is zero.
+std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
+  std::uint64_t hash = kHashStart;
+  add_to_hash(body_lanes, &hash);
   const auto add = [&](const LaneVector<double>& array) {
     give_array(array, [&](std::span<const std::uint8_t> bytes) {
-      add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &end_hash);
+      add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &hash);
     });
   };
-  add(displacement), add(velocity);
-  for (const auto& column : traction) add(column);
+  for (const auto* array : {&displacement, &velocity, &traction[0], &traction[1], &traction[2]})
+    at_rest ? add_to_hash(*array, &hash) : add(*array);
   for (const auto& columns : law_state) add(columns);
+  return hash;
 }
 
 std::uint64_t Simulation::hash() const {
   if (impl_->riding) return impl_->riding->hash();
   if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
+  if (impl_->start_hash && impl_->step_count == 0 && !impl_->has_all()) return *impl_->start_hash;
   std::uint64_t hash = kHashStart;
   const auto add = [&](const auto& values) { add_to_hash(values, &hash); };
   add_to_hash(impl_->body_lanes, &hash);

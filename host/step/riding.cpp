@@ -120,10 +120,11 @@ void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const 
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());
-  const MigratedFamily migrated = migrate(riding->assembly().families[index], *f.material, std::move(material), points);
-  riding->replace_law(static_cast<int>(index), migrated.material, migrated.state, migrated.opening_shift);
-  model.families[index].material = migrated.material;
-  swaps.push_back(migrated.report);
+  const JointFamily& description = riding->assembly().families[index];
+  const MigratedFamily migrated = migrate(description, *f.material, *material, points);
+  swaps.push_back(report_of(description.name, *f.material, *material, migrated.sums(0, points.count)));
+  riding->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
+  model.families[index].material = std::move(material);
   follow_time_step();
 }
 

@@ -33,6 +33,8 @@ struct Vector;
 
 namespace quoin {
 
+class ByteSource;
+
 // Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
 // kinetic + strain + contact_stored + dissipated + damping = external (+ what they were at the start).
 struct Energies {
@@ -337,6 +339,9 @@ class Simulation {
   void save(const TakeBytes& take) const;
   std::size_t saved_bytes() const;
   void restore(const std::vector<std::uint8_t>& bytes);
+  // The same from where the bytes are, of which a rank takes what it holds. All ranks call it. After an Error the
+  // simulation is of no use.
+  void restore(ByteSource& source);
 
   // Raw access for tests: displacement and velocity in lane layout.
   LaneVector<double>& displacement();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/smooth_step.h"
 #include "base/thread_pool.h"
 #include "law/answers.h"
@@ -43,6 +44,8 @@ struct BodyLanes {
   bool any_prescribed = false;
   bool at_rest = false;  // and held there: a step changes nothing
 };
+
+struct CrackedBlock;
 
 // Control of a body through a stage: from what was to what shall be, over the ramp.
 struct BodyRamp {
@@ -153,7 +156,7 @@ struct Simulation::Impl {
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
-  // The law's material for a joint family: with the properties that it knows, as the scene gives them.
+  void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
   double largest_displacement() const;  // of any block that is not fixed, m
   WholeMotion whole_motion_of(std::size_t brick) const;
@@ -227,7 +230,7 @@ struct Simulation::Impl {
   double now() const;         // s, since the start
 
   // --- checkpoints (checkpoint.cpp) ---------------------------------------------------------------------------------
-  void restore(const std::vector<std::uint8_t>& bytes);  // throws half way
+  void restore(ByteSource& source);  // throws half way
   std::shared_ptr<const Material> material_in_stage(std::size_t family, int of_stage) const;
 
   // --- from small displacements to large motion (promotion.cpp) -----------------------------------------------------
@@ -243,7 +246,7 @@ struct Simulation::Impl {
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
   using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
   Halo halo_on_borders(const SideNumbers& numbers_of);
-  Halo motion_on_borders();                    // displacement and velocity
+  void hear_all_of_borders();                  // displacement and velocity, which steps tell in part
   std::vector<int> ranks_of(int chunk) const;  // that evaluate it
   // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
   void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
@@ -252,16 +255,26 @@ struct Simulation::Impl {
   void agree_on_model() const;
   // An array whose parts ranks hold, some megabytes at a time, to rank 0.
   void give_array(const LaneVector<double>& array, const Simulation::TakeBytes& take);
-  void end_run();  // what results ask rank 0 for
+  void end_run();     // what results ask rank 0 for
+  void note_start();  // the hash, where no rank can tell it alone
+  std::uint64_t hash_by_parts(bool at_rest);
   std::array<long, kConditionCount> own_conditions();
   // Where each rank holds a part of the lattice (in_parts).
-  bool may_be_in_parts(const Assembly& assembly) const;
   struct Held {
     std::vector<bool> items, chunks;
   };
   Held held_with(const RankShare& shares) const;
+  // Gridpoints, as numbers of arrays that have them, and contact points that this rank does not hold.
+  struct Rows {
+    std::vector<VectorRow> gridpoints, points;
+  };
+  Rows rows_elsewhere(const Held& held) const;
+  // Of an array of the state, in order: visit(first, end).
+  void each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+                          const std::function<void(std::size_t, std::size_t)>& visit) const;
   std::vector<int> own_units() const;  // in order
   void hold_part();                    // by share: gives back the memory of the rest
+  void hold_first_part();              // and all agree on how stiff the stiffest joints are
   void hold_all();
   std::unique_ptr<SharedModel> share_of_model();
   void bind_inertia();  // of what is held
@@ -276,6 +289,8 @@ struct Simulation::Impl {
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
+  // All ranks throw what the first of them has found that has found anything.
+  void throw_together(const std::optional<Error>& fault);
   void collect_traffic();
   void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
   void divide_anew();
@@ -292,15 +307,18 @@ struct Simulation::Impl {
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
-  void take_damage();   // of the scene: states and openings before the first stage
+  void take_damage();  // of the scene: states and openings before the first stage
+  void damage_riding(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
+  void damage_lattice(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
   void bind_energies(LawCall& call, const ContactChunk& chunk);
-  void begin_states();    // of laws
-  void share_inertia();   // where the blocks of a group are alike
-  void divide_work();     // costs, and the share of this rank
-  void bind_work();       // what follows from it
-  void partition_work();  // both, and holds its part
+  std::vector<int> chunks_here() const;  // that this process holds
+  void begin_states();                   // of laws
+  void share_inertia();                  // where the blocks of a group are alike
+  void divide_work();                    // costs, and the share of this rank
+  void bind_work();                      // what follows from it
+  void partition_work();                 // both, and holds its part
   std::vector<std::uint32_t> current_flags(const PointRange& range) const;
   // Fills the optional outputs of a batch with columns that begin at this contact point.
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
@@ -419,6 +437,7 @@ struct Simulation::Impl {
   // Of the end of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
+  std::optional<std::uint64_t> start_hash;  // of a run in parts whose states do not begin all alike
 
   bool time_every_step = false;
   PhaseTimes times;

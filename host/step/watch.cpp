@@ -143,8 +143,7 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   if (step_count >= watch.next_stiffness) {
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     if (in_parts) {
-      Halo border = motion_on_borders();
-      border.send(*ranks), border.receive(*ranks);
+      hear_all_of_borders();
       look_at_stiffness();
       watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
       if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them
