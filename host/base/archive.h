@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -39,15 +40,37 @@ struct ArchiveWriter {
   }
 };
 
+// Where the bytes come from, one after the other.
+class ByteSource {
+ public:
+  virtual ~ByteSource() = default;
+  virtual std::size_t left() const = 0;
+  // No more than are left.
+  virtual void take(void* to, std::size_t size) = 0;
+  virtual void skip(std::size_t size) = 0;
+};
+
+class BytesInMemory : public ByteSource {
+ public:
+  explicit BytesInMemory(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  std::size_t left() const override { return bytes_.size(); }
+  void take(void* to, std::size_t size) override {
+    if (size > 0) std::memcpy(to, bytes_.data(), size);
+    skip(size);
+  }
+  void skip(std::size_t size) override { bytes_ = bytes_.subspan(size); }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+};
+
 // Throws Error(bad_input) where the bytes end too early.
 struct ArchiveReader {
-  const std::vector<std::uint8_t>& bytes;
-  std::size_t position = 0;
-  std::size_t left() const { return bytes.size() - position; }
+  ByteSource& source;
+  std::size_t left() const { return source.left(); }
   void take(void* to, std::size_t size) {
     if (left() < size) ends_too_early();
-    if (size > 0) std::memcpy(to, bytes.data() + position, size);
-    position += size;
+    source.take(to, size);
   }
   template <class T>
   void value(T& x) {
@@ -64,19 +87,20 @@ struct ArchiveReader {
   template <class Array>
   void array(Array& x) {
     static_assert(std::is_trivially_copyable_v<std::remove_cvref_t<decltype(x[0])>>);
+    x.resize(count_of(sizeof(x[0])));
+    take(x.data(), x.size() * sizeof(x[0]));
+  }
+  // Of elements that take so many bytes each, and follow.
+  std::size_t count_of(std::size_t element_bytes) {
     std::uint64_t count = 0;
     value(count);
-    if (count > left() / sizeof(x[0])) ends_too_early();
-    x.resize(count);
-    take(x.data(), count * sizeof(x[0]));
+    if (count > left() / element_bytes) ends_too_early();
+    return count;
   }
   template <class Element, class Fields>
   void list(std::vector<Element>& x, Fields&& of_element) {
-    std::uint64_t count = 0;
-    value(count);
-    if (count > left()) ends_too_early();  // an element takes a byte at least
     x.clear();
-    x.resize(count);
+    x.resize(count_of(1));  // an element takes a byte at least
     for (Element& element : x) of_element(*this, element);
   }
   [[noreturn]] static void ends_too_early() { throw Error(Exit::bad_input, "checkpoint: the data end too early"); }

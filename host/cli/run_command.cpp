@@ -47,8 +47,9 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop, and so do a terminal that closes and a reader of our words that goes. A second
-// time ends the program at once; but a reader that is gone will be written to again.
+// Ctrl-C asks the simulation to stop, and so do a terminal that closes, a reader of our words that goes, and SIGUSR1,
+// which mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a
+// reader that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {
@@ -71,7 +72,7 @@ class StopOnSignal {
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
  private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
   std::array<struct sigaction, kSignals.size()> before_{};
 };
 
@@ -145,7 +146,7 @@ class Recorder : public Observer {
                     "strain energy {:.6g} J, jump {:+.3g} J; time step {:.3g} s",
                     p.why, p.step, p.time, simulation.point_count(), p.strain_energy, p.energy_jump,
                     simulation.time_step_report().time_step));
-    surfaces_ = Surfaces(simulation);
+    surfaces_ = Surfaces();
   }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
@@ -170,7 +171,7 @@ class Recorder : public Observer {
     progress_.show(progress, last_.displacement, last_.horizontal_force);
   }
   void on_frame(const Simulation& simulation, int, int) override {
-    if (frames_fault_) return;
+    if (frames_fault_) return frames_.leave_out(simulation);
     try {
       frames_.add_piece(simulation);
     } catch (const Error& error) {  // the run goes on without
@@ -300,18 +301,15 @@ void share(Ranks& ranks, SharedFolder& folder) {
 // All that the ranks beside rank 0 do, which alone speaks and writes: all but their pieces of frames.
 class Follower : public Observer {
  public:
-  Follower(const Simulation& simulation, const SharedFolder& folder, bool compressed, Pieces pieces) {
-    if (pieces.count <= 1) return;
-    surfaces_.emplace(simulation);
-    frames_.emplace(folder.path, *surfaces_, folder.frame_times, compressed, pieces);
+  Follower(const SharedFolder& folder, bool compressed, Pieces pieces) {
+    if (pieces.count > 1) frames_.emplace(folder.path, surfaces_, folder.frame_times, compressed, pieces);
   }
   bool wants_pause(bool) override { return false; }
   void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
-  void on_promotion(const Simulation& simulation) override {
-    if (frames_) *surfaces_ = Surfaces(simulation);
-  }
+  void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
   void on_frame(const Simulation& simulation, int, int) override {
-    if (!frames_ || fault_) return;
+    if (!frames_) return bring_frame(simulation, surfaces_);
+    if (fault_) return;
     try {
       frames_->add_piece(simulation);
     } catch (const Error& error) {  // the run goes on without
@@ -319,10 +317,11 @@ class Follower : public Observer {
     }
   }
   const std::optional<Error>& fault() const { return fault_; }
+  const Surfaces& surfaces() const { return surfaces_; }
 
  private:
-  std::optional<Surfaces> surfaces_;
-  std::optional<VtkSeries> frames_;
+  Surfaces surfaces_;
+  std::optional<VtkSeries> frames_;  // in pieces
   std::optional<Error> fault_;
 };
 
@@ -330,6 +329,25 @@ class Follower : public Observer {
 Pieces pieces_of(const Scene& scene, const Ranks* ranks) {
   if (!ranks || !scene.output.pieces || scene.output.frames == 0) return {};
   return {ranks->rank(), ranks->count()};
+}
+
+// Pictures of blocks, not of bricks.
+bool shows_blocks(const Simulation& simulation) { return simulation.riding() || simulation.scene().blocks; }
+
+// So that rank 0 has what its pictures show, where that is little. By all ranks.
+void gather_for_pictures(Simulation& simulation) {
+  if (simulation.scene().output.plots && shows_blocks(simulation) && simulation.block_count() <= kMostBlocks)
+    simulation.gather_at_first();
+}
+
+// What keep_results of rank 0 waits for.
+void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {
+  const OutputSettings& output = simulation.scene().output;
+  if (failed && output.frames > 0) bring_frame(simulation, surfaces);
+  find_crushed_out(simulation);
+  gather_for_pictures(simulation);
+  if (output.plots && !shows_blocks(simulation)) bring_cracks(simulation, surfaces);
+  if (output.end_state && !failed) simulation.save({});
 }
 
 Scene scene_of(RunOptions* options, const Ranks* ranks) {
@@ -340,25 +358,30 @@ Scene scene_of(RunOptions* options, const Ranks* ranks) {
   return scene;
 }
 
+// Where the run in this folder was kept, or where its scene starts.
+void begin(Simulation* simulation, const fs::path& folder, const StoredState& kept) {
+  if (kept.bytes > 0)
+    restore_from(folder / "checkpoint.bin", kept, simulation);
+  else
+    take_start(simulation);
+}
+
 void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   if (!options.resume.empty()) {
+    options.resume = fs::absolute(options.resume).string();  // read_run_record goes to where the run was started
     if (is_done(options.resume)) return;
     options.scene = read_run_record(options.resume);
   }
   if (!options.again.empty()) options.scene = options_of(read_provenance(options.again));
   Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
-  std::vector<std::uint8_t> state;
-  share_bytes(ranks, state);
+  StoredState state;
+  ranks.share(std::as_writable_bytes(std::span(&state, 1)));
+  begin(&simulation, options.resume, state);
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
   SharedFolder folder;
   if (pieces.count > 1) {
     share(ranks, folder);
     use_part_token(folder.token);
-  }
-  if (state.empty()) {
-    take_start(&simulation);
-  } else {
-    simulation.restore(state);
   }
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
     notices_wanted = true;
@@ -367,23 +390,26 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     _exit(static_cast<int>(Exit::numerical));
   });
   const StopOnSignal guard(simulation);
-  Follower follower(simulation, folder, options.compressed, pieces);
+  Follower follower(folder, options.compressed, pieces);
   const auto tell = [&](const std::string& text) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
   };
+  bool failed = false;
   try {
     simulation.run(follower);
-    if (follower.fault()) {
-      exit_code = static_cast<int>(follower.fault()->exit_code);
-      tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
-    }
   } catch (const Error& error) {
+    failed = true;
     exit_code = static_cast<int>(error.exit_code);
-    if (simulation.ranks_together()) return;
-    tell(error.what());
-    ranks.abort(exit_code);
+    if (!simulation.ranks_together()) {
+      tell(error.what());
+      ranks.abort(exit_code);
+    }
   }
+  bring_results(simulation, follower.surfaces(), failed);
+  if (failed || !follower.fault()) return;
+  exit_code = static_cast<int>(follower.fault()->exit_code);
+  tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
 }
 
 // Before the first step. resumed: by --resume, goes_on: from a checkpoint.
@@ -429,7 +455,7 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   std::string of_cracks, of_mechanism;
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
-  } else if (simulation.riding() || simulation.scene().blocks) {
+  } else if (shows_blocks(simulation)) {
     of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
     of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
   } else {
@@ -442,7 +468,7 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
 
 // What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
 // and costs nothing else but the exit code.
-void keep_results(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, bool report,
+void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, bool report,
                   const std::optional<Error>& failure, Recorder& recorder, RunInfo& info, int& exit_code) {
   const auto keep = [&](const auto& write) {
     try {
@@ -465,12 +491,14 @@ void keep_results(const fs::path& folder, const Simulation& simulation, const Su
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
+    if (failure && has_all && info.law_answers && recorder.frames_fault()) bring_frame(simulation, surfaces);
     if (failure && has_all && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   info.quasi_static = check_quasi_static(rows, simulation.scene());
   if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  if (has_all) gather_for_pictures(simulation);
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
@@ -534,14 +562,9 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   Identity identity = identity_of(simulation, info.provenance);
   Checkpoint before;
   const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
-  if (goes_on) {
-    before = read_checkpoint(folder / "checkpoint.bin", identity);
-    simulation.restore(before.state);
-  } else {
-    take_start(&simulation);
-  }
-  if (ranks) share_bytes(*ranks, before.state);
-  before.state = {};
+  if (goes_on) before = find_checkpoint(folder / "checkpoint.bin", identity);
+  if (ranks) ranks->share(std::as_writable_bytes(std::span(&before.stored, 1)));
+  begin(&simulation, folder, before.stored);
   const Pieces pieces = pieces_of(simulation.scene(), ranks);
   if (pieces.count > 1) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};
@@ -553,7 +576,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   });
   if (!lock) write_run_record(folder, options.scene);
 
-  Surfaces surfaces(simulation);
+  Surfaces surfaces;
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
   const OutputSettings& output = simulation.scene().output;
   require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),

@@ -122,47 +122,54 @@ void require_space(const std::filesystem::path& folder, double bytes, const std:
                   folder.string(), what, bytes / 1e6, static_cast<double>(space.available) / 1e6));
 }
 
-DurableFile::DurableFile(const std::filesystem::path& path) : path_(path), part_(begin_file(path)) {
+UnfinishedFile::UnfinishedFile(const std::filesystem::path& path) : path_(path), part_(begin_file(path)) {
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);  // never written through a link
   file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (file_ < 0) refuse_write(path, errno);
 }
 
-DurableFile::~DurableFile() {
-  if (file_ >= 0) remove_part();
-}
-
-void DurableFile::remove_part() {
+UnfinishedFile::~UnfinishedFile() {
+  if (file_ < 0) return;
   close(file_);
-  file_ = -1;
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
 }
 
-void DurableFile::append(std::span<const std::uint8_t> bytes) {
-  if (write_all(file_, bytes.data(), bytes.size())) return;
+void UnfinishedFile::require(bool good) {
+  if (good) return;
   const int fault = errno;
-  remove_part();
+  close(file_);
+  file_ = -1;
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
   refuse_write(path_, fault);
 }
 
-void DurableFile::finish(std::span<const std::uint8_t> first_bytes) {
-  if (!first_bytes.empty() && lseek(file_, 0, SEEK_SET) == 0) append(first_bytes);
-  if (fsync(file_) != 0) {
-    const int fault = errno;
-    remove_part();
-    refuse_write(path_, fault);
-  }
+void UnfinishedFile::close_and_rename() {
   close(file_);
   file_ = -1;
   finish_file(path_);
+}
+
+void DurableFile::append(std::span<const std::uint8_t> bytes) { require(write_all(file_, bytes.data(), bytes.size())); }
+
+void DurableFile::finish(std::span<const std::uint8_t> first_bytes) {
+  if (!first_bytes.empty() && lseek(file_, 0, SEEK_SET) == 0) append(first_bytes);
+  require(fsync(file_) == 0);
+  close_and_rename();
   // The name, too, is on the disk only when its folder is.
   const int folder =
       open(path_.has_parent_path() ? path_.parent_path().c_str() : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder < 0) return;
   fsync(folder);
   close(folder);
+}
+
+void GrowingFile::append(std::string_view bytes) { require(write_all(file_, bytes.data(), bytes.size())); }
+
+void PlacedFile::write_at(std::uint64_t place, std::span<const char> bytes) {
+  require(lseek(file_, static_cast<off_t>(place), SEEK_SET) >= 0 && write_all(file_, bytes.data(), bytes.size()));
 }
 
 }  // namespace quoin

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace quoin {
@@ -17,23 +18,46 @@ void write_file(const std::filesystem::path& path, const std::string& bytes);
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
 // The target of such a link, or PATH itself. Throws Error(bad_input) for a folder and a link to nothing.
 std::filesystem::path named_place(const std::filesystem::path& path);
-// On the disk when it is finished, so that it outlives a crash of the machine too; not there without finish(). Throws
-// Error(bad_input).
-class DurableFile {
+// A file that is written bit by bit; not there without finish() of what it is. All throw Error(bad_input).
+class UnfinishedFile {
  public:
-  explicit DurableFile(const std::filesystem::path& path);
-  ~DurableFile();
-  DurableFile(const DurableFile&) = delete;
-  DurableFile& operator=(const DurableFile&) = delete;
-  void append(std::span<const std::uint8_t> bytes);
-  // The first bytes once more, with what is known at the end alone.
-  void finish(std::span<const std::uint8_t> first_bytes = {});
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
 
- private:
-  void remove_part();
+ protected:
+  explicit UnfinishedFile(const std::filesystem::path& path);
+  ~UnfinishedFile();
+  // Of the last call of the system: gives the file up where it has failed.
+  void require(bool good);
+  void close_and_rename();
 
   std::filesystem::path path_, part_;
   int file_ = -1;
+};
+
+// On the disk when it is finished, so that it outlives a crash of the machine too.
+class DurableFile : public UnfinishedFile {
+ public:
+  explicit DurableFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
+  void append(std::span<const std::uint8_t> bytes);
+  // The first bytes once more, with what is known at the end alone.
+  void finish(std::span<const std::uint8_t> first_bytes = {});
+};
+
+// From its first byte to its last.
+class GrowingFile : public UnfinishedFile {
+ public:
+  explicit GrowingFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
+  void append(std::string_view bytes);
+  void finish() { close_and_rename(); }
+};
+
+// Written at any places, in any order.
+class PlacedFile : public UnfinishedFile {
+ public:
+  explicit PlacedFile(const std::filesystem::path& path) : UnfinishedFile(path) {}
+  void write_at(std::uint64_t place, std::span<const char> bytes);
+  void finish() { close_and_rename(); }
 };
 
 // Throws Error(bad_input) where the disk of FOLDER has not so many bytes left; `what` they are for stands in the

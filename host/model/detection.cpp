@@ -607,7 +607,7 @@ double World::energy_of_points(const Family& f, const LaneVector<Facet>& facets,
   Family trial;
   trial.material = f.material;
   const auto part = [&](const auto& column) {
-    return std::remove_cvref_t<decltype(column)>(column.begin() + first, column.begin() + first + count);
+    return std::decay_t<decltype(column)>(column.begin() + first, column.begin() + first + count);
   };
   trial.point = part(f.point);
   for (const auto& column : f.state) trial.state.push_back(part(column));

@@ -12,6 +12,7 @@
 #include "model/body_groups.h"
 #include "model/point_finder.h"
 #include "model/point_order.h"
+#include "model/scattered_points.h"
 
 namespace quoin {
 namespace {
@@ -588,25 +589,6 @@ class ModelFiller {
   Model& m;
 };
 
-// Properties that scatter, now that it is known where the points are.
-void draw_columns(Model& m) {
-  std::vector<PlacedBlock> blocks;
-  for (const Brick& brick : m.assembly.bricks) blocks.push_back({brick.unit, brick.course});
-  for (std::size_t f = 0; f < m.families.size(); ++f) {
-    const JointFamily& description = m.assembly.families[f];
-    ContactFamily& family = m.families[f];
-    if (!description.scatters()) continue;
-    std::vector<PlacedPoint> points;
-    for (int i = family.first_point; i < family.first_point + family.point_count; ++i) {
-      const Joint& joint = m.assembly.joints[at(m.point_joint[at(i)])];
-      points.push_back({m.point_position[at(i)], m.area[at(i)], joint.block_a, joint.block_b});
-    }
-    family.columns = draw_properties(description, *family.material, points, blocks);
-    const quoin_stiffness_bounds bounds = stiffness_bounds_of(description, *family.material, family.columns);
-    family.normal_stiffness = bounds.normal, family.shear_stiffness = bounds.shear;
-  }
-}
-
 }  // namespace
 
 std::vector<std::shared_ptr<const Material>> make_materials(const Assembly& assembly) {
@@ -627,10 +609,10 @@ Model::Model(Assembly input, std::vector<std::shared_ptr<const Material>> materi
   ModelBuilder(*this).build(materials);
   unit_laid_out_.resize(unit_groups.size());
   chunk_laid_out_.resize(chunks.size());
-  const bool scatters = std::any_of(assembly.families.begin(), assembly.families.end(),
-                                    [](const JointFamily& family) { return family.scatters(); });
-  if (laid_out == LayOut::all || scatters) lay_out_all();
-  if (scatters) draw_columns(*this);
+  make_columns(*this);
+  if (laid_out == LayOut::nothing) return;
+  lay_out_all();
+  bound_stiffness(*this);
 }
 
 void Model::lay_out(std::span<const int> units, std::span<const int> chunks_wanted) {
@@ -642,6 +624,7 @@ void Model::lay_out(std::span<const int> units, std::span<const int> chunks_want
   if (!new_chunks.empty()) ++layouts_;
   ModelFiller filler(*this);
   filler.fill_chunks(new_chunks);
+  draw_columns(*this, new_chunks);
   std::vector<int> new_units;
   std::vector<bool> is_new(groups.size());
   for (const int u : units) {
@@ -692,6 +675,7 @@ void Model::keep_alone(std::span<const int> units, std::span<const int> chunks_k
     for (auto* column : {&point_run, &point_axis}) forget_part(*column, p, q);
     forget_part(area, p, q);
     forget_part(point_position, p, q);
+    forget_columns(*this, p, q);
     std::fill(chunk_laid_out_.begin() + first, chunk_laid_out_.begin() + end, false);
   });
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <tuple>
@@ -70,11 +71,7 @@ class Places {
 
  private:
   const PlacedBlock& at(int block) const { return blocks_[static_cast<std::size_t>(block)]; }
-  // The block of the point that was laid with it: of masonry, and the later one.
-  int laid(const PlacedPoint& p) const {
-    const int later = std::max(p.block_a, p.block_b), earlier = std::min(p.block_a, p.block_b);
-    return at(later).unit < 0 && at(earlier).unit >= 0 ? earlier : later;
-  }
+  int laid(const PlacedPoint& p) const { return block_laid(p.block_a, p.block_b, blocks_); }
   std::uint64_t key(const PlacedPoint& p, ScatterLevel level) const {
     const int block = laid(p);
     switch (level) {
@@ -220,13 +217,39 @@ void refuse_together(const JointFamily& family, const Material& material, std::s
 
 }  // namespace
 
-std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
-                                            std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks) {
+int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks) {
+  const int later = std::max(block_a, block_b), earlier = std::min(block_a, block_b);
+  const auto is_masonry = [&](int block) { return blocks[static_cast<std::size_t>(block)].unit >= 0; };
+  return !is_masonry(later) && is_masonry(earlier) ? earlier : later;
+}
+
+namespace {
+
+std::vector<const PropertySetting*> scattered_in(const JointFamily& family) {
   std::vector<const PropertySetting*> scattered;
   for (const PropertySetting& p : family.properties) {
-    if (p.scatter) scattered.push_back(&p);
+    if (p.scatter && family.random.sample != 0) scattered.push_back(&p);
   }
-  if (scattered.empty() || points.empty() || family.random.sample == 0) return {};
+  return scattered;
+}
+
+}  // namespace
+
+std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material) {
+  std::vector<PropertyColumn> columns;
+  for (const PropertySetting* setting : scattered_in(family)) {
+    columns.push_back({find_property(material.api(), setting->id)->id,
+                       material.number(setting->id),
+                       -std::numeric_limits<double>::infinity(),
+                       {}});
+  }
+  return columns;
+}
+
+std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
+                                            std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks) {
+  const std::vector<const PropertySetting*> scattered = scattered_in(family);
+  if (scattered.empty() || points.empty()) return {};
 
   const std::size_t n = scattered.size();
   std::vector<double> correlations(n * n, 0.0);
@@ -243,7 +266,7 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
   const std::vector<double> mix = random::mix_of(correlations, n);
 
   const Places places(points, blocks);
-  std::vector<PropertyColumn> columns;
+  std::vector<PropertyColumn> columns = scattered_columns(family, material);
   for (std::size_t i = 0; i < n; ++i) {
     const PropertySetting& setting = *scattered[i];
     const Scatter& scatter = *setting.scatter;
@@ -267,8 +290,8 @@ std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Mat
     }
     const quoin_property_info* info = find_property(material.api(), setting.id);
     refuse_outside(family, *info, values, points);
-    const double most = *std::max_element(values.begin(), values.end());
-    columns.push_back({info->id, material.number(setting.id), most, std::move(values)});
+    columns[i].most = *std::max_element(values.begin(), values.end());
+    columns[i].values.assign(values.begin(), values.end());
   }
   refuse_together(family, material, points, columns);
   return columns;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "law/law_library.h"
+#include "model/lanes.h"
 #include "scene/masonry_place.h"
 #include "scene/scene.h"
 
@@ -18,16 +19,23 @@ struct PlacedPoint {
   int block_a, block_b;  // indices of blocks
 };
 
+// Of the two blocks of a joint the one that was laid with it: of masonry, and the later one.
+int block_laid(int block_a, int block_b, std::span<const PlacedBlock> blocks);
+
 // One property, by contact point, as batches of the law take it.
 struct PropertyColumn {
   const char* id;  // the law's own
   double usual;    // of the material: of points that are not there at the start
   double most;     // the largest one drawn
-  std::vector<double> values;
+  LaneVector<double> values;
 };
 
-// Columns of the properties of the family that scatter, for its points; none in the sample 0. Throws Error(bad_input)
-// for values that the law does not allow, with the place and what to do.
+// Of the properties of the family that scatter, without values; none in the sample 0.
+std::vector<PropertyColumn> scattered_columns(const JointFamily& family, const Material& material);
+
+// The same with the values of these points: all of the family, or all in some of its joints; where a property is
+// correlated along courses, all in some courses. Throws Error(bad_input) for values that the law does not allow, with
+// the place and what to do.
 std::vector<PropertyColumn> draw_properties(const JointFamily& family, const Material& material,
                                             std::span<const PlacedPoint> points, std::span<const PlacedBlock> blocks);
 

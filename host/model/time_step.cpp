@@ -21,7 +21,7 @@ class UndamagedSystem {
  public:
   // chunks: of contact points that count, in order.
   UndamagedSystem(const Model& model, std::span<const int> chunks)
-      : model_(model), body_base_(model.line_count * kLine) {
+      : model_(model), body_base_(model.line_count * kLine), chunks_(chunks.begin(), chunks.end()) {
     slave_body_.resize(at((model.line_count - model.block_line_count) * kLanes), -1);
     slave_arm_.resize(slave_body_.size());
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -70,16 +70,22 @@ class UndamagedSystem {
 
   // Row sums of |K|, the diagonal of K and the part of it that contact points bring. Rotations are measured in units of
   // the radius of gyration (any positive scale gives a valid bound), so that mass goes with all six of a body.
+  // Those of the bodies and of the gridpoints of these unit groups that no other contact points touch.
   struct Rows {
-    std::vector<double> sum, diagonal, contact_diagonal;
-    std::vector<int> family;  // of the stiffest contact point of a row, -1: none
+    LaneVector<double> sum, diagonal, contact_diagonal;
+    LaneVector<std::int32_t> next_family;  // one more than that of the stiffest contact point of a row, 0: none
   };
-  Rows rows(const Inertia& inertia) const {
+  Rows rows(const Inertia& inertia, std::span<const int> units) const {
     Rows rows;
-    rows.sum.assign(at(size()), 0.0);
-    rows.diagonal = rows.contact_diagonal = rows.sum;
-    rows.family.assign(at(size()), -1);
-    std::vector<double> stiffest(at(size()), 0.0);
+    LaneVector<double> stiffest(at(size()));
+    rows.sum = rows.diagonal = rows.contact_diagonal = stiffest;
+    rows.next_family.resize(at(size()));
+    std::vector<std::vector<const BlockGroup*>> groups(model_.templates.size());
+    for (const int u : units) {
+      const UnitGroup& unit = model_.unit_groups[at(u)];
+      for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g)
+        groups[at(model_.groups[at(g)].brick_template)].push_back(&model_.groups[at(g)]);
+    }
     for (std::size_t t = 0; t < model_.templates.size(); ++t) {
       for (int row = 0; row < 3 * model_.templates[t].node_count; ++row) {
         double sum = 0.0, diagonal = 0.0;
@@ -87,10 +93,9 @@ class UndamagedSystem {
           sum += std::abs(k);
           if (column == row) diagonal = k;
         }
-        for (const BlockGroup& group : model_.groups) {
-          if (group.brick_template != static_cast<int>(t)) continue;
-          for (int lane = 0; lane < group.block_count; ++lane) {
-            const std::size_t i = at((group.first_line + row / 3) * kLine + row % 3 * kLanes + lane);
+        for (const BlockGroup* group : groups[t]) {
+          for (int lane = 0; lane < group->block_count; ++lane) {
+            const std::size_t i = at((group->first_line + row / 3) * kLine + row % 3 * kLanes + lane);
             rows.sum[i] += sum;
             rows.diagonal[i] += diagonal;
           }
@@ -111,7 +116,7 @@ class UndamagedSystem {
         rows.contact_diagonal[dof] += diagonal;
         if (diagonal > stiffest[dof]) {
           stiffest[dof] = diagonal;
-          rows.family[dof] = family_of(point);
+          rows.next_family[dof] = family_of(point) + 1;
         }
       }
     });
@@ -228,11 +233,15 @@ class UndamagedSystem {
 
   template <class Visit>
   void for_each_spring(Visit visit) const {
-    for (std::int32_t i = 0; i < model_.point_count; ++i) visit_springs(i, visit);
+    for (const int c : chunks_) {
+      const ContactChunk& chunk = model_.chunks[at(c)];
+      for (std::int32_t i = 0; i < chunk.point_count; ++i) visit_springs(chunk.first_point + i, visit);
+    }
   }
 
   const Model& model_;
   int body_base_;
+  std::vector<int> chunks_;
   std::vector<int> slave_body_;
   std::vector<Vec3> slave_arm_;
   std::vector<Stretch> stretches_;
@@ -350,19 +359,32 @@ std::string with_contact_share(const Model& model, const UndamagedSystem& system
                                int dof) {
   std::string text = system.name(dof);
   const std::size_t i = at(dof);
-  if (rows.family[i] >= 0 && rows.diagonal[i] > 0.0) {
-    text += fmt::format(", joint family '{}' brings {:.0f} % of its stiffness", model.families[at(rows.family[i])].name,
+  if (rows.next_family[i] > 0 && rows.diagonal[i] > 0.0) {
+    text += fmt::format(", joint family '{}' brings {:.0f} % of its stiffness",
+                        model.families[at(rows.next_family[i] - 1)].name,
                         100.0 * rows.contact_diagonal[i] / rows.diagonal[i]);
   }
   return text;
 }
 
+bool has_block(const Model& model, const SharedModel& shared, int block) {
+  const auto after = std::upper_bound(model.unit_groups.begin(), model.unit_groups.end(), model.place[at(block)].group,
+                                      [](int group, const UnitGroup& unit) { return group < unit.first_group; });
+  const auto unit = static_cast<int>(after - model.unit_groups.begin()) - 1;
+  return std::binary_search(shared.units().begin(), shared.units().end(), unit);
+}
+
 // 1/mass of what a whiffletree pulls by that name, 1/kg. Gridpoints of a deformable block share its force by their
 // mass.
-std::vector<double> compliances(const Model& model, const Inertia& inertia, const std::string& name) {
+std::vector<double> compliances(const Model& model, const Inertia& inertia, const std::string& name,
+                                SharedModel* shared) {
   std::vector<double> found;
   for (const int body : model.bodies_named(name)) found.push_back(1.0 / inertia.body_mass[at(body)]);
   for (const int block : model.deformable_blocks_named(name)) {
+    if (shared && !has_block(model, *shared, block)) {
+      found.push_back(0.0);
+      continue;
+    }
     double mass = 0.0, sum = 0.0;
     model.for_each_gridpoint(block, [&](std::size_t offset, double m) {
       mass += m;
@@ -370,7 +392,31 @@ std::vector<double> compliances(const Model& model, const Inertia& inertia, cons
     });
     found.push_back(sum / (mass * mass));
   }
+  if (shared) shared->largest(found);  // of the process that has the block
   return found;
+}
+
+std::vector<int> all_of(std::size_t count) {
+  std::vector<int> all(count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+std::vector<int> chunks_here(const Model& model, const SharedModel* shared) {
+  return shared ? std::vector<int>(shared->chunks().begin(), shared->chunks().end()) : all_of(model.chunks.size());
+}
+
+std::vector<int> units_here(const Model& model, const SharedModel* shared) {
+  return shared ? std::vector<int>(shared->units().begin(), shared->units().end()) : all_of(model.unit_groups.size());
+}
+
+// Of generalised coordinates, what this process has: visit(dof).
+template <class Visit>
+void each_number(const UndamagedSystem& system, const SharedModel* shared, Visit visit) {
+  const VectorRow all{0, at(system.size())};
+  for (const VectorRow& row : shared ? shared->rows() : std::span(&all, 1)) {
+    for (std::size_t i = row.first; i < row.end; ++i) visit(static_cast<int>(i));
+  }
 }
 
 TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
@@ -379,7 +425,7 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   report.model_mass = model.total_mass();
   // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
   const double tree = whiffletree_eigenvalue(
-      stages, [&](const Stage&, const std::string& name) { return compliances(model, inertia, name); });
+      stages, [&](const Stage&, const std::string& name) { return compliances(model, inertia, name, shared); });
   const auto step_of = [tree](double of_joints) {
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
@@ -389,7 +435,17 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   report.lanczos_steps = lanczos.steps;
   if (wanted == Limits::critical) return report;
 
-  const auto rows = system.rows(inertia);
+  const auto rows = system.rows(inertia, units_here(model, shared));
+  if (wanted == Limits::nodal) {
+    double worst[] = {0.0};
+    each_number(system, shared, [&](int i) {
+      const double m = system.inertia_of(i, inertia, true);
+      if (system.free(i) != 0.0 && m > 0.0) worst[0] = std::max(worst[0], rows.diagonal[at(i)] / m);
+    });
+    if (shared) shared->largest(worst);
+    report.nodal.value = step_of(worst[0]);
+    return report;
+  }
   const auto set_by = [&](int dof, TimeStepLimit* limit) {
     if (dof < 0) return;
     limit->position = system.position(dof);
@@ -419,12 +475,6 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   set_by(sum_dof, &report.gershgorin);
   set_by(diagonal_dof, &report.nodal);
   return report;
-}
-
-std::vector<int> all_chunks(const Model& model) {
-  std::vector<int> chunks(model.chunks.size());
-  std::iota(chunks.begin(), chunks.end(), 0);
-  return chunks;
 }
 
 // kg; a body counts where its six numbers begin.
@@ -458,7 +508,7 @@ std::string TimeStepReport::warning() const {
 }
 
 void apply_undamaged_stiffness(const Model& model, const std::vector<double>& u, std::vector<double>* f) {
-  UndamagedSystem(model, all_chunks(model)).apply(u, f);
+  UndamagedSystem(model, all_of(model.chunks.size())).apply(u, f);
 }
 
 double whiffletree_eigenvalue(const std::vector<Stage>& stages,
@@ -480,11 +530,11 @@ double whiffletree_eigenvalue(const std::vector<Stage>& stages,
   return largest;
 }
 
-bool time_step_by_parts(const SolverSettings& settings) {
-  return settings.critical_time_step != CriticalTimeStep::nodal && !(settings.selective_time_step > 0.0);
+bool needs_rows(const SolverSettings& settings) {
+  return settings.critical_time_step == CriticalTimeStep::nodal || settings.selective_time_step > 0.0;
 }
 
-Inertia inertia_in_use(const Model& model, const SolverSettings& settings) {
+Inertia inertia_in_use(const Model& model, const SolverSettings& settings, SharedModel* shared) {
   Inertia inertia;
   inertia.node = model.node_mass;
   if (settings.mass_scaling != 1.0) {
@@ -500,26 +550,33 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings) {
 
   if (settings.selective_time_step > 0.0) {
     // omega_max^2 <= max (row sum / inertia): inertia that keeps every row at 4/(dt/fraction)^2 is enough for the step.
-    const UndamagedSystem system(model, all_chunks(model));
-    const auto rows = system.rows(inertia);
+    const UndamagedSystem system(model, chunks_here(model, shared));
+    const std::vector<int> units = units_here(model, shared);
+    const auto rows = system.rows(inertia, units);
     const double target = settings.selective_time_step / settings.time_step_fraction;
     const double factor = 0.25 * target * target;
-    for (int line = 0; line < model.block_line_count; ++line) {
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const std::size_t i = at(line * kLine + lane);
-        if (inertia.node[i] <= 0.0) continue;
-        double needed = inertia.node[i];
-        for (std::size_t c = 0; c < 3; ++c) needed = std::max(needed, factor * rows.sum[i + kLanes * c]);
-        for (std::size_t c = 0; c < 3; ++c) inertia.node[i + kLanes * c] = needed;
+    for (const int u : units) {
+      const Model::Extent of = model.extent_of_units(at(u), at(u) + 1);
+      for (std::size_t line = of.first_line; line < of.end_line; ++line) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+          const std::size_t i = line * kLine + lane;
+          if (inertia.node[i] <= 0.0) continue;
+          double needed = inertia.node[i];
+          for (std::size_t c = 0; c < 3; ++c) needed = std::max(needed, factor * rows.sum[i + kLanes * c]);
+          for (std::size_t c = 0; c < 3; ++c) inertia.node[i + kLanes * c] = needed;
+        }
       }
     }
-    for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-      double ratio = 1.0;
-      for (std::size_t k = 0; k < 6; ++k) {
-        ratio = std::max(ratio, factor * rows.sum[at(system.body_base()) + 6 * b + k] / inertia.body_mass[b]);
-      }
-      inertia.body_mass[b] *= ratio;
-      for (double& moment : inertia.body_inertia[b]) moment *= ratio;
+    // A process that has not all points of a body finds no larger row sums than the one that has.
+    std::vector<double> ratios(model.bodies.size(), 1.0);
+    for (std::size_t b = 0; b < ratios.size(); ++b) {
+      for (std::size_t k = 0; k < 6; ++k)
+        ratios[b] = std::max(ratios[b], factor * rows.sum[at(system.body_base()) + 6 * b + k] / inertia.body_mass[b]);
+    }
+    if (shared) shared->largest(ratios);
+    for (std::size_t b = 0; b < ratios.size(); ++b) {
+      inertia.body_mass[b] *= ratios[b];
+      for (double& moment : inertia.body_inertia[b]) moment *= ratios[b];
     }
   }
 
@@ -532,9 +589,9 @@ Inertia inertia_in_use(const Model& model, const SolverSettings& settings) {
 
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia, Limits wanted,
                                 const std::vector<Stage>& stages, SharedModel* shared) {
-  if (settings.critical_time_step == CriticalTimeStep::nodal) wanted = Limits::all;
-  *inertia = inertia_in_use(model, settings);
-  const UndamagedSystem system(model, shared ? shared->chunks() : std::span<const int>(all_chunks(model)));
+  if (settings.critical_time_step == CriticalTimeStep::nodal && wanted == Limits::critical) wanted = Limits::nodal;
+  *inertia = inertia_in_use(model, settings, shared);
+  const UndamagedSystem system(model, chunks_here(model, shared));
   TimeStepReport report = limits(model, system, *inertia, stages, wanted, shared);
   report.added_mass = std::max(0.0, mass_in_use(model, system, *inertia, shared) - report.model_mass);
 

@@ -42,20 +42,21 @@ struct Inertia {
   RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
 };
 
-// What a report tells: critical.value alone, or also where it is set and the two other limits, for twice the time.
-enum class Limits { critical, all };
+// What a report tells: critical.value alone, nodal.value with it, or also where they are set and the third limit, for
+// twice the time and of a whole model.
+enum class Limits { critical, nodal, all };
 
-// Inertia with the scaling of the settings: of what is laid out of the model.
-Inertia inertia_in_use(const Model& model, const SolverSettings& settings);
+// Inertia with the scaling of the settings: of what is laid out of the model. shared: as in choose_time_step.
+Inertia inertia_in_use(const Model& model, const SolverSettings& settings, SharedModel* shared = nullptr);
 
-// The time step that goes with it. stages: whose whiffletrees are springs. shared: this process has a part of the model
-// (one that may be in parts), with the gridpoints of blocks that a whiffletree pulls; null: all of it.
+// The time step that goes with it. stages: whose whiffletrees are springs. shared: this process has a part of the
+// model, and the masses of all that touches it where the settings need rows; null: all of it.
 TimeStepReport choose_time_step(const Model& model, const SolverSettings& settings, Inertia* inertia,
                                 Limits wanted = Limits::all, const std::vector<Stage>& stages = {},
                                 SharedModel* shared = nullptr);
 
-// Whether the time step needs no more of a model than what each rank has of it: not so where rows of K are added up.
-bool time_step_by_parts(const SolverSettings& settings);
+// Whether inertia or time step follow from rows of K.
+bool needs_rows(const SolverSettings& settings);
 
 // Eigenvalue of the stiffest whiffletree on what it pulls, 1/s2. Its energy K/(2 n) (sum of the n floors'
 // displacements)^2 gives every floor the same force; with the mean over the m_f blocks of a floor,

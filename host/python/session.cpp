@@ -97,7 +97,7 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
   take_start(simulation_.get());
   columns_ = history_columns(simulation_->scene());
-  if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>(*simulation_);
+  if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
     file_.emplace(folder_ / "history.csv", simulation_->scene());
@@ -163,8 +163,8 @@ bool Session::step(long count, bool stop_at_stage_end) {
 
 void Session::on_stage_begin(const Simulation&, int stage) { stage_ = stage; }
 
-void Session::on_promotion(const Simulation& simulation) {
-  if (surfaces_) *surfaces_ = Surfaces(simulation);
+void Session::on_promotion(const Simulation&) {
+  if (surfaces_) *surfaces_ = Surfaces();
 }
 
 void Session::on_row(const HistoryRow& row) {
@@ -417,7 +417,7 @@ void Session::restore(const py::bytes& bytes) {
   use().restore({view.begin(), view.end()});
   // Rows of after are gone; those of before stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
-  if (surfaces_) *surfaces_ = Surfaces(*simulation_);
+  if (surfaces_) *surfaces_ = Surfaces();
 }
 
 void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {
@@ -429,7 +429,7 @@ void Session::resume(const std::string& path, const std::string& scene_hash) {
   const Isolated isolated(isolation_);
   use().restore(checkpoint.state);
   rows_ = checkpoint.rows;
-  if (surfaces_) *surfaces_ = Surfaces(*simulation_);
+  if (surfaces_) *surfaces_ = Surfaces();
 }
 
 }  // namespace quoin::python

@@ -18,8 +18,6 @@ namespace {
 
 using geometry::Vector;
 
-constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
-
 // Where space goes on paper. A plane assembly is seen from the front; others from above to the right.
 struct View {
   Vector right, up, towards;  // unit vectors; towards the viewer

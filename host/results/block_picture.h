@@ -10,7 +10,10 @@
 
 namespace quoin {
 
-// Return a one-line notice when there is no picture, otherwise nothing. label: of warnings.h, or nothing.
+inline constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
+
+// Of fewer blocks, all of which this process must have. Return a one-line notice when there is no picture, otherwise
+// nothing. label: of warnings.h, or nothing.
 std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation, const std::string& label);
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
                               const Surfaces& surfaces, const std::string& label);

@@ -14,9 +14,9 @@
 
 #include "base/archive.h"
 #include "base/error.h"
-#include "base/input_file.h"
 #include "base/sha256.h"
 #include "files/file.h"
+#include "files/file_bytes.h"
 #include "scene/scatter_text.h"
 
 namespace quoin {
@@ -34,11 +34,6 @@ struct Head {
   std::uint64_t checksum = 0;  // of the same
 };
 constexpr std::uint32_t kOtherWordOrder = 0x04030201;
-
-// Of any size: a checkpoint is as large as its model.
-std::string read_whole(const std::filesystem::path& path) {
-  return read_input_file(path.string(), std::numeric_limits<std::size_t>::max());
-}
 
 // Eight bytes at a time: checkpoints may be large.
 class Checksum {
@@ -78,9 +73,15 @@ class Checksum {
   std::size_t rest_ = 0;  // bytes of a word that is not whole yet
 };
 
-std::uint64_t checksum_of(const std::uint8_t* data, std::size_t size) {
+std::uint64_t checksum_of_rest(ByteSource& source) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes: a checkpoint is as large as its model
   Checksum sum;
-  sum.add({data, size});
+  std::vector<std::uint8_t> piece;
+  while (source.left() > 0) {
+    piece.resize(std::min(kPiece, source.left()));
+    source.take(piece.data(), piece.size());
+    sum.add(piece);
+  }
   return sum.end();
 }
 
@@ -177,18 +178,16 @@ namespace {
 
 struct Stored {
   Identity identity;
-  Checkpoint checkpoint;
+  Checkpoint checkpoint;  // its state is still in the file
 };
 
 using Fault = std::function<Error(const std::string& reason)>;
 
-Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
-  const std::string text = read_whole(path);
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+Head read_head(FileBytes& file, const Fault& fault) {
   Head head;
   const Head here;
-  if (bytes.size() < sizeof head) throw fault("is no checkpoint of quoin, or is cut short");
-  std::memcpy(&head, bytes.data(), sizeof head);
+  if (file.left() < sizeof head) throw fault("is no checkpoint of quoin, or is cut short");
+  file.take(&head, sizeof head);
   if (head.mark != here.mark) throw fault("is no checkpoint of quoin");
   if (head.word_order == kOtherWordOrder)
     throw fault("was written on a machine of the other word order (little or big endian)");
@@ -197,17 +196,23 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   if (head.format != here.format)
     throw fault(fmt::format("has version {} of the format of checkpoints; this program reads version {}", head.format,
                             here.format));
-  if (head.bytes != bytes.size() - sizeof head)
-    throw fault(fmt::format("is damaged: it has {} bytes and says {}", bytes.size() - sizeof head, head.bytes));
-  if (head.checksum != checksum_of(bytes.data() + sizeof head, head.bytes))
-    throw fault("is damaged: its checksum does not fit");
+  if (head.bytes != file.left())
+    throw fault(fmt::format("is damaged: it has {} bytes and says {}", file.left(), head.bytes));
+  return head;
+}
 
-  ArchiveReader reader{bytes, sizeof head};
+Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
+  FileBytes whole(path), file(path);
+  const Head head = read_head(whole, fault);
+  if (head.checksum != checksum_of_rest(whole)) throw fault("is damaged: its checksum does not fit");
+  file.skip(sizeof head);
+  ArchiveReader reader{file};
   Stored stored;
   transfer_identity(reader, stored.identity.parts);
   reader.array(stored.checkpoint.rows);
   reader.array(stored.checkpoint.frame_times);
-  reader.array(stored.checkpoint.state);
+  const std::uint64_t bytes = reader.count_of(1);
+  stored.checkpoint.stored = {file.position(), bytes, head.checksum};
   return stored;
 }
 
@@ -270,7 +275,7 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
 
 }  // namespace
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected) {
+Checkpoint find_checkpoint(const std::filesystem::path& path, const Identity& expected) {
   const Fault fault = [&](const std::string& reason) {
     return Error(Exit::bad_input, fmt::format("{}: {}; start the run anew without --resume", path.string(), reason));
   };
@@ -279,9 +284,33 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& ex
   return std::move(stored.checkpoint);
 }
 
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected) {
+  Checkpoint checkpoint = find_checkpoint(path, expected);
+  checkpoint.state.resize(checkpoint.stored.bytes);
+  FileBytes file(path);
+  file.skip(checkpoint.stored.begin);
+  file.take(checkpoint.state.data(), checkpoint.state.size());
+  return checkpoint;
+}
+
+void restore_from(const std::filesystem::path& path, const StoredState& state, Simulation* simulation) {
+  const Fault fault = [&](const std::string& reason) {
+    return Error(Exit::bad_input,
+                 fmt::format("{}: {}; all ranks must find the same file there", path.string(), reason));
+  };
+  FileBytes file(path);
+  const Head head = read_head(file, fault);
+  if (head.checksum != state.checksum || state.begin > sizeof head + head.bytes ||
+      state.bytes > sizeof head + head.bytes - state.begin)
+    throw fault("is not the file that rank 0 has found whole");
+  file.skip(state.begin - file.position());
+  file.end_after(state.bytes);
+  simulation->restore(file);
+}
+
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance) {
   const Identity identity = end_identity(simulation, provenance, simulation.scene().stages.size());
-  write_checkpoint(folder / "end_state.bin", identity, {{}, {}, simulation.save()});
+  write_checkpoint(folder / "end_state.bin", identity, {}, {}, simulation);
 }
 
 void keep_start(const Scene& scene, const std::filesystem::path& folder) {
@@ -312,7 +341,7 @@ void take_start(Simulation* simulation) {
   refuse_another(stored.identity, end_identity(*simulation, provenance_of(*simulation, {}), stages), fault);
   if (stages >= scene.stages.size()) throw fault(fmt::format("is after stage {}, and nothing is left to do", stages));
   try {
-    simulation->restore(stored.checkpoint.state);
+    restore_from(path, stored.checkpoint.stored, simulation);
   } catch (const Error& error) {
     throw fault(fmt::format("does not fit ({})", error.what()));
   }

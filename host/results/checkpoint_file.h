@@ -24,10 +24,17 @@ struct Identity {
 // it takes from other files) and every law of every stage.
 Identity identity_of(const Simulation& simulation, const Provenance& provenance);
 
+// Where the state lies in a file that was found whole: what other ranks need to know of it.
+struct StoredState {
+  std::uint64_t begin = 0, bytes = 0;
+  std::uint64_t checksum = 0;  // that the file is told by
+};
+
 struct Checkpoint {
   std::vector<HistoryRow> rows;     // of the history until then
   std::vector<double> frame_times;  // s, of the VTK frames until then
   std::vector<std::uint8_t> state;  // of Simulation::save
+  StoredState stored{};             // of one that was read
 };
 
 // Complete and on the disk, or not there: written under a name of its own, flushed, renamed. Throws Error(bad_input).
@@ -38,6 +45,10 @@ void write_checkpoint(const std::filesystem::path& path, const Identity& identit
 
 // Throws Error(bad_input) with the reason: damaged, of another machine, another version, another scene or law.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Identity& expected);
+// The same without the state, which may be as large as the memory.
+Checkpoint find_checkpoint(const std::filesystem::path& path, const Identity& expected);
+// By all ranks, of which each reads what it holds. Throws as Simulation::restore, or where another file lies there.
+void restore_from(const std::filesystem::path& path, const StoredState& state, Simulation* simulation);
 
 // FOLDER/end_state.bin: where scenes with start = FOLDER begin. Throws as write_checkpoint.
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance);

@@ -8,13 +8,18 @@ namespace quoin {
 
 CrushedOut find_crushed_out(const Simulation& simulation) {
   CrushedOut found;
-  // Asked first, as all points with all that is known of them take as much memory as the model.
+  // Asked first, as it is known.
   if (simulation.condition_counts()[static_cast<size_t>(Condition::crushed_out)] == 0) return found;
-  for (const ContactPoint& p : simulation.contact_points()) {
-    if (p.condition != Condition::crushed_out) continue;
-    ++found.points;
-    found.overlap = std::max(found.overlap, -p.jump[0]);
+  for (const Simulation::Run& run : simulation.runs_of_points()) {
+    if (!simulation.brings(run)) continue;
+    for (const ContactPoint& p : simulation.contact_points({run.first, run.end})) {
+      if (p.condition != Condition::crushed_out) continue;
+      ++found.points;
+      found.overlap = std::max(found.overlap, -p.jump[0]);
+    }
   }
+  found.points = static_cast<long>(simulation.sum_of_ranks(static_cast<double>(found.points)));
+  found.overlap = simulation.largest_of_ranks(found.overlap);
   return found;
 }
 

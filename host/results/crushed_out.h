@@ -14,6 +14,7 @@ struct CrushedOut {
   std::string warning() const;  // empty: none
 };
 
+// By all ranks at the same moment, after run().
 CrushedOut find_crushed_out(const Simulation& simulation);
 
 }  // namespace quoin

@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
-#include <tuple>
+#include <memory>
+#include <optional>
 
+#include "base/attempt.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
 #include "results/crack_styles.h"
@@ -130,11 +131,14 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
 
 namespace {
 
+using Run = Simulation::Run;
+
+constexpr long kMostBricks = 100'000;  // gnuplot takes 10 kB for each, and nobody sees them any more
+
 // The wall moves by millimetres: magnified so that the largest movement is about 6 % of its height.
 struct Magnified {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // of all blocks, m
-  std::vector<std::vector<Vec3>> displacement;                                    // by block and gridpoint, m
-  double largest = 0.0;                                                           // of them, m
+  double largest = 0.0;                                                           // displacement, m
   double factor = 1.0;
 
   // A line of a gnuplot file, mm.
@@ -144,120 +148,211 @@ struct Magnified {
 };
 
 Magnified magnified(const Simulation& simulation) {
-  const auto& bricks = simulation.assembly().bricks;
   Magnified view;
-  for (size_t b = 0; b < bricks.size(); ++b) {
-    view.displacement.push_back(simulation.block_displacement(static_cast<int>(b)));
-    for (const Vec3& u : view.displacement.back()) view.largest = std::max(view.largest, std::hypot(u[0], u[1]));
+  for (const Run& run : simulation.runs_of_blocks()) {
+    for (int b = run.first; simulation.brings(run) && b < run.end; ++b) {
+      for (const Vec3& u : simulation.block_displacement(b))
+        view.largest = std::max(view.largest, std::hypot(u[0], u[1]));
+    }
+  }
+  view.largest = simulation.largest_of_ranks(view.largest);
+  for (const Brick& brick : simulation.assembly().bricks) {
     for (size_t axis = 0; axis < 3; ++axis) {
-      view.low[axis] = std::min(view.low[axis], bricks[b].origin[axis]);
-      view.high[axis] = std::max(view.high[axis], bricks[b].origin[axis] + bricks[b].size[axis]);
+      view.low[axis] = std::min(view.low[axis], brick.origin[axis]);
+      view.high[axis] = std::max(view.high[axis], brick.origin[axis] + brick.size[axis]);
     }
   }
   if (view.largest > 1e-12) view.factor = round_down(0.075 * (view.high[1] - view.low[1]) / view.largest);
   return view;
 }
 
-// Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
-void write_outlines(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
-                    const Magnified& view) {
-  const std::vector<Brick>& bricks = simulation.assembly().bricks;
-  std::string brick_data, beam_data;
-  for (size_t b = 0; b < bricks.size(); ++b) {
-    const Brick& brick = bricks[b];
-    const auto mesh = surfaces.mesh(simulation, static_cast<int>(b));
-    const double x0 = brick.origin[0], y0 = brick.origin[1], x1 = x0 + brick.size[0], y1 = y0 + brick.size[1];
-    const double tolerance = 1e-6 * (brick.size[0] + brick.size[1]), front = brick.origin[2] + brick.size[2];
-    std::vector<std::pair<double, size_t>> outline;  // place along the edge, gridpoint
-    for (size_t i = 0; i < mesh.gridpoint.size(); ++i) {
-      const Vec3& p = mesh.gridpoint[i];
-      if (std::abs(p[2] - front) > tolerance) continue;
-      const double fx = (p[0] - x0) / brick.size[0], fy = (p[1] - y0) / brick.size[1];
-      if (std::abs(p[1] - y0) < tolerance)
-        outline.emplace_back(fx, i);
-      else if (std::abs(p[0] - x1) < tolerance)
-        outline.emplace_back(1 + fy, i);
-      else if (std::abs(p[1] - y1) < tolerance)
-        outline.emplace_back(3 - fx, i);
-      else if (std::abs(p[0] - x0) < tolerance)
-        outline.emplace_back(4 - fy, i);
-    }
-    std::sort(outline.begin(), outline.end());
-    std::string& data = brick.beam ? beam_data : brick_data;
-    for (const auto& [place, i] : outline) data += view.moved(mesh.gridpoint[i], view.displacement[b][i]);
-    if (!outline.empty())
-      data += view.moved(mesh.gridpoint[outline[0].second], view.displacement[b][outline[0].second]);
-    data += "\n";
-  }
-  write_file(folder / "plots" / "bricks.dat", brick_data.empty() ? "NaN NaN\n" : brick_data);
-  write_file(folder / "plots" / "beams.dat", beam_data.empty() ? "NaN NaN\n" : beam_data);
+// What the picture is made of, files of gnuplot by name.
+enum : size_t { kBricks, kBeams, kJointsInUnits, kFirstCrack };
+constexpr size_t kDataFiles = kFirstCrack + kCrackCount;
+using Data = std::array<std::string, kDataFiles>;
+
+std::string name_of_data(size_t file) {
+  if (file >= kFirstCrack) return fmt::format("joints_{}.dat", file - kFirstCrack);
+  return file == kBricks ? "bricks.dat" : file == kBeams ? "beams.dat" : "joints_unit.dat";
 }
 
-// Files of gnuplot, a quad half a segment of a joint.
-struct JointQuads {
-  std::array<std::string, kCrackCount> of_crack;
-  std::string inside_unit;  // intact joints inside a unit, to be drawn so that the unit reads as one brick
-};
-
-// Joints as seen from the front: of the points behind each other the most damaged one counts. Each point colours the
-// line half-way to its neighbours.
-JointQuads joint_quads(const Simulation& simulation, const Surfaces& surfaces, const Magnified& view) {
-  const auto& bricks = simulation.assembly().bricks;
-  struct Seen {
-    const JointPoint* worst;
-    const JointPoint* front;
-  };
-  const auto points = surfaces.joint_points(simulation);
-  std::map<int, std::map<long long, Seen>> joints;  // joint -> place along it
-  for (const JointPoint& p : points) {
-    const size_t along = std::abs(p.contact.normal[0]) > 0.5 ? 1 : 0;
-    if (std::abs(p.contact.normal[2]) > 0.5) continue;  // joints seen from above
-    auto [place, fresh] =
-        joints[p.contact.joint].try_emplace(std::llround(p.contact.position[along] * 1e6), Seen{&p, &p});
-    if (p.crack > place->second.worst->crack) place->second.worst = &p;
-    if (p.contact.position[2] > place->second.front->contact.position[2]) place->second.front = &p;
+// Outlines of the front faces, counter-clockwise, along the gridpoints of their edges.
+void add_outline(const Simulation& simulation, const Magnified& view, int block, Data& data) {
+  const Brick& brick = simulation.assembly().bricks[static_cast<size_t>(block)];
+  const auto mesh = simulation.block_mesh(block);
+  const auto displacement = simulation.block_displacement(block);
+  const double x0 = brick.origin[0], y0 = brick.origin[1], x1 = x0 + brick.size[0], y1 = y0 + brick.size[1];
+  const double tolerance = 1e-6 * (brick.size[0] + brick.size[1]), front = brick.origin[2] + brick.size[2];
+  std::vector<std::pair<double, size_t>> outline;  // place along the edge, gridpoint
+  for (size_t i = 0; i < mesh.gridpoint.size(); ++i) {
+    const Vec3& p = mesh.gridpoint[i];
+    if (std::abs(p[2] - front) > tolerance) continue;
+    const double fx = (p[0] - x0) / brick.size[0], fy = (p[1] - y0) / brick.size[1];
+    if (std::abs(p[1] - y0) < tolerance)
+      outline.emplace_back(fx, i);
+    else if (std::abs(p[0] - x1) < tolerance)
+      outline.emplace_back(1 + fy, i);
+    else if (std::abs(p[1] - y1) < tolerance)
+      outline.emplace_back(3 - fx, i);
+    else if (std::abs(p[0] - x0) < tolerance)
+      outline.emplace_back(4 - fy, i);
   }
-  // Each half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
-  JointQuads quads;
-  auto add_half = [&](const JointPoint& worst, const JointPoint& a, const JointPoint& b, double from, double to) {
-    auto corner = [&](double t, Vec3 JointPoint::*side) {
+  std::sort(outline.begin(), outline.end());
+  if (!outline.empty()) outline.push_back(outline[0]);
+  std::string& text = data[brick.beam ? kBeams : kBricks];
+  for (const auto& [place, i] : outline) text += view.moved(mesh.gridpoint[i], displacement[i]);
+  text += "\n";
+}
+
+// The joints that this rank draws.
+class JointQuads {
+ public:
+  JointQuads(const Simulation& simulation, const Surfaces& surfaces, const Magnified& view)
+      : simulation_(simulation),
+        model_(simulation.model()),
+        view_(view),
+        order_(points_by_joint(simulation)),
+        crack_(static_cast<size_t>(simulation.point_count())) {
+    for (const Run& run : simulation.runs_of_points()) {
+      for (const JointPoint& p : surfaces.joint_points(simulation, {run.first, run.end}, simulation.ranks_bring()))
+        crack_[static_cast<size_t>(p.contact.index)] = p.crack;
+    }
+  }
+
+  // As seen from the front: of the points behind each other the most damaged one counts. Each point colours the line
+  // half-way to its neighbours.
+  void add(const Run& joints, Data& data) const {
+    const auto joint_of = [&](std::int32_t point) { return model_.point_joint[static_cast<size_t>(point)]; };
+    auto p = std::partition_point(order_.begin(), order_.end(),
+                                  [&](std::int32_t point) { return joint_of(point) < joints.first; });
+    while (p != order_.end() && joint_of(*p) < joints.end) {
+      std::map<long long, Seen> places;  // along the joint
+      for (const int joint = joint_of(*p); p != order_.end() && joint_of(*p) == joint; ++p) {
+        const int axis = model_.point_axis[static_cast<size_t>(*p)];
+        if (axis == 2) continue;  // joints seen from above
+        const size_t along = axis == 0 ? 1 : 0;
+        auto [place, fresh] = places.try_emplace(std::llround(position(*p)[along] * 1e6), Seen{*p, *p});
+        if (crack(*p) > crack(place->second.worst)) place->second.worst = *p;
+        if (position(*p)[2] > position(place->second.front)[2]) place->second.front = *p;
+      }
+      for (auto it = places.begin(); it != places.end() && std::next(it) != places.end(); ++it) {
+        const Seen &a = it->second, &b = std::next(it)->second;
+        add_half(a.worst, a.front, b.front, 0.0, 0.5, data);
+        add_half(b.worst, a.front, b.front, 0.5, 1.0, data);
+      }
+    }
+  }
+
+ private:
+  struct Seen {
+    std::int32_t worst, front;
+  };
+
+  Crack crack(std::int32_t point) const { return crack_[static_cast<size_t>(point)]; }
+  const Vec3& position(std::int32_t point) const { return model_.point_position[static_cast<size_t>(point)]; }
+
+  // A half segment is drawn as the quad between its two sides: an open crack is a coloured gap, a closed one a line.
+  // Intact joints inside a unit are drawn so that the unit reads as one brick.
+  void add_half(std::int32_t worst, std::int32_t a, std::int32_t b, double from, double to, Data& data) const {
+    const auto at_a = simulation_.displacement_of_sides(a), at_b = simulation_.displacement_of_sides(b);
+    const auto corner = [&](double t, Vec3 std::pair<Vec3, Vec3>::*side) {
       Vec3 x{}, u{};
       for (size_t axis = 0; axis < 2; ++axis) {
-        x[axis] = a.contact.position[axis] + t * (b.contact.position[axis] - a.contact.position[axis]);
-        u[axis] = (a.*side)[axis] + t * ((b.*side)[axis] - (a.*side)[axis]);
+        x[axis] = position(a)[axis] + t * (position(b)[axis] - position(a)[axis]);
+        u[axis] = (at_a.*side)[axis] + t * ((at_b.*side)[axis] - (at_a.*side)[axis]);
       }
-      return view.moved(x, u);
+      return view_.moved(x, u);
     };
-    const int unit = bricks[static_cast<size_t>(worst.contact.block_a)].unit;
-    const bool inside = unit >= 0 && unit == bricks[static_cast<size_t>(worst.contact.block_b)].unit;
-    std::string& data =
-        inside && worst.crack == Crack::intact ? quads.inside_unit : quads.of_crack[static_cast<size_t>(worst.crack)];
-    data += corner(from, &JointPoint::side_a) + corner(to, &JointPoint::side_a) + corner(to, &JointPoint::side_b) +
-            corner(from, &JointPoint::side_b) + corner(from, &JointPoint::side_a) + "\n";
-  };
-  for (const auto& [joint, places] : joints) {
-    for (auto it = places.begin(); it != places.end() && std::next(it) != places.end(); ++it) {
-      const Seen &a = it->second, &b = std::next(it)->second;
-      add_half(*a.worst, *a.front, *b.front, 0.0, 0.5);
-      add_half(*b.worst, *a.front, *b.front, 0.5, 1.0);
-    }
+    const Model::Sides sides = model_.sides_of(worst);
+    const auto& bricks = model_.assembly.bricks;
+    const int unit = bricks[static_cast<size_t>(sides.a)].unit;
+    const bool inside = unit >= 0 && unit == bricks[static_cast<size_t>(sides.b)].unit;
+    const bool intact = crack(worst) == Crack::intact;
+    std::string& text = data[inside && intact ? kJointsInUnits : kFirstCrack + static_cast<size_t>(crack(worst))];
+    using Pair = std::pair<Vec3, Vec3>;
+    text += corner(from, &Pair::first) + corner(to, &Pair::first) + corner(to, &Pair::second) +
+            corner(from, &Pair::second) + corner(from, &Pair::first) + "\n";
   }
-  return quads;
+
+  const Simulation& simulation_;
+  const Model& model_;
+  const Magnified& view_;
+  std::vector<std::int32_t> order_;  // points by joint
+  std::vector<Crack> crack_;         // by point
+};
+
+// Rank 0 takes the data of all, piece by piece: take(Data).
+template <class Take>
+Magnified bring_data(const Simulation& simulation, const Surfaces& surfaces, const Take& take) {
+  const Magnified view = magnified(simulation);
+  const JointQuads joints(simulation, surfaces, view);
+  const auto bring = [&](const std::vector<Run>& runs, const auto& add) {
+    simulation.bring_to_first(
+        runs,
+        [&](const Run& run) {
+          Data data;
+          add(run, data);
+          std::string packed;
+          for (const std::string& text : data) packed += text + '\0';
+          return packed;
+        },
+        [&](const std::string& packed) {
+          Data data;
+          size_t begin = 0;
+          for (std::string& text : data) {
+            text = packed.substr(begin, packed.find('\0', begin) - begin);
+            begin += text.size() + 1;
+          }
+          take(data);
+        });
+  };
+  bring(simulation.runs_of_blocks(), [&](const Run& run, Data& data) {
+    for (int b = run.first; b < run.end; ++b) add_outline(simulation, view, b, data);
+  });
+  bring(simulation.runs_of_joints(), [&](const Run& run, Data& data) { joints.add(run, data); });
+  return view;
 }
 
-// Returns what plots them, and the legend.
-std::string write_joints(const std::filesystem::path& folder, const JointQuads& quads) {
+// Files that grow; gnuplot draws nothing of what is in none of them.
+class DataFiles {
+ public:
+  explicit DataFiles(const std::filesystem::path& folder) {
+    make_folder(folder);
+    for (size_t i = 0; i < kDataFiles; ++i) file_.push_back(std::make_unique<GrowingFile>(folder / name_of_data(i)));
+  }
+  void append(const Data& data) {
+    for (size_t i = 0; i < kDataFiles; ++i) {
+      file_[i]->append(data[i]);
+      empty_[i] = empty_[i] && data[i].empty();
+    }
+  }
+  void finish() {
+    for (size_t i = 0; i < kDataFiles; ++i) {
+      if (empty_[i]) file_[i]->append("NaN NaN\n");
+      file_[i]->finish();
+    }
+  }
+
+ private:
+  std::vector<std::unique_ptr<GrowingFile>> file_;
+  std::array<bool, kDataFiles> empty_ = [] {
+    std::array<bool, kDataFiles> all{};
+    all.fill(true);
+    return all;
+  }();
+};
+
+// What plots the joints, and the legend.
+std::string joints_plot() {
   std::string plot;
-  auto add_quads = [&](const std::string& file, const std::string& data, const char* colour, double width) {
-    write_file(folder / "plots" / file, data.empty() ? "NaN NaN\n" : data);
+  const auto add = [&](size_t file, const char* colour, double width) {
     for (const char* how : {"filledcurves closed fillcolor", "lines linecolor"})
-      plot += fmt::format(", \\\n     \"{}\" with {} rgb \"{}\"{} notitle", file, how, colour,
+      plot += fmt::format(", \\\n     \"{}\" with {} rgb \"{}\"{} notitle", name_of_data(file), how, colour,
                           *how == 'l' ? fmt::format(" linewidth {}", width) : std::string());
   };
-  add_quads("joints_unit.dat", quads.inside_unit, "#d3bfa4", 0.7);
+  add(kJointsInUnits, "#d3bfa4", 0.7);
   for (const CrackStyle& style : kCrackStyles)
-    add_quads(fmt::format("joints_{}.dat", static_cast<int>(style.crack)),
-              quads.of_crack[static_cast<size_t>(style.crack)], style.colour, style.width);
+    add(kFirstCrack + static_cast<size_t>(style.crack), style.colour, style.width);
   for (const CrackStyle& style : kCrackStyles)
     plot += fmt::format(", \\\n     NaN with lines linewidth {} linecolor rgb \"{}\" title \"{}\"",
                         style.crack == Crack::intact ? 2.0 : 7.0, style.colour, style.label);
@@ -268,11 +363,16 @@ std::string write_joints(const std::filesystem::path& folder, const JointQuads& 
 
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                         const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label) {
-  make_folder(folder / "plots");
+  if (simulation.block_count() > kMostBricks)
+    return fmt::format("cracks.png: left out for more than {} blocks; use joints.pvd", kMostBricks);
   const Scene& scene = simulation.scene();
-  const Magnified view = magnified(simulation);
-  write_outlines(folder, simulation, surfaces, view);
-  const std::string plot = write_joints(folder, joint_quads(simulation, surfaces, view));
+  Attempt attempt;
+  std::optional<DataFiles> files;
+  attempt([&] { files.emplace(folder / "plots"); });
+  const Magnified view =
+      bring_data(simulation, surfaces, [&](const Data& data) { attempt([&] { files->append(data); }); });
+  attempt([&] { files->finish(); });
+  attempt.rethrow();
 
   std::string state = "law " + law;
   if (!rows.empty()) {
@@ -311,8 +411,13 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
       pixels_x, pixels_y, gnuplot_text(title_of(scene)), 1.0 - 0.27 * above / pixels_y, gnuplot_text(state),
       1.0 - 0.53 * above / pixels_y, view.factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y,
       below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
-      high[1] * 1e3 + margin + sway * 0.3, label, plot);
+      high[1] * 1e3 + margin + sway * 0.3, label, joints_plot());
   return draw_picture(folder, "cracks", script);
+}
+
+void bring_cracks(const Simulation& simulation, const Surfaces& surfaces) {
+  if (simulation.ranks_bring() && simulation.block_count() <= kMostBricks)
+    bring_data(simulation, surfaces, [](const Data&) {});
 }
 
 }  // namespace quoin

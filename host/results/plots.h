@@ -20,7 +20,9 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
 // Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing. label: of warnings.h, or nothing.
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                        const std::string& law, const std::string& label);
+// Of the lattice. Other ranks call bring_cracks at the same moment.
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                         const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label);
+void bring_cracks(const Simulation& simulation, const Surfaces& surfaces);
 
 }  // namespace quoin

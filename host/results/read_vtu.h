@@ -1,4 +1,4 @@
-// The VTU files of a run, read back: those that vtk_arrays.h writes, and no others.
+// The VTU files of a run, read back: those that vtk_file.h writes, and no others.
 #pragma once
 
 #include <cstdint>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace quoin {
 
@@ -27,30 +28,6 @@ Crack classify(const JointPoint& p) {
   return opening ? Crack::open : Crack::slipped;
 }
 
-// Of a brick at a contact point: gridpoints of deformable ones coincide with it.
-Vec3 displacement_at(const Brick& brick, const Vec3& position, const std::vector<Vec3>& displacement) {
-  if (!brick.rigid) {
-    size_t index = 0, stride = 1;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const double cells = (position[axis] - brick.origin[axis]) / brick.size[axis] * brick.zones[axis];
-      index += stride * static_cast<size_t>(std::clamp(std::lround(cells), 0L, static_cast<long>(brick.zones[axis])));
-      stride *= static_cast<size_t>(brick.zones[axis]) + 1;
-    }
-    return displacement[index];
-  }
-  // Rigid: 8 corners, x fastest; interpolation between them is exact.
-  Vec3 u{};
-  for (size_t corner = 0; corner < 8; ++corner) {
-    double weight = 1.0;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const double f = (position[axis] - brick.origin[axis]) / brick.size[axis];
-      weight *= (corner >> axis & 1) != 0 ? f : 1.0 - f;
-    }
-    for (size_t axis = 0; axis < 3; ++axis) u[axis] += weight * displacement[corner][axis];
-  }
-  return u;
-}
-
 // The points of a joint form a grid over its two tangential axes.
 class JointGrid {
  public:
@@ -63,7 +40,7 @@ class JointGrid {
     points_.push_back({tangential[0], tangential[1], point});
     rows_.push_back(tangential[0]), columns_.push_back(tangential[1]);
   }
-  void append_quads(std::vector<std::array<int, 4>>& quads) {
+  void append_quads(std::vector<Surfaces::Quad>& quads) {
     for (auto* places : {&rows_, &columns_}) {
       std::sort(places->begin(), places->end());
       places->erase(std::unique(places->begin(), places->end()), places->end());
@@ -95,27 +72,27 @@ class JointGrid {
 
 }  // namespace
 
-Surfaces::Surfaces(const Simulation& simulation) {
-  for (int b = 0; simulation.riding() && b < simulation.block_count(); ++b) meshes_.push_back(simulation.block_mesh(b));
+std::vector<std::int32_t> points_by_joint(const Simulation& simulation) {
+  const Model& model = simulation.model();
+  std::vector<std::int32_t> order;
+  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c) {
+    const ContactChunk& chunk = model.chunks[static_cast<size_t>(c)];
+    for (int i = 0; model.has_laid_out(c) && i < chunk.point_count; ++i) order.push_back(chunk.first_point + i);
+  }
+  const auto joint_of = [&](std::int32_t point) { return model.point_joint[static_cast<size_t>(point)]; };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::int32_t a, std::int32_t b) { return joint_of(a) < joint_of(b); });
+  return order;
 }
 
-Simulation::BlockMesh Surfaces::mesh(const Simulation& simulation, int block) const {
-  return meshes_.empty() ? simulation.block_mesh(block) : meshes_[static_cast<size_t>(block)];
-}
-
-const std::vector<std::array<int, 4>>& Surfaces::quads(const Simulation& simulation) const {
+const std::vector<Surfaces::Quad>& Surfaces::quads(const Simulation& simulation) const {
   // In large motion contact points come and go: they know their place themselves.
   const Model& model = simulation.model();
   if (simulation.riding() || of_layout_ == model.layouts()) return quads_;
   of_layout_ = model.layouts();
   quads_.clear();
-  std::vector<int> order;
-  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c) {
-    const ContactChunk& chunk = model.chunks[static_cast<size_t>(c)];
-    for (int i = 0; model.has_laid_out(c) && i < chunk.point_count; ++i) order.push_back(chunk.first_point + i);
-  }
-  const auto joint_of = [&](int point) { return model.point_joint[static_cast<size_t>(point)]; };
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return joint_of(a) < joint_of(b); });
+  const std::vector<std::int32_t> order = points_by_joint(simulation);
+  const auto joint_of = [&](std::int32_t point) { return model.point_joint[static_cast<size_t>(point)]; };
   JointGrid grid;
   for (auto first = order.begin(), last = first; first != order.end(); first = last) {
     grid.clear();
@@ -128,28 +105,32 @@ const std::vector<std::array<int, 4>>& Surfaces::quads(const Simulation& simulat
   return quads_;
 }
 
-std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, bool own_alone) const {
-  const std::vector<Brick>& bricks = simulation.assembly().bricks;
-  std::vector<std::vector<Vec3>> displacement(bricks.size());  // where asked for
-  const auto displacement_of = [&](int block, const Vec3& position) {
-    std::vector<Vec3>& of_block = displacement[static_cast<size_t>(block)];
-    if (of_block.empty()) of_block = simulation.block_displacement(block);
-    return displacement_at(bricks[static_cast<size_t>(block)], position, of_block);
+std::span<const Surfaces::Quad> Surfaces::quads_of_joints(const Simulation& simulation, int first, int end) const {
+  const std::vector<Quad>& all = quads(simulation);
+  const auto from = [&](int joint) {
+    return std::partition_point(all.begin(), all.end(), [&](const Quad& quad) {
+      return simulation.model().point_joint[static_cast<size_t>(quad[0])] < joint;
+    });
   };
-  const auto contacts = simulation.contact_points(own_alone);
-  const auto told = simulation.damage();
-  const auto slip = simulation.state("slip"), closure = simulation.state("w");
+  return {from(first), from(end)};
+}
+
+std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, const PointRange& range,
+                                               bool own_alone) const {
+  const auto contacts = simulation.contact_points(range, own_alone);
+  if (contacts.empty()) return {};
+  const auto told = simulation.damage(range);
+  const auto slip = simulation.state("slip", range), closure = simulation.state("w", range);
   auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };
 
   std::vector<JointPoint> points;
   points.reserve(contacts.size());
   for (const ContactPoint& c : contacts) {
-    const size_t i = static_cast<size_t>(c.index);
+    const auto i = static_cast<size_t>(c.index - range.first);
     JointPoint p{};
     p.contact = c;
     if (!simulation.riding()) {
-      p.side_a = displacement_of(c.block_a, c.position);
-      p.side_b = displacement_of(c.block_b, c.position);
+      std::tie(p.side_a, p.side_b) = simulation.displacement_of_sides(c.index);
       for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
     }
     p.opening = std::max(0.0, c.jump[0]);

@@ -2,7 +2,9 @@
 // damage of their law in the words of a reader.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,19 +28,25 @@ struct JointPoint {
   Crack crack;
 };
 
-// Displacements at any contact point, from the meshes of the blocks. Reusable for all frames of a run.
+// Contact points of the lattice that this rank has, joint after joint.
+std::vector<std::int32_t> points_by_joint(const Simulation& simulation);
+
+// Surfaces of joints. Reusable for all frames of a model.
 class Surfaces {
  public:
-  explicit Surfaces(const Simulation& simulation);
-  Simulation::BlockMesh mesh(const Simulation& simulation, int block) const;
-  std::vector<JointPoint> joint_points(const Simulation& simulation, bool own_alone = false) const;
+  std::vector<JointPoint> joint_points(const Simulation& simulation, const PointRange& range,
+                                       bool own_alone = false) const;
+  std::vector<JointPoint> joint_points(const Simulation& simulation) const {
+    return joint_points(simulation, simulation.all_points());
+  }
   // Quads between neighbouring contact points of each joint on the lattice, as indices of points; of those points that
-  // this rank has. The mesh of joints never changes.
-  const std::vector<std::array<int, 4>>& quads(const Simulation& simulation) const;
+  // this rank has, joint after joint. The mesh of joints never changes.
+  using Quad = std::array<int, 4>;
+  const std::vector<Quad>& quads(const Simulation& simulation) const;
+  std::span<const Quad> quads_of_joints(const Simulation& simulation, int first, int end) const;  // joints [first, end)
 
  private:
-  std::vector<Simulation::BlockMesh> meshes_;  // of blocks of any shape, at the start; those of bricks follow from them
-  mutable std::vector<std::array<int, 4>> quads_;
+  mutable std::vector<Quad> quads_;
   mutable long of_layout_ = -1;  // Model::layouts
 };
 

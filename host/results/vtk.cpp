@@ -4,188 +4,218 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <cstring>
+#include <functional>
+#include <optional>
 #include <set>
 
+#include "base/attempt.h"
 #include "files/result_folder.h"
-#include "results/vtk_arrays.h"
-#include "step/large_motion.h"
+#include "results/vtk_file.h"
 
 namespace quoin {
 
 namespace {
 
 constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
+constexpr const char* kStressComponents =
+    " ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"zz\" ComponentName3=\"xy\" ComponentName4=\"yz\" "
+    "ComponentName5=\"zx\"";
+constexpr const char* kTractionComponents =
+    " ComponentName0=\"sigma\" ComponentName1=\"tau_s\" ComponentName2=\"tau_t\"";
 
-// An unstructured grid, its arrays by section.
-class Grid {
+// Arrays that every grid begins with.
+enum : std::size_t { kPosition, kConnectivity, kOffsets, kTypes, kFirstField };
+
+std::vector<VtkArray> arrays_of_grid() {
+  return {{"Points", "position", kVtkType<float>, 3},
+          {"Cells", "connectivity", kVtkType<std::int64_t>, 1, VtkRows::corner},
+          {"Cells", "offsets", kVtkType<std::int64_t>, 1, VtkRows::cell},
+          {"Cells", "types", kVtkType<std::uint8_t>, 1, VtkRows::cell}};
+}
+
+// The next rows of some arrays of a grid, as bytes. Cells name their corners, and offsets theirs, as if these rows were
+// the first.
+class Rows {
  public:
-  explicit Grid(bool compressed) : arrays_(compressed) {}
-  template <typename T>
-  void array(const char* section, const std::string& name, const std::vector<T>& values, int components = 1,
-             const char* extra = "") {
-    sections_[section] += arrays_.add(name, values, components, extra);
-    declared_[section] += fmt::format("<PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{}/>\n",
-                                      kVtkType<T>, xml_text(name), components, extra);
+  explicit Rows(std::size_t arrays = 0) : bytes_(arrays) {}
+  template <class T>
+  void add(std::size_t array, T value) {
+    bytes_[array].append(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  void write(const std::filesystem::path& path, size_t points, size_t cells) {
-    std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", points, cells);
-    for (const char* section : {"Points", "Cells", "PointData", "CellData"})
-      piece += fmt::format("<{0}>\n{1}</{0}>\n", section, sections_[section]);
-    arrays_.write(path, piece + "</Piece>\n");
+  void add(std::size_t array, const Vec3& v) {
+    for (const double x : v) add(array, static_cast<float>(x));
   }
-  // What names the pieces of a grid, each with these arrays.
-  void write_index(const std::filesystem::path& path, const std::vector<std::string>& pieces) {
-    std::string text =
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
-    for (const char* section : {"Points", "PointData", "CellData"})
-      text += fmt::format("<P{0}>\n{1}</P{0}>\n", section, declared_[section]);
-    for (const std::string& piece : pieces) text += fmt::format("<Piece Source=\"{}\"/>\n", piece);
-    write_file(path, text + "</PUnstructuredGrid>\n</VTKFile>\n");
+  void add_corner(std::int64_t point) { add(kConnectivity, point); }
+  void end_cell(std::uint8_t type) {
+    add(kOffsets, static_cast<std::int64_t>(corners()));
+    add(kTypes, type);
+  }
+  std::uint64_t points() const { return bytes_[kPosition].size() / (3 * sizeof(float)); }
+  std::uint64_t corners() const { return bytes_[kConnectivity].size() / sizeof(std::int64_t); }
+
+  // In a file that has so many points and corners before them.
+  void move_behind(std::uint64_t points_before, std::uint64_t corners_before) {
+    shift(bytes_[kConnectivity], points_before), shift(bytes_[kOffsets], corners_before);
+  }
+  void append_to(VtkFile& file) const {
+    for (std::size_t i = 0; i < bytes_.size(); ++i) file.append(i, bytes_[i]);
+  }
+
+  std::string packed() const {
+    std::string all;
+    for (const std::string& bytes : bytes_) {
+      const std::uint64_t size = bytes.size();
+      all.append(reinterpret_cast<const char*>(&size), sizeof size);
+      all += bytes;
+    }
+    return all;
+  }
+  static Rows unpacked(const std::string& all) {
+    Rows rows;
+    for (std::size_t place = 0; place < all.size();) {
+      std::uint64_t size = 0;
+      std::memcpy(&size, all.data() + place, sizeof size);
+      rows.bytes_.push_back(all.substr(place + sizeof size, size));
+      place += sizeof size + size;
+    }
+    return rows;
   }
 
  private:
-  VtkArrays arrays_;
-  std::map<std::string, std::string> sections_, declared_;
-};
-
-void add(std::vector<float>& values, const Vec3& v) {
-  for (const double x : v) values.push_back(static_cast<float>(x));
-}
-
-// A grid to be written, with its sizes.
-struct Filled {
-  Grid grid;
-  size_t points = 0, cells = 0;
-};
-
-Filled fill_blocks(const Simulation& simulation, const Surfaces& surfaces, bool compressed, bool own_alone) {
-  std::vector<float> points, displacement, stress;
-  std::vector<std::int64_t> connectivity, offsets;
-  std::vector<std::uint8_t> types;
-  std::vector<std::int32_t> block, unit, course;
-  const auto add_cell = [&](std::int64_t first, const auto& corners, std::uint8_t type) {
-    for (const int corner : corners) connectivity.push_back(first + corner);
-    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-    types.push_back(type);
-  };
-  for (int b = 0; b < simulation.block_count(); ++b) {
-    if (own_alone && !simulation.owns_block(b)) continue;
-    const auto mesh = surfaces.mesh(simulation, b);
-    const auto first = static_cast<std::int64_t>(points.size() / 3);
-    for (const Vec3& p : mesh.gridpoint) add(points, p);
-    for (const Vec3& u : simulation.block_displacement(b)) add(displacement, u);
-    for (const auto& zone : mesh.zone) add_cell(first, zone, kVtkTetrahedron);
-    const bool rigid = mesh.zone.empty(), brick = rigid && !simulation.riding();
-    if (brick) add_cell(first, std::array{0, 1, 3, 2, 4, 5, 7, 6}, kVtkHexahedron);
-    for (const auto& face : mesh.face) {
-      if (rigid && !brick) add_cell(first, face, kVtkPolygon);
+  static void shift(std::string& bytes, std::uint64_t by) {
+    for (std::size_t place = 0; place < bytes.size(); place += sizeof by) {
+      std::uint64_t value = 0;
+      std::memcpy(&value, bytes.data() + place, sizeof value);
+      value += by;
+      std::memcpy(bytes.data() + place, &value, sizeof value);
     }
-    for (const auto& tensor : simulation.block_stress(b)) {
-      for (const double s : tensor) stress.push_back(static_cast<float>(s));
-    }
-    const size_t cells = brick ? 1 : rigid ? mesh.face.size() : mesh.zone.size();
-    if (rigid) stress.insert(stress.end(), 6 * cells, 0.0F);
-    block.insert(block.end(), cells, b);
-    unit.insert(unit.end(), cells, mesh.unit);
-    course.insert(course.end(), cells, mesh.course);
   }
-  Grid grid(compressed);
-  grid.array("Points", "position", points, 3);
-  grid.array("Cells", "connectivity", connectivity);
-  grid.array("Cells", "offsets", offsets);
-  grid.array("Cells", "types", types);
-  grid.array("PointData", "displacement_m", displacement, 3);
-  grid.array("CellData", "stress_Pa", stress, 6,
-             " ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"zz\" ComponentName3=\"xy\" "
-             "ComponentName4=\"yz\" ComponentName5=\"zx\"");
-  grid.array("CellData", "block", block);
-  grid.array("CellData", "unit", unit);
-  grid.array("CellData", "course", course);
-  return {std::move(grid), points.size() / 3, types.size()};
+  std::vector<std::string> bytes_;
+};
+
+// ---- Blocks --------------------------------------------------------------------------------------------------------
+
+enum BlockField : std::size_t { kDisplacement = kFirstField, kStress, kBlock, kUnit, kCourse, kBlockArrays };
+
+std::vector<VtkArray> arrays_of_blocks() {
+  std::vector<VtkArray> arrays = arrays_of_grid();
+  arrays.push_back({"PointData", "displacement_m", kVtkType<float>, 3});
+  arrays.push_back({"CellData", "stress_Pa", kVtkType<float>, 6, VtkRows::cell, kStressComponents});
+  for (const char* name : {"block", "unit", "course"})
+    arrays.push_back({"CellData", name, kVtkType<std::int32_t>, 1, VtkRows::cell});
+  return arrays;
 }
 
-std::set<std::string> state_ids(const Simulation& simulation) {
+// Bricks that are rigid are hexahedra, other rigid blocks their faces, deformable ones their zones.
+VtkSizes sizes_of_block(const Simulation& simulation, int block) {
+  const Simulation::BlockSize size = simulation.block_size(block);
+  if (size.zones > 0) return {size.gridpoints, size.zones, 4 * size.zones};
+  if (!simulation.riding()) return {size.gridpoints, 1, 8};
+  return {size.gridpoints, size.faces, size.face_corners};
+}
+
+void add_block(const Simulation& simulation, int b, Rows& rows) {
+  const auto mesh = simulation.block_mesh(b);
+  const auto first = static_cast<std::int64_t>(rows.points());
+  for (const Vec3& p : mesh.gridpoint) rows.add(kPosition, p);
+  for (const Vec3& u : simulation.block_displacement(b)) rows.add(kDisplacement, u);
+  const auto add_cell = [&](const auto& corners, std::uint8_t type) {
+    for (const int corner : corners) rows.add_corner(first + corner);
+    rows.end_cell(type);
+    rows.add(kBlock, std::int32_t{b}), rows.add(kUnit, std::int32_t{mesh.unit});
+    rows.add(kCourse, std::int32_t{mesh.course});
+  };
+  for (const auto& zone : mesh.zone) add_cell(zone, kVtkTetrahedron);
+  for (const auto& tensor : simulation.block_stress(b)) {
+    for (const double s : tensor) rows.add(kStress, static_cast<float>(s));
+  }
+  if (!mesh.zone.empty()) return;
+  if (!simulation.riding())
+    add_cell(std::array{0, 1, 3, 2, 4, 5, 7, 6}, kVtkHexahedron);
+  else
+    for (const auto& face : mesh.face) add_cell(face, kVtkPolygon);
+  for (std::uint64_t i = 0; i < 6 * sizes_of_block(simulation, b).cells; ++i) rows.add(kStress, 0.0F);
+}
+
+// ---- Joints --------------------------------------------------------------------------------------------------------
+
+enum JointField : std::size_t {
+  kMeanDisplacement = kFirstField,
+  kTraction,
+  kNormal,
+  kShearAxis,
+  kArea,
+  kBlockA,
+  kBlockB,
+  kOpening,
+  kSlip,
+  kDamageTension,
+  kDamageShear,
+  kClosure,
+  kFamily,
+  kCondition,
+  kCrack,
+  kFirstState
+};
+
+// And the laws' own states, whatever they are.
+std::vector<std::string> state_ids(const Simulation& simulation) {
   std::set<std::string> ids;
   for (const ContactFamily& f : simulation.model().families) {
     const quoin_law& law = f.material->api();
-    for (uint64_t s = 0; s < law.state_count; ++s) ids.insert(law.states[s]->id);
+    for (uint64_t s = 0; s < law.state_count; ++s) {
+      if (simulation.keeps_state(law.states[s]->id)) ids.insert(law.states[s]->id);
+    }
   }
-  return ids;
+  return {ids.begin(), ids.end()};
 }
 
-// A joint goes with the first of its blocks, whose rank evaluates all of its points.
-Filled fill_joints(const Simulation& simulation, const Surfaces& surfaces, bool compressed, bool own_alone) {
-  const auto joint_points = surfaces.joint_points(simulation, own_alone);
-  std::vector<float> points, displacement, traction, opening, slip, tension, shear, closure, area, normal, shear_axis;
-  std::vector<std::int32_t> block_a, block_b, family, condition, crack;
-  for (const JointPoint& p : joint_points) {
-    add(points, p.contact.position);
-    add(displacement, p.displacement);
-    add(traction, p.contact.traction);
-    add(normal, p.contact.normal);
-    add(shear_axis, p.contact.s);
-    area.push_back(static_cast<float>(p.contact.area));
-    block_a.push_back(p.contact.block_a);
-    block_b.push_back(p.contact.block_b);
-    opening.push_back(static_cast<float>(p.opening));
-    slip.push_back(static_cast<float>(p.slip));
-    tension.push_back(static_cast<float>(p.damage_tension));
-    shear.push_back(static_cast<float>(p.damage_shear));
-    closure.push_back(static_cast<float>(p.closure));
-    family.push_back(p.contact.family);
-    condition.push_back(static_cast<std::int32_t>(p.contact.condition));
-    crack.push_back(static_cast<std::int32_t>(p.crack));
-  }
-  // Joints of lattices are surfaces; elsewhere their points stand alone.
-  std::vector<std::int64_t> connectivity, offsets;
-  std::vector<std::int64_t> place(static_cast<size_t>(simulation.point_count()), -1);  // by contact point
-  for (size_t i = 0; i < joint_points.size(); ++i)
-    place[static_cast<size_t>(joint_points[i].contact.index)] = static_cast<std::int64_t>(i);
-  for (const auto& quad : surfaces.quads(simulation)) {
-    if (place[static_cast<size_t>(quad[0])] < 0) continue;
-    for (const int corner : quad) connectivity.push_back(place[static_cast<size_t>(corner)]);
-    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-  }
-  const std::uint8_t cell = simulation.riding() ? kVtkVertex : kVtkQuad;
-  for (size_t i = 0; simulation.riding() && i < joint_points.size(); ++i) {
-    connectivity.push_back(static_cast<std::int64_t>(i));
-    offsets.push_back(static_cast<std::int64_t>(connectivity.size()));
-  }
-  Grid grid(compressed);
-  grid.array("Points", "position", points, 3);
-  grid.array("Cells", "connectivity", connectivity);
-  grid.array("Cells", "offsets", offsets);
-  grid.array("Cells", "types", std::vector<std::uint8_t>(offsets.size(), cell));
-  grid.array("PointData", "displacement_m", displacement, 3);
-  grid.array("PointData", "traction_Pa", traction, 3,
-             " ComponentName0=\"sigma\" ComponentName1=\"tau_s\" ComponentName2=\"tau_t\"");
-  grid.array("PointData", "normal", normal, 3);
-  grid.array("PointData", "shear_axis", shear_axis, 3);
-  grid.array("PointData", "area_m2", area);
-  grid.array("PointData", "block_a", block_a);
-  grid.array("PointData", "block_b", block_b);
-  grid.array("PointData", "opening_m", opening);
-  grid.array("PointData", "slip_m", slip);
-  grid.array("PointData", "damage_tension", tension);
-  grid.array("PointData", "damage_shear", shear);
-  grid.array("PointData", "plastic_closure_m", closure);
-  grid.array("PointData", "family", family);
-  grid.array("PointData", "condition", condition);
-  grid.array("PointData", "crack", crack);
-
-  // And the law's own states, whatever they are.
-  for (const std::string& id : state_ids(simulation)) {
-    if (!simulation.keeps_state(id)) continue;
-    std::vector<float> column;
-    const auto values = simulation.state(id);
-    for (const JointPoint& p : joint_points)
-      column.push_back(static_cast<float>(values[static_cast<size_t>(p.contact.index)]));
-    grid.array("PointData", "state_" + id, column);
-  }
-  return {std::move(grid), joint_points.size(), offsets.size()};
+std::vector<VtkArray> arrays_of_joints(const std::vector<std::string>& states) {
+  std::vector<VtkArray> arrays = arrays_of_grid();
+  const auto add = [&](const char* name, const char* type, int components = 1, const char* named = "") {
+    arrays.push_back({"PointData", name, type, components, VtkRows::point, named});
+  };
+  add("displacement_m", kVtkType<float>, 3);
+  add("traction_Pa", kVtkType<float>, 3, kTractionComponents);
+  add("normal", kVtkType<float>, 3), add("shear_axis", kVtkType<float>, 3);
+  add("area_m2", kVtkType<float>);
+  add("block_a", kVtkType<std::int32_t>), add("block_b", kVtkType<std::int32_t>);
+  for (const char* name : {"opening_m", "slip_m", "damage_tension", "damage_shear", "plastic_closure_m"})
+    add(name, kVtkType<float>);
+  for (const char* name : {"family", "condition", "crack"}) add(name, kVtkType<std::int32_t>);
+  for (const std::string& id : states) arrays.push_back({"PointData", "state_" + id, kVtkType<float>});
+  return arrays;
 }
+
+// Their quads come by themselves; where blocks move freely points stand alone.
+void add_points(const Simulation& simulation, const Surfaces& surfaces, const std::vector<std::string>& states,
+                const PointRange& range, bool own_alone, Rows& rows) {
+  const auto number = [&](std::size_t field, double value) { rows.add(field, static_cast<float>(value)); };
+  const auto code = [&](std::size_t field, auto value) { rows.add(field, static_cast<std::int32_t>(value)); };
+  const std::vector<JointPoint> points = surfaces.joint_points(simulation, range, own_alone);
+  for (const JointPoint& p : points) {
+    if (simulation.riding()) rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
+    rows.add(kPosition, p.contact.position);
+    rows.add(kMeanDisplacement, p.displacement);
+    rows.add(kTraction, p.contact.traction);
+    rows.add(kNormal, p.contact.normal);
+    rows.add(kShearAxis, p.contact.s);
+    number(kArea, p.contact.area);
+    code(kBlockA, p.contact.block_a), code(kBlockB, p.contact.block_b);
+    number(kOpening, p.opening), number(kSlip, p.slip);
+    number(kDamageTension, p.damage_tension), number(kDamageShear, p.damage_shear);
+    number(kClosure, p.closure);
+    code(kFamily, p.contact.family), code(kCondition, p.contact.condition), code(kCrack, p.crack);
+  }
+  for (std::size_t k = 0; k < states.size() && !points.empty(); ++k) {
+    const std::vector<double> column = simulation.state(states[k], range);
+    for (const JointPoint& p : points)
+      number(kFirstState + k, column[static_cast<std::size_t>(p.contact.index - range.first)]);
+  }
+}
+
+// ---- Files ---------------------------------------------------------------------------------------------------------
 
 constexpr std::array kKinds{"blocks", "joints"};
 
@@ -193,33 +223,155 @@ std::string piece_name(const char* kind, size_t frame, int rank) {
   return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
 }
 
+// A file that rows go to, as long as it can be written: other ranks bring theirs all the same. Without open() rows are
+// let go.
+class Sink {
+ public:
+  explicit Sink(Attempt& attempt) : attempt_(attempt) {}
+  void open(const std::filesystem::path& path, std::vector<VtkArray> arrays, const VtkSizes& sizes, bool compressed) {
+    attempt_([&] { file_.emplace(path, std::move(arrays), sizes, compressed); });
+  }
+  // first_point: that its cells count from.
+  void take(Rows rows, std::optional<std::uint64_t> first_point = {}) {
+    if (!file_) return;
+    attempt_([&] {
+      const std::uint64_t points = rows.points(), corners = rows.corners();
+      rows.move_behind(first_point.value_or(points_), corners_);
+      rows.append_to(*file_);
+      points_ += points, corners_ += corners;
+    });
+  }
+  void finish() {
+    if (file_) attempt_([&] { file_->finish(); });
+  }
+
+ private:
+  Attempt& attempt_;
+  std::optional<VtkFile> file_;
+  std::uint64_t points_ = 0, corners_ = 0;
+};
+
+using Run = Simulation::Run;
+
+// Of a frame: which file, what goes there.
+struct Target {
+  std::filesystem::path path;
+  bool compressed = false;
+  bool piece = false;    // what this rank has, and no more
+  bool written = false;  // by this rank; else it only brings what rank 0 writes
+};
+
+void write_blocks(const Simulation& simulation, const Target& target, Attempt& attempt) {
+  Sink sink(attempt);
+  const std::vector<Run> runs = simulation.runs_of_blocks();
+  VtkSizes sizes;
+  for (const Run& run : runs) {
+    for (int b = run.first; b < run.end && target.written; ++b) {
+      if (!target.piece || simulation.owns_block(b)) sizes += sizes_of_block(simulation, b);
+    }
+  }
+  if (target.written) sink.open(target.path, arrays_of_blocks(), sizes, target.compressed);
+  const auto rows_of = [&](const Run& run) {
+    Rows rows(kBlockArrays);
+    for (int b = run.first; b < run.end; ++b) add_block(simulation, b, rows);
+    return rows;
+  };
+  if (target.piece) {
+    for (const Run& run : runs) {
+      if (simulation.owns_block(run.first)) sink.take(rows_of(run));
+    }
+  } else {
+    simulation.bring_to_first(
+        runs, [&](const Run& run) { return rows_of(run).packed(); },
+        [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
+  }
+  if (target.written) sink.finish();
+}
+
+void write_joints(const Simulation& simulation, const Surfaces& surfaces, const Target& target, Attempt& attempt) {
+  Sink sink(attempt);
+  const std::vector<std::string> states = state_ids(simulation);
+  const std::size_t arrays = kFirstState + states.size();
+  const bool quads = !simulation.riding();
+  const auto points_of = [&](const Run& run) {
+    Rows rows(arrays);
+    add_points(simulation, surfaces, states, {run.first, run.end}, target.piece, rows);
+    return rows;
+  };
+  // place: of a contact point in the file.
+  const auto quads_of = [&](std::span<const Surfaces::Quad> some, const auto& place) {
+    Rows rows(arrays);
+    for (const Surfaces::Quad& quad : some) {
+      for (const int corner : quad) rows.add_corner(place(corner));
+      rows.end_cell(kVtkQuad);
+    }
+    return rows;
+  };
+  constexpr std::uint64_t kAbsolute = 0;  // corners of quads are points of the file
+  const std::vector<Run> runs = simulation.runs_of_points();
+  if (target.piece) {
+    // Points of joints that begin at blocks of this rank, one after the other.
+    LaneVector<std::int32_t> place(static_cast<std::size_t>(simulation.point_count()));  // from 1 on; 0: elsewhere
+    std::int32_t next = 0;
+    simulation.each_own_point([&](std::int32_t point) { place[static_cast<std::size_t>(point)] = ++next; });
+    std::vector<Surfaces::Quad> own;
+    for (std::size_t i = 0; quads && i < surfaces.quads(simulation).size(); ++i) {
+      const Surfaces::Quad& quad = surfaces.quads(simulation)[i];
+      if (place[static_cast<std::size_t>(quad[0])] > 0) own.push_back(quad);
+    }
+    const auto points = static_cast<std::uint64_t>(next);
+    sink.open(target.path, arrays_of_joints(states),
+              {points, quads ? own.size() : points, quads ? 4 * own.size() : points}, target.compressed);
+    for (const Run& run : runs) sink.take(points_of(run));
+    sink.take(quads_of(own, [&](int point) { return std::int64_t{place[static_cast<std::size_t>(point)]} - 1; }),
+              kAbsolute);
+    sink.finish();
+    return;
+  }
+  const std::vector<Run> of_joints = quads ? simulation.runs_of_joints() : std::vector<Run>{};
+  const auto quads_in = [&](const Run& run) { return surfaces.quads_of_joints(simulation, run.first, run.end); };
+  double cells = quads ? 0.0 : static_cast<double>(simulation.point_count());
+  for (const Run& run : of_joints) cells += simulation.brings(run) ? static_cast<double>(quads_in(run).size()) : 0.0;
+  if (quads) cells = simulation.sum_of_ranks(cells);
+  if (target.written) {
+    const auto count = static_cast<std::uint64_t>(cells), points = static_cast<std::uint64_t>(simulation.point_count());
+    sink.open(target.path, arrays_of_joints(states), {points, count, quads ? 4 * count : count}, target.compressed);
+  }
+  simulation.bring_to_first(
+      runs, [&](const Run& run) { return points_of(run).packed(); },
+      [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
+  simulation.bring_to_first(
+      of_joints, [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
+      [&](const std::string& rows) { sink.take(Rows::unpacked(rows), kAbsolute); });
+  if (target.written) sink.finish();
+}
+
 }  // namespace
 
 double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
-  constexpr double kVector = 12.0, kNumber = 4.0, kIndex = 8.0, kHeads = 10000.0;
+  constexpr double kHeads = 10000.0;
+  VtkSizes of_blocks;
+  for (int b = 0; b < simulation.block_count(); ++b) of_blocks += sizes_of_block(simulation, b);
   double bytes = kHeads;
-  for (int b = 0; b < simulation.block_count(); ++b) {
-    const auto mesh = surfaces.mesh(simulation, b);
-    double corners = 4.0 * static_cast<double>(mesh.zone.size()), cells = static_cast<double>(mesh.zone.size());
-    const bool rigid = mesh.zone.empty(), brick = rigid && !simulation.riding();
-    if (brick) corners = 8.0, cells = 1.0;
-    for (const auto& face : mesh.face) {
-      if (rigid && !brick) corners += static_cast<double>(face.size()), cells += 1.0;
+  const auto add = [&](const std::vector<VtkArray>& arrays, const VtkSizes& sizes) {
+    for (const VtkArray& array : arrays) bytes += static_cast<double>(array.bytes(sizes));
+  };
+  add(arrays_of_blocks(), of_blocks);
+  // With ranks as if other points had as many quads as those that are here.
+  const auto points = static_cast<std::uint64_t>(simulation.point_count());
+  VtkSizes of_joints{points, points, points};
+  if (!simulation.riding()) {
+    double here = 0.0;
+    for (const ContactChunk& chunk : simulation.model().chunks) {
+      const auto index = static_cast<int>(&chunk - simulation.model().chunks.data());
+      here += simulation.model().has_laid_out(index) ? chunk.point_count : 0;
     }
-    // Place and displacement; offset, type, stress of six components, block, unit and course.
-    bytes += static_cast<double>(mesh.gridpoint.size()) * 2 * kVector + corners * kIndex +
-             cells * (kIndex + 1.0 + 6 * kNumber + 3 * kNumber);
+    const double share = here > 0.0 ? static_cast<double>(points) / here : 0.0;
+    of_joints.cells = static_cast<std::uint64_t>(share * static_cast<double>(surfaces.quads(simulation).size()));
+    of_joints.corners = 4 * of_joints.cells;
   }
-  // Vectors: place, displacement, traction, normal, shear axis. Numbers: 6 of the joint, 5 codes, the law's states.
-  const auto points = static_cast<double>(simulation.point_count());
-  bytes += points * (5 * kVector + 11 * kNumber + static_cast<double>(state_ids(simulation).size()) * kNumber);
-  // With ranks of the points that are here, and of the others as many.
-  const Model& model = simulation.model();
-  double here = 0.0;
-  for (int c = 0; c < static_cast<int>(model.chunks.size()); ++c)
-    here += model.has_laid_out(c) ? model.chunks[static_cast<size_t>(c)].point_count : 0;
-  const double quads = here > 0.0 ? static_cast<double>(surfaces.quads(simulation).size()) * points / here : 0.0;
-  return bytes + (simulation.riding() ? points * (2 * kIndex + 1.0) : quads * (5 * kIndex + 1.0));
+  add(arrays_of_joints(state_ids(simulation)), of_joints);
+  return bytes;
 }
 
 VtkSeries::VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before,
@@ -237,17 +389,36 @@ void VtkSeries::add_piece(const Simulation& simulation) { add(simulation, pieces
 
 void VtkSeries::add(const Simulation& simulation, bool piece) {
   const size_t frame = times_.size();
+  Attempt attempt;
   for (const char* kind : kKinds) {
-    Filled filled = (kind == kKinds[0] ? fill_blocks : fill_joints)(simulation, surfaces_, compressed_, piece);
+    const bool blocks = kind == kKinds[0];
     const std::string name = piece ? piece_name(kind, frame, pieces_.rank) : fmt::format("{}_{:04}.vtu", kind, frame);
-    filled.grid.write(folder_ / name, filled.points, filled.cells);
+    const Target target{folder_ / name, compressed_, piece, !attempt.failed()};
+    if (blocks)
+      write_blocks(simulation, target, attempt);
+    else
+      write_joints(simulation, surfaces_, target, attempt);
     if (!piece || pieces_.rank > 0) continue;
     std::vector<std::string> all;
     for (int r = 0; r < pieces_.count; ++r) all.push_back(piece_name(kind, frame, r));
-    filled.grid.write_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame), all);
+    attempt([&] {
+      write_vtk_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame),
+                      blocks ? arrays_of_blocks() : arrays_of_joints(state_ids(simulation)), all);
+    });
   }
+  attempt.rethrow();
   times_.push_back(simulation.time());
   note_pieces();
+}
+
+void VtkSeries::leave_out(const Simulation& simulation) {
+  if (pieces_.count <= 1) bring_frame(simulation, surfaces_);
+}
+
+void bring_frame(const Simulation& simulation, const Surfaces& surfaces) {
+  Attempt nothing;
+  write_blocks(simulation, {}, nothing);
+  write_joints(simulation, surfaces, {}, nothing);
 }
 
 void VtkSeries::note_pieces() const {

@@ -14,6 +14,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
+
 constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '1'};
 
 template <class Archive, class Impl>
@@ -164,6 +166,24 @@ void save(Writer& writer, blocks::Model& riding) {
   riding.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
 }
 
+// Takes of arrays by gridpoint and contact point what this rank holds.
+struct PartsReader : ArchiveReader {
+  Simulation::Impl& s;
+  const Simulation::Impl::Rows elsewhere;
+  using ArchiveReader::array;
+  void array(LaneVector<double>& x) {
+    x.resize(count_of(sizeof(double)));
+    std::size_t done = 0;
+    s.each_row_elsewhere(elsewhere, x, [&](std::size_t first, std::size_t end) {
+      if (end > x.size()) throw of_another_model();
+      take(x.data() + done, (first - done) * sizeof(double));
+      source.skip((end - first) * sizeof(double));
+      done = end;
+    });
+    take(x.data() + done, (x.size() - done) * sizeof(double));
+  }
+};
+
 template <class Writer>
 void write_state(Writer& writer, const Simulation::Impl& s) {
   writer.value(kCheckpointMark);
@@ -269,24 +289,29 @@ void Simulation::Impl::give_array(const void* array, std::size_t whole, const Si
   }
 }
 
+void Simulation::restore(ByteSource& source) { impl_->restore(source); }
+
 void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
-  if (impl_->in_parts) return impl_->restore(bytes);  // a run that cannot ends
+  BytesInMemory source(bytes);
+  if (impl_->in_parts) return impl_->restore(source);  // a run that cannot ends
   const std::vector<std::uint8_t> undo = save();
   const std::vector<Stage> stages = impl_->scene.stages;
   try {
-    impl_->restore(bytes);
+    impl_->restore(source);
   } catch (const Error&) {
     impl_->scene.stages = stages;
-    impl_->restore(undo);
+    BytesInMemory before(undo);
+    impl_->restore(before);
     throw;
   }
 }
 
-void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
-  const auto of_another_model = [] { return Error(Exit::bad_input, "checkpoint: of another model"); };
-  if (bytes.size() < sizeof kCheckpointMark || std::memcmp(bytes.data(), kCheckpointMark, sizeof kCheckpointMark) != 0)
+void Simulation::Impl::restore(ByteSource& source) {
+  char mark[sizeof kCheckpointMark] = {};
+  if (source.left() >= sizeof mark) source.take(mark, sizeof mark);
+  if (std::memcmp(mark, kCheckpointMark, sizeof mark) != 0)
     throw Error(Exit::bad_input, "checkpoint: not a checkpoint of this version");
-  ArchiveReader reader{bytes, sizeof kCheckpointMark};
+  ArchiveReader reader{source};
   reader.value(stage);
   if (stage < -1 || stage >= static_cast<int>(scene.stages.size())) throw of_another_model();
   read_law_swaps(reader, scene.stages);
@@ -327,7 +352,12 @@ void Simulation::Impl::restore(const std::vector<std::uint8_t>& bytes) {
                 fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
                             dt, here));
   }
-  transfer(reader, *this);
+  if (in_parts && !riding) {
+    PartsReader of_rank{{source}, *this, rows_elsewhere(held_with(share))};
+    transfer(of_rank, *this);
+  } else {
+    transfer(reader, *this);
+  }
   std::vector<std::size_t> sizes{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
                                  load_ramps.size()};
   for (const auto& column : traction) sizes.push_back(column.size());

@@ -80,9 +80,9 @@ class Crack {
 };
 
 std::vector<std::size_t> points_of(const Damage& damage, std::span<const PlacedPoint> points,
-                                   std::span<const CrackedBlock> blocks) {
+                                   std::span<const PlacedPoint> of_joints, std::span<const CrackedBlock> blocks) {
   std::map<std::pair<int, int>, std::pair<Vec3, double>> joints;  // sum of area x position, and of area
-  for (const PlacedPoint& p : points) {
+  for (const PlacedPoint& p : of_joints) {
     auto& [sum, area] = joints[{p.block_a, p.block_b}];
     for (std::size_t k = 0; k < 3; ++k) sum[k] += p.area * p.position[k];
     area += p.area;
@@ -199,7 +199,7 @@ void bring_to_rest(const JointFamily& family, const std::shared_ptr<const Materi
   at_rest.opening = gap.data(), at_rest.area = area.data();
   at_rest.traction = {zero.data(), zero.data(), zero.data()};
   for (std::size_t k = 0; k < states; ++k) at_rest.state.push_back(state.data() + k * n);
-  const MigratedFamily rest = migrate(family, *material, material, at_rest);
+  const MigratedFamily rest = migrate(family, *material, *material, at_rest);
   for (std::size_t j = 0; j < n; ++j) {
     for (std::size_t k = 0; k < states; ++k) result.state[k * points.size() + damaged[j]] = rest.state[k * n + j];
     result.opening_shift[damaged[j]] = gap[j] + rest.opening_shift[j];
@@ -210,8 +210,8 @@ void bring_to_rest(const JointFamily& family, const std::shared_ptr<const Materi
 
 DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily& family,
                             const std::shared_ptr<const Material>& material, std::span<const PlacedPoint> points,
-                            std::span<const CrackedBlock> blocks, const std::vector<PropertyColumn>& columns,
-                            std::vector<std::size_t>* hit) {
+                            std::span<const PlacedPoint> of_joints, std::span<const CrackedBlock> blocks,
+                            const std::vector<PropertyColumn>& columns, std::vector<double>* hit) {
   const quoin_law& law = material->api();
   const std::size_t count = points.size();
   const auto fill = [&](const std::string& id, std::span<const std::size_t> of, std::vector<double>& state) {
@@ -231,9 +231,10 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
     const Damage& entry = damage[d];
     const bool meant =
         entry.joints.empty() || std::find(entry.joints.begin(), entry.joints.end(), family.name) != entry.joints.end();
-    const std::vector<std::size_t> found = meant ? points_of(entry, points, blocks) : std::vector<std::size_t>();
+    const std::vector<std::size_t> found =
+        meant ? points_of(entry, points, of_joints, blocks) : std::vector<std::size_t>();
     if (found.empty()) continue;
-    (*hit)[d] += found.size();
+    (*hit)[d] += static_cast<double>(found.size());
     if (!(law.capabilities & QUOIN_CAN_MIGRATE))
       throw Error(Exit::bad_input, fmt::format("{}: law {} of joint family '{}' cannot take over a state (QUOIN_CAN_"
                                                "MIGRATE), and so cannot begin damaged",

@@ -23,12 +23,13 @@ struct DamagedFamily {
   std::size_t points = 0;             // that are damaged
 };
 
-// Contact points of a family without traction and at no opening. `hit` counts, by entry of `damage`, the points that it
-// finds. Throws Error(bad_input), with the place in the scene, for what the law does not have, does not allow, or
-// cannot bear at rest.
+// Contact points of a family, all or some, without traction and at no opening. `of_joints` has all points of their
+// joints, by which cracks know where a joint is. `hit` counts, by entry of `damage`, the points that it finds. Throws
+// Error(bad_input), with the place in the scene, for what the law does not have, does not allow, or cannot bear at
+// rest.
 DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily& family,
                             const std::shared_ptr<const Material>& material, std::span<const PlacedPoint> points,
-                            std::span<const CrackedBlock> blocks, const std::vector<PropertyColumn>& columns,
-                            std::vector<std::size_t>* hit);
+                            std::span<const PlacedPoint> of_joints, std::span<const CrackedBlock> blocks,
+                            const std::vector<PropertyColumn>& columns, std::vector<double>* hit);
 
 }  // namespace quoin

@@ -55,17 +55,23 @@ std::shared_ptr<const Material> successor(const JointFamily& family, const std::
   return material;
 }
 
-MigratedFamily migrate(const JointFamily& family, const Material& from, std::shared_ptr<const Material> to,
+LawSwap report_of(const std::string& family, const Material& from, const Material& to, const SwapSums& sums) {
+  return {family, from.api().id, to.api().id, sums.points, sums.limited, sums.stored_before, sums.energy_jump};
+}
+
+SwapSums MigratedFamily::sums(std::size_t first, std::size_t count) const {
+  SwapSums sums;
+  for (std::size_t i = first; i < first + count; ++i) sums.add(told[i]);
+  return sums;
+}
+
+MigratedFamily migrate(const JointFamily& family, const Material& from, const Material& to,
                        const FamilyColumns& points) {
-  const quoin_law &old_law = from.api(), &new_law = to->api();
+  const quoin_law &old_law = from.api(), &new_law = to.api();
   MigratedFamily result;
-  result.report = {family.name, old_law.id, new_law.id, static_cast<long>(points.count), 0, 0.0, 0.0};
   result.state.assign(new_law.state_count * points.count, 0.0);
   result.opening_shift.assign(points.count, 0.0);
-  if (points.count == 0) {
-    result.material = std::move(to);
-    return result;
-  }
+  if (points.count == 0) return result;
 
   const std::vector<double> stored = stored_energy(from, points);
   std::vector<double> energy_jump(points.count, 0.0);
@@ -96,7 +102,7 @@ MigratedFamily migrate(const JointFamily& family, const Material& from, std::sha
   migration.energy_jump = {energy_jump.data(), 1};
   migration.status = {point_status.data(), 1};
   migration.state_new = new_state.data();
-  const quoin_status status = new_law.migrate_state(to->handle(), &migration, &text);
+  const quoin_status status = new_law.migrate_state(to.handle(), &migration, &text);
   if (status != QUOIN_OK || migration.failed_count > 0) {
     throw Error(Exit::law_refused,
                 fmt::format("joint family '{}': law '{}' did not take over the state of law '{}' ({} of {} points "
@@ -104,11 +110,9 @@ MigratedFamily migrate(const JointFamily& family, const Material& from, std::sha
                             family.name, new_law.id, old_law.id, migration.failed_count, points.count, message));
   }
   for (std::size_t i = 0; i < points.count; ++i) {
-    result.report.limited += point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0;
-    result.report.stored_before += points.area[i] * stored[i];
-    result.report.energy_jump += points.area[i] * energy_jump[i];
+    result.told.push_back({1, point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0, points.area[i] * stored[i],
+                           points.area[i] * energy_jump[i]});
   }
-  result.material = std::move(to);
   return result;
 }
 

@@ -12,8 +12,8 @@
 
 namespace quoin {
 
-// Contact points of one joint family as their law has left them; borrowed. Lattice and blocks of any shape keep them in
-// different places, but both as plain columns.
+// Contact points of one joint family, all or some, as their law has left them; borrowed. Lattice and blocks of any
+// shape keep them in different places, but both as plain columns.
 struct FamilyColumns {
   std::size_t count = 0;
   const double* opening = nullptr;          // that belongs to the tractions, m
@@ -22,12 +22,23 @@ struct FamilyColumns {
   const double* area = nullptr;             // m2
 };
 
+// What is told of points that have changed their law.
+struct SwapSums {
+  long points = 0, limited = 0;
+  double stored_before = 0.0, energy_jump = 0.0;  // J
+  void add(const SwapSums& more) {
+    points += more.points, limited += more.limited;
+    stored_before += more.stored_before, energy_jump += more.energy_jump;
+  }
+};
+LawSwap report_of(const std::string& family, const Material& from, const Material& to, const SwapSums& sums);
+
 // What the new law makes of them.
 struct MigratedFamily {
-  std::shared_ptr<const Material> material;
   std::vector<double> state;          // columns of the new law, one after the other
   std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
-  LawSwap report;
+  std::vector<SwapSums> told;         // by point
+  SwapSums sums(std::size_t first, std::size_t count) const;  // of points in a row, in their order
 };
 
 // The material of the law that takes over a family: with those of the family's properties that the law knows. Throws
@@ -36,7 +47,7 @@ std::shared_ptr<const Material> successor(const JointFamily& family, const std::
 
 // Hands the points of a family over. Throws Error(law_refused) with the law's reason and the number of points that it
 // refuses; nothing has changed then.
-MigratedFamily migrate(const JointFamily& family, const Material& from, std::shared_ptr<const Material> to,
+MigratedFamily migrate(const JointFamily& family, const Material& from, const Material& to,
                        const FamilyColumns& points);
 
 }  // namespace quoin

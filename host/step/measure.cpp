@@ -186,10 +186,10 @@ Vec3 Simulation::Impl::sum_joint_force(int body) const {
 
 Vec3 Simulation::Impl::jump_at_traction(std::int32_t point) const { return jump_of(point, 1.0, -data.time_step); }
 
-Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, double of_velocity) const {
+std::pair<Vec3, Vec3> Simulation::Impl::motion_of_sides(std::int32_t point, double of_displacement,
+                                                        double of_velocity) const {
   const auto p = static_cast<std::size_t>(point);
-  const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
-  const auto displacement_of = [&](int block, std::int32_t gridpoint) {
+  const auto motion_of = [&](int block, std::int32_t gridpoint) {
     const int body = model.place[static_cast<std::size_t>(block)].body;
     Vec3 u, v;
     if (body < 0) {
@@ -203,10 +203,13 @@ Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, doubl
     for (std::size_t c = 0; c < 3; ++c) u[c] = of_displacement * u[c] + of_velocity * v[c];
     return u;
   };
-  const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
-  const Vec3 a = displacement_of(in_order ? joint.block_a : joint.block_b, model.node_a[p]);
-  const Vec3 b = displacement_of(in_order ? joint.block_b : joint.block_a, model.node_b[p]);
-  const std::size_t n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
+  const Model::Sides sides = model.sides_of(point);
+  return {motion_of(sides.a, model.node_a[p]), motion_of(sides.b, model.node_b[p])};
+}
+
+Vec3 Simulation::Impl::jump_of(std::int32_t point, double of_displacement, double of_velocity) const {
+  const auto [a, b] = motion_of_sides(point, of_displacement, of_velocity);
+  const std::size_t n = model.point_axis[static_cast<std::size_t>(point)], s = (n + 1) % 3, t = (n + 2) % 3;
   return {b[n] - a[n], b[s] - a[s], b[t] - a[t]};
 }
 

@@ -98,11 +98,10 @@ void Simulation::Impl::promote(const std::string& why) {
   std::vector<blocks::PointHistory> histories;
   for (std::int32_t i = 0; i < model.point_count; ++i) {
     const auto p = at(i);
-    const Joint& joint = bricks.joints[at(model.point_joint[p])];
-    const bool in_order = joint.face_a % 2 == 1;  // normals point along +axis
+    const Model::Sides sides = model.sides_of(i);
     blocks::PointHistory& h = histories.emplace_back();
-    h.block_a = in_order ? joint.block_a : joint.block_b;
-    h.block_b = in_order ? joint.block_b : joint.block_a;
+    h.block_a = sides.a;
+    h.block_b = sides.b;
     h.position = geometry::vector(model.point_position[p]);
     const int n = model.point_axis[p];
     h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;

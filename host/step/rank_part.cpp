@@ -4,6 +4,7 @@
 // the chunks that touch them, and what those chunks touch of others.
 #include <algorithm>
 
+#include "model/scattered_points.h"
 #include "step/rank_sums.h"
 #include "step/state.h"
 
@@ -13,14 +14,12 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-}  // namespace
-
-// Damage, properties that scatter and steps by rows of K are found over all contact points.
-bool Simulation::Impl::may_be_in_parts(const Assembly& assembly) const {
-  return ranks && !assembly.bricks.empty() && scene.damage.empty() && time_step_by_parts(scene.solver) &&
-         std::none_of(assembly.families.begin(), assembly.families.end(),
-                      [](const JointFamily& family) { return family.scatters(); });
+template <class Column>
+void forget_if_any(Column& column, const VectorRow& row) {
+  if (!column.empty()) forget_part(column, row.first, row.end);
 }
+
+}  // namespace
 
 std::vector<int> Simulation::Impl::own_units() const {
   std::vector<int> own;
@@ -41,6 +40,43 @@ Simulation::Impl::Held Simulation::Impl::held_with(const RankShare& shares) cons
   return held;
 }
 
+// Bodies are held by all.
+Simulation::Impl::Rows Simulation::Impl::rows_elsewhere(const Held& held) const {
+  Rows rows;
+  const std::vector<bool> units_held(held.items.begin(),
+                                     held.items.begin() + static_cast<std::ptrdiff_t>(model.unit_groups.size()));
+  each_row(units_held, false, [&](std::size_t first, std::size_t end) {
+    const Model::Extent of = model.extent_of_units(first, end);
+    rows.gridpoints.push_back({of.first_line * kLine, of.end_line * kLine});
+  });
+  each_row(held.chunks, false, [&](std::size_t first, std::size_t end) {
+    const ContactChunk& last = model.chunks[end - 1];
+    rows.points.push_back({at(model.chunks[first].first_point), at(last.first_point + last.point_count)});
+  });
+  return rows;
+}
+
+void Simulation::Impl::each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+                                          const std::function<void(std::size_t, std::size_t)>& visit) const {
+  if (array.empty()) return;
+  if (&array == &displacement || &array == &velocity) {
+    for (const VectorRow& row : rows.gridpoints) visit(row.first, row.end);
+    return;
+  }
+  for (std::size_t f = 0; f < law_state.size(); ++f) {
+    if (&array != &law_state[f]) continue;
+    const auto first = at(model.families[f].first_point), count = at(model.families[f].point_count);
+    for (std::size_t column = 0; count > 0 && column < array.size(); column += count) {
+      for (const VectorRow& row : rows.points) {
+        const std::size_t from = std::max(row.first, first), to = std::min(row.end, first + count);
+        if (from < to) visit(column + from - first, column + to - first);
+      }
+    }
+    return;
+  }
+  for (const VectorRow& row : rows.points) visit(row.first, row.end);
+}
+
 void Simulation::Impl::hold_all() {
   if (holds_all) return;
   model.lay_out_all();
@@ -57,39 +93,71 @@ void Simulation::Impl::hold_part() {
   const std::vector<int> units = own_units();
   model.keep_alone(units, share.chunks);
   model.lay_out(units, share.chunks);
+  const Held held = held_with(share);
   for (const LoadedBlock& loaded : loaded_blocks) model.weigh(item_of_block(loaded.block));
+  for (int u = 0; needs_rows(scene.solver) && u < static_cast<int>(model.unit_groups.size()); ++u) {
+    if (held.items[at(u)]) model.weigh(u);
+  }
   holds_all = false;
 
-  const Held held = held_with(share);
-  const std::vector<bool> units_held(held.items.begin(),
-                                     held.items.begin() + static_cast<std::ptrdiff_t>(model.unit_groups.size()));
-  each_row(units_held, false, [&](std::size_t first, std::size_t end) {
-    const Model::Extent of = model.extent_of_units(first, end);
-    for (auto* field : {&displacement, &velocity}) {
-      if (!field->empty()) forget_part(*field, of.first_line * kLine, of.end_line * kLine);
-    }
-  });
-  each_row(held.chunks, false, [&](std::size_t first, std::size_t end) {
-    const ContactChunk& last = model.chunks[end - 1];
-    const auto begin = at(model.chunks[first].first_point), past = at(last.first_point + last.point_count);
-    const auto forget_points = [&](auto& column) {
-      if (!column.empty()) forget_part(column, begin, past);
-    };
-    for (std::size_t k = 0; k < 3; ++k) forget_points(traction[k]), forget_points(force[k]);
-    for (auto& column : energy_columns) forget_points(column);
-    forget_points(flags), forget_points(normal_shift);
-    for (std::size_t f = 0; f < law_state.size(); ++f) {
-      const ContactFamily& family = model.families[f];
-      const auto of_family = at(family.first_point), count = at(family.point_count);
-      const std::size_t from = std::max(begin, of_family), to = std::min(past, of_family + count);
-      for (std::size_t column = 0; from < to && column < law_state[f].size(); column += count)
-        forget_part(law_state[f], column + from - of_family, column + to - of_family);
-    }
-  });
+  const Rows elsewhere = rows_elsewhere(held);
+  for (const VectorRow& row : elsewhere.points) {
+    for (auto& column : force) forget_if_any(column, row);
+    for (auto& column : energy_columns) forget_if_any(column, row);
+    forget_if_any(flags, row);
+  }
+  const auto forget_elsewhere = [&](LaneVector<double>& array) {
+    each_row_elsewhere(elsewhere, array, [&](std::size_t first, std::size_t end) { forget_part(array, first, end); });
+  };
+  for (auto* array : {&displacement, &velocity, &normal_shift}) forget_elsewhere(*array);
+  for (auto& column : traction) forget_elsewhere(column);
+  for (auto& columns : law_state) forget_elsewhere(columns);
   if (dt_over_mass.empty()) return;  // the first time, before there is a time step
-  inertia = inertia_in_use(model, scene.solver);
+  const std::unique_ptr<SharedModel> shared = needs_rows(scene.solver) ? share_of_model() : nullptr;
+  inertia = inertia_in_use(model, scene.solver, shared.get());
   share_inertia();
   bind_columns();
+}
+
+void Simulation::Impl::throw_together(const std::optional<Error>& fault) {
+  if (!ranks) {
+    if (fault) throw *fault;
+    return;
+  }
+  const int count = ranks->count();
+  const std::string text = fault ? fault->what() : "";
+  // The lowest rank, and what it has to say: its exit code, and how long its words are.
+  const double first = count - largest_of_ranks(fault ? count - ranks->rank() : 0.0);
+  if (first == count) return;
+  const bool here = ranks->rank() == static_cast<int>(first);
+  double told[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
+  ranks->largest(told);
+  std::vector<std::size_t> sizes(at(count));
+  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(told[1]);
+  std::string of_first(static_cast<std::size_t>(told[1]), ' ');
+  ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
+                std::as_writable_bytes(std::span(of_first)));
+  throw Error(static_cast<Exit>(static_cast<int>(told[0])), of_first);
+}
+
+void Simulation::Impl::hold_first_part() {
+  std::optional<Error> fault;  // of properties drawn for this part
+  try {
+    hold_part();
+  } catch (const Error& error) {
+    fault = error;
+  }
+  throw_together(fault);
+  std::vector<double> most;
+  for (const ContactFamily& family : model.families) {
+    for (const PropertyColumn& column : family.columns) most.push_back(column.most);
+  }
+  ranks->largest(most);
+  auto next = most.begin();
+  for (ContactFamily& family : model.families) {
+    for (PropertyColumn& column : family.columns) column.most = *next++;
+  }
+  bound_stiffness(model);
 }
 
 std::unique_ptr<SharedModel> Simulation::Impl::share_of_model() {

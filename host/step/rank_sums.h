@@ -23,6 +23,7 @@ class RankSums : public SharedModel {
   std::span<const int> units() const override { return units_; }
   std::span<const int> chunks() const override { return chunks_; }
   void exchange(LaneVector<double>& vector) override;
+  void largest(std::span<double> values) override { ranks_.largest(values); }
 
  private:
   // Of one rank.

@@ -211,10 +211,9 @@ RankShare Simulation::Impl::share_of_this_rank() const {
 
 namespace {
 
-// What goes to other ranks and comes from them: keys of sides, items.
+// Of sides: what goes to other ranks and comes from them.
 struct BorderKeys {
   std::map<int, std::set<std::int64_t>> to, from;
-  std::map<int, std::set<int>> items_to, items_from;
 };
 
 }  // namespace
@@ -230,7 +229,7 @@ std::vector<int> Simulation::Impl::ranks_of(int chunk) const {
 
 // Every rank finds out for all others what they need, so that nobody has to ask.
 void Simulation::Impl::bind_halo() {
-  halo.clear(), frame_halo.clear();
+  halo.clear();
   if (!ranks) return;
   const int here = ranks->rank();
   BorderKeys keys;
@@ -244,12 +243,12 @@ void Simulation::Impl::bind_halo() {
     each_side(c, [&](int item, std::int64_t key) {
       const int owner = share.rank_of_item[at(item)];
       if (owner != here) {
-        keys.from[owner].insert(key), keys.items_from[owner].insert(item);
+        keys.from[owner].insert(key);
         return;
       }
       on_border.insert(item);
       for (const int r : evaluate) {
-        if (r != here) keys.to[r].insert(key), keys.items_to[r].insert(item);
+        if (r != here) keys.to[r].insert(key);
       }
     });
   }
@@ -273,12 +272,6 @@ void Simulation::Impl::bind_halo() {
     }
   });
   for (auto& [rank, border] : borders) halo.add(std::move(border));
-  for (int r = 0; r < ranks->count() && scene.output.pieces && !riding; ++r) {
-    Border border{r, {}, {}, {}, {}};
-    for (const int item : keys.items_to[r]) motion_of_item(item, border.send);
-    for (const int item : keys.items_from[r]) motion_of_item(item, border.receive);
-    frame_halo.add(std::move(border));
-  }
   share.border_items = on_border.size();
   std::stable_partition(share.items.begin(), share.items.end(), [&](int item) { return on_border.contains(item); });
   traffic.blocks = 0.0;
@@ -318,7 +311,7 @@ Halo Simulation::Impl::halo_on_borders(const SideNumbers& numbers_of_side) {
   return found;
 }
 
-void Simulation::Impl::tell_motion_on_borders() {
+void Simulation::Impl::hear_all_of_borders() {
   Halo border = halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
     const int body = model.place[at(block)].body;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -333,7 +326,8 @@ void Simulation::Impl::tell_motion_on_borders() {
         numbers.push_back(&(*quantity)[c][lane]);
     }
   });
-  border.send(*ranks), border.receive(*ranks);
+  border.send(*ranks);
+  border.receive(*ranks);
 }
 
 // On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
@@ -565,32 +559,13 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
 }
 
 void Simulation::Impl::fetch_for_frame() {
-  if (!ranks || !scene.output.pieces) return gather(Part::all, Who::first);
+  if ((!in_parts || riding) && !scene.output.pieces) return gather(Part::all, Who::first);
+  if (!ranks || riding) return;
   const auto before = Clock::now();
-  frame_halo.send(*ranks);
-  frame_halo.receive(*ranks);
+  hear_all_of_borders();
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
-}
-
-void Simulation::Impl::motion_of_item(int item, std::vector<double*>& numbers) {
-  const auto add = [&](double* first, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) numbers.push_back(first + k);
-  };
-  if (at(item) >= model.unit_groups.size()) {
-    BodyLanes& lanes = body_lanes[at(item) - model.unit_groups.size()];
-    for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
-      add(&(*quantity)[0][0], 3 * kLanes);
-    return;
-  }
-  const UnitGroup& unit = model.unit_groups[at(item)];
-  for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
-    const BlockGroup& group = model.groups[at(g)];
-    const std::size_t first = at(group.first_line) * kLine;
-    const std::size_t count = at(model.templates[at(group.brick_template)].node_count) * kLine;
-    add(displacement.data() + first, count), add(velocity.data() + first, count);
-  }
 }
 
 void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemory& visit) {
@@ -644,9 +619,11 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
   const ContactChunk& c = model.chunks[at(chunk)];
   const auto first = at(c.first_point), count = at(c.point_count);
   for (auto& column : traction) visit(column.data() + first, count * sizeof(double));
-  for (const quoin_out& column : call.state_new) {
-    if (column.data) visit(column.data, count * sizeof(double));
-  }
+  if (!normal_shift.empty()) visit(normal_shift.data() + first, count * sizeof(double));
+  const ContactFamily& family = model.families[at(c.family)];
+  LaneVector<double>& states = law_state[at(c.family)];
+  for (std::size_t begin = 0; begin < states.size(); begin += at(family.point_count))
+    visit(states.data() + begin + (first - at(family.first_point)), count * sizeof(double));
   visit(flags.data() + first, count * sizeof flags[0]);
   visit_value(call.failed, visit);
   visit_value(call.status, visit);

@@ -16,6 +16,16 @@ Vec3 read_line(const LaneVector<double>& values, std::size_t offset) {
   return {values[offset], values[offset + kLanes], values[offset + 2 * kLanes]};
 }
 
+// x fastest, then y, z.
+std::array<Vec3, 8> corners_of(const Brick& brick) {
+  std::array<Vec3, 8> corners;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c)
+      corners[k][c] = brick.origin[c] + static_cast<double>(k >> c & 1) * brick.size[c];
+  }
+  return corners;
+}
+
 }  // namespace
 
 Condition condition_of(std::uint32_t flags) {
@@ -105,11 +115,8 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   mesh.unit = brick.unit, mesh.course = brick.course, mesh.fixed = brick.beam || brick.fixed;
   mesh.face = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   if (place.body >= 0) {
-    for (int corner = 0; corner < 8; ++corner) {
-      mesh.gridpoint.push_back({brick.origin[0] + (corner & 1) * brick.size[0],
-                                brick.origin[1] + (corner >> 1 & 1) * brick.size[1],
-                                brick.origin[2] + (corner >> 2) * brick.size[2]});
-    }
+    const auto corners = corners_of(brick);
+    mesh.gridpoint.assign(corners.begin(), corners.end());
     return mesh;
   }
   const BlockGroup& group = model.groups[at(place.group)];
@@ -124,21 +131,26 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
   return mesh;
 }
 
+Simulation::BlockSize Simulation::block_size(int block) const {
+  if (impl_->riding) return impl_->riding_size(block);
+  constexpr std::uint64_t kFaces = 6, kFaceCorners = 24, kCorners = 8;
+  if (impl_->model.place[at(block)].body >= 0) return {kCorners, 0, kFaces, kFaceCorners};
+  const BrickTemplate& shape = impl_->model.template_of(block);
+  return {at(shape.node_count), shape.zone.size(), kFaces, kFaceCorners};
+}
+
 namespace {
 
 std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneVector<double>& values,
-                               BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation,
-                               const Simulation::BlockMesh& mesh) {
+                               BodyLanes::Quantity BodyLanes::*translation, BodyLanes::Quantity BodyLanes::*rotation) {
   const Model::BlockPlace& place = s.model.place[at(block)];
   std::vector<Vec3> result;
   if (place.body >= 0) {
-    for (const Vec3& p : mesh.gridpoint) result.push_back(s.of_body_at(place.body, translation, rotation, p));
+    for (const Vec3& p : corners_of(s.model.assembly.bricks[at(block)]))
+      result.push_back(s.of_body_at(place.body, translation, rotation, p));
     return result;
   }
-  const BlockGroup& group = s.model.groups[at(place.group)];
-  for (std::size_t n = 0; n < mesh.gridpoint.size(); ++n) {
-    result.push_back(read_line(values, (at(group.first_line) + n) * kLine + at(place.lane)));
-  }
+  s.model.for_each_gridpoint(block, [&](std::size_t offset, double) { result.push_back(read_line(values, offset)); });
   return result;
 }
 
@@ -146,13 +158,12 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
 
 std::vector<Vec3> Simulation::block_displacement(int block) const {
   if (impl_->riding) return impl_->riding_displacements(block);
-  return block_values(*impl_, block, impl_->displacement, &BodyLanes::displacement, &BodyLanes::rotation,
-                      block_mesh(block));
+  return block_values(*impl_, block, impl_->displacement, &BodyLanes::displacement, &BodyLanes::rotation);
 }
 
 std::vector<Vec3> Simulation::block_velocity(int block) const {
   if (impl_->riding) return impl_->riding_velocities(block);
-  return block_values(*impl_, block, impl_->velocity, &BodyLanes::velocity, &BodyLanes::spin, block_mesh(block));
+  return block_values(*impl_, block, impl_->velocity, &BodyLanes::velocity, &BodyLanes::spin);
 }
 
 std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
@@ -172,14 +183,18 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
   return result;
 }
 
-void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
-  if (riding) return ask_riding_at_rest(capability, outputs);
+void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointRange& range,
+                                   const PointOutputs& outputs) const {
+  if (riding) return ask_riding_at_rest(capability, range, outputs);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
-  // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
-  const int chunks = static_cast<int>(model.chunks.size());
-  for (const int index : has_all() ? whole_share(chunks, 0).chunks : share.chunks) {
-    const std::size_t c = at(index);
-    const ContactChunk& chunk = model.chunks[c];
+  const auto begin = std::partition_point(model.chunks.begin(), model.chunks.end(),
+                                          [&](const ContactChunk& c) { return c.first_point < range.first; });
+  for (auto there = begin; there != model.chunks.end() && there->first_point < range.end; ++there) {
+    const ContactChunk& chunk = *there;
+    const auto index = static_cast<int>(there - model.chunks.begin());
+    const auto c = at(index);
+    // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
+    if (!has_all() && !std::binary_search(share.chunks.begin(), share.chunks.end(), index)) continue;
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & capability)) continue;
     for (int i = 0; i < chunk.point_count; ++i) normal[at(i)] = opening_at_traction(chunk.first_point + i);
@@ -203,65 +218,71 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointOutputs&
 }
 
 // Flags of the last step when it reported them, otherwise those of a step that moves nothing.
-std::vector<std::uint32_t> Simulation::Impl::current_flags() const {
-  if (!riding && flags_step == step_count - 1) return {flags.begin(), flags.end()};
-  std::vector<std::uint32_t> result(contact_point_count(), 0);
-  ask_at_rest(QUOIN_CAN_FLAGS, [&](quoin_batch& batch, std::size_t first) {
-    batch.flags = {result.data() + first, 1};
+std::vector<std::uint32_t> Simulation::Impl::current_flags(const PointRange& range) const {
+  if (!riding && flags_step == step_count - 1) return {flags.begin() + range.first, flags.begin() + range.end};
+  std::vector<std::uint32_t> result(at(range.end - range.first), 0);
+  ask_at_rest(QUOIN_CAN_FLAGS, range, [&](quoin_batch& batch, std::size_t first) {
+    batch.flags = {result.data() + first - at(range.first), 1};
   });
   return result;
 }
 
-std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> Simulation::damage() const {
-  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> result;
-  for (auto& column : result) column.assign(impl_->contact_point_count(), std::numeric_limits<double>::quiet_NaN());
-  impl_->ask_at_rest(QUOIN_CAN_DAMAGE, [&](quoin_batch& batch, std::size_t first) {
-    for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first, 1};
+PointRange Simulation::all_points() const { return impl_->all_points(); }
+
+Simulation::DamageColumns Simulation::damage(const PointRange& range) const {
+  DamageColumns result;
+  for (auto& column : result) column.assign(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
+  impl_->ask_at_rest(QUOIN_CAN_DAMAGE, range, [&](quoin_batch& batch, std::size_t first) {
+    for (std::size_t k = 0; k < result.size(); ++k) batch.damage[k] = {result[k].data() + first - at(range.first), 1};
   });
   return result;
 }
 
-std::vector<ContactPoint> Simulation::contact_points(bool own_alone) const {
+std::vector<ContactPoint> Simulation::contact_points(const PointRange& range, bool own_alone) const {
   const auto wanted = [&](int block_a) { return !own_alone || owns_block(block_a); };
-  if (impl_->riding) return impl_->riding_points(wanted);
+  if (impl_->riding) return impl_->riding_points(range, wanted);
   const Model& model = impl_->model;
-  const std::vector<std::uint32_t> flags = impl_->current_flags();
+  const std::vector<std::uint32_t> flags = impl_->current_flags(range);
   std::vector<ContactPoint> result;
-  if (!own_alone) result.reserve(at(model.point_count));
-  for (std::int32_t i = 0; i < model.point_count; ++i) {
+  for (std::int32_t i = range.first; i < range.end; ++i) {
     const std::size_t p = at(i), n = model.point_axis[p], s = (n + 1) % 3, t = (n + 2) % 3;
-    const Joint& joint = model.assembly.joints[at(model.point_joint[p])];
-    // Normals point along +axis: joints given the other way round have changed sides.
-    const bool in_order = joint.face_a % 2 == 1;
-    if (!wanted(in_order ? joint.block_a : joint.block_b)) continue;
+    const Model::Sides sides = model.sides_of(i);
+    if (!wanted(sides.a)) continue;
     ContactPoint point{};
     point.index = i;
     point.position = model.point_position[p];
     point.normal[n] = point.s[s] = point.t[t] = 1.0;
     point.area = model.area[p];
     point.joint = model.point_joint[p];
-    point.family = joint.family;
-    point.block_a = in_order ? joint.block_a : joint.block_b;
-    point.block_b = in_order ? joint.block_b : joint.block_a;
+    point.family = model.assembly.joints[at(point.joint)].family;
+    point.block_a = sides.a;
+    point.block_b = sides.b;
     point.jump = impl_->jump_at_traction(i);
     point.traction = {impl_->traction[0][p], impl_->traction[1][p], impl_->traction[2][p]};
-    point.flags = flags[p];
-    point.condition = condition_of(flags[p]);
+    point.flags = flags[at(i - range.first)];
+    point.condition = condition_of(point.flags);
     result.push_back(point);
   }
   return result;
 }
 
-std::vector<double> Simulation::state(const std::string& id) const {
-  if (impl_->riding) return impl_->riding_state(id);
-  std::vector<double> result(at(impl_->model.point_count), std::numeric_limits<double>::quiet_NaN());
+std::pair<Vec3, Vec3> Simulation::displacement_of_sides(std::int32_t point) const {
+  return impl_->motion_of_sides(point, 1.0, 0.0);
+}
+
+std::vector<double> Simulation::state(const std::string& id, const PointRange& range) const {
+  if (impl_->riding) return impl_->riding_state(id, range);
+  std::vector<double> result(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t f = 0; f < impl_->model.families.size(); ++f) {
     const ContactFamily& family = impl_->model.families[f];
     const quoin_law& law = family.material->api();
     const int k = family.material->law().state_index(id);
     if (k < 0 || (law.states[k]->role == QUOIN_ROLE_DIAGNOSTIC && !impl_->keep_diagnostics)) continue;
-    for (int i = 0; i < family.point_count; ++i)
-      result[at(family.first_point + i)] = impl_->law_state[f][at(k * family.point_count + i)];
+    const std::int32_t first = std::max(range.first, family.first_point);
+    const std::int32_t end = std::min(range.end, family.first_point + family.point_count);
+    if (first < end)
+      std::copy_n(impl_->law_state[f].begin() + k * family.point_count + (first - family.first_point), end - first,
+                  result.begin() + (first - range.first));
   }
   return result;
 }
@@ -286,7 +307,7 @@ std::array<long, kConditionCount> Simulation::condition_counts() const {
 
 std::array<long, kConditionCount> Simulation::Impl::conditions_here() const {
   std::array<long, kConditionCount> counts{};
-  for (const std::uint32_t f : current_flags()) ++counts[static_cast<std::size_t>(condition_of(f))];
+  for (const std::uint32_t f : current_flags(all_points())) ++counts[static_cast<std::size_t>(condition_of(f))];
   return counts;
 }
 
@@ -314,8 +335,7 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
 }  // namespace
 
 std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
-  if (!riding && flags_step != step_count - 1) tell_motion_on_borders();
-  const std::vector<std::uint32_t> now = current_flags();
+  const std::vector<std::uint32_t> now = current_flags(all_points());
   std::vector<std::size_t> first_of_family{0};
   for (std::size_t f = 0; riding && f < riding->families().size(); ++f)
     first_of_family.push_back(first_of_family.back() + riding->families()[f].size());
@@ -346,35 +366,49 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
   return sum;
 }
 
-// Who asks for neither pictures nor files of all of it needs no rank that has all of it.
+// What results are made of that rank 0 writes afterwards; all of it only where it is not in parts, or in large motion
+// where pictures or files of all of it are asked for.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
+  if (!riding) hear_all_of_borders();
   end_conditions = conditions_of_all();
-  const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
-  const OutputSettings& output = scene.output;
-  if (crushed_out || output.plots || output.end_state) return gather(Part::all, Who::first);
+  if (riding) {
+    const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
+    if (crushed_out || scene.output.plots || scene.output.end_state) return gather(Part::all, Who::first);
+  }
   gather(Part::row);
+  end_hash = hash_by_parts(false);
+}
+
+void Simulation::Impl::note_start() {
+  start_hash.reset();
+  if (!in_parts || (scene.damage.empty() && !riding)) return;
+  prepare_row();
+  start_hash = hash_by_parts(true);
+}
+
+// at_rest: all but states of laws is zero.
+std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
   const auto give = [&](const void* first, std::size_t bytes, const TakeBytes& take) {
     give_array(first, bytes, take);
   };
-  if (riding) {
-    end_hash = riding->hash(give);
-    return;
-  }
-  end_hash = kHashStart;
-  add_to_hash(body_lanes, &end_hash);
+  if (riding) return riding->hash(give);
+  std::uint64_t hash = kHashStart;
+  add_to_hash(body_lanes, &hash);
   const auto add = [&](const LaneVector<double>& array) {
     give(array.data(), array.size() * sizeof(double), [&](std::span<const std::uint8_t> bytes) {
-      add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &end_hash);
+      add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &hash);
     });
   };
-  add(displacement), add(velocity);
-  for (const auto& column : traction) add(column);
+  for (const auto* array : {&displacement, &velocity, &traction[0], &traction[1], &traction[2]})
+    at_rest ? add_to_hash(*array, &hash) : add(*array);
   for (const auto& columns : law_state) add(columns);
+  return hash;
 }
 
 std::uint64_t Simulation::hash() const {
   if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
+  if (impl_->start_hash && impl_->step_count == 0 && !impl_->has_all()) return *impl_->start_hash;
   if (impl_->riding) return impl_->riding->hash();
   std::uint64_t hash = kHashStart;
   const auto add = [&](const auto& values) { add_to_hash(values, &hash); };

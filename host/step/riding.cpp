@@ -184,10 +184,11 @@ void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const 
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());
-  const MigratedFamily migrated = migrate(riding->assembly().families[index], *f.material, std::move(material), points);
-  riding->replace_law(static_cast<int>(index), migrated.material, migrated.state, migrated.opening_shift);
-  model.families[index].material = migrated.material;
-  swaps.push_back(migrated.report);
+  const JointFamily& description = riding->assembly().families[index];
+  const MigratedFamily migrated = migrate(description, *f.material, *material, points);
+  swaps.push_back(report_of(description.name, *f.material, *material, migrated.sums(0, points.count)));
+  riding->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
+  model.families[index].material = std::move(material);
   follow_time_step();
 }
 
@@ -452,37 +453,67 @@ void Simulation::Impl::look_at_riding_motion() {
   }
 }
 
-// Chunk by chunk: of all, or where others have not told of theirs, of those of this rank.
-void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const {
-  std::vector<std::size_t> first_of_family;
+// All, or where others have not told of theirs, those of this rank.
+std::vector<int> Simulation::Impl::riding_chunks_here() const {
+  return !in_parts || has_all() ? whole_share(riding->chunk_count(), 0).chunks : share.chunks;
+}
+
+namespace {
+
+// Of the points of families one after the other those in a range.
+struct FamilyPart {
+  const blocks::Family& family;
+  int index;               // of the family
+  std::size_t first, end;  // in it
+  std::size_t before;      // points of the families before
+};
+
+// Chunk by chunk.
+std::vector<FamilyPart> parts_of(const blocks::Model& riding, std::span<const int> chunks, const PointRange& range) {
+  std::vector<std::size_t> before;
   std::size_t points = 0;
-  for (const blocks::Family& f : riding->families()) first_of_family.push_back(points), points += f.size();
-  std::vector<double> zero, unused;
-  std::vector<quoin_in> old;
-  std::vector<quoin_out> fresh;
-  for (const int c : !in_parts || has_all() ? whole_share(riding->chunk_count(), 0).chunks : share.chunks) {
-    const auto [k, first, n] = riding->range_of_chunk(c);
-    const blocks::Family& f = riding->families()[static_cast<std::size_t>(k)];
+  for (const blocks::Family& f : riding.families()) before.push_back(points), points += f.size();
+  std::vector<FamilyPart> parts;
+  const auto from = static_cast<std::size_t>(range.first), to = static_cast<std::size_t>(range.end);
+  for (const int c : chunks) {
+    const auto [family, first_of_chunk, count] = riding.range_of_chunk(c);
+    const std::size_t of_families = before[static_cast<std::size_t>(family)];
+    const std::size_t first = std::max(from, of_families + first_of_chunk);
+    const std::size_t end = std::min(to, of_families + first_of_chunk + count);
+    if (first < end)
+      parts.push_back({riding.families()[static_cast<std::size_t>(family)], family, first - of_families,
+                       end - of_families, of_families});
+  }
+  return parts;
+}
+
+}  // namespace
+
+void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointRange& range,
+                                          const PointOutputs& outputs) const {
+  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), range)) {
     if (!(f.material->api().capabilities & capability)) continue;
-    zero.assign(n, 0.0), unused.resize((3 + f.state.size()) * n);
-    old.clear(), fresh.clear();
-    for (std::size_t s = 0; s < f.state.size(); ++s) {
-      old.push_back({f.state[s].data() + first, 1});
-      fresh.push_back({unused.data() + (3 + s) * n, 1});
+    const std::size_t n = end - first;
+    std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
+    std::vector<quoin_in> old;
+    std::vector<quoin_out> fresh;
+    for (std::size_t k = 0; k < f.state.size(); ++k) {
+      old.push_back({f.state[k].data() + first, 1});
+      fresh.push_back({unused.data() + (3 + k) * n, 1});
     }
     quoin_batch batch{};
     batch.struct_size = sizeof batch;
     batch.count = n;
     batch.normal_jump = {f.normal_jump.data() + first, 1};
     for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-    for (std::size_t t = 0; t < 3; ++t) {
-      batch.traction_old[t] = {f.traction[t].data() + first, 1};
-      batch.traction_new[t] = {unused.data() + t * n, 1};
+    for (std::size_t k = 0; k < 3; ++k) {
+      batch.traction_old[k] = {f.traction[k].data() + first, 1};
+      batch.traction_new[k] = {unused.data() + k * n, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
     const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, first);
     batch.property_column_count = properties.size(), batch.property_columns = properties.data();
-    outputs(batch, first_of_family[static_cast<std::size_t>(k)] + first);
+    outputs(batch, before + first);
     f.material->evaluate(&batch);
   }
 }
@@ -505,6 +536,16 @@ Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
     for (std::size_t k = 0; k < 4; ++k) zone[k] = riding->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
   }
   return mesh;
+}
+
+Simulation::BlockSize Simulation::Impl::riding_size(int block) const {
+  const blocks::ModelBlock& b = riding->block(block);
+  BlockSize size;
+  size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
+  size.zones = static_cast<std::uint64_t>(b.zone_count);
+  size.faces = b.shape->faces.size();
+  for (const auto& face : b.shape->faces) size.face_corners += face.size();
+  return size;
 }
 
 std::vector<Vec3> Simulation::Impl::riding_displacements(int block) const {
@@ -541,53 +582,49 @@ std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) co
   return result;
 }
 
-std::vector<ContactPoint> Simulation::Impl::riding_points(const std::function<bool(int block)>& wanted) const {
-  const std::vector<std::uint32_t> all_flags = current_flags();
+std::vector<ContactPoint> Simulation::Impl::riding_points(const PointRange& range,
+                                                          const std::function<bool(int block)>& wanted) const {
+  const std::vector<std::uint32_t> flags_there = current_flags(range);
   std::vector<ContactPoint> points;
-  std::size_t first_of_family = 0;
-  for (std::size_t k = 0; k < riding->families().size(); ++k) {
-    const blocks::Family& f = riding->families()[k];
-    const auto add = [&](std::size_t i) {
-      const auto index = static_cast<std::int32_t>(first_of_family + i);
+  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), range)) {
+    for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
-      if (!wanted(p.a)) return;
+      if (!wanted(p.a)) continue;
       const geometry::Matrix r = riding->frame_of(p);
       ContactPoint point{};
-      point.index = index;
+      point.index = static_cast<std::int32_t>(before + i);
       point.position = geometry::array(riding->place_of(p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);
       point.area = p.area;
       point.joint = -1;
-      point.family = static_cast<int>(k);
+      point.family = index;
       point.block_a = p.a;
       point.block_b = p.b;
       point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
-      point.flags = all_flags[static_cast<std::size_t>(index)];
+      point.flags = flags_there[static_cast<std::size_t>(point.index - range.first)];
       point.condition = condition_of(point.flags);
       points.push_back(point);
-    };
-    for (const std::uint32_t contact : riding->contacts_of_family(k)) {
-      const blocks::Contact& c = riding->contacts()[contact];
-      if (in_parts && !has_all() && !riding->owns(c)) continue;
-      for (std::size_t i = c.first; i < c.first + c.count; ++i) add(i);
     }
-    first_of_family += f.size();
   }
   return points;
 }
 
-std::vector<double> Simulation::Impl::riding_state(const std::string& id) const {
+std::vector<double> Simulation::Impl::riding_state(const std::string& id, const PointRange& range) const {
   std::vector<double> values;
-  for (const blocks::Family& f : riding->families()) {
+  for (const auto& [f, index, first, end, before] :
+       parts_of(*riding, whole_share(riding->chunk_count(), 0).chunks, range)) {
     const int k = f.material->law().state_index(id);
-    if (k < 0)
-      values.resize(values.size() + f.size(), std::numeric_limits<double>::quiet_NaN());
-    else
-      values.insert(values.end(), f.state[static_cast<std::size_t>(k)].begin(),
-                    f.state[static_cast<std::size_t>(k)].end());
+    const std::size_t count = end - first;
+    if (k < 0) {
+      values.resize(values.size() + count, std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
+    const std::span column(f.state[static_cast<std::size_t>(k)]);
+    values.insert(values.end(), column.begin() + static_cast<std::ptrdiff_t>(first),
+                  column.begin() + static_cast<std::ptrdiff_t>(end));
   }
   return values;
 }

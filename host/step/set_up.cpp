@@ -1,13 +1,10 @@
 // From scene and bricks to the arrays that the step goes over.
-#include <fmt/format.h>
+#include <algorithm>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
-#include <algorithm>
-
 #include "base/error.h"
-#include "step/existing_damage.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -29,53 +26,12 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   bind_step();
   if (!ranks) return;
   agree_on_model();
+  note_start();
   const double took = largest_of_ranks(seconds_since(before));
   if (!dear_blocks) balance.costs(took);
 #ifdef __GLIBC__
   malloc_trim(0);  // what building has left free: several ranks may share a machine
 #endif
-}
-
-void Simulation::Impl::take_damage() {
-  if (scene.damage.empty()) return;
-  std::vector<CrackedBlock> blocks;
-  for (const Brick& b : model.assembly.bricks)
-    blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
-  for (int b = 0; riding && b < riding->block_count(); ++b)
-    blocks.push_back(
-        {geometry::array(riding->position(b)), riding->assembly().blocks[static_cast<std::size_t>(b)].unit});
-  std::vector<std::size_t> hit(scene.damage.size(), 0);
-  for (std::size_t f = 0; f < model.families.size(); ++f) {
-    const ContactFamily& family = model.families[f];
-    std::vector<PlacedPoint> points;
-    for (std::size_t i = 0; riding && i < riding->families()[f].size(); ++i) {
-      const blocks::Point& p = riding->families()[f].point[i];
-      points.push_back({geometry::array(p.at), p.area, p.a, p.b});
-    }
-    for (int i = family.first_point; !riding && i < family.first_point + family.point_count; ++i) {
-      const auto p = static_cast<std::size_t>(i);
-      const Joint& joint = model.assembly.joints[static_cast<std::size_t>(model.point_joint[p])];
-      points.push_back({model.point_position[p], model.area[p], joint.block_a, joint.block_b});
-    }
-    const JointFamily& description = riding ? riding->assembly().families[f] : model.assembly.families[f];
-    const auto& columns = riding ? riding->families()[f].columns : family.columns;
-    const DamagedFamily damaged =
-        damage_family(scene.damage, description, family.material, points, blocks, columns, &hit);
-    if (damaged.points == 0) continue;
-    if (riding) {
-      riding->replace_law(static_cast<int>(f), family.material, damaged.state, damaged.opening_shift);
-      continue;
-    }
-    law_state[f].assign(damaged.state.begin(), damaged.state.end());
-    normal_shift.resize(static_cast<std::size_t>(model.point_count), 0.0);
-    std::copy(damaged.opening_shift.begin(), damaged.opening_shift.end(), normal_shift.begin() + family.first_point);
-  }
-  for (std::size_t d = 0; d < hit.size(); ++d) {
-    if (hit[d] == 0)
-      throw Error(Exit::bad_input, fmt::format("{}: no contact point of its joints lies there; check from, to, crack "
-                                               "(m) and joints",
-                                               scene.damage[d].source.text));
-  }
 }
 
 void Simulation::Impl::bind_step() {
@@ -92,7 +48,7 @@ void Simulation::Impl::bind_step() {
 }
 
 void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials) {
-  in_parts = may_be_in_parts(assembly);
+  in_parts = ranks && !assembly.bricks.empty();
   holds_all = !in_parts;
   model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
   joint_sliding =
@@ -118,7 +74,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   if (in_parts) {
     agree_on_model();
     divide_work();
-    hold_part();
+    hold_first_part();
     shared = share_of_model();
   }
   inertia = {};
@@ -141,6 +97,10 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   begin_states();
 }
 
+std::vector<int> Simulation::Impl::chunks_here() const {
+  return holds_all ? whole_share(static_cast<int>(model.chunks.size()), 0).chunks : share.chunks;
+}
+
 // Of points that are laid out.
 void Simulation::Impl::begin_states() {
   std::vector<std::vector<double>> initial;  // by family and column
@@ -148,8 +108,7 @@ void Simulation::Impl::begin_states() {
     initial.push_back(model.families[f].material->initial_state(model.assembly.families[f].initial_state));
     law_state.emplace_back(initial[f].size() * static_cast<std::size_t>(model.families[f].point_count));
   }
-  const int chunks = static_cast<int>(model.chunks.size());
-  for (const int c : holds_all ? whole_share(chunks, 0).chunks : share.chunks) {
+  for (const int c : chunks_here()) {
     const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(c)];
     const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
     auto first = law_state[static_cast<std::size_t>(chunk.family)].begin() + (chunk.first_point - family.first_point);

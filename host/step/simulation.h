@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -31,6 +32,8 @@ struct Vector;
 }
 
 namespace quoin {
+
+class ByteSource;
 
 // Energies of the model as computed (not multiplied by the symmetry factor), J. Closure:
 // kinetic + strain + contact_stored + dissipated + damping = external (+ what they were at the start).
@@ -166,6 +169,11 @@ struct ContactPoint {
   Condition condition;
 };
 
+// Neighbouring contact points, [first, end).
+struct PointRange {
+  std::int32_t first = 0, end = 0;
+};
+
 // An array that every step reads or writes.
 enum class HotOf { block, rigid_body, contact_point };
 struct HotArray {
@@ -178,10 +186,10 @@ class Simulation {
  public:
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
   // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
-  // are those of one process. run() then calls observers of all ranks at the same steps, and rank 0 has the whole state
-  // at hand when it is asked for results, and after run(); the others have what they hold. Only run() may be used to
-  // step. Throws Error(bad_input): the ranks have different models. Ranks must outlive the simulation; null: one
-  // process.
+  // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds:
+  // results of all are brought to rank 0 (bring_to_first), or it has all after gather_at_first(), after a failure that
+  // all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks have
+  // different models. Ranks must outlive the simulation; null: one process.
   explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
@@ -243,19 +251,31 @@ class Simulation {
     bool fixed = false;                    // a support, or a beam beside the masonry
   };
   BlockMesh block_mesh(int block) const;
+  struct BlockSize {
+    std::uint64_t gridpoints = 0, zones = 0, faces = 0, face_corners = 0;
+  };
+  BlockSize block_size(int block) const;                  // of its mesh
   std::vector<Vec3> block_displacement(int block) const;  // per gridpoint of block_mesh, m
   std::vector<Vec3> block_velocity(int block) const;
   std::vector<std::array<double, 6>> block_stress(int block) const;  // per zone: xx yy zz xy yz zx, Pa, tension > 0
 
-  // Results by contact point. Cold: flags come from a batch with zero increments, into scratch.
+  // Results by contact point, of some of them or of all. Cold: flags come from a batch with zero increments, into
+  // scratch.
+  PointRange all_points() const;
   // own_alone: of joints that begin at a block of this rank (owns_block).
-  std::vector<ContactPoint> contact_points(bool own_alone = false) const;
-  // Column of a law state over all points, by id; NaN where the law of a point has no such state or does not keep it.
-  std::vector<double> state(const std::string& id) const;
+  std::vector<ContactPoint> contact_points(const PointRange& range, bool own_alone = false) const;
+  std::vector<ContactPoint> contact_points() const { return contact_points(all_points()); }
+  // Of the gridpoints that it joins, of block a and block b, m. On the lattice.
+  std::pair<Vec3, Vec3> displacement_of_sides(std::int32_t point) const;
+  // Column of a law state, by id; NaN where the law of a point has no such state or does not keep it.
+  std::vector<double> state(const std::string& id, const PointRange& range) const;
+  std::vector<double> state(const std::string& id) const { return state(id, all_points()); }
   bool keeps_state(const std::string& id) const;  // the law of some point
-  // Share of what tensile strength, cohesion and compressive strength can lose that is lost, over all points; NaN where
-  // the law of a point does not tell. Cold, as contact_points.
-  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage() const;
+  // Share of what tensile strength, cohesion and compressive strength can lose that is lost; NaN where the law of a
+  // point does not tell. Cold, as contact_points.
+  using DamageColumns = std::array<std::vector<double>, QUOIN_DAMAGE_COUNT>;
+  DamageColumns damage(const PointRange& range) const;
+  DamageColumns damage() const { return damage(all_points()); }
   std::array<long, kConditionCount> condition_counts() const;
 
   // Steering between two steps (steer.cpp), from now on and until the next stage begins; without a ramp. What the stage
@@ -283,6 +303,29 @@ class Simulation {
   // To be called after velocities were written through a view.
   void velocities_changed();
 
+  // Results of all by one process after the other, so that none needs all of it (bring.cpp).
+  // Neighbouring blocks, contact points or joints, [first, end), some hundred or thousand, of which one rank has what
+  // results are made of. Runs follow each other in order.
+  struct Run {
+    std::int32_t first = 0, end = 0;
+    int rank = 0;
+  };
+  std::vector<Run> runs_of_blocks() const;
+  std::vector<Run> runs_of_points() const;  // whole batches of their laws
+  std::vector<Run> runs_of_joints() const;  // on the lattice, with all of their points
+  bool brings(const Run& run) const;        // this rank makes of it what rank 0 takes
+  // make: by the rank that brings the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
+  // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
+  void bring_to_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
+                      const std::function<void(const std::string&)>& take) const;
+  bool ranks_bring() const;                   // false: one process, or rank 0 has all
+  double sum_of_ranks(double brought) const;  // of what each brings
+  double largest_of_ranks(double brought) const;
+  // So that rank 0 has all from now on. All ranks call it at the same moment.
+  void gather_at_first();
+  // In order, those of joints that begin at a block of this rank.
+  void each_own_point(const std::function<void(std::int32_t)>& visit) const;
+
   bool owns_block(int block) const;                      // advances it; true: one process
   const std::vector<RankTraffic>& rank_traffic() const;  // by rank, of run(); empty: one process
   bool ranks_together() const;                           // false: run() has failed on some ranks and not on others
@@ -296,6 +339,9 @@ class Simulation {
   void save(const TakeBytes& take) const;
   std::size_t saved_bytes() const;
   void restore(const std::vector<std::uint8_t>& bytes);
+  // The same from where the bytes are, of which a rank takes what it holds. All ranks call it. After an Error the
+  // simulation is of no use.
+  void restore(ByteSource& source);
 
   // Raw access for tests: displacement and velocity in lane layout.
   LaneVector<double>& displacement();

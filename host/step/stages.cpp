@@ -22,10 +22,14 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
   gather(Part::row);
-  if (!in_parts || !settings.law_swaps.empty())
+  if (!in_parts)
     gather(Part::all);
   else if (settings.whiffletree && !riding)
     gather(Part::all, Who::holders);
+  else if (!settings.law_swaps.empty() && !riding)
+    hear_all_of_borders();
+  else if (!settings.law_swaps.empty())
+    gather(Part::all);
   const Stage* const previous = index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr;
   if (riding && in_parts) tell_blocks_of_stage(settings, previous);
   if (riding)
@@ -149,27 +153,7 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law)
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
   if (riding) return swap_riding_law(f, std::move(material));
-
-  ContactFamily& family = model.families[f];
-  const auto count = static_cast<std::size_t>(family.point_count), first = static_cast<std::size_t>(family.first_point);
-  // The opening that belongs to the standing tractions: displacements have moved on by one step since.
-  std::vector<double> opening(count);
-  for (std::size_t i = 0; i < count; ++i) opening[i] = opening_at_traction(static_cast<std::int32_t>(first + i));
-  FamilyColumns points;
-  points.count = count;
-  points.opening = opening.data();
-  points.area = model.area.data() + first;
-  for (std::size_t k = 0; k < 3; ++k) points.traction[k] = traction[k].data() + first;
-  for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)
-    points.state.push_back(law_state[f].data() + k * count);
-  MigratedFamily migrated = migrate(*found, *family.material, std::move(material), points);
-
-  if (normal_shift.empty()) normal_shift.assign(static_cast<std::size_t>(model.point_count), 0.0);
-  for (std::size_t i = 0; i < count; ++i) normal_shift[first + i] += migrated.opening_shift[i];
-  swaps.push_back(migrated.report);
-  family.material = std::move(migrated.material);
-  law_state[f].assign(migrated.state.begin(), migrated.state.end());
-  bind_columns();
+  swap_lattice_law(f, std::move(material));
 }
 
 }  // namespace quoin

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.h"
 #include "base/smooth_step.h"
 #include "base/thread_pool.h"
 #include "law/answers.h"
@@ -43,6 +44,8 @@ struct BodyLanes {
   bool any_prescribed = false;
   bool at_rest = false;  // and held there: a step changes nothing
 };
+
+struct CrackedBlock;
 
 // Control of a body through a stage: from what was to what shall be, over the ramp.
 struct BodyRamp {
@@ -153,7 +156,7 @@ struct Simulation::Impl {
   void choose_damping();       // of the stage
   std::vector<LawSwap> swaps;  // of the current stage
   void swap_law(const std::string& family, const std::string& law);
-  // The law's material for a joint family: with the properties that it knows, as the scene gives them.
+  void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
   double largest_displacement() const;  // of any block that is not fixed, m
   WholeMotion whole_motion_of(std::size_t brick) const;
@@ -180,6 +183,8 @@ struct Simulation::Impl {
                   const Vec3& position) const;
   // Opening and slips of a contact point at the time of its traction: displacements have moved on by one step since.
   Vec3 jump_at_traction(std::int32_t point) const;
+  // Of the two gridpoints that a contact point joins, of block a and block b: their sum with these factors.
+  std::pair<Vec3, Vec3> motion_of_sides(std::int32_t point, double of_displacement, double of_velocity) const;
   Vec3 jump_of(std::int32_t point, double of_displacement,
                double of_velocity) const;                // of their sum with these factors
   double opening_at_traction(std::int32_t point) const;  // as its law has it, with the shift of laws swapped in
@@ -218,18 +223,20 @@ struct Simulation::Impl {
   void measure_riding(HistoryRow& row) const;
   void look_at_riding_motion();
   BlockMesh riding_mesh(int block) const;
+  BlockSize riding_size(int block) const;
   std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
   std::vector<Vec3> riding_velocities(int block) const;
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
-  std::vector<ContactPoint> riding_points(const std::function<bool(int block)>& wanted) const;
-  std::vector<double> riding_state(const std::string& id) const;
+  std::vector<ContactPoint> riding_points(const PointRange& range, const std::function<bool(int block)>& wanted) const;
+  std::vector<double> riding_state(const std::string& id, const PointRange& range) const;
+  std::vector<int> riding_chunks_here() const;
   void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
   double stage_time() const;  // s, since the stage began
   double now() const;         // s, since the start
 
   // --- checkpoints (checkpoint.cpp) ---------------------------------------------------------------------------------
-  void restore(const std::vector<std::uint8_t>& bytes);  // throws half way
+  void restore(ByteSource& source);  // throws half way
   std::shared_ptr<const Material> material_in_stage(std::size_t family, int of_stage) const;
 
   // --- from small displacements to large motion (promotion.cpp) -----------------------------------------------------
@@ -246,7 +253,7 @@ struct Simulation::Impl {
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
   using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
   Halo halo_on_borders(const SideNumbers& numbers_of);
-  void tell_motion_on_borders();               // displacement and velocity
+  void hear_all_of_borders();                  // displacement and velocity, which steps tell in part
   std::vector<int> ranks_of(int chunk) const;  // that evaluate it
   // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
   void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
@@ -255,33 +262,45 @@ struct Simulation::Impl {
   void agree_on_model() const;
   // An array whose parts ranks hold, some megabytes at a time, to rank 0.
   void give_array(const void* array, std::size_t bytes, const Simulation::TakeBytes& take);
-  void end_run();  // what results ask rank 0 for
+  void end_run();     // what results ask rank 0 for
+  void note_start();  // the hash, where no rank can tell it alone
+  std::uint64_t hash_by_parts(bool at_rest);
   // How many contact points are in which state: of all, who has them; of chunks of this rank; of those of all ranks.
   std::array<long, kConditionCount> conditions_here() const;
   std::array<long, kConditionCount> own_conditions();
   std::array<long, kConditionCount> conditions_of_all();
   // Where each rank holds a part of the lattice (in_parts).
-  bool may_be_in_parts(const Assembly& assembly) const;
   struct Held {
     std::vector<bool> items, chunks;
   };
   Held held_with(const RankShare& shares) const;
+  // Gridpoints, as numbers of arrays that have them, and contact points that this rank does not hold.
+  struct Rows {
+    std::vector<VectorRow> gridpoints, points;
+  };
+  Rows rows_elsewhere(const Held& held) const;
+  // Of an array of the state, in order: visit(first, end).
+  void each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+                          const std::function<void(std::size_t, std::size_t)>& visit) const;
   std::vector<int> own_units() const;  // in order
   void hold_part();                    // by share: gives back the memory of the rest
+  void hold_first_part();              // and all agree on how stiff the stiffest joints are
   void hold_all();
   std::unique_ptr<SharedModel> share_of_model();
   void bind_inertia();  // of what is held
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
-  void fetch_for_frame();  // all of it, or with pieces what joints of this rank show of the blocks of others
-  void motion_of_item(int item, std::vector<double*>& numbers);  // on the lattice
-  void prepare_row();                                            // what a row has of the blocks of this rank
+  void fetch_for_frame();    // what results by run, or pieces, show of the blocks of others; or all of it
+  bool ranks_bring() const;  // to rank 0 what it writes of them
+  void prepare_row();        // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that rank 0 sees what it is.
   bool agree(bool trouble, bool* startled = nullptr, bool* leaves_frame = nullptr);
   double largest_of_ranks(double here) const;
   void send_motion();
   void hear_of_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
+  // All ranks throw what the first of them has found that has found anything.
+  void throw_together(const std::optional<Error>& fault);
   void collect_traffic();
   void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
   void divide_anew();
@@ -298,22 +317,26 @@ struct Simulation::Impl {
   // --- set-up -------------------------------------------------------------------------------------------------------
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
-  void take_damage();   // of the scene: states and openings before the first stage
+  void take_damage();  // of the scene: states and openings before the first stage
+  void damage_riding(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
+  void damage_lattice(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
   void bind_energies(LawCall& call, const ContactChunk& chunk);
-  void begin_states();    // of laws
-  void share_inertia();   // where the blocks of a group are alike
-  void divide_work();     // costs, and the share of this rank
-  void bind_work();       // what follows from it
-  void partition_work();  // both, and holds its part
-  std::vector<std::uint32_t> current_flags() const;
+  std::vector<int> chunks_here() const;  // that this process holds
+  void begin_states();                   // of laws
+  void share_inertia();                  // where the blocks of a group are alike
+  void divide_work();                    // costs, and the share of this rank
+  void bind_work();                      // what follows from it
+  void partition_work();                 // both, and holds its part
+  std::vector<std::uint32_t> current_flags(const PointRange& range) const;
   // Fills the optional outputs of a batch with columns that begin at this contact point.
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
   // A step that moves nothing, into scratch but for these outputs: of the points whose law has the capability.
-  void ask_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
-  void ask_riding_at_rest(std::uint64_t capability, const PointOutputs& outputs) const;
+  void ask_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
+  void ask_riding_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
   std::size_t contact_point_count() const;
+  PointRange all_points() const { return {0, static_cast<std::int32_t>(contact_point_count())}; }
 
   Scene scene;
   Model model;
@@ -405,7 +428,6 @@ struct Simulation::Impl {
 
   Ranks* ranks = nullptr;                 // null: one process alone
   Halo halo;                              // of this rank
-  Halo frame_halo;                        // on the lattice, for frames in pieces: whole items
   bool in_parts = false;                  // each rank holds a part of the model
   bool ranks_failed = false;              // one of them in this step
   bool has_row = false;                   // what a row takes, in large motion in parts, of the last step
@@ -426,6 +448,7 @@ struct Simulation::Impl {
   // Of the end of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
+  std::optional<std::uint64_t> start_hash;  // of a run in parts whose states do not begin all alike
 
   bool time_every_step = false;
   PhaseTimes times;

@@ -70,7 +70,7 @@ void Simulation::Impl::look_at_points() {
 // The time step follows from upper bounds that the laws state of themselves.
 void Simulation::Impl::look_at_stiffness() {
   LaneVector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
-  ask_at_rest(QUOIN_CAN_TANGENT, [&](quoin_batch& batch, std::size_t first) {
+  ask_at_rest(QUOIN_CAN_TANGENT, all_points(), [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
     batch.tangent[4] = {shear[0].data() + first, 1};
     batch.tangent[8] = {shear[1].data() + first, 1};
@@ -143,7 +143,7 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   if (step_count >= watch.next_stiffness) {
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     if (in_parts) {
-      if (!riding) tell_motion_on_borders();
+      if (!riding) hear_all_of_borders();
       look_at_stiffness();
       watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
       if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them

@@ -307,7 +307,8 @@ TEST(Checkpoint, CountersThatNoRunComesToAreRefused) {
 TEST(Checkpoint, FlagsAreTrueOrFalse) {
   for (int byte = 0; byte < 256; ++byte) {
     const std::vector<std::uint8_t> bytes{static_cast<std::uint8_t>(byte)};
-    ArchiveReader reader{bytes};
+    BytesInMemory source(bytes);
+    ArchiveReader reader{source};
     bool flag = byte == 0;
     if (byte < 2) {
       reader.value(flag);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstdlib>
 
 #include "base/error.h"
 #include "scene/read_scene.h"
@@ -23,20 +24,24 @@ struct Case {
   const char* name;
   std::string scene;
   Overrides overrides;
-  enum { nothing, promotion, detection, parting } has = nothing;
+  enum { nothing, promotion, detection, parting, added_mass } has = nothing;
 };
 
 // What is compared, bit for bit.
 struct Found {
   std::vector<std::uint64_t> rows;
   std::vector<double> blocks, points;
-  std::uint64_t hash = 0;
+  std::uint64_t start_hash = 0, hash = 0;
   long steps = 0;
-  bool operator==(const Found&) const = default;
+  double time_step = 0.0, added_mass = 0.0;
 };
 
 struct Rows : Observer {
   std::vector<std::uint64_t> bits;
+  void on_law_swap(const LawSwap& swap) override {
+    for (const double x : {double(swap.points), double(swap.limited), swap.stored_before, swap.energy_jump})
+      bits.push_back(std::bit_cast<std::uint64_t>(x));
+  }
   void on_row(const HistoryRow& row) override {
     for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
@@ -50,8 +55,15 @@ struct Rows : Observer {
   }
 };
 
-Found found_in(const Simulation& simulation, const Rows& rows) {
-  Found found{rows.bits, {}, {}, simulation.hash(), simulation.step()};
+Found found_in(const Simulation& simulation, const Rows& rows, std::uint64_t start_hash) {
+  Found found{rows.bits,
+              {},
+              {},
+              start_hash,
+              simulation.hash(),
+              simulation.step(),
+              simulation.time_step_report().time_step,
+              simulation.time_step_report().added_mass};
   for (int b = 0; b < simulation.block_count(); ++b) {
     for (const Vec3& u : simulation.block_displacement(b)) found.blocks.insert(found.blocks.end(), u.begin(), u.end());
     for (const Vec3& v : simulation.block_velocity(b)) found.blocks.insert(found.blocks.end(), v.begin(), v.end());
@@ -67,6 +79,7 @@ Found found_in(const Simulation& simulation, const Rows& rows) {
 Found alone(const Case& of) {
   Simulation simulation(read_scene(of.scene, of.overrides));
   Rows rows;
+  const std::uint64_t start = simulation.hash();
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
   if (of.has == Case::detection || of.has == Case::parting) {
@@ -75,7 +88,9 @@ Found alone(const Case& of) {
   if (of.has == Case::parting) {
     EXPECT_LT(simulation.riding()->unit_count(), 16);
   }
-  return found_in(simulation, rows);
+  EXPECT_EQ(simulation.time_step_report().added_mass > 1e-3 * simulation.time_step_report().model_mass,
+            of.has == Case::added_mass);
+  return found_in(simulation, rows, start);
 }
 
 class ManyRanks : public ::testing::TestWithParam<Case> {};
@@ -94,8 +109,10 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
       have_blocks += owns ? 1 : 0;
       Rows rows;
+      const std::uint64_t start = simulation.hash();  // of rank 0: a checkpoint is told by it
       simulation.run(rows);
-      if (ranks.rank() == 0) first = found_in(simulation, rows);
+      simulation.gather_at_first();
+      if (ranks.rank() == 0) first = found_in(simulation, rows, start);
     });
     EXPECT_GE(have_blocks, std::min(count, 2)) << "small models leave some without";
     if (count > 1) {
@@ -104,8 +121,11 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
     EXPECT_EQ(first.rows, one.rows) << count;
     EXPECT_EQ(first.blocks, one.blocks) << count;
     EXPECT_EQ(first.points, one.points) << count;
+    EXPECT_EQ(first.start_hash, one.start_hash) << count;
     EXPECT_EQ(first.hash, one.hash) << count;
     EXPECT_EQ(first.steps, one.steps) << count;
+    EXPECT_EQ(first.time_step, one.time_step) << count;
+    EXPECT_EQ(first.added_mass, one.added_mass) << count;
   }
 }
 
@@ -122,33 +142,117 @@ const Overrides kHalves = {"solver.large_motion=always",
                            "stage.shear.displacement=0.004"};
 INSTANTIATE_TEST_SUITE_P(
     Scenes, ManyRanks,
-    ::testing::Values(Case{"Wall",
-                           kTests + "cli/small_wall.toml",
-                           {"output.energy=true", "stage.precompression.duration=0.004",
-                            "stage.shear.displacement=0.00003"}},
-                      Case{"Building",
-                           kTests + "host/small_building.toml",
-                           {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
-                      Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
-                      Case{"Promotion",
-                           kTests + "cli/small_wall.toml",
-                           {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
-                           Case::promotion},
-                      Case{"Arch",
-                           kScenes + "arch.toml",
-                           {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
-                            "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
-                           Case::detection},
-                      Case{"Deformable",
-                           kScenes + "mixed.toml",
-                           {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
-                            "stage.push.duration=0.004"}},
-                      Case{"FreedEnergies",
-                           kScenes + "mixed.toml",
-                           {"output.energy=true", "stage.weight.duration=0.05", "stage.push.duration=0.1"},
-                           Case::detection},
-                      Case{"HalvesThatPart", kTests + "cli/small_wall.toml", kHalves, Case::parting}),
+    ::testing::Values(
+        Case{"Wall",
+             kTests + "cli/small_wall.toml",
+             {"output.energy=true", "stage.precompression.duration=0.004", "stage.shear.displacement=0.00003"}},
+        Case{"Building",
+             kTests + "host/small_building.toml",
+             {"stage.push.displacement=0.00005", "stage.push.record_interval=100"}},
+        Case{"RigidUnits", kScenes + "cube_wall_10.toml", {"stage.1.displacement=0.00005"}},
+        Case{
+            "LawSwaps",
+            kTests + "cli/small_wall.toml",
+            {"wall.courses=10", "wall.units_per_course=10", "stage.precompression.duration=0.002",
+             "stage.shear.displacement=0.00002", "stage.shear.law=coulomb_slip", "joints.mortar.tensile_strength=3e4"}},
+        Case{"Damage",
+             kScenes + "damaged_wall_030.toml",
+             {"wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]",
+              "damage.1.opening=1e-6", "stage.precompression.duration=0.002", "stage.settlement.displacement=0.00001",
+              "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001"}},
+        Case{"SelectiveWall",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=8", "wall.half_thickness=true", "wall.zones=[2, 1, 2]",
+              "solver.selective_time_step=4e-5", "stage.precompression.duration=0.004",
+              "stage.shear.displacement=0.00005"},
+             Case::added_mass},
+        Case{"SelectiveBuilding",
+             kTests + "host/small_building.toml",
+             {"stage.push.displacement=0.00005", "stage.push.record_interval=100", "solver.selective_time_step=4e-5"},
+             Case::added_mass},
+        Case{"SelectiveRigidUnits",
+             kScenes + "cube_wall_10.toml",
+             {"stage.1.displacement=0.00005", "solver.selective_time_step=2e-4"},
+             Case::added_mass},
+        Case{"Nodal",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=8", "solver.critical_time_step='nodal'",
+              "solver.damping='local'", "solver.time_step_fraction=0.3", "stage.precompression.duration=0.003",
+              "stage.shear.displacement=0.00002"}},
+        Case{"Scatter",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=9", "stage.precompression.duration=0.002",
+              "stage.shear.displacement=0.00002",
+              "joints.mortar.normal_stiffness={distribution='lognormal', mean=82e9, cov=0.3}",
+              "joints.mortar.shear_stiffness={distribution='uniform', lower=30e9, upper=40e9, level='course'}",
+              "joints.mortar.fracture_energy_tension={distribution='lognormal', mean=15, cov=0.2, level='wall'}"}},
+        Case{"CorrelatedScatter",
+             kTests + "cli/small_wall.toml",
+             {"wall.courses=8", "wall.units_per_course=9", "stage.precompression.duration=0.002",
+              "stage.shear.displacement=0.00002",
+              "joints.mortar.tensile_strength={distribution='lognormal', mean=3e4, cov=0.3, level='point', "
+              "correlation_length=0.3, scatter_of='joint'}",
+              "joints.mortar.cohesion={distribution='lognormal', mean=2e5, cov=0.3, level='unit', "
+              "correlation_length=0.5}",
+              "joints.mortar.normal_stiffness={distribution='lognormal', mean=82e9, cov=0.3, level='joint', "
+              "correlation_length=0.2}"}},
+        Case{"Promotion",
+             kTests + "cli/small_wall.toml",
+             {"solver.rotation_bound=1e-5", "stage.shear.displacement=0.00005"},
+             Case::promotion},
+        Case{"Arch",
+             kScenes + "arch.toml",
+             {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
+              "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
+             Case::detection},
+        Case{"Deformable",
+             kScenes + "mixed.toml",
+             {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
+              "stage.push.duration=0.004"}},
+        Case{"FreedEnergies",
+             kScenes + "mixed.toml",
+             {"output.energy=true", "stage.weight.duration=0.05", "stage.push.duration=0.1"},
+             Case::detection},
+        Case{"HalvesThatPart", kTests + "cli/small_wall.toml", kHalves, Case::parting}),
     [](const auto& of) { return std::string(of.param.name); });
+
+// What belongs to contact points, and what is found over all of them, goes with blocks that change hands in mid-run:
+// openings of damage, drawn properties, raised inertia.
+TEST(Ranks, DividedAnewKeepWhatPointsHave) {
+  const Case of{
+      "DividedAnew",
+      kScenes + "damaged_wall_030.toml",
+      {"wall.courses=32", "wall.zones=[1, 1, 1]", "damage.1.crack=[[0.11, 1.9], [0.88, 0.07]]", "damage.1.opening=1e-6",
+       "stage.precompression.duration=0.006", "stage.settlement.displacement=0.00001",
+       "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001", "solver.selective_time_step=1.5e-5",
+       "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3}"},
+      Case::added_mass};
+  const Found one = alone(of);
+  setenv("QUOIN_DEAR_BLOCKS", "60x100", 1);  // step/state.h
+  std::atomic<int> changed_hands = 0;
+  Found first;
+  on_ranks(3, [&](Ranks& ranks) {
+    Simulation simulation(read_scene(of.scene, of.overrides), 1, &ranks);
+    const auto owned = [&] {
+      std::vector<bool> blocks;
+      for (int b = 0; b < simulation.block_count(); ++b) blocks.push_back(simulation.owns_block(b));
+      return blocks;
+    };
+    const std::vector<bool> before = owned();
+    const std::uint64_t start = simulation.hash();
+    Rows rows;
+    simulation.run(rows);
+    changed_hands += owned() != before ? 1 : 0;
+    simulation.gather_at_first();
+    if (ranks.rank() == 0) first = found_in(simulation, rows, start);
+  });
+  unsetenv("QUOIN_DEAR_BLOCKS");
+  EXPECT_GT(changed_hands, 0);
+  EXPECT_EQ(first.rows, one.rows);
+  EXPECT_EQ(first.blocks, one.blocks);
+  EXPECT_EQ(first.points, one.points);
+  EXPECT_EQ(first.hash, one.hash);
+}
 
 TEST(Ranks, WithDifferentModelsAreRefused) {
   const std::string scene = kTests + "cli/small_wall.toml";
@@ -222,6 +326,46 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
   EXPECT_GT(alone.riding()->detections(), 2);
   EXPECT_EQ(reader.step(), alone.step());
   EXPECT_EQ(reader.hash(), alone.hash());
+}
+
+// What one rank finds while it makes its part is told by all of them, in its words.
+TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
+  const auto words = [&](const Overrides& overrides, int rank) {
+    std::string told;
+    EXPECT_THROW(on_ranks(3,
+                          [&](Ranks& ranks) {
+                            try {
+                              Simulation simulation(read_scene(kScenes + "damaged_wall_030.toml", overrides), 1,
+                                                    &ranks);
+                              Observer nobody;
+                              simulation.run(nobody);
+                            } catch (const Error& error) {
+                              if (ranks.rank() == rank) told = error.what();
+                              EXPECT_TRUE(error.exit_code == Exit::bad_input || error.exit_code == Exit::law_refused);
+                              throw;
+                            }
+                          }),
+                 Error);
+    return told;
+  };
+  const Overrides small{"wall.courses=6", "wall.zones=[2, 1, 1]", "stage.precompression.duration=0.001"};
+  const auto with = [&](const Overrides& more) {
+    Overrides all = small;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  // A crack in one corner, in joints that are not broken through.
+  const Overrides open =
+      with({"damage.1.crack=[[0.8, 0.1], [0.99, 0.1]]", "damage.1.initial_state=\"bonded\"", "damage.1.opening=1e-4"});
+  const Overrides nowhere = with({"damage.1.from=[5, 0, 0]"});
+  const Overrides weak = with({"damage.1.xi=0.5", "stage.settlement.law=elastic", "stage.shear.law=coulomb_slip",
+                               "stage.settlement.displacement=0.00001", "stage.settlement.ramp_time=0.001",
+                               "joints.mortar.cohesion=1e3", "joints.mortar.tensile_strength=1e3"});
+  for (const int rank : {0, 1, 2}) {
+    EXPECT_NE(words(open, rank).find("cannot stand open without force"), std::string::npos) << words(open, rank);
+    EXPECT_NE(words(nowhere, rank).find("no contact point of its joints"), std::string::npos) << words(nowhere, rank);
+    EXPECT_NE(words(weak, rank).find("outside the strength"), std::string::npos) << words(weak, rank);
+  }
 }
 
 // A rank that cannot go on ends all of them.

@@ -28,7 +28,7 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
     Simulation simulation(bare_scene(), assembly);
     for (int n = 0; n < 12; ++n) simulation.displacement()[dof(simulation.model(), 1, n, 0)] = 30e-6;
     simulation.advance(1);
-    for (const JointPoint& p : Surfaces(simulation).joint_points(simulation)) {
+    for (const JointPoint& p : Surfaces().joint_points(simulation)) {
       EXPECT_NEAR(p.damage_tension, 1.0 - p.contact.traction[0] / 0.2e6, 1e-9) << shape.size();
       EXPECT_GT(p.damage_tension, 0.1);
       EXPECT_LT(p.damage_tension, 0.9);
@@ -50,7 +50,7 @@ TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
     }
     simulation.advance(1);
     std::vector<Crack> cracks;
-    for (const JointPoint& p : Surfaces(simulation).joint_points(simulation)) cracks.push_back(p.crack);
+    for (const JointPoint& p : Surfaces().joint_points(simulation)) cracks.push_back(p.crack);
     return cracks;
   };
   for (const Crack crack : moved(0.0, 0.0)) EXPECT_EQ(crack, Crack::intact);
@@ -80,7 +80,7 @@ TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   simulation.advance(100);
   const std::vector<Vec3> corner = simulation.block_displacement(1);  // x fastest
   ASSERT_GT(std::abs(corner[1][1] - corner[0][1]), 1e-9) << "it turns";
-  const auto points = Surfaces(simulation).joint_points(simulation);
+  const auto points = Surfaces().joint_points(simulation);
   ASSERT_EQ(points.size(), 4u);
   for (const JointPoint& p : points) {
     ASSERT_EQ(p.contact.block_b, 1);
@@ -102,7 +102,7 @@ TEST(Surfaces, ADryArchShowsItsHinges) {
     std::vector<std::map<std::pair<int, int>, Crack>> worst;  // by stage and joint
     void on_stage_end(const Simulation& simulation, int, const HistoryRow&) override {
       auto& joints = worst.emplace_back();
-      for (const JointPoint& p : Surfaces(simulation).joint_points(simulation)) {
+      for (const JointPoint& p : Surfaces().joint_points(simulation)) {
         Crack& crack = joints[std::minmax(p.contact.block_a, p.contact.block_b)];
         crack = std::max(crack, p.crack);
       }

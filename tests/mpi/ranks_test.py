@@ -150,7 +150,7 @@ def killed():
 
 
 def stopped():
-    """Ctrl-C: all ranks stop at one step, and what was computed is kept."""
+    """Ctrl-C: all ranks stop at one step, and what was computed is kept. Or SIGUSR1, by way of mpirun."""
     out = folder / "stopped"
     process = start(3, [*long_scene, "--out", out])
     for _ in range(1200):
@@ -166,6 +166,24 @@ def stopped():
     run(1, ["--resume", out])
     run(1, [*long_scene, "--out", folder / "whole"])
     same(results(folder / "whole"), results(out), "stopped on 3 ranks, resumed on 1")
+
+    out = folder / "handed_on"
+    frames = ["--set", "output.frames=40"]
+    process = start(2, [*long_scene, *frames, "--out", out])
+    for _ in range(1200):
+        if (out / "blocks_0001.vtu").exists():
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGUSR1)
+    text = process.communicate(timeout=60)[0]
+    assert process.returncode == 130, (process.returncode, text)
+    assert json.loads((out / "summary.json").read_text())["status"] == "interrupted", text
+    assert (out / "checkpoint.bin").exists()
+    run(3, ["--resume", out])
+    run(1, [*long_scene, *frames, "--out", folder / "whole"])
+    same(results(folder / "whole"), results(out), "stopped on 2 ranks by mpirun, resumed on 3")
+    for file in sorted((folder / "whole").glob("*.vtu")):
+        assert file.read_bytes() == (out / file.name).read_bytes(), file
 
 
 def vanished():
@@ -418,11 +436,16 @@ def pieces():
         manifest = (out / ".quoin-manifest").read_text().split("\n")
         assert {*files, f"joints_0001_r{ranks - 1}.vtu"} <= set(manifest), manifest
         print(f"{name}: {ranks} ranks: {gridpoints} gridpoints of blocks, the same frames")
-    # Frames gather nothing: the same run without pieces gathers more often.
+    # Frames of the lattice gather nothing, in pieces or in one file, which has the bytes of one process.
     run(3, [*scene_of("wall"), "--out", folder / "whole"])
+    run(3, [*scene_of("wall"), "--set", "output.frames=0", "--out", folder / "none"])
     gathers = [json.loads((folder / place / "summary.json").read_text())["ranks"]["gathers"]
-               for place in ("whole", "wall_3")]
-    assert gathers[0] > gathers[1], gathers
+               for place in ("whole", "wall_3", "none")]
+    assert len(set(gathers)) == 1, gathers
+    files = sorted(file.name for file in (folder / "wall").glob("*.vtu"))
+    assert len(files) >= 4, files
+    for file in files:
+        assert (folder / "wall" / file).read_bytes() == (folder / "whole" / file).read_bytes(), file
     # Fewer ranks in the same folder leave nothing of the pieces of more; what we did not write stays.
     (folder / "wall_3" / "notes.txt").write_text("mine")
     run(2, [*scene_of("wall"), *in_pieces, "--out", folder / "wall_3"])
@@ -452,7 +475,7 @@ def pieces():
     named = {file.name for pieces in frames_of(out, "blocks") + frames_of(out, "joints") for file in pieces}
     assert {file.name for file in out.glob("*_r*")} == named, (named, list(out.iterdir()))
     print(f"killed on 3 ranks, resumed on 2: {by_count.count(3)} frames of 3 pieces, {by_count.count(2)} of 2")
-    done = run(2, [*scene_of("wall"), *in_pieces, "--report", "--out", folder / "none"], code=2)
+    done = run(2, [*scene_of("wall"), *in_pieces, "--report", "--out", folder / "refused"], code=2)
     assert done.stderr.count("--report: not with output.pieces") == 1, done.stderr
 
 

@@ -21,7 +21,7 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
                                        {"arch", "output.frames=1"},
                                        {"solid_wall_030_blocks", "dry_wall.1.courses=4"}}) {
     const Simulation simulation(read_scene(std::string(QUOIN_SCENES) + "/" + scene + ".toml", {setting}));
-    const Surfaces surfaces(simulation);
+    const Surfaces surfaces;
     VtkSeries(folder_, surfaces).add_frame(simulation);
     const double bytes = static_cast<double>(std::filesystem::file_size(folder_ / "blocks_0000.vtu") +
                                              std::filesystem::file_size(folder_ / "joints_0000.vtu"));
@@ -76,7 +76,7 @@ kernels = "general"
     for (const int i : {0, 1}) {
       const Simulation simulation(
           read_scene_text(begin + scene, "s.toml", {courses + std::string(i == 0 ? "4" : "8")}));
-      const Surfaces surfaces(simulation);
+      const Surfaces surfaces;
       VtkSeries(folder_, surfaces).add_frame(simulation);
       told[i] = frame_bytes(simulation, surfaces);
       written[i] = static_cast<double>(std::filesystem::file_size(folder_ / "blocks_0000.vtu") +

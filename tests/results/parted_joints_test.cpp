@@ -43,7 +43,7 @@ Pairs touching(const Simulation& simulation) {
 
 TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   Simulation simulation(read_scene_text(kScene, "parted.toml", {}), 1);
-  const Surfaces surfaces(simulation);
+  const Surfaces surfaces;
   const Pairs start = touching(simulation);
   EXPECT_TRUE(parted_joints(simulation).empty());
   Observer nobody;
@@ -90,7 +90,7 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
                     ground = block("name = \"ground\"\nfixed = true\n", "[-2, -0.2, -2]", "[6, 0.2, 6]");
   Simulation simulation(read_scene_text(head + front + back + ground + "[[stage]]\nduration = 1\n", "view.toml", {}),
                         1);
-  plot_block_cracks(folder_, simulation, Surfaces(simulation), "");
+  plot_block_cracks(folder_, simulation, Surfaces(), "");
   std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
   std::vector<std::array<double, 2>> across;  // of each polygon: left and right end on paper, m
   for (std::string line; std::getline(script, line);) {

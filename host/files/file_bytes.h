@@ -1,0 +1,37 @@
+// A part of a file as a source of bytes: only what is taken is read, and some hundred kilobytes at a time.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/archive.h"
+
+namespace quoin {
+
+struct InputFile;
+
+class FileBytes : public ByteSource {
+ public:
+  // All of the file. Throws Error(bad_input) as open_input_file, and where it can no longer be read.
+  explicit FileBytes(const std::filesystem::path& path);
+  ~FileBytes() override;
+  std::size_t left() const override { return end_ - position_; }
+  void take(void* to, std::size_t size) override;
+  void skip(std::size_t size) override { position_ += size; }
+
+  std::size_t position() const { return position_; }  // bytes from the beginning of the file
+  void end_after(std::size_t size) { end_ = position_ + size; }
+
+ private:
+  void read_at(std::size_t position, void* to, std::size_t size) const;
+
+  std::string path_;
+  std::unique_ptr<InputFile> file_;
+  std::size_t position_ = 0, end_ = 0;
+  std::vector<std::uint8_t> window_;  // of the file, from window_begin_ on
+  std::size_t window_begin_ = 0;
+};
+
+}  // namespace quoin

@@ -1,0 +1,147 @@
+// Results of a model of which each rank has a part, brought to rank 0 run by run: nobody has all of them.
+#include <algorithm>
+#include <cstring>
+#include <string_view>
+
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+constexpr std::int32_t kBlocks = 256, kPoints = 4096, kJoints = 1024;  // of a run at most: a megabyte of results
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// One process alone has no lists of ranks.
+int rank_in(const std::vector<int>& ranks, std::size_t i) { return ranks.empty() ? 0 : ranks[i]; }
+
+// Goes on with the last run, or begins another one.
+void extend(std::vector<Simulation::Run>& runs, std::int32_t end, int rank, std::int32_t most) {
+  const std::int32_t first = runs.empty() ? 0 : runs.back().end;
+  if (runs.empty() || runs.back().rank != rank || end - runs.back().first > most)
+    runs.push_back({first, end, rank});
+  else
+    runs.back().end = end;
+}
+
+}  // namespace
+
+// On the lattice each rank has its own part, until rank 0 has all.
+bool Simulation::Impl::ranks_bring() const { return in_parts && !riding && !gathered && !gathered_by_first; }
+
+std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  for (std::int32_t b = 0; b < static_cast<std::int32_t>(block_count()); ++b) {
+    const int item = s.riding ? s.item_of_riding_block[at(b)] : s.item_of_block(b);
+    extend(runs, b + 1, rank_in(s.share.rank_of_item, at(item)), kBlocks);
+  }
+  return runs;
+}
+
+std::vector<Simulation::Run> Simulation::runs_of_points() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  const std::int32_t points = s.all_points().end;
+  for (std::int32_t i = 0; s.riding && i < points; i += kPoints)
+    extend(runs, std::min(i + kPoints, points), 0, kPoints);
+  for (std::size_t c = 0; !s.riding && c < s.model.chunks.size(); ++c)
+    extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count, rank_in(s.share.rank_of_chunk, c),
+           kPoints);
+  return runs;
+}
+
+std::vector<Simulation::Run> Simulation::runs_of_joints() const {
+  std::vector<Run> runs;
+  const Impl& s = *impl_;
+  for (const Joint& joint : s.model.assembly.joints) {
+    const auto end = static_cast<std::int32_t>(&joint - s.model.assembly.joints.data()) + 1;
+    extend(runs, end, rank_in(s.share.rank_of_item, at(s.item_of_block(Model::sides_of(joint).a))), kJoints);
+  }
+  return runs;
+}
+
+bool Simulation::brings(const Run& run) const {
+  const int here = impl_->ranks ? impl_->ranks->rank() : 0;
+  return impl_->ranks_bring() ? run.rank == here : here == 0;
+}
+
+namespace {
+
+// Messages are of numbers.
+std::vector<double> words_for(std::size_t bytes) {
+  return std::vector<double>((bytes + sizeof(double) - 1) / sizeof(double));
+}
+
+void send_to_first(Ranks& ranks, std::string_view bytes) {
+  double size = static_cast<double>(bytes.size());
+  std::vector<double> words = words_for(bytes.size());
+  if (!bytes.empty()) std::memcpy(words.data(), bytes.data(), bytes.size());
+  for (const std::span<double> message : {std::span(&size, 1), std::span(words)}) {
+    const Ranks::Parcel parcel{0, message};
+    ranks.start({&parcel, 1}, {});
+    ranks.finish();
+  }
+}
+
+std::string receive_from(Ranks& ranks, int rank) {
+  const auto receive = [&](std::span<double> message) {
+    const Ranks::Parcel parcel{rank, message};
+    ranks.start({}, {&parcel, 1});
+    ranks.finish();
+  };
+  double size = 0.0;
+  receive({&size, 1});
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  std::vector<double> words = words_for(bytes.size());
+  receive(words);
+  if (!bytes.empty()) std::memcpy(bytes.data(), words.data(), bytes.size());
+  return bytes;
+}
+
+}  // namespace
+
+void Simulation::bring_to_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
+                                const std::function<void(const std::string&)>& take) const {
+  const bool is_first = !impl_->ranks || impl_->ranks->rank() == 0;
+  for (const Run& run : runs) {
+    const bool here = brings(run);
+    if (is_first) take(here ? make(run) : receive_from(*impl_->ranks, run.rank));
+    if (here && !is_first) send_to_first(*impl_->ranks, make(run));
+  }
+}
+
+bool Simulation::ranks_bring() const { return impl_->ranks_bring(); }
+
+double Simulation::largest_of_ranks(double brought) const {
+  return impl_->ranks_bring() ? impl_->largest_of_ranks(brought) : brought;
+}
+
+void Simulation::gather_at_first() { impl_->gather(Part::all, Who::first); }
+
+double Simulation::sum_of_ranks(double brought) const {
+  if (!impl_->ranks_bring()) return brought;
+  std::vector<double> of_rank(at(impl_->ranks->count()));
+  const std::vector<std::size_t> sizes(of_rank.size(), sizeof brought);
+  impl_->ranks->gather(std::as_bytes(std::span(&brought, 1)), sizes, std::as_writable_bytes(std::span(of_rank)));
+  double sum = 0.0;
+  for (const double x : of_rank) sum += x;
+  return sum;
+}
+
+void Simulation::each_own_point(const std::function<void(std::int32_t)>& visit) const {
+  const Impl& s = *impl_;
+  std::int32_t point = 0;
+  for (std::size_t f = 0; s.riding && f < s.riding->families().size(); ++f) {
+    for (const blocks::Point& p : s.riding->families()[f].point) {
+      if (owns_block(p.a)) visit(point);
+      ++point;
+    }
+  }
+  for (; !s.riding && point < s.model.point_count; ++point) {
+    if (owns_block(s.model.sides_of(point).a)) visit(point);
+  }
+}
+
+}  // namespace quoin

@@ -1,0 +1,90 @@
+// A law swap on the lattice: of the contact points that this rank evaluates, for a law sees each point by itself.
+#include "step/law_swap.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Neighbouring contact points of a family, in these chunks.
+struct PointRow {
+  std::size_t first, end;
+  std::vector<int> chunks;
+};
+
+// By chunk, each as the rank has it whose values count.
+std::vector<SwapSums> of_all_chunks(const std::vector<SwapSums>& here, const RankShare& share, Ranks& ranks) {
+  std::vector<SwapSums> own;
+  std::vector<std::size_t> sizes(at(ranks.count())), next(sizes.size());
+  for (std::size_t c = 0; c < here.size(); ++c) {
+    sizes[at(share.rank_of_chunk[c])] += sizeof(SwapSums);
+    if (share.owns_chunk(static_cast<int>(c), ranks.rank())) own.push_back(here[c]);
+  }
+  std::vector<SwapSums> by_rank(here.size()), all;
+  ranks.gather(std::as_bytes(std::span(own)), sizes, std::as_writable_bytes(std::span(by_rank)));
+  for (std::size_t r = 1; r < next.size(); ++r) next[r] = next[r - 1] + sizes[r - 1] / sizeof(SwapSums);
+  for (const int rank : share.rank_of_chunk) all.push_back(by_rank[next[at(rank)]++]);
+  return all;
+}
+
+}  // namespace
+
+void Simulation::Impl::swap_lattice_law(std::size_t f, std::shared_ptr<const Material> material) {
+  ContactFamily& family = model.families[f];
+  const auto first = at(family.first_point), count = at(family.point_count);
+  std::vector<PointRow> rows;
+  for (const int c : share.chunks) {
+    const ContactChunk& chunk = model.chunks[at(c)];
+    if (at(chunk.family) != f) continue;
+    const auto begin = at(chunk.first_point), end = begin + at(chunk.point_count);
+    if (rows.empty() || rows.back().end != begin) rows.push_back({begin, end, {}});
+    rows.back().end = end;
+    rows.back().chunks.push_back(c);
+  }
+
+  // Nothing is changed before all points have been taken over.
+  const std::size_t state_count = material->api().state_count;
+  LaneVector<double> state(state_count * count), shift = normal_shift;
+  if (shift.empty()) shift.resize(at(model.point_count));
+  std::vector<SwapSums> of_chunk(model.chunks.size());
+  std::optional<Error> fault;
+  for (const PointRow& row : rows) {
+    std::vector<double> opening;  // that belongs to the standing tractions
+    for (std::size_t p = row.first; p < row.end; ++p)
+      opening.push_back(opening_at_traction(static_cast<std::int32_t>(p)));
+    FamilyColumns points;
+    points.count = row.end - row.first;
+    points.opening = opening.data();
+    points.area = model.area.data() + row.first;
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = traction[k].data() + row.first;
+    for (std::uint64_t k = 0; k < family.material->api().state_count; ++k)
+      points.state.push_back(law_state[f].data() + k * count + (row.first - first));
+    try {
+      const MigratedFamily migrated = migrate(model.assembly.families[f], *family.material, *material, points);
+      for (std::size_t k = 0; k < state_count; ++k)
+        std::copy_n(migrated.state.begin() + static_cast<std::ptrdiff_t>(k * points.count), points.count,
+                    state.begin() + static_cast<std::ptrdiff_t>(k * count + (row.first - first)));
+      for (std::size_t i = 0; i < points.count; ++i) shift[row.first + i] += migrated.opening_shift[i];
+      for (const int c : row.chunks) {
+        const ContactChunk& chunk = model.chunks[at(c)];
+        of_chunk[at(c)] = migrated.sums(at(chunk.first_point) - row.first, at(chunk.point_count));
+      }
+    } catch (const Error& error) {
+      fault = error;
+      break;
+    }
+  }
+  throw_together(fault);
+
+  SwapSums sums;
+  for (const SwapSums& of_one : ranks ? of_all_chunks(of_chunk, share, *ranks) : of_chunk) sums.add(of_one);
+  swaps.push_back(report_of(family.name, *family.material, *material, sums));
+  normal_shift = std::move(shift);
+  law_state[f] = std::move(state);
+  family.material = std::move(material);
+  bind_columns();
+}
+
+}  // namespace quoin

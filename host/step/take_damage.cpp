@@ -1,0 +1,92 @@
+// Damage of the scene, before the first stage: on the lattice of the contact points that this rank evaluates.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "model/placed_points.h"
+#include "step/existing_damage.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool follows_cracks(const std::vector<Damage>& damage) {
+  return std::any_of(damage.begin(), damage.end(), [](const Damage& d) { return !d.crack.empty(); });
+}
+
+}  // namespace
+
+void Simulation::Impl::take_damage() {
+  if (scene.damage.empty()) return;
+  std::vector<CrackedBlock> blocks;
+  for (const Brick& b : model.assembly.bricks)
+    blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
+  for (int b = 0; riding && b < riding->block_count(); ++b)
+    blocks.push_back({geometry::array(riding->position(b)), riding->assembly().blocks[at(b)].unit});
+  std::vector<double> hit(scene.damage.size(), 0.0);  // contact points, by entry
+  std::optional<Error> fault;
+  for (std::size_t f = 0; f < model.families.size(); ++f) {
+    try {
+      riding ? damage_riding(f, blocks, hit) : damage_lattice(f, blocks, hit);
+    } catch (const Error& error) {
+      if (!fault) fault = error;
+    }
+  }
+  throw_together(fault);
+  if (ranks && !riding) {
+    ranks->largest(hit);
+    if (any_rank(!normal_shift.empty())) normal_shift.resize(at(model.point_count));
+  }
+  for (std::size_t d = 0; d < hit.size(); ++d) {
+    if (hit[d] == 0.0)
+      throw Error(Exit::bad_input, fmt::format("{}: no contact point of its joints lies there; check from, to, crack "
+                                               "(m) and joints",
+                                               scene.damage[d].source.text));
+  }
+}
+
+void Simulation::Impl::damage_riding(std::size_t f, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit) {
+  const blocks::Family& family = riding->families()[f];
+  std::vector<PlacedPoint> points;
+  for (const blocks::Point& p : family.point) points.push_back({geometry::array(p.at), p.area, p.a, p.b});
+  const DamagedFamily damaged = damage_family(scene.damage, riding->assembly().families[f], model.families[f].material,
+                                              points, points, blocks, family.columns, &hit);
+  if (damaged.points == 0) return;
+  riding->replace_law(static_cast<int>(f), model.families[f].material, damaged.state, damaged.opening_shift);
+}
+
+void Simulation::Impl::damage_lattice(std::size_t f, const std::vector<CrackedBlock>& blocks,
+                                      std::vector<double>& hit) {
+  const ContactFamily& family = model.families[f];
+  std::vector<std::int32_t> own;
+  for (const int c : chunks_here()) {
+    const ContactChunk& chunk = model.chunks[at(c)];
+    for (std::int32_t i = 0; at(chunk.family) == f && i < chunk.point_count; ++i) own.push_back(chunk.first_point + i);
+  }
+  const std::vector<PlacedPoint> points = placed_points(model, own);
+  // A crack sees where the whole of a joint is, and neighbouring ranks may have the rest of it.
+  std::vector<PlacedPoint> of_joints;
+  if (follows_cracks(scene.damage) && own.size() < at(family.point_count))
+    of_joints = placed_points(model, points_of_same_joints(model, family, own));
+  std::vector<PropertyColumn> columns;
+  for (const PropertyColumn& whole : family.columns) {
+    columns.push_back({whole.id, whole.usual, whole.most, {}});
+    for (const std::int32_t p : own) columns.back().values.push_back(whole.values[at(p - family.first_point)]);
+  }
+  const DamagedFamily damaged = damage_family(scene.damage, model.assembly.families[f], family.material, points,
+                                              of_joints.empty() ? points : of_joints, blocks, columns, &hit);
+  if (damaged.points == 0) return;
+  normal_shift.resize(at(model.point_count));
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const auto p = at(own[i] - family.first_point);
+    for (std::size_t k = 0; k < family.material->api().state_count; ++k)
+      law_state[f][k * at(family.point_count) + p] = damaged.state[k * own.size() + i];
+    normal_shift[at(own[i])] = damaged.opening_shift[i];
+  }
+}
+
+}  // namespace quoin

@@ -1,0 +1,149 @@
+// What rank 0 writes of what other ranks bring: the bytes of one process, and no rank waits for ever where it cannot.
+// Ranks are threads here.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <fstream>
+#include <map>
+#include <optional>
+
+#include "../host/thread_ranks.h"
+#include "base/error.h"
+#include "folder.h"
+#include "results/crushed_out.h"
+#include "results/plots.h"
+#include "results/vtk.h"
+#include "scene/read_scene.h"
+
+namespace quoin {
+namespace {
+
+class RankResults : public InFolder {};
+
+struct Case {
+  std::string scene;
+  std::vector<std::string> overrides;
+};
+const Case kWall{QUOIN_TESTS "/cli/small_wall.toml",
+                 {"wall.courses=5", "stage.precompression.duration=0.004", "stage.shear.displacement=0.00005"}};
+const Case kRigid{QUOIN_SCENES "/cube_wall_10.toml", {"stage.1.displacement=0.0001", "output.frames=2"}};
+
+// Writes frames, as the first of several ranks or alone.
+class Writer : public Observer {
+ public:
+  explicit Writer(const std::filesystem::path& folder) : frames_(folder, surfaces_) {}
+  void on_frame(const Simulation& simulation, int, int) override {
+    if (failed) return frames_.leave_out(simulation);
+    try {
+      frames_.add_piece(simulation);
+    } catch (const Error& error) {
+      failed = error.what();
+    }
+  }
+  void on_row(const HistoryRow& row) override { last = row.resistance; }
+  std::optional<std::string> failed;
+  double last = 0.0;
+
+ private:
+  Surfaces surfaces_;
+  VtkSeries frames_;
+};
+
+class Helper : public Observer {
+ public:
+  void on_frame(const Simulation& simulation, int, int) override { bring_frame(simulation, surfaces_); }
+
+ private:
+  Surfaces surfaces_;
+};
+
+struct Written {
+  std::map<std::string, std::string> bytes;  // by file
+  CrushedOut crushed_out;
+};
+
+Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* ranks) {
+  Simulation simulation(read_scene(of.scene, of.overrides), 1, ranks);
+  if (ranks && ranks->rank() > 0) {
+    Helper helper;
+    simulation.run(helper);
+    find_crushed_out(simulation);
+    bring_cracks(simulation, {});
+    return {};
+  }
+  std::filesystem::create_directories(folder);
+  Writer writer(folder);
+  simulation.run(writer);
+  EXPECT_EQ(writer.failed, std::nullopt);
+  Written written;
+  written.crushed_out = find_crushed_out(simulation);
+  plot_cracks(folder, simulation, {}, {}, "law", "");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string extension = entry.path().extension();
+    if (extension != ".vtu" && extension != ".dat") continue;
+    written.bytes[entry.path().filename()] = read_all(entry.path());
+  }
+  return written;
+}
+
+TEST_F(RankResults, HaveTheBytesOfOneProcess) {
+  for (const Case& of : {kWall, kRigid}) {
+    const Written alone = written_by(of, folder_ / "1", nullptr);
+    ASSERT_GE(alone.bytes.size(), 15u) << "two files a frame, nine of the picture";
+    ASSERT_GT(alone.bytes.at("joints_0001.vtu").size(), 5000u);
+    for (const int count : {2, 3}) {
+      Written first;
+      on_ranks(count, [&](Ranks& ranks) {
+        const Written here = written_by(of, folder_ / std::to_string(count), &ranks);
+        if (ranks.rank() == 0) first = here;
+      });
+      ASSERT_EQ(first.bytes.size(), alone.bytes.size());
+      for (const auto& [name, bytes] : alone.bytes) EXPECT_TRUE(first.bytes[name] == bytes) << name << ", " << count;
+    }
+    std::filesystem::remove_all(folder_);
+  }
+}
+
+// A wall of so little strength that points are crushed out, on every rank.
+TEST_F(RankResults, CountTheCrushedPointsOfAll) {
+  Case crushed = kWall;
+  for (const char* more : {"joints.mortar.compressive_strength=1e4", "joints.mortar.fracture_energy_compression=0.5",
+                           "solver.large_motion=never", "solver.past_motion_bound=warn"})
+    crushed.overrides.emplace_back(more);
+  const Written alone = written_by(crushed, folder_ / "1", nullptr);
+  ASSERT_GT(alone.crushed_out.points, 10);
+  ASSERT_GT(alone.crushed_out.overlap, 0.0);
+  on_ranks(3, [&](Ranks& ranks) {
+    const Written here = written_by(crushed, folder_ / "3", &ranks);
+    if (ranks.rank() > 0) return;
+    EXPECT_EQ(here.crushed_out.points, alone.crushed_out.points);
+    EXPECT_EQ(here.crushed_out.overlap, alone.crushed_out.overlap);
+  });
+}
+
+TEST_F(RankResults, RunGoesOnWhereFramesCannotBeWritten) {
+  std::filesystem::create_directories(folder_);
+  Writer alone(folder_);
+  Simulation one(read_scene(kWall.scene, kWall.overrides));
+  one.run(alone);
+  std::atomic<int> ended = 0;
+  on_ranks(3, [&](Ranks& ranks) {
+    Simulation simulation(read_scene(kWall.scene, kWall.overrides), 1, &ranks);
+    if (ranks.rank() > 0) {
+      Helper helper;
+      simulation.run(helper);
+    } else {
+      std::ofstream(folder_ / "taken") << "a file, no folder";
+      Writer writer(folder_ / "taken");
+      simulation.run(writer);
+      ASSERT_TRUE(writer.failed);
+      EXPECT_NE(writer.failed->find("cannot be written"), std::string::npos) << *writer.failed;
+      EXPECT_EQ(writer.last, alone.last);
+    }
+    ++ended;
+  });
+  EXPECT_EQ(ended, 3);
+}
+
+}  // namespace
+}  // namespace quoin
