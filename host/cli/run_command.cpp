@@ -350,7 +350,7 @@ void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed
 }
 
 Scene scene_of(RunOptions* options, const Ranks* ranks) {
-  if (ranks) options->scene.processes_here = ranks->count_on_this_machine();
+  if (ranks) options->scene.processes = ranks->count(), options->scene.processes_here = ranks->count_on_this_machine();
   Scene scene = prepare_scene(options->scene);
   if (options->report && pieces_of(scene, ranks).count > 1)
     throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");
