@@ -3,12 +3,32 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <memory>
 #include <vector>
 
 #include "results/report.h"
 
 namespace quoin {
+
+namespace {
+
+// Frames of large models take seconds each.
+class FramesTold {
+ public:
+  void operator()(const std::filesystem::path& folder, std::size_t frame, std::size_t frames) {
+    const auto now = Clock::now();
+    if (now - told_ < std::chrono::seconds(2)) return;
+    told_ = now;
+    fmt::print(stderr, "{}: frame {} of {}\n", folder.string(), frame, frames);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point told_ = Clock::now();
+};
+
+}  // namespace
 
 void add_report_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("report", "Write a page of a run, to be opened in a browser");
@@ -26,7 +46,9 @@ void add_report_command(CLI::App& app) {
       "  quoin report out/solid_wall_030\n"
       "  quoin report out/solid_wall_030 /tmp/brittle        two runs side by side\n"
       "  quoin run host/scenes/arch.toml --report            at the end of a run");
-  command->callback([folders] { fmt::print("{}\n", write_report({folders->begin(), folders->end()}).string()); });
+  command->callback([folders] {
+    fmt::print("{}\n", write_report({folders->begin(), folders->end()}, FramesTold()).string());
+  });
 }
 
 }  // namespace quoin

@@ -47,8 +47,9 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop, and so do a terminal that closes and a reader of our words that goes. A second
-// time ends the program at once; but a reader that is gone will be written to again.
+// Ctrl-C asks the simulation to stop, and so do a terminal that closes, a reader of our words that goes, and SIGUSR1,
+// which mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a
+// reader that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {
@@ -71,7 +72,7 @@ class StopOnSignal {
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
  private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGPIPE};
   std::array<struct sigaction, kSignals.size()> before_{};
 };
 

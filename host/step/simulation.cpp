@@ -119,8 +119,13 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
     if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
     if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
+    bool show = frame;
+    const auto show_frame = [&] {
+      if (show) s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+      show = false;
+    };
     // Before a row that only the stop asks for: who goes on from here has a history without it.
-    if (stop && !due && !done && !frame) pause(true);
+    if (stop && !due && !done) show_frame(), pause(true);
     if (row || done) {
       s.gather(Part::row);
       const auto before = Clock::now();
@@ -149,7 +154,8 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       if (s.next_row < s.stage_step)
         s.next_row += (s.stage_step - s.next_row + s.row_interval - 1) / s.row_interval * s.row_interval;
     }
-    if (frame) s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
+    show_frame();
+    if (stop && due && !done) pause(true);
     if (stop)
       throw Error(Exit::interrupted, fmt::format("stopped at step {} of stage '{}'", s.stage_step, settings.name));
     if (!done && s.stage_step >= settings.max_steps) {

@@ -201,6 +201,63 @@ TEST(Simulation, MeasuringDoesNotChangeABit) {
   }
 }
 
+// Wherever a run is stopped, before a row, at one or at a frame, it is kept, with a history and frames that the rest of
+// it continues as if nothing had happened.
+TEST(Simulation, StoppedRunsAreKeptWhereverTheyStop) {
+  struct Stopper : Recorder {
+    void on_row(const HistoryRow& row) override {
+      Recorder::on_row(row);
+      if (row.step >= stop_after && row.stage == 1) simulation->request_stop();
+    }
+    bool wants_pause(bool last) override { return last; }
+    void on_pause(const Simulation& s, bool last) override {
+      EXPECT_TRUE(last);
+      kept.push_back(s.save());
+      rows_kept = rows, frames_kept = frames;
+    }
+    Simulation* simulation = nullptr;
+    long stop_after = 0;
+    std::vector<std::vector<std::uint8_t>> kept;
+    std::vector<HistoryRow> rows_kept;
+    int frames_kept = 0;
+  };
+  int due = 0, at_frames = 0;
+  for (const long interval : {1L, 7L}) {
+    Scene scene = sheared_wall(0.02e-3, 3, 2);
+    scene.stages[1].record_interval = interval;
+    scene.output.frames = 60;
+    Simulation whole(scene, assemble(scene), 1);
+    Recorder all;
+    whole.run(all);
+    const long first_step = all.rows.back().step - 60;
+    for (long stop_after = first_step; stop_after < first_step + 12; ++stop_after) {
+      Simulation first(scene, assemble(scene), 1);
+      Stopper stopper;
+      stopper.simulation = &first;
+      stopper.stop_after = stop_after;
+      EXPECT_THROW(first.run(stopper), Error);
+      ASSERT_EQ(stopper.kept.size(), 1u) << "step " << first.step() << ", a row every " << interval;
+      due += stopper.rows_kept.size() == stopper.rows.size() ? 1 : 0;
+      at_frames += stopper.frames_kept > 0 ? 1 : 0;
+      Simulation second(scene, assemble(scene), 1);
+      second.restore(stopper.kept[0]);
+      Recorder rest;
+      second.run(rest);
+      EXPECT_EQ(second.hash(), whole.hash());
+      EXPECT_EQ(stopper.frames_kept + rest.frames, all.frames);
+      std::vector<HistoryRow> rows = stopper.rows_kept;
+      rows.insert(rows.end(), rest.rows.begin(), rest.rows.end());
+      ASSERT_EQ(rows.size(), all.rows.size());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        EXPECT_EQ(rows[i].step, all.rows[i].step);
+        EXPECT_EQ(rows[i].resistance, all.rows[i].resistance);
+      }
+    }
+  }
+  EXPECT_GE(due, 12) << "with a row every step";
+  EXPECT_GE(at_frames, 12);
+}
+
 TEST(Simulation, RestoredRunsGoOnBitForBit) {
   const Scene scene = sheared_wall(0.3e-3, 4, 2);
   struct Stopper : Recorder {

@@ -150,7 +150,7 @@ def killed():
 
 
 def stopped():
-    """Ctrl-C: all ranks stop at one step, and what was computed is kept."""
+    """Ctrl-C: all ranks stop at one step, and what was computed is kept. Or SIGUSR1, by way of mpirun."""
     out = folder / "stopped"
     process = start(3, [*long_scene, "--out", out])
     for _ in range(1200):
@@ -166,6 +166,24 @@ def stopped():
     run(1, ["--resume", out])
     run(1, [*long_scene, "--out", folder / "whole"])
     same(results(folder / "whole"), results(out), "stopped on 3 ranks, resumed on 1")
+
+    out = folder / "handed_on"
+    frames = ["--set", "output.frames=40"]
+    process = start(2, [*long_scene, *frames, "--out", out])
+    for _ in range(1200):
+        if (out / "blocks_0001.vtu").exists():
+            break
+        time.sleep(0.05)
+    process.send_signal(signal.SIGUSR1)
+    text = process.communicate(timeout=60)[0]
+    assert process.returncode == 130, (process.returncode, text)
+    assert json.loads((out / "summary.json").read_text())["status"] == "interrupted", text
+    assert (out / "checkpoint.bin").exists()
+    run(3, ["--resume", out])
+    run(1, [*long_scene, *frames, "--out", folder / "whole"])
+    same(results(folder / "whole"), results(out), "stopped on 2 ranks by mpirun, resumed on 3")
+    for file in sorted((folder / "whole").glob("*.vtu")):
+        assert file.read_bytes() == (out / file.name).read_bytes(), file
 
 
 def vanished():
