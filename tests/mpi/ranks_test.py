@@ -30,6 +30,12 @@ scenes = {
                                               "stage.weight.ramp_time=0.1", "stage.push.ramp_time=0.2"]),
     # A bonded wall of rigid units that loses its joints, a post and an arch that fall over each other.
     "collapse": (root / "host/scenes/mixed.toml", ["stage.push.duration=0.3"]),
+    # Cracked joints that stand open, drawn stiffnesses, raised inertia, another law for the last stage.
+    "damaged": (root / "host/scenes/damaged_wall_030.toml", [
+        "wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]", "damage.1.opening=1e-6",
+        "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3, correlation_length=0.2}",
+        "solver.selective_time_step=1.5e-5", "stage.precompression.duration=0.004", "stage.settlement.displacement=0.00001",
+        "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001", "stage.shear.law={mortar='coulomb_slip'}"]),
     # From the lattice to large motion in mid-run, with tractions and states.
     "promotion": (root / "tests/cli/small_wall.toml", ["solver.rotation_bound=1e-5", "stage.shear.displacement=0.0002"]),
     # Deformable blocks of any shape.
