@@ -169,6 +169,13 @@ def stopped():
     text = process.communicate(timeout=60)[0]
     assert process.returncode == 130, (process.returncode, text)
     assert json.loads((out / "summary.json").read_text())["status"] == "interrupted", text
+    checkpoint = out / "checkpoint.bin"
+    whole = checkpoint.read_bytes()
+    half = len(whole) // 2
+    checkpoint.write_bytes(whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1:])
+    done = run(2, ["--resume", out], code=3)
+    assert done.stderr.count("is damaged") == 1 and "refused by rank 0" not in done.stderr, done.stderr
+    checkpoint.write_bytes(whole)
     run(1, ["--resume", out])
     run(1, [*long_scene, "--out", folder / "whole"])
     same(results(folder / "whole"), results(out), "stopped on 3 ranks, resumed on 1")
