@@ -75,7 +75,7 @@ std::string value_text(const PropertySetting& p) {
 }
 
 // Before anything of that size is made.
-void refuse_what_does_not_fit(const Scene& scene, bool force, int processes) {
+void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
   constexpr double kMost = 2e9, kLarge = 1e8;  // what can be numbered; B from which on a user waits for the first word
   const SceneSize size = size_of(scene);
   const std::string words = fmt::format("{}: about {:.3g} blocks, {:.3g} zones and {:.3g} contact points", scene.file,
@@ -83,9 +83,11 @@ void refuse_what_does_not_fit(const Scene& scene, bool force, int processes) {
   if (std::max(size.zones, size.points) > kMost)
     throw Error(Exit::bad_input,
                 fmt::format("{}: of each, {:g} at most can be numbered; make the scene smaller", words, kMost));
-  if (!force)
-    require_memory(processes * size.bytes,
-                   processes > 1 ? fmt::format("{}, on each of {} ranks here", words, processes) : words,
+  const int here = options.processes_here;
+  const char* const each = size.bytes_shared > 0.0 ? "a part on each" : "all of them on each";
+  if (!options.force)
+    require_memory(here * (kProgramBytes + size.bytes_of_rank(options.processes)),
+                   options.processes > 1 ? fmt::format("{}, {} of {} ranks here,", words, each, here) : words,
                    "make the scene smaller, or try all the same with --force");
   if (size.bytes > kLarge)
     notice(fmt::format("{}, about {:.2g} GB; to make them takes a while", words, size.bytes / 1e9));
@@ -112,7 +114,7 @@ Scene prepare_scene(const SceneOptions& options) {
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
-  refuse_what_does_not_fit(scene, options.force, options.processes_here);
+  refuse_what_does_not_fit(scene, options);
   std::string faults;
   const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   for (auto& [name, family] : scene.joints) {

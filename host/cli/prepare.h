@@ -15,7 +15,8 @@ struct SceneOptions {
   std::string law;                  // replaces the law of every joint family; empty: as in the scene
   std::vector<std::string> overrides;
   bool force = false;      // models that seem too large for the machine, too
-  int processes_here = 1;  // that each hold the model on this machine
+  int processes = 1;       // that compute the model together
+  int processes_here = 1;  // of them, on this machine
 };
 
 // Reads the scene, refuses one that the memory of the machine cannot hold, replaces its laws when asked to (properties

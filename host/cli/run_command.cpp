@@ -351,7 +351,7 @@ void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed
 }
 
 Scene scene_of(RunOptions* options, const Ranks* ranks) {
-  if (ranks) options->scene.processes_here = ranks->count_on_this_machine();
+  if (ranks) options->scene.processes = ranks->count(), options->scene.processes_here = ranks->count_on_this_machine();
   Scene scene = prepare_scene(options->scene);
   if (options->report && pieces_of(scene, ranks).count > 1)
     throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");
@@ -376,6 +376,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   Simulation simulation(scene_of(&options, &ranks), threads_of(options, &ranks), &ranks);
   StoredState state;
   ranks.share(std::as_writable_bytes(std::span(&state, 1)));
+  if (state.is_refused) throw Error(Exit::bad_input, "the checkpoint is refused by rank 0, which says why");
   begin(&simulation, options.resume, state);
   const Pieces pieces = pieces_of(simulation.scene(), &ranks);
   SharedFolder folder;
@@ -562,8 +563,15 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   Identity identity = identity_of(simulation, info.provenance);
   Checkpoint before;
   const bool goes_on = lock && fs::exists(folder / "checkpoint.bin");
-  if (goes_on) before = find_checkpoint(folder / "checkpoint.bin", identity);
+  std::optional<Error> refused;
+  try {
+    if (goes_on) before = find_checkpoint(folder / "checkpoint.bin", identity);
+  } catch (const Error& error) {
+    refused = error;
+    before.stored.is_refused = true;
+  }
   if (ranks) ranks->share(std::as_writable_bytes(std::span(&before.stored, 1)));
+  if (refused) throw *refused;
   begin(&simulation, folder, before.stored);
   const Pieces pieces = pieces_of(simulation.scene(), ranks);
   if (pieces.count > 1) {

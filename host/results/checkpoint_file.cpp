@@ -212,7 +212,7 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   reader.array(stored.checkpoint.rows);
   reader.array(stored.checkpoint.frame_times);
   const std::uint64_t bytes = reader.count_of(1);
-  stored.checkpoint.stored = {file.position(), bytes, head.checksum};
+  stored.checkpoint.stored = {file.position(), bytes, head.checksum, false};
   return stored;
 }
 

@@ -28,6 +28,7 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
 struct StoredState {
   std::uint64_t begin = 0, bytes = 0;
   std::uint64_t checksum = 0;  // that the file is told by
+  bool is_refused = false;     // for other ranks: there is nothing to go on from
 };
 
 struct Checkpoint {

@@ -10,31 +10,55 @@ namespace quoin {
 
 namespace {
 
-// Bytes, measured with `quoin check`: walls of 1e4 to 3e5 blocks (200 and 3400), single blocks of 4e4 to 1e6 zones
-// (950, as seven of eight lanes are empty).
-constexpr double kOfBlock = 3500.0, kOfPoint = 500.0, kOfZone = 200.0, kOfZoneAlone = 950.0;
+// Bytes, fitted to the most memory that runs took (benchmarks/README.md, "Memory"). Of blocks that are alike, of which
+// eight share their lines.
+struct Costs {
+  double gridpoint, point, rigid_block;
+};
+constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
+constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
+constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;  // that every rank has of all blocks on the lattice
+constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too
 
 using Counts = std::array<double, 3>;
 
-// `count` blocks of hexahedra of 5 zones, with contact points at the gridpoints of one face in each direction.
-void add_zoned(double count, const Counts& hexahedra, double zone_bytes, SceneSize* size) {
-  const auto& [nx, ny, nz] = hexahedra;
-  const double zones = 5 * nx * ny * nz * count;
-  const double points = ((nx + 1) * (ny + 1) + (ny + 1) * (nz + 1) + (nz + 1) * (nx + 1)) * count;
-  size->blocks += count;
-  size->zones += zones;
-  size->points += points;
-  size->bytes += kOfBlock * count + zone_bytes * zones + kOfPoint * points;
+double gridpoints_of(const Counts& n) { return (n[0] + 1) * (n[1] + 1) * (n[2] + 1); }
+
+// At the gridpoints of one face in each direction: of blocks that may have neighbours everywhere.
+double points_all_round(const Counts& n) {
+  return (n[0] + 1) * (n[1] + 1) + (n[1] + 1) * (n[2] + 1) + (n[2] + 1) * (n[0] + 1);
 }
 
-// Points at the corners of each face, or no further apart than `spacing`, m, where that is more than 0.
-void add_rigid(double count, const Vec3& extent, double spacing, SceneSize* size) {
+// Of a head joint and of the bed joints to the next course: half units lie on one block, whole ones across two.
+double points_in_a_wall(const Counts& n, bool halves) {
+  const double bed = halves ? n[0] + 1 : 2 * (std::ceil(n[0] / 2) + 1);
+  return (n[1] + 1) * (n[2] + 1) + bed * (n[2] + 1);
+}
+
+// `count` blocks of hexahedra of 5 zones.
+void add_zoned(double count, const Counts& n, double points, const Costs& costs, double alone, SceneSize* size) {
+  size->blocks += count;
+  size->zones += 5 * n[0] * n[1] * n[2] * count;
+  size->points += points * count;
+  size->bytes += count * (alone * costs.gridpoint * gridpoints_of(n) + costs.point * points);
+}
+
+// A contact point of a rigid block has a gridpoint to itself on either side where gridpoints are the lattice's.
+void add_rigid(double count, double points, const Costs& costs, SceneSize* size) {
+  const double gridpoints = costs.rigid_block > 0.0 ? 0.0 : 2.0 * points;
+  size->blocks += count;
+  size->points += points * count;
+  size->bytes += count * (costs.rigid_block + costs.gridpoint * gridpoints + costs.point * points);
+}
+
+// Points of a rigid block at the corners of each face, or no further apart than `spacing`, m, where that is more than
+// 0.
+Counts parts_of_rigid(const Vec3& extent, double spacing) {
   constexpr double kMostParts = 100.0;  // of a side: geometry/overlap.cpp
   Counts n{1, 1, 1};
   for (std::size_t k = 0; k < 3 && spacing > 0.0; ++k)
     n[k] = std::clamp(std::ceil(extent[k] / spacing), 1.0, kMostParts);
-  add_zoned(count, n, 0.0, size);
-  size->zones -= 5 * n[0] * n[1] * n[2] * count;
+  return n;
 }
 
 void add_tetrahedra(const BlockSpec& block, SceneSize* size) {
@@ -42,7 +66,7 @@ void add_tetrahedra(const BlockSpec& block, SceneSize* size) {
   size->blocks += 1;
   size->zones += zones;
   size->points += gridpoints;
-  size->bytes += kOfBlock + kOfZoneAlone * zones + kOfPoint * gridpoints;
+  size->bytes += kAlone * kLargeMotion.gridpoint * std::max(gridpoints, zones / 5) + kLargeMotion.point * gridpoints;
 }
 
 Counts divided(const Vec3& extent, double edge) {
@@ -66,13 +90,10 @@ void add_block(const BlockSpec& block, double spacing, SceneSize* size) {
   } else {
     return;
   }
-  if (block.rigid)
-    add_rigid(1, extent, spacing, size);
-  else if (!block.tetrahedra.empty())
-    add_tetrahedra(block, size);
-  else
-    add_zoned(1, block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge), kOfZoneAlone,
-              size);
+  if (block.rigid) return add_rigid(1, points_all_round(parts_of_rigid(extent, spacing)), kLargeMotion, size);
+  if (!block.tetrahedra.empty()) return add_tetrahedra(block, size);
+  const Counts n = block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge);
+  add_zoned(1, n, points_all_round(n), kLargeMotion, kAlone, size);
 }
 
 void add_dry_wall(const DryWallSpec& wall, double spacing, SceneSize* size) {
@@ -82,24 +103,27 @@ void add_dry_wall(const DryWallSpec& wall, double spacing, SceneSize* size) {
   Counts hexahedra = as_counts(wall.zones);
   if (!halves) hexahedra[0] *= 2;
   if (wall.rigid)
-    add_rigid(count, extent, spacing, size);
-  else
-    add_zoned(count, wall.zones[0] > 0 ? hexahedra : divided(extent, wall.zone_edge), kOfZone, size);
+    return add_rigid(count, points_in_a_wall(parts_of_rigid(extent, spacing), halves), kLargeMotion, size);
+  const Counts n = wall.zones[0] > 0 ? hexahedra : divided(extent, wall.zone_edge);
+  add_zoned(count, n, points_in_a_wall(n, halves), kLargeMotion, 1.0, size);
 }
 
 void add_arch(const ArchSpec& arch, double spacing, SceneSize* size) {
   const double turn = std::abs(arch.angles[1] - arch.angles[0]) * std::numbers::pi / 180;
   const Vec3 extent{(arch.radius + arch.thickness / 2) * turn / arch.voussoirs, arch.thickness, arch.depth};
   if (arch.rigid)
-    add_rigid(arch.voussoirs + 2, extent, spacing, size);
-  else
-    add_zoned(arch.voussoirs, divided(extent, arch.zone_edge), kOfZone, size);
+    return add_rigid(arch.voussoirs + 2, points_all_round(parts_of_rigid(extent, spacing)), kLargeMotion, size);
+  const Counts n = divided(extent, arch.zone_edge);
+  add_zoned(arch.voussoirs, n, points_all_round(n), kLargeMotion, 1.0, size);
 }
 
 }  // namespace
 
 SceneSize size_of(const Scene& scene) {
   SceneSize size;
+  const bool on_lattice =
+      scene.solver.large_motion != LargeMotion::always && scene.solver.kernels != Kernels::general && !scene.blocks;
+  const Costs& costs = on_lattice ? kLattice : kLargeMotion;
   if (scene.wall) {
     const WallSpec& wall = *scene.wall;
     Counts hexahedra = as_counts(wall.zones);
@@ -108,15 +132,16 @@ SceneSize size_of(const Scene& scene) {
     const double blocks = wall.mid_unit_joints ? halves : halves / 2;
     if (!wall.mid_unit_joints) hexahedra[0] *= 2;
     if (wall.rigid_units)
-      add_rigid(blocks, wall.unit, 0.0, &size);
+      add_rigid(blocks, points_in_a_wall({1, 1, 1}, wall.mid_unit_joints), costs, &size);
     else
-      add_zoned(blocks, hexahedra, kOfZone, &size);
+      add_zoned(blocks, hexahedra, points_in_a_wall(hexahedra, wall.mid_unit_joints), costs, 1.0, &size);
   }
   if (scene.building) {
     const BuildingSpec& building = *scene.building;
     double halves = static_cast<double>(building.corners.size());
     for (const BuildingSpec::Wall& wall : building.walls) halves += wall.half_units;
-    add_zoned(halves * building.courses, as_counts(building.zones), kOfZone, &size);
+    const Counts hexahedra = as_counts(building.zones);
+    add_zoned(halves * building.courses, hexahedra, points_in_a_wall(hexahedra, true), costs, 1.0, &size);
   }
   if (scene.blocks) {
     const double spacing = scene.blocks->contact.point_spacing;
@@ -124,7 +149,14 @@ SceneSize size_of(const Scene& scene) {
     for (const DryWallSpec& wall : scene.blocks->walls) add_dry_wall(wall, spacing, &size);
     for (const ArchSpec& arch : scene.blocks->arches) add_arch(arch, spacing, &size);
   }
+  const bool all_rigid = size.zones == 0.0;  // rigid blocks are part of the outline
+  if (on_lattice && !all_rigid)
+    size.bytes_shared = std::max(0.0, size.bytes - kOutlineOfBlock * size.blocks - kOutlineOfPoint * size.points);
   return size;
+}
+
+double SceneSize::bytes_of_rank(int ranks) const {
+  return bytes - bytes_shared * std::max(0.0, 1.0 - kOnBorders / ranks);
 }
 
 }  // namespace quoin

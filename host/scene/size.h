@@ -5,11 +5,17 @@
 
 namespace quoin {
 
-// Blocks of mesh files are not counted: only reading them tells.
+inline constexpr double kProgramBytes = 19e6;  // of memory, before there is any model; with MPI some more
+
+// Blocks of mesh files are not counted: only reading them tells. Walls and buildings are counted as they begin; in
+// large motion, which they may come to, they take about four times as much. Blocks of any shape are counted in large
+// motion, though some of them can begin as a lattice.
 struct SceneSize {
   double blocks = 0.0, zones = 0.0;
-  double points = 0.0;  // of contacts, at most
-  double bytes = 0.0;   // of memory, within about a factor of 2
+  double points = 0.0;        // of contacts, at most
+  double bytes = 0.0;         // of memory for it, the most in a run, within about 20 % for walls and buildings
+  double bytes_shared = 0.0;  // of these, what several ranks divide among them; the rest each has
+  double bytes_of_rank(int ranks) const;
 };
 
 SceneSize size_of(const Scene& scene);

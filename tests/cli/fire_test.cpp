@@ -429,7 +429,7 @@ duration = 1
   // The same wall fits here, and not there.
   EXPECT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}, here(8)), 0) << error_;
   EXPECT_THAT(out_, ContainsRegex("memory of the model about [1-9] MB of 8000 MB here"));
-  const std::vector<std::string> larger{"check", QUOIN_SCENES "/solid_wall_030.toml", "--set", "wall.zones=[16,16,16]"};
+  const std::vector<std::string> larger{"check", QUOIN_SCENES "/solid_wall_030.toml", "--set", "wall.zones=[32,16,16]"};
   EXPECT_EQ(quoin(larger, here(0.25)), 3);
   EXPECT_THAT(error_, HasSubstr("--force"));
   EXPECT_EQ(quoin({"check", small_, "--set", "joints.mortar.normal_stiffness=1e300"}, here(8)), 3);

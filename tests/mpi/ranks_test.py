@@ -30,6 +30,12 @@ scenes = {
                                               "stage.weight.ramp_time=0.1", "stage.push.ramp_time=0.2"]),
     # A bonded wall of rigid units that loses its joints, a post and an arch that fall over each other.
     "collapse": (root / "host/scenes/mixed.toml", ["stage.push.duration=0.3"]),
+    # Cracked joints that stand open, drawn stiffnesses, raised inertia, another law for the last stage.
+    "damaged": (root / "host/scenes/damaged_wall_030.toml", [
+        "wall.courses=8", "wall.zones=[2, 1, 1]", "damage.1.crack=[[0.11, 0.4], [0.88, 0.07]]", "damage.1.opening=1e-6",
+        "joints.unit.normal_stiffness={distribution='lognormal', mean=1000e9, cov=0.3, correlation_length=0.2}",
+        "solver.selective_time_step=1.5e-5", "stage.precompression.duration=0.004", "stage.settlement.displacement=0.00001",
+        "stage.settlement.ramp_time=0.001", "stage.shear.displacement=0.00001", "stage.shear.law={mortar='coulomb_slip'}"]),
     # From the lattice to large motion in mid-run, with tractions and states.
     "promotion": (root / "tests/cli/small_wall.toml", ["solver.rotation_bound=1e-5", "stage.shear.displacement=0.0002"]),
     # Deformable blocks of any shape.
@@ -163,6 +169,13 @@ def stopped():
     text = process.communicate(timeout=60)[0]
     assert process.returncode == 130, (process.returncode, text)
     assert json.loads((out / "summary.json").read_text())["status"] == "interrupted", text
+    checkpoint = out / "checkpoint.bin"
+    whole = checkpoint.read_bytes()
+    half = len(whole) // 2
+    checkpoint.write_bytes(whole[:half] + bytes([whole[half] ^ 1]) + whole[half + 1:])
+    done = run(2, ["--resume", out], code=3)
+    assert done.stderr.count("is damaged") == 1 and "refused by rank 0" not in done.stderr, done.stderr
+    checkpoint.write_bytes(whole)
     run(1, ["--resume", out])
     run(1, [*long_scene, "--out", folder / "whole"])
     same(results(folder / "whole"), results(out), "stopped on 3 ranks, resumed on 1")
