@@ -18,6 +18,7 @@ struct Costs {
 constexpr Costs kLattice{147.0, 207.0, 0.0}, kLargeMotion{572.0, 872.0, 1900.0};
 constexpr double kAlone = 8.0;  // times a gridpoint of a block that is like no other: it has one lane of eight
 constexpr double kOutlineOfBlock = 550.0, kOutlineOfPoint = 50.0;  // that every rank has of all blocks on the lattice
+constexpr double kOutlineInMotion = 0.25;  // share of memory in large motion that every rank has of all
 constexpr double kOnBorders = 1.13;  // times an equal share, of what a rank has beside: it has what lies on borders too
 
 using Counts = std::array<double, 3>;
@@ -152,6 +153,9 @@ SceneSize size_of(const Scene& scene) {
   const bool all_rigid = size.zones == 0.0;  // rigid blocks are part of the outline
   if (on_lattice && !all_rigid)
     size.bytes_shared = std::max(0.0, size.bytes - kOutlineOfBlock * size.blocks - kOutlineOfPoint * size.points);
+  const bool scatters =
+      std::any_of(scene.joints.begin(), scene.joints.end(), [](const auto& joint) { return joint.second.scatters(); });
+  if (!on_lattice && scene.damage.empty() && !scatters) size.bytes_shared = (1.0 - kOutlineInMotion) * size.bytes;
   return size;
 }
 

@@ -27,8 +27,8 @@ void extend(std::vector<Simulation::Run>& runs, std::int32_t end, int rank, std:
 
 }  // namespace
 
-// On the lattice each rank has its own part, until rank 0 has all.
-bool Simulation::Impl::ranks_bring() const { return in_parts && !riding && !gathered && !gathered_by_first; }
+// Each rank has its own part, until rank 0 has all.
+bool Simulation::Impl::ranks_bring() const { return in_parts && !gathered && !gathered_by_first; }
 
 std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
   std::vector<Run> runs;
@@ -43,9 +43,11 @@ std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
 std::vector<Simulation::Run> Simulation::runs_of_points() const {
   std::vector<Run> runs;
   const Impl& s = *impl_;
-  const std::int32_t points = s.all_points().end;
-  for (std::int32_t i = 0; s.riding && i < points; i += kPoints)
-    extend(runs, std::min(i + kPoints, points), 0, kPoints);
+  std::int32_t end = 0;
+  for (int c = 0; s.riding && c < s.riding->chunk_count(); ++c) {
+    end += static_cast<std::int32_t>(s.riding->range_of_chunk(c).count);  // family after family
+    extend(runs, end, rank_in(s.share.rank_of_chunk, at(c)), kPoints);
+  }
   for (std::size_t c = 0; !s.riding && c < s.model.chunks.size(); ++c)
     extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count, rank_in(s.share.rank_of_chunk, c),
            kPoints);
@@ -132,14 +134,11 @@ double Simulation::sum_of_ranks(double brought) const {
 
 void Simulation::each_own_point(const std::function<void(std::int32_t)>& visit) const {
   const Impl& s = *impl_;
-  std::int32_t point = 0;
-  for (std::size_t f = 0; s.riding && f < s.riding->families().size(); ++f) {
-    for (const blocks::Point& p : s.riding->families()[f].point) {
-      if (owns_block(p.a)) visit(point);
-      ++point;
-    }
-  }
-  for (; !s.riding && point < s.model.point_count; ++point) {
+  if (s.riding)
+    return s.each_riding_point_here([&](std::int32_t point, int block_a) {
+      if (owns_block(block_a)) visit(point);
+    });
+  for (std::int32_t point = 0; point < s.model.point_count; ++point) {
     if (owns_block(s.model.sides_of(point).a)) visit(point);
   }
 }

@@ -559,8 +559,7 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
 }
 
 void Simulation::Impl::fetch_for_frame() {
-  if ((!in_parts || riding) && !scene.output.pieces) return gather(Part::all, Who::first);
-  if (riding && in_parts) gather(Part::all);  // pieces are made of all of it
+  if (!in_parts && !scene.output.pieces) return gather(Part::all, Who::first);
   if (!ranks || riding) return;
   const auto before = Clock::now();
   hear_all_of_borders();

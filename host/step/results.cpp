@@ -366,16 +366,11 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
   return sum;
 }
 
-// What results are made of that rank 0 writes afterwards; all of it only where it is not in parts, or in large motion
-// where pictures or files of all of it are asked for.
+// What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
   if (!riding) hear_all_of_borders();
   end_conditions = conditions_of_all();
-  if (riding) {
-    const bool crushed_out = (*end_conditions)[static_cast<std::size_t>(Condition::crushed_out)] > 0;
-    if (crushed_out || scene.output.plots || scene.output.end_state) return gather(Part::all, Who::first);
-  }
   gather(Part::row);
   end_hash = hash_by_parts(false);
 }

@@ -582,6 +582,12 @@ std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) co
   return result;
 }
 
+void Simulation::Impl::each_riding_point_here(const std::function<void(std::int32_t, int)>& visit) const {
+  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), all_points())) {
+    for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
+  }
+}
+
 std::vector<ContactPoint> Simulation::Impl::riding_points(const PointRange& range,
                                                           const std::function<bool(int block)>& wanted) const {
   const std::vector<std::uint32_t> flags_there = current_flags(range);

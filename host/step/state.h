@@ -229,6 +229,7 @@ struct Simulation::Impl {
   std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
   std::vector<ContactPoint> riding_points(const PointRange& range, const std::function<bool(int block)>& wanted) const;
   std::vector<double> riding_state(const std::string& id, const PointRange& range) const;
+  void each_riding_point_here(const std::function<void(std::int32_t point, int block_a)>& visit) const;
   std::vector<int> riding_chunks_here() const;
   void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
   void measure_riding_step();
