@@ -76,8 +76,10 @@ void Simulation::Impl::look_at_stiffness() {
     batch.tangent[8] = {shear[1].data() + first, 1};
   });
   std::size_t point = 0;
-  const auto hold = [&](const Material& material, std::size_t count) {
-    const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
+  // family_normal, family_shear: of the largest properties where they scatter.
+  const auto hold = [&](const Material& material, double family_normal, double family_shear, std::size_t count) {
+    quoin_stiffness_bounds bounds = material.stiffness_bounds();
+    bounds.normal = std::max(bounds.normal, family_normal), bounds.shear = std::max(bounds.shear, family_shear);
     const auto ratio = [&](double stiffness, double bound) {
       if (bound > 0.0) watch.stiffness_ratio = std::max(watch.stiffness_ratio, stiffness / bound);
     };
@@ -87,12 +89,13 @@ void Simulation::Impl::look_at_stiffness() {
     }
   };
   if (riding) {
-    for (const blocks::Family& f : riding->families()) hold(*f.material, f.size());
+    for (const blocks::Family& f : riding->families()) hold(*f.material, f.kn, f.ks, f.size());
     const auto counts = in_parts && !has_all() ? conditions_of_all() : conditions_here();
     watch.crushed_out = std::max(watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
   } else {
     for (const ContactFamily& family : model.families)
-      hold(*family.material, static_cast<std::size_t>(family.point_count));
+      hold(*family.material, family.normal_stiffness, family.shear_stiffness,
+           static_cast<std::size_t>(family.point_count));
   }
 }
 

@@ -265,6 +265,20 @@ TEST(Columns, StiffnessThatScattersLowersTheTimeStep) {
   EXPECT_LT(of_blocks.time_step_report().time_step, blocks.time_step_report().time_step);
 }
 
+// The watch holds tangents against the largest stiffness drawn, which the time step follows, and not against the mean:
+// nothing to be warned of. By no more than the least tangent of a law that follows its bound, and rounding.
+TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
+  const Settings stiff{"joints.mortar.normal_stiffness={distribution=\"uniform\",lower=20e9,upper=160e9}"};
+  for (const char* kernels : {"solver.kernels=automatic", "solver.kernels=general"}) {
+    Simulation simulation(read_scene(kSmall, kQuick + stiff + Settings{kernels}));
+    Observer nobody;
+    simulation.run(nobody);
+    EXPECT_LE(simulation.watch().stiffness_ratio, 1.0 + 1e-9) << kernels;
+    EXPECT_GT(simulation.watch().stiffness_ratio, 0.9) << "some point is as stiff as the stiffest drawn";
+    for (const Warning& warning : simulation.outcome().warnings) EXPECT_NE(warning.about, "time_step") << kernels;
+  }
+}
+
 TEST(Columns, MissingMortarLeavesJointsOut) {
   const auto joints = [](const Settings& settings) {
     const Assembly a = assemble(read_scene(kSmall, Settings{"wall.courses=30", "wall.units_per_course=20"} + settings));
