@@ -22,14 +22,13 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
   gather(Part::row);
-  if (!in_parts)
+  const bool swaps_laws = !settings.law_swaps.empty();
+  if (!in_parts || (riding && swaps_laws))
     gather(Part::all);
   else if (settings.whiffletree && !riding)
     gather(Part::all, Who::holders);
-  else if (!settings.law_swaps.empty() && !riding)
+  else if (swaps_laws)
     hear_all_of_borders();
-  else if (!settings.law_swaps.empty())
-    gather(Part::all);
   const Stage* const previous = index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr;
   if (riding && in_parts) tell_blocks_of_stage(settings, previous);
   if (riding)
