@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstring>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "base/ranks.h"
@@ -82,6 +83,16 @@ class RankRows {
   Ranks& ranks_;
   std::vector<Row> of_rank_;
 };
+
+// What each rank has, by rank.
+template <class T>
+std::vector<T> of_all_ranks(Ranks& ranks, const T& own) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<T> all(static_cast<std::size_t>(ranks.count()));
+  const std::vector<std::size_t> sizes(all.size(), sizeof own);
+  ranks.gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(all)));
+  return all;
+}
 
 // Each value by the rank that knows it: rank_of(index). null: one process alone, which knows all.
 template <class T, class RankOf>

@@ -492,8 +492,9 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   keep([&] { recorder.history().finish(); });
   keep([&] {
     if (output.frames == 0) return;
-    if (failure && has_all && info.law_answers && recorder.frames_fault()) bring_frame(simulation, surfaces);
-    if (failure && has_all && info.law_answers && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
+    const bool shows_end = failure && has_all && info.law_answers;
+    if (shows_end && recorder.frames_fault()) bring_frame(simulation, surfaces);
+    if (shows_end && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
   info.quasi_static = check_quasi_static(rows, simulation.scene());

@@ -9,10 +9,10 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "base/archive.h"
+#include "base/attempt.h"
 #include "base/error.h"
 #include "base/sha256.h"
 #include "files/file.h"
@@ -125,15 +125,8 @@ namespace {
 void write_stored(const std::filesystem::path& path, const Identity& identity, const std::vector<HistoryRow>& rows,
                   const std::vector<double>& frame_times, std::uint64_t state_bytes,
                   const std::function<void(const Simulation::TakeBytes&)>& give) {
-  std::optional<Error> fault;
+  Attempt unless_it_failed;
   std::unique_ptr<DurableFile> file;
-  const auto unless_it_failed = [&](const auto& write) {
-    try {
-      if (!fault) write();
-    } catch (const Error& error) {
-      fault = error;
-    }
-  };
   Head head;
   Checksum sum;
   const auto append = [&](std::span<const std::uint8_t> bytes) {
@@ -158,7 +151,7 @@ void write_stored(const std::filesystem::path& path, const Identity& identity, c
     head.checksum = sum.end();
     file->finish(as_bytes(head));
   });
-  if (fault) throw *fault;
+  unless_it_failed.rethrow();
 }
 
 }  // namespace

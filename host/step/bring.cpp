@@ -3,6 +3,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "base/rank_rows.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -124,11 +125,8 @@ void Simulation::gather_at_first() { impl_->gather(Part::all, Who::first); }
 
 double Simulation::sum_of_ranks(double brought) const {
   if (!impl_->ranks_bring()) return brought;
-  std::vector<double> of_rank(at(impl_->ranks->count()));
-  const std::vector<std::size_t> sizes(of_rank.size(), sizeof brought);
-  impl_->ranks->gather(std::as_bytes(std::span(&brought, 1)), sizes, std::as_writable_bytes(std::span(of_rank)));
   double sum = 0.0;
-  for (const double x : of_rank) sum += x;
+  for (const double x : of_all_ranks(*impl_->ranks, brought)) sum += x;
   return sum;
 }
 

@@ -466,9 +466,7 @@ double Simulation::Impl::largest_of_ranks(double here) const {
 void Simulation::Impl::balance_ranks() {
   if (!ranks || ++window.steps < RankBalance::kWindow) return;
   const double own = dear_blocks ? pretended_seconds() : traffic.own_seconds - window.seconds_before;
-  std::vector<double> seconds(at(ranks->count()));
-  const std::vector<std::size_t> sizes(seconds.size(), sizeof own);
-  ranks->gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(seconds)));
+  const std::vector<double> seconds = of_all_ranks(*ranks, own);
   const bool worth = balance.is_worth_dividing(seconds, window.estimated);
   traffic.uneven = most_over_mean(seconds);
   if (worth) divide_anew();
@@ -647,9 +645,7 @@ void Simulation::Impl::collect_traffic() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   traffic.peak_memory = 1024.0 * static_cast<double>(usage.ru_maxrss);
-  traffic_of_all.resize(at(ranks->count()));
-  const std::vector<std::size_t> sizes(at(ranks->count()), sizeof traffic);
-  ranks->gather(std::as_bytes(std::span(&traffic, 1)), sizes, std::as_writable_bytes(std::span(traffic_of_all)));
+  traffic_of_all = of_all_ranks(*ranks, traffic);
 }
 
 }  // namespace quoin

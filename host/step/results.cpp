@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/rank_rows.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -355,12 +356,8 @@ std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
 }
 
 std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
-  const std::array<long, kConditionCount> own = own_conditions();
-  std::vector<std::array<long, kConditionCount>> of_rank(at(ranks->count()));
-  const std::vector<std::size_t> sizes(of_rank.size(), sizeof own);
-  ranks->gather(std::as_bytes(std::span(&own, 1)), sizes, std::as_writable_bytes(std::span(of_rank)));
   std::array<long, kConditionCount> sum{};
-  for (const auto& counts : of_rank) {
+  for (const auto& counts : of_all_ranks(*ranks, own_conditions())) {
     for (std::size_t k = 0; k < counts.size(); ++k) sum[k] += counts[k];
   }
   return sum;
