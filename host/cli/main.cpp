@@ -22,6 +22,7 @@
 #include "cli/report_command.h"
 #include "cli/reproduce_command.h"
 #include "cli/run_command.h"
+#include "cli/spectrum_command.h"
 #include "files/notice.h"
 #include "law/law_watch.h"
 
@@ -68,7 +69,8 @@ int run_command(int argc, char** argv) {
       "  quoin fit --help                                   properties of a joint from measured curves\n"
       "  quoin reproduce --list                             the studies of the paper\n"
       "  quoin report out/solid_wall_030                    a page of a run, for a browser\n"
-      "  quoin ensemble host/studies/solid_wall_030.toml    many walls with scattered joints"};
+      "  quoin ensemble host/studies/solid_wall_030.toml    many walls with scattered joints\n"
+      "  quoin spectrum RECORD.AT2 --out out/spectrum       response spectrum of a record"};
   app.name("quoin");
   app.footer(
       "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
@@ -87,6 +89,7 @@ int run_command(int argc, char** argv) {
   quoin::add_report_command(app);
   quoin::add_ensemble_command(app, exit_code);
   quoin::add_sensitivity_command(app, exit_code);
+  quoin::add_spectrum_command(app);
 
   try {
     app.parse(argc, argv);

@@ -1,0 +1,330 @@
+#include "records/read_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/input_file.h"
+#include "base/number_text.h"
+
+namespace quoin {
+namespace {
+
+constexpr std::size_t kEsmHeaderLines = 64;
+
+struct Unit {
+  const char* name;
+  MotionKind kind;
+  double factor;  // to SI
+};
+constexpr Unit kUnits[] = {
+    {"m/s2", MotionKind::acceleration, 1.0},     {"m/s^2", MotionKind::acceleration, 1.0},
+    {"m/s/s", MotionKind::acceleration, 1.0},    {"cm/s2", MotionKind::acceleration, 1e-2},
+    {"cm/s^2", MotionKind::acceleration, 1e-2},  {"cm/s/s", MotionKind::acceleration, 1e-2},
+    {"cm/sec2", MotionKind::acceleration, 1e-2}, {"cm/sec/sec", MotionKind::acceleration, 1e-2},
+    {"mm/s2", MotionKind::acceleration, 1e-3},   {"mm/s^2", MotionKind::acceleration, 1e-3},
+    {"gal", MotionKind::acceleration, 1e-2},     {"g", MotionKind::acceleration, kStandardGravity},
+    {"m/s", MotionKind::velocity, 1.0},          {"cm/s", MotionKind::velocity, 1e-2},
+    {"cm/sec", MotionKind::velocity, 1e-2},      {"mm/s", MotionKind::velocity, 1e-3},
+    {"m", MotionKind::displacement, 1.0},        {"cm", MotionKind::displacement, 1e-2},
+    {"mm", MotionKind::displacement, 1e-3}};
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string trimmed(const std::string& text) {
+  const auto first = text.find_first_not_of(" \t\r\"");
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\"") - first + 1);
+}
+
+const Unit* unit_named(const std::string& name) {
+  const auto* found =
+      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& unit) { return lower(name) == unit.name; });
+  return found == std::end(kUnits) ? nullptr : found;
+}
+
+// The lines of a file and where a fault is.
+class Lines {
+ public:
+  explicit Lines(const std::string& file) : file_(file) {
+    std::istringstream stream(read_input_file(file));
+    for (std::string line; std::getline(stream, line);) {
+      if (line_.empty() && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+      line_.push_back(std::move(line));
+    }
+  }
+  std::size_t size() const { return line_.size(); }
+  const std::string& operator[](std::size_t i) const { return line_[i]; }
+  [[noreturn]] void refuse(const std::string& why) const { throw Error(Exit::bad_input, file_ + ": " + why); }
+  [[noreturn]] void refuse(std::size_t i, const std::string& why) const {
+    throw Error(Exit::bad_input, fmt::format("{}:{}: '{}': {}", file_, i + 1, line_[i].substr(0, 80), why));
+  }
+  double number(std::size_t i, const std::string& word, const char* what) const {
+    double value = 0.0;
+    if (!parse_number(word, value) || !std::isfinite(value))
+      refuse(i, fmt::format("{} '{}'; allowed: a finite number", what, word.substr(0, 40)));
+    return value;
+  }
+  double positive(std::size_t i, const std::string& word, const char* what) const {
+    const double value = number(i, word, what);
+    if (!(value > 0.0)) refuse(i, fmt::format("{} {}; allowed: more than 0", what, value));
+    return value;
+  }
+  // All numbers from line `first` on, parted by blanks and commas, times `factor`.
+  std::vector<double> numbers_from(std::size_t first, double factor) const {
+    std::vector<double> values;
+    for (std::size_t i = first; i < size(); ++i) {
+      std::string line = line_[i];
+      std::replace(line.begin(), line.end(), ',', ' ');
+      std::istringstream words(line);
+      for (std::string word; words >> word;) values.push_back(factor * number(i, word, "the value"));
+    }
+    return values;
+  }
+  const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+  std::vector<std::string> line_;
+};
+
+// A record of one component at equal steps from 0 s on. stated: how many values the header promises.
+GroundRecord even_record(const Lines& lines, std::string name, MotionKind kind, double step, double stated,
+                         std::vector<double> values) {
+  if (stated != static_cast<double>(values.size()))
+    lines.refuse(fmt::format("the header states {} values, the file has {}; is it complete?", stated, values.size()));
+  if (values.size() < 2) lines.refuse(fmt::format("{} values; allowed: at least 2", values.size()));
+  GroundRecord record;
+  record.source = lines.file(), record.kind = kind;
+  for (std::size_t i = 0; i < values.size(); ++i) record.time.push_back(static_cast<double>(i) * step);
+  record.components.push_back({std::move(name), std::move(values)});
+  return record;
+}
+
+// The number beside KEY in a line such as "NPTS=  5366, DT=   .0050 SEC" or, of the older form, " 5366  .0050 NPTS,
+// DT".
+std::optional<std::string> beside(const std::string& line, const std::string& key, std::size_t place_before) {
+  const auto at = line.find(key + "=");
+  std::string rest = at == std::string::npos ? line : line.substr(at + key.size() + 1);
+  std::replace(rest.begin(), rest.end(), ',', ' ');
+  std::istringstream words(rest);
+  std::string word;
+  for (std::size_t k = 0; k <= (at == std::string::npos ? place_before : 0); ++k) words >> word;
+  return word.empty() ? std::nullopt : std::optional(word);
+}
+
+bool is_peer(const Lines& lines) {
+  if (lines.size() < 5) return false;
+  return lower(lines[2]).find("units of") != std::string::npos && lower(lines[3]).find("npts") != std::string::npos;
+}
+
+GroundRecord read_peer(const Lines& lines) {
+  const std::string units = lower(lines[2]);
+  const std::string name = trimmed(units.substr(units.find("units of") + 8));
+  std::string word = name.substr(0, name.find_first_of(" \t,;"));
+  if (word.ends_with('.')) word.pop_back();
+  const Unit* const unit = unit_named(word);
+  if (!unit) lines.refuse(2, "its unit is unknown; allowed: G, CM/SEC/SEC, CM/SEC, CM and the units of CSV records");
+  std::string sizes = lines[3];
+  for (char& c : sizes) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (auto at = sizes.find(" ="); at != std::string::npos; at = sizes.find(" =")) sizes.erase(at, 1);
+  const auto count = beside(sizes, "NPTS", 0), step = beside(sizes, "DT", 1);
+  if (!count || !step) lines.refuse(3, "NPTS and DT are missing; allowed: NPTS= 5366, DT= .0050 SEC");
+  const std::string station = trimmed(lines[1]);
+  const auto comma = station.find_last_of(',');
+  return even_record(lines, comma == std::string::npos ? "component" : trimmed(station.substr(comma + 1)), unit->kind,
+                     lines.positive(3, *step, "DT"), lines.positive(3, *count, "NPTS"),
+                     lines.numbers_from(4, unit->factor));
+}
+
+bool is_esm(const Lines& lines) {
+  for (std::size_t i = 0; i < std::min(lines.size(), kEsmHeaderLines); ++i)
+    if (lines[i].starts_with("SAMPLING_INTERVAL_S:")) return true;
+  return false;
+}
+
+GroundRecord read_esm(const Lines& lines) {
+  if (lines.size() <= kEsmHeaderLines)
+    lines.refuse(
+        fmt::format("{} lines; an ESM file has {} lines of header and a value a line", lines.size(), kEsmHeaderLines));
+  std::string stream = "component";
+  const Unit* unit = nullptr;
+  double step = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < kEsmHeaderLines; ++i) {
+    const auto colon = lines[i].find(':');
+    if (colon == std::string::npos) lines.refuse(i, "allowed in the header: KEY: value");
+    const std::string key = lines[i].substr(0, colon), value = trimmed(lines[i].substr(colon + 1));
+    if (key == "SAMPLING_INTERVAL_S") step = lines.positive(i, value, "SAMPLING_INTERVAL_S");
+    if (key == "NDATA") count = lines.positive(i, value, "NDATA");
+    if (key == "STREAM" && !value.empty()) stream = value;
+    if (key == "UNITS") {
+      unit = unit_named(value);
+      if (!unit) lines.refuse(i, "its unit is unknown; allowed: cm/s^2, cm/s, cm and the units of CSV records");
+    }
+  }
+  if (step == 0.0 || count == 0.0 || !unit)
+    lines.refuse("the header lacks SAMPLING_INTERVAL_S, NDATA or UNITS; is it an ESM file of processed data?");
+  return even_record(lines, stream, unit->kind, step, count, lines.numbers_from(kEsmHeaderLines, unit->factor));
+}
+
+std::vector<std::string> cells_of(std::string line, char separator) {
+  line.erase(std::min(line.size(), line.find_first_of("#%")));
+  std::vector<std::string> cells;
+  std::istringstream stream(line);
+  if (separator == ' ') {
+    for (std::string cell; stream >> cell;) cells.push_back(cell);
+    return cells;
+  }
+  if (trimmed(line).empty()) return cells;
+  for (std::string cell; std::getline(stream, cell, separator);) cells.push_back(trimmed(cell));
+  return cells;
+}
+
+char separator_of(const std::string& line) {
+  for (const char c : {',', ';', '\t'})
+    if (line.find(c) != std::string::npos) return c;
+  return ' ';
+}
+
+// "x (g)", "x [g]" and "x_g": the name and the unit.
+std::pair<std::string, std::string> name_and_unit(const std::string& cell) {
+  const auto open = cell.find_last_of("([");
+  if (open != std::string::npos && open > 0) {
+    const auto close = cell.find_first_of(")]", open);
+    if (close != std::string::npos)
+      return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, close - open - 1))};
+  }
+  const auto underscore = cell.find_last_of('_');
+  if (underscore == std::string::npos || underscore == 0) return {cell, ""};
+  return {cell.substr(0, underscore), cell.substr(underscore + 1)};
+}
+
+class CsvRecord {
+ public:
+  explicit CsvRecord(const Lines& lines) : lines_(lines) { record_.source = lines.file(); }
+
+  GroundRecord read() {
+    bool first = true;
+    char separator = ' ';
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      if (first) separator = separator_of(lines_[i].substr(0, lines_[i].find_first_of("#%")));
+      const std::vector<std::string> cells = cells_of(lines_[i], separator);
+      if (cells.empty()) continue;
+      double number = 0.0;
+      if (first && !parse_number(cells[0], number))
+        take_header(i, cells);
+      else
+        take_row(i, cells, first);
+      first = false;
+    }
+    if (record_.time.size() < 2)
+      lines_.refuse(fmt::format("{} rows of numbers; allowed: at least 2", record_.time.size()));
+    return std::move(record_);
+  }
+
+ private:
+  void take_header(std::size_t line, const std::vector<std::string>& cells) {
+    if (cells.size() < 2)
+      lines_.refuse(line, "one column; allowed: time and at least one component, each with its unit");
+    const auto [time, time_unit] = name_and_unit(cells[0]);
+    if (time_unit == "ms")
+      time_factor_ = 1e-3;
+    else if (time_unit.empty())
+      record_.assumptions.push_back(fmt::format("{}: times are in s", lines_.file()));
+    else if (time_unit != "s")
+      lines_.refuse(line, fmt::format("the unit '{}' of the time; allowed: s, ms", time_unit));
+    std::optional<MotionKind> kind;
+    for (std::size_t c = 1; c < cells.size(); ++c) {
+      const auto [name, unit_name] = name_and_unit(cells[c]);
+      const Unit* unit = unit_named(unit_name);
+      if (!unit && !unit_name.empty() && cells[c].find_first_of("([") != std::string::npos)
+        lines_.refuse(line,
+                      fmt::format("the unit '{}' of column {} is unknown; allowed: m/s2, cm/s2, mm/s2, gal, g, m/s, "
+                                  "cm/s, mm/s, m, cm, mm",
+                                  unit_name, c + 1));
+      if (!unit) {
+        record_.assumptions.push_back(
+            fmt::format("{}: column '{}' is an acceleration in m/s2", lines_.file(), cells[c]));
+        unit = &kUnits[0];
+      }
+      if (kind && *kind != unit->kind)
+        lines_.refuse(line, fmt::format("column {} is in {}, column 2 in {}; allowed: accelerations, velocities or "
+                                        "displacements, not a mixture",
+                                        c + 1, motion_unit(unit->kind), motion_unit(*kind)));
+      kind = unit->kind;
+      factors_.push_back(unit->factor);
+      record_.components.push_back({unit == &kUnits[0] && unit_name != unit->name ? cells[c] : name, {}});
+    }
+    record_.kind = *kind;
+  }
+
+  void take_row(std::size_t line, const std::vector<std::string>& cells, bool without_header) {
+    if (without_header) {
+      if (cells.size() < 2) lines_.refuse(line, "one number; allowed: a time and at least one value");
+      record_.assumptions.push_back(fmt::format("{}: times are in s, values are accelerations in m/s2", lines_.file()));
+      for (std::size_t c = 1; c < cells.size(); ++c) {
+        record_.components.push_back({cells.size() == 2 ? "acceleration" : fmt::format("column {}", c + 1), {}});
+        factors_.push_back(1.0);
+      }
+    }
+    if (cells.size() != record_.components.size() + 1)
+      lines_.refuse(line, fmt::format("{} values; allowed: {}, as in the first line", cells.size(),
+                                      record_.components.size() + 1));
+    const double time = time_factor_ * lines_.number(line, cells[0], "the time");
+    if (time < 0.0) lines_.refuse(line, "the time is negative; allowed: 0 s or later");
+    if (!record_.time.empty() && time <= record_.time.back())
+      lines_.refuse(line, fmt::format("the time {} s does not lie after {} s before it; allowed: times that increase",
+                                      time, record_.time.back()));
+    record_.time.push_back(time);
+    for (std::size_t c = 0; c < factors_.size(); ++c)
+      record_.components[c].value.push_back(factors_[c] * lines_.number(line, cells[c + 1], "the value"));
+  }
+
+  const Lines& lines_;
+  GroundRecord record_;
+  double time_factor_ = 1.0;
+  std::vector<double> factors_;  // of the components, to SI
+};
+
+}  // namespace
+
+GroundRecord read_record(const std::string& file) {
+  const Lines lines(file);
+  if (is_peer(lines)) return read_peer(lines);
+  if (is_esm(lines)) return read_esm(lines);
+  const std::string extension = lower(std::filesystem::path(file).extension().string());
+  if (extension == ".at2" || extension == ".vt2" || extension == ".dt2")
+    lines.refuse(
+        "its four lines of header do not state units and NPTS as PEER files do; allowed: line 3 '... IN UNITS OF "
+        "G', line 4 'NPTS= 5366, DT= .0050 SEC'");
+  return CsvRecord(lines).read();
+}
+
+GroundRecord read_record(const std::vector<std::string>& files) {
+  if (files.empty()) throw Error(Exit::bad_input, "no file of a record is given");
+  GroundRecord record = read_record(files[0]);
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    GroundRecord next = read_record(files[i]);
+    if (next.kind != record.kind)
+      throw Error(Exit::bad_input, fmt::format("{} is in {}, {} in {}; allowed: one kind", files[i],
+                                               motion_unit(next.kind), files[0], motion_unit(record.kind)));
+    if (next.time != record.time)
+      throw Error(Exit::bad_input,
+                  fmt::format("{} has {} times up to {} s, {} has {} up to {} s; allowed: the same times", files[i],
+                              next.time.size(), next.time.back(), files[0], record.time.size(), record.time.back()));
+    std::move(next.components.begin(), next.components.end(), std::back_inserter(record.components));
+    std::move(next.assumptions.begin(), next.assumptions.end(), std::back_inserter(record.assumptions));
+    record.source += ", " + files[i];
+  }
+  return record;
+}
+
+}  // namespace quoin

@@ -1,0 +1,116 @@
+#include "records/record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace quoin {
+namespace {
+
+// Derivative of samples at unequal times: slope at a sample of the parabola through it and its two neighbours.
+std::vector<double> derivative(const std::vector<double>& t, const std::vector<double>& y) {
+  const std::size_t n = y.size();
+  std::vector<double> slope(n - 1), result(n);
+  for (std::size_t i = 0; i + 1 < n; ++i) slope[i] = (y[i + 1] - y[i]) / (t[i + 1] - t[i]);
+  if (n == 2) return {slope[0], slope[0]};
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
+    result[i] = (after * slope[i - 1] + before * slope[i]) / (before + after);
+  }
+  result[0] = 2.0 * slope[0] - result[1];
+  result[n - 1] = 2.0 * slope[n - 2] - result[n - 2];
+  return result;
+}
+
+// Second derivative of the same parabola; at the ends that of the neighbour.
+std::vector<double> second_derivative(const std::vector<double>& t, const std::vector<double>& y) {
+  const std::size_t n = y.size();
+  std::vector<double> result(n, 0.0);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double before = t[i] - t[i - 1], after = t[i + 1] - t[i];
+    result[i] = 2.0 * ((y[i + 1] - y[i]) / after - (y[i] - y[i - 1]) / before) / (before + after);
+  }
+  if (n > 2) result[0] = result[1], result[n - 1] = result[n - 2];
+  return result;
+}
+
+double largest_magnitude(const std::vector<double>& values) {
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::abs(value));
+  return largest;
+}
+
+// Time at which an increasing sum over the steps reaches `wanted`, linear within a step.
+double time_of(const std::vector<double>& time, const std::vector<double>& sum, double wanted) {
+  for (std::size_t i = 1; i < sum.size(); ++i) {
+    if (sum[i] < wanted) continue;
+    const double step = sum[i] - sum[i - 1];
+    return time[i - 1] + (step > 0.0 ? (wanted - sum[i - 1]) / step : 0.0) * (time[i] - time[i - 1]);
+  }
+  return time.back();
+}
+
+}  // namespace
+
+const char* motion_unit(MotionKind kind) {
+  switch (kind) {
+    case MotionKind::acceleration:
+      return "m/s2";
+    case MotionKind::velocity:
+      return "m/s";
+    case MotionKind::displacement:
+      return "m";
+  }
+  return "";
+}
+
+MotionHistory integrate_acceleration(const TimeSeries& acceleration) {
+  const auto& [time, a] = acceleration;
+  MotionHistory motion{std::vector<double>(a.size(), 0.0), std::vector<double>(a.size(), 0.0)};
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const double h = time[i] - time[i - 1], v = motion.velocity[i - 1];
+    motion.velocity[i] = v + 0.5 * h * (a[i - 1] + a[i]);
+    motion.displacement[i] = motion.displacement[i - 1] + h * v + h * h * (2.0 * a[i - 1] + a[i]) / 6.0;
+  }
+  return motion;
+}
+
+TimeSeries acceleration_of(const GroundRecord& record, std::size_t component) {
+  const std::vector<double>& value = record.components[component].value;
+  switch (record.kind) {
+    case MotionKind::acceleration:
+      return {record.time, value};
+    case MotionKind::velocity:
+      return {record.time, derivative(record.time, value)};
+    case MotionKind::displacement:
+      return {record.time, second_derivative(record.time, value)};
+  }
+  return {};
+}
+
+RecordMeasures measure_record(const TimeSeries& acceleration) {
+  const auto& [time, a] = acceleration;
+  const MotionHistory motion = integrate_acceleration(acceleration);
+  RecordMeasures m;
+  m.pga = largest_magnitude(a);
+  m.pgv = largest_magnitude(motion.velocity);
+  m.pgd = largest_magnitude(motion.displacement);
+  m.end_velocity = motion.velocity.back(), m.end_displacement = motion.displacement.back();
+
+  std::vector<double> squares(a.size(), 0.0);  // integral of a^2, m2/s3
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    const double h = time[i] - time[i - 1];
+    squares[i] = squares[i - 1] + h * (a[i - 1] * a[i - 1] + a[i - 1] * a[i] + a[i] * a[i]) / 3.0;
+    if (a[i - 1] * a[i] < 0.0) {  // the velocity turns within the step
+      const double turn = h * a[i - 1] / (a[i - 1] - a[i]);
+      m.pgv = std::max(m.pgv, std::abs(motion.velocity[i - 1] + 0.5 * turn * a[i - 1]));
+    }
+  }
+  m.arias = std::numbers::pi / (2.0 * kStandardGravity) * squares.back();
+  if (squares.back() > 0.0)
+    m.significant_duration =
+        time_of(time, squares, 0.95 * squares.back()) - time_of(time, squares, 0.05 * squares.back());
+  return m;
+}
+
+}  // namespace quoin

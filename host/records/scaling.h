@@ -1,0 +1,19 @@
+// A record brought to a wanted intensity.
+#pragma once
+
+#include "base/time_series.h"
+
+namespace quoin {
+
+struct IntensityTarget {
+  enum class Measure { pga, pgv, spectral_acceleration } measure = Measure::pga;
+  double value = 0.0;     // m/s2, or m/s for pgv; > 0
+  double period = 0.0;    // of the spectral (pseudo-) acceleration, s
+  double damping = 0.05;  // of it, share of critical
+};
+
+// Factor on the acceleration that gives it this intensity: all three measures are proportional to it.
+// Throws Error(bad_input): values out of range, a record that is 0 throughout.
+double scale_to(const TimeSeries& acceleration, const IntensityTarget& target);
+
+}  // namespace quoin

@@ -1,0 +1,63 @@
+// `quoin spectrum` as a user calls it: a PEER file of one component, whose spectrum is known in closed form.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class Spectrum : public Cli {
+ protected:
+  // A step of 0.1 g that lasts 10 s.
+  std::string step_record() const {
+    std::string text =
+        "PEER NGA STRONG MOTION DATABASE RECORD\nMade, today, here, 090\nACCELERATION TIME SERIES IN UNITS OF G\n"
+        "NPTS=   1001, DT=   .0100 SEC\n";
+    for (int i = 0; i < 1001; ++i) text += fmt::format("  .1000000E+00{}", i % 5 == 4 ? "\n" : "");
+    const std::string file = (folder_ / "RECORD.AT2").string();
+    std::ofstream(file) << text;
+    return file;
+  }
+};
+
+// Damped response to a step: Sd = (a/w^2)(1 + exp(-pi z/sqrt(1 - z^2))) at half a damped period; extremes within 0.05
+// %.
+TEST_F(Spectrum, OfAStepIsThatOfTheClosedForm) {
+  ASSERT_EQ(quoin({"spectrum", step_record(), "--damping", "0.05", "--out", out()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("1001 samples, 10 s, recorded in m/s2"));
+  std::istringstream csv(read_all(fs::path(out()) / "spectrum.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line,
+            "component,damping,period_s,displacement_m,velocity_m_s,pseudo_velocity_m_s,pseudo_acceleration_m_s2,"
+            "absolute_acceleration_m_s2");
+  const double expected = 0.980665 * (1.0 + std::exp(-M_PI * 0.05 / std::sqrt(1.0 - 0.0025)));
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows) {
+    std::istringstream cells(line);
+    std::string cell;
+    for (int c = 0; c < 7; ++c) std::getline(cells, cell, ',');
+    EXPECT_NEAR(std::stod(cell), expected, 1e-3 * expected) << line;
+  }
+  EXPECT_EQ(rows, 200);
+  const auto json = nlohmann::json::parse(read_all(fs::path(out()) / "spectrum.json"));
+  EXPECT_NEAR(json["components"][0]["end_velocity_m_s"], 9.80665, 1e-9);
+  EXPECT_EQ(json["components"][0]["name"], "090");
+}
+
+TEST_F(Spectrum, BadInputIsNamedAndLeavesNothing) {
+  EXPECT_EQ(quoin({"spectrum", (folder_ / "none.at2").string()}), 3);
+  EXPECT_THAT(error_, HasSubstr("no such file"));
+  EXPECT_EQ(quoin({"spectrum", step_record(), "--damping", "1.5", "--out", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("damping 1.5"));
+  EXPECT_FALSE(fs::exists(out()));
+  EXPECT_EQ(quoin({"spectrum", step_record(), "--baseline", "high-pass"}), 2);
+  EXPECT_THAT(error_, HasSubstr("--corner"));
+}
+
+}  // namespace

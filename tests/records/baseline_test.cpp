@@ -1,0 +1,62 @@
+#include "records/baseline.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "records/record.h"
+
+namespace quoin {
+namespace {
+
+using std::numbers::pi;
+
+// Least squares give back a polynomial that was added, to rounding.
+TEST(Baseline, PolynomialThatWasAddedIsRemoved) {
+  TimeSeries drift;
+  for (int i = 0; i <= 4000; ++i) {
+    const double t = 0.01 * i;
+    drift.time.push_back(t);
+    drift.value.push_back(0.3 - 0.02 * t + 0.001 * t * t - 2e-5 * t * t * t);
+  }
+  const TimeSeries left = correct_baseline(drift, {BaselineCorrection::Kind::polynomial, 3, 0.0});
+  for (const double value : left.value) EXPECT_NEAR(value, 0.0, 1e-12);
+}
+
+// Two passes of a Butterworth filter of order n: gain 1/(1 + (fc/f)^(2n)), no shift of phase. Middle of a long sine.
+TEST(Baseline, HighPassHasItsGainAndNoShiftOfPhase) {
+  const double corner = 0.5, step = 0.005;
+  for (const int order : {1, 2, 3, 4}) {
+    for (const double f : {0.25, 0.5, 1.0, 5.0}) {
+      TimeSeries sine;
+      for (int i = 0; i <= 16000; ++i)
+        sine.time.push_back(step * i), sine.value.push_back(std::sin(2 * pi * f * step * i));
+      const TimeSeries out = correct_baseline(sine, {BaselineCorrection::Kind::high_pass, order, corner});
+      // The bilinear transform bends frequencies: tan(pi f h) stands for f.
+      const double ratio = std::tan(pi * corner * step) / std::tan(pi * f * step);
+      const double gain = 1.0 / (1.0 + std::pow(ratio, 2 * order));
+      double in_phase = 0.0, out_of_phase = 0.0;
+      for (int i = 6000; i < 10000; ++i) {  // 20 s: whole periods of each
+        in_phase += out.value[static_cast<std::size_t>(i)] * std::sin(2 * pi * f * step * i) / 2000.0;
+        out_of_phase += out.value[static_cast<std::size_t>(i)] * std::cos(2 * pi * f * step * i) / 2000.0;
+      }
+      EXPECT_NEAR(in_phase, gain, 1e-6) << order << ", " << f << " Hz";
+      EXPECT_NEAR(out_of_phase, 0.0, 1e-6) << order << ", " << f << " Hz";
+    }
+  }
+}
+
+TEST(Baseline, RefusesOrdersCornersAndUnequalSteps) {
+  const TimeSeries even{{0.0, 0.1, 0.2}, {0.0, 1.0, 0.0}}, uneven{{0.0, 0.1, 0.3}, {0.0, 1.0, 0.0}};
+  using Kind = BaselineCorrection::Kind;
+  EXPECT_ANY_THROW(correct_baseline(even, {Kind::polynomial, 11, 0.0}));
+  EXPECT_ANY_THROW(correct_baseline(even, {Kind::polynomial, 3, 0.0}));  // three samples
+  EXPECT_ANY_THROW(correct_baseline(even, {Kind::high_pass, 2, 0.0}));
+  EXPECT_ANY_THROW(correct_baseline(even, {Kind::high_pass, 2, 2.6}));
+  EXPECT_ANY_THROW(correct_baseline(uneven, {Kind::high_pass, 2, 0.1}));
+  EXPECT_EQ(correct_baseline(uneven, {}).value, uneven.value);
+}
+
+}  // namespace
+}  // namespace quoin
