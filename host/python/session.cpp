@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -79,6 +80,32 @@ class Isolated {
  private:
   LawIsolation before_;
 };
+
+std::vector<Vec3> gridpoints_of(const Simulation& simulation) {
+  std::vector<Vec3> places;
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const auto of_block = simulation.block_mesh(b).gridpoint;
+    places.insert(places.end(), of_block.begin(), of_block.end());
+  }
+  return places;
+}
+
+// By gridpoint of the mesh of now: its number among these places, which are the same block by block.
+std::vector<std::size_t> numbers_among(const std::vector<Vec3>& places, const Simulation& simulation) {
+  const auto key = [](const Vec3& x) {  // cells of 0.1 um, whose borders lie where no gridpoint does
+    std::array<long long, 3> cell{};
+    for (std::size_t c = 0; c < 3; ++c) cell[c] = std::llround(x[c] * 1e7 + 0.3183);
+    return cell;
+  };
+  std::vector<std::size_t> numbers;
+  for (int b = 0; b < simulation.block_count(); ++b) {
+    const auto of_block = simulation.block_mesh(b).gridpoint;
+    std::map<std::array<long long, 3>, std::size_t> then;
+    for (std::size_t i = 0; i < of_block.size(); ++i) then.emplace(key(places[numbers.size() + i]), numbers.size() + i);
+    for (const Vec3& x : of_block) numbers.push_back(then.at(key(x)));
+  }
+  return numbers;
+}
 
 Identity identity_of(const std::string& scene_hash) {
   return {{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
@@ -187,8 +214,11 @@ void Session::on_progress(const Progress& progress) {
 void Session::on_frame(const Simulation& simulation, int, int) {
   if (series_) series_->add_frame(simulation);
   if (!keep_frames_) return;
+  auto places = std::make_shared<const std::vector<Vec3>>(gridpoints_of(simulation));
+  if (!frames_.empty() && *frames_.back().place == *places) places = frames_.back().place;
   Frame& frame = frames_.emplace_back();
   frame.time = simulation.time();
+  frame.place = std::move(places);
   for (int b = 0; b < simulation.block_count(); ++b) {
     const std::vector<Vec3> moved = simulation.block_displacement(b);
     frame.displacement.insert(frame.displacement.end(), moved.begin(), moved.end());
@@ -261,13 +291,16 @@ std::string Session::finish(const std::string& status, const std::string& messag
 }
 
 py::list Session::frames() const {
-  use();
+  const Simulation& simulation = use();
   py::list result;
+  std::vector<std::size_t> number;
   for (const Frame& frame : frames_) {
+    if (&frame == frames_.data() || frame.place != (&frame - 1)->place)
+      number = numbers_among(*frame.place, simulation);
     py::dict d = joints_of(frame.joints);
     py::dict of_frame;
     of_frame["time"] = frame.time;
-    of_frame["displacement"] = vectors_of(frame.displacement, [](const Vec3& u) { return u; });
+    of_frame["displacement"] = vectors_of(number, [&](std::size_t i) { return frame.displacement[i]; });
     of_frame["joints"] = d;
     result.append(of_frame);
   }

@@ -1,0 +1,189 @@
+"""The numbers of the page of a run, beside its files. The page's own script runs in Node, with stubs for the browser."""
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import quoin
+from support import SMALL_WALL, SOURCE
+import numpy as np  # after support, which tells where it is missing
+from vtu import Vtu, history_of, times_of
+
+COLD, MIDDLE, WARM = (np.array(c) / 255 for c in ([59, 76, 192], [224, 217, 205], [180, 4, 38]))
+UNITS = dict(damage=("", 1), opening=("mm", 1e3), slip=("mm", 1e3), stress=("MPa", 1e-6), displacement=("mm", 1e3))
+
+
+def colours_of(values, most):
+    """From blue over the middle to red; the scale ends at the largest value of the run, either side of nothing alike."""
+    t = np.clip(values / most, -1, 1)[:, None]
+    return MIDDLE + np.abs(t) * (np.where(t < 0, COLD, WARM) - MIDDLE)
+
+
+def precision(value, digits=3):
+    """As toPrecision of JavaScript writes moderate numbers."""
+    text = f"{value:.{digits - 1}e}"
+    places = digits - 1 - int(text.split("e")[1])
+    return f"{value:.{max(0, places)}f}"
+
+
+class Page(unittest.TestCase):
+    """The small wall, cracked: all of its gridpoints are on its surface, and so vertices of the page."""
+
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory(dir=os.environ.get("QUOIN_WORK"))
+        cls.addClassCleanup(holder.cleanup)
+        scene, out = quoin.Scene.load(SMALL_WALL), os.path.join(holder.name, "wall")
+        scene.solver = dict(large_motion="never", past_motion_bound="warn")
+        scene.stage[1].velocity = 0.2
+        scene.output = dict(frames=3, energy=True)
+        quoin.run(scene, out=out, report=True, threads=1)
+        told = subprocess.run([NODE, os.path.join(SOURCE, "tests/python/page.js"), os.path.join(out, "report.html")],
+                              capture_output=True, text=True, timeout=120, check=True)
+        page = json.loads(told.stdout)
+        assert page["ready"] == "yes", page["fault"]
+        cls.run_, cls.times, cls.history = page["runs"][0], times_of(out), history_of(out)
+        cls.blocks, cls.joints = ([Vtu(f"{out}/{kind}_{k:04}.vtu") for k in range(len(cls.times))]
+                                  for kind in ("blocks", "joints"))
+        assert cls.run_["vertices"] == len(cls.blocks[0]["position"])
+
+    def values(self, what, k):
+        """At the vertices in frame k, from the files alone."""
+        blocks, joints = self.blocks[k], self.joints[k]
+        if what == "displacement":
+            return np.linalg.norm(blocks["displacement_m"].astype(float), axis=1)
+        if what == "stress":
+            xx, yy, zz, xy, yz, zx = blocks["stress_Pa"].astype(float).T
+            tensors = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]).transpose(2, 0, 1)
+            least = np.linalg.eigvalsh(tensors)[:, 0]
+            cells = np.repeat(np.arange(len(least)), np.diff(blocks["offsets"], prepend=0))
+            total, count = np.zeros((2, self.run_["vertices"]))
+            np.add.at(total, blocks["connectivity"], least[cells])
+            np.add.at(count, blocks["connectivity"], 1.0)
+            return total / count
+        given = {"damage": np.maximum(joints["damage_tension"], joints["damage_shear"]), "opening": joints["opening_m"],
+                 "slip": np.abs(joints["slip_m"])}[what]
+        place = {(b, *x): v for v, (b, x) in enumerate(zip(blocks.block_of_point(), blocks["position"].tolist()))}
+        result = np.zeros(self.run_["vertices"])
+        beams = set(blocks["block"][blocks["unit"] < 0])
+        for value, x, *sides in zip(given, joints["position"].tolist(), joints["block_a"], joints["block_b"]):
+            for block in set(sides) - beams:
+                v = place[(block, *x)]
+                result[v] = max(result[v], value)
+        return result
+
+    def test_colours_are_those_of_the_values(self):
+        """Every vertex, frame and colour. 0.012: values are kept in 8 bits of their range, colours go by at most 0.82."""
+        for what in UNITS:
+            values = [self.values(what, k) for k in range(len(self.times))]
+            low, high = min(0.0, min(v.min() for v in values)), max(0.0, max(v.max() for v in values))
+            if what == "damage":
+                low, high = 0.0, 1.0
+            if what == "displacement":  # in 16 bits, as the largest of the three components
+                low, high = 0.0, max(np.abs(b["displacement_m"]).max() for b in self.blocks)
+            most = max(-low, high)
+            self.assertGreater(most, 0.0, what)
+            looks = [look for look in self.run_["looks"] if look["what"] == what]
+            self.assertEqual(len(looks), 2 * len(self.times))
+            for look in looks:
+                expected = colours_of(values[look["frame"]], most)
+                np.testing.assert_allclose(np.reshape(look["colour"], (-1, 3)), expected, atol=0.012,
+                                           err_msg=f"{what}, frame {look['frame']}")
+                unit, factor = UNITS[what]
+                self.assertEqual(look["legend"][1][0], f"{precision(low * factor)} to {precision(high * factor)} {unit}")
+            # The largest value of all has the last colour, half of it the one half-way.
+            last = np.reshape(looks[len(self.times) - 1]["colour"], (-1, 3))
+            v = np.abs(values[-1]).argmax()
+            end = WARM if values[-1][v] > 0 else COLD
+            share = abs(values[-1][v]) / most
+            np.testing.assert_allclose(last[v], MIDDLE + min(1.0, share) * (end - MIDDLE), atol=0.012, err_msg=what)
+
+    def test_vertices_stand_where_the_magnification_puts_them(self):
+        largest = max(np.abs(b["displacement_m"]).max() for b in self.blocks)
+        for look in self.run_["looks"]:
+            blocks, times = self.blocks[look["frame"]], look["magnified"]
+            expected = blocks["position"] + times * blocks["displacement_m"]
+            np.testing.assert_allclose(np.reshape(look["position"], (-1, 3)), expected,
+                                       atol=times * largest / 32767 + 1e-6)
+
+    def test_cracks_are_drawn_along_the_rims_of_joints(self):
+        """Edges of one quad alone, both ends of which have cracked, in the colour that the legend names."""
+        for look in self.run_["looks"]:
+            if look["what"] != "damage":
+                continue
+            joints, times = self.joints[look["frame"]], look["magnified"]
+            crack, edges = joints["crack"], {}
+            for quad in joints["connectivity"].reshape(-1, 4):
+                for a, b in zip(quad, np.roll(quad, -1)):
+                    edges[min(a, b), max(a, b)] = edges.get((min(a, b), max(a, b)), 0) + 1
+            legend = [None] + [colour for text, colour in look["legend"][2:]]
+            self.assertEqual(len(legend), 6)
+            place = joints["position"] + times * joints["displacement_m"].astype(float)
+            expected = [(place[[a, b]].ravel(), legend[max(crack[a], crack[b])])
+                        for (a, b), count in edges.items() if count == 1 and crack[a] and crack[b]]
+            self.assertEqual(look["cracked"], len(expected))
+            rim, paint = np.reshape(look["rim"], (-1, 6)), np.reshape(look["rim_colour"], (-1, 6))
+            for line, colour in expected:
+                off = np.minimum(abs(rim - line).max(axis=1), abs(rim[:, [3, 4, 5, 0, 1, 2]] - line).max(axis=1))
+                k = off.argmin()
+                self.assertLess(off[k], times * 1e-7 + 1e-6)  # what 16 bits of half a millimetre round by, and 24
+                for end in (paint[k, :3], paint[k, 3:]):
+                    self.assertEqual("#" + "".join(f"{round(255 * c):02x}" for c in end), colour)
+        self.assertGreater(look["cracked"], 10)
+
+    def test_curves_are_those_of_the_history(self):
+        h, (curve, energies) = self.history, self.run_["curves"]
+        np.testing.assert_allclose(curve["xs"], 1e3 * h["displacement_m"], rtol=1e-12)
+        np.testing.assert_allclose(curve["lines"][0]["values"], 1e-3 * h["horizontal_force_N"], rtol=1e-12)
+        self.assertEqual(curve["labels"], ["displacement [mm]", "horizontal force [kN]"])
+        np.testing.assert_array_equal(energies["xs"], h["time_s"])
+        columns = dict(kinetic="kinetic_energy_J", strain="strain_energy_J", joints="contact_energy_J",
+                       tension="dissipated_tension_J", cohesion="dissipated_cohesion_J", friction="dissipated_friction_J",
+                       crushing="dissipated_crushing_J", damping="damping_work_J")
+        columns["external work"] = "external_work_J"
+        self.assertEqual([line["name"] for line in energies["lines"]], list(columns))
+        for line in energies["lines"]:
+            np.testing.assert_array_equal(line["values"], h[columns[line["name"]]], line["name"])
+        # On the canvas: from (60, 205) to (400, top), nothing included; three lines of the grid come before.
+        for drawn in (curve, energies):
+            xs = np.array(drawn["xs"])
+            all_values = np.concatenate([line["values"] for line in drawn["lines"]])
+            (left, right), (low, high) = ((min(0.0, v.min()), max(0.0, v.max())) for v in (xs, all_values))
+            for k, line in enumerate(drawn["lines"]):
+                path = np.array(drawn["strokes"][3 + k])
+                np.testing.assert_allclose(path[:, 0], 60 + (xs - left) / (right - left) * 340, atol=1e-6)
+                y = 205 - (np.array(line["values"]) - low) / (high - low) * (205 - drawn["top"])
+                np.testing.assert_allclose(path[:, 1], y, atol=1e-6)
+            self.assertIn(f"{high:.3g}", [text[0] for text in drawn["texts"]])
+
+    def test_dots_stand_at_the_moment_of_the_frame(self):
+        h, (curve, energies) = self.history, self.run_["curves"]
+        paths = [np.array(path) for path in curve["strokes"][3:]]
+        for look in self.run_["looks"]:
+            row = np.abs(h["time_s"] - self.times[look["frame"]]).argmin()
+            np.testing.assert_allclose(look["dots"][0][0], paths[0][min(row, len(paths[0]) - 1)], atol=0.01 * 340)
+            self.assertEqual(len(look["dots"][1]), len(energies["lines"]))
+        last = self.run_["looks"][-1]
+        np.testing.assert_allclose(last["dots"][0][0], paths[0][-1], atol=1e-6)
+        np.testing.assert_allclose(last["dots"][1], [path[-1] for path in np.array(energies["strokes"][3:])], atol=1e-6)
+
+    def test_texts_are_those_of_the_run(self):
+        h, texts = self.history, self.run_["texts"]
+        row = np.abs(h["horizontal_force_N"]).argmax()
+        peak = f"{abs(h['horizontal_force_N'][row]) / 1e3:.2f} kN at {1e3 * abs(h['displacement_m'][row]):.3f} mm"
+        self.assertEqual(texts[texts.index("peak") + 1], peak)
+        blocks = len(np.unique(self.blocks[0]["block"][self.blocks[0]["unit"] >= 0]))  # but for the beams
+        zones, points = (self.blocks[0]["types"] == 10).sum(), len(self.joints[0]["position"])
+        self.assertEqual(texts[texts.index("model") + 1], f"{blocks} blocks, {zones} zones, {points} contact points")
+        self.assertTrue(texts[texts.index("run") + 1].startswith(f"{h['step'][-1]:.0f} steps of "), texts)
+
+
+NODE = shutil.which("node") or shutil.which("nodejs")
+if __name__ == "__main__":
+    if not NODE or not os.path.exists("/usr/share/javascript/three/three.min.js"):
+        print("skipped: Node (nodejs) or three.js (libjs-three) is not installed")
+        sys.exit(77)
+    unittest.main(verbosity=2)
