@@ -542,6 +542,9 @@ void World::prescribe(int block, const Vector& velocity, const Vector& omega, ui
   const ModelBlock& b = blocks_[block];
   if (b.body >= 0) {
     Body& body = bodies_[b.body];
+    const auto holds_rotation = [](uint8_t bits) { return (bits & 0x38) == 0x38; };
+    const int let_go = int(holds_rotation(body.held)) - int(holds_rotation(held | body.support));
+    energies_.external += let_go * 0.5 * dot(body.momentum, body.omega);
     hold(body.held, held | body.support, body.mass, body.v);
     body.held_v = velocity, body.held_omega = omega;
     return;
@@ -571,8 +574,8 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
 void World::add(Load load) {
   const ModelBlock& b = blocks_.at(load.block);
   if (b.body >= 0) {
-    const Body& body = bodies_[b.body];
-    load.arm = transposed_times(body.r, load.point - body.x);
+    const Pose& start = start_[size_t(load.block)];
+    load.arm = transposed_times(start.r, load.point - start.x);
   } else {
     // inside the zone that holds the point, or the nearest one: by shape functions
     double best = -1e300;

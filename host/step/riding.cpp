@@ -246,9 +246,7 @@ void Simulation::Impl::add_loads(const Stage& settings) {
     blocks::Load added{};
     added.block = blocks_named(given.block, settings.source.text).front();
     added.force = geometry::vector(given.force);
-    // The point moves with its block.
-    added.point = m.position(added.block) +
-                  m.orientation(added.block) * (geometry::vector(given.point) - m.start_position(added.block));
+    added.point = geometry::vector(given.point);
     m.add(added);
   }
   for (const FacePressure& pressure : settings.pressures) {

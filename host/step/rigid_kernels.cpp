@@ -336,10 +336,7 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
     for (int k = 0; k < 3; ++k) omega[k] = hn::IfThenElse(is_held(3 + k), held_spin[k], omega[k]);
     const Lanes3 w = transposed_times_of(r, omega);
     const Lanes3 of_held = times(r, {hn::Mul(inertia.x, w.x), hn::Mul(inertia.y, w.y), hn::Mul(inertia.z, w.z)});
-    for (int k = 0; k < 3; ++k) {
-      carried[k] = hn::IfThenElse(some_held, of_held[k], turned[k]);
-      carried[k] = hn::IfThenElse(all_held, momentum[k], carried[k]);
-    }
+    for (int k = 0; k < 3; ++k) carried[k] = hn::IfThenElse(some_held, of_held[k], turned[k]);
   }
   const auto at_rest = hn::Eq(dot_of(omega, omega), zero);
   Lanes4 new_q = q;

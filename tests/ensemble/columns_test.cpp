@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +12,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "ensemble/run_sample.h"
 #include "model/motion.h"
 #include "scene/generate.h"
 #include "scene/read_scene.h"
@@ -276,6 +278,34 @@ TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
     EXPECT_LE(simulation.watch().stiffness_ratio, 1.0 + 1e-9) << kernels;
     EXPECT_GT(simulation.watch().stiffness_ratio, 0.9) << "some point is as stiff as the stiffest drawn";
     for (const Warning& warning : simulation.outcome().warnings) EXPECT_NE(warning.about, "time_step") << kernels;
+  }
+}
+
+// What a table says was drawn: the mean over the joints by area, the least of all points. Points at the rim of a joint
+// stand for a quarter of the area of those inside it, so that the plain mean of their values is another one.
+TEST(Columns, MeansOfWhatWasDrawnAreByArea) {
+  const Settings drawn_strength = strength("distribution=\"lognormal\",cov=0.5,level=\"point\"");
+  for (const char* kernels : {"solver.kernels=automatic", "solver.kernels=general"}) {
+    const Settings settings = kQuick + drawn_strength + Settings{kernels, "stage.shear.displacement=1e-6"};
+    const Drawn d = drawn(drawn_strength);  // the same for all kernels
+    double area = 0.0, sum = 0.0, plain = 0.0;
+    for (std::size_t i = 0; i < d.value.size(); ++i) {
+      area += d.point[i].area, sum += d.point[i].area * d.value[i];
+      plain += d.value[i] / static_cast<double>(d.value.size());
+    }
+    ASSERT_GT(std::abs(plain - sum / area), 1e-3 * plain) << "areas must be seen";
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("quoin_means_" + std::to_string(getpid()) + std::string(kernels));
+    std::filesystem::create_directories(folder);
+    ensemble::run_sample(
+        {}, 1, [&] { return read_scene(kSmall, settings); }, folder);
+    const ensemble::Sample sample = ensemble::read_sample(folder);
+    std::filesystem::remove_all(folder);
+    ASSERT_EQ(sample.status, "done") << sample.reason;
+    const std::map<std::string, double> inputs(sample.inputs.begin(), sample.inputs.end());
+    EXPECT_NEAR(inputs.at("joints.mortar.tensile_strength_mean"), sum / area, 1e-9 * plain) << kernels;
+    EXPECT_NEAR(inputs.at("joints.mortar.tensile_strength_least"), *std::min_element(d.value.begin(), d.value.end()),
+                1e-9 * plain);
   }
 }
 

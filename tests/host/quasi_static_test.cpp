@@ -60,6 +60,19 @@ TEST(QuasiStatic, InertiaAndKineticEnergyAboveWhatIsAllowed) {
               HasSubstr("kinetic energy reaches 6.0 % of the work, allowed 5 %"));
 }
 
+// Half of the thickness is computed: forces, and so the work, are those of the whole wall, kinetic energy that of the
+// half.
+TEST(QuasiStatic, KineticEnergyOfHalfAWallCountsTwice) {
+  auto rows = pulled_spring(0.01);
+  rows[50].kinetic_energy = 2.0;  // of 50 J
+  Scene scene = scene_of({stage_to(0.01, 0.1)});
+  scene.wall.emplace();
+  EXPECT_NEAR(check_quasi_static(rows, scene).kinetic_energy_ratio.value(), 0.04, 1e-12);
+  scene.wall->half_thickness = true;
+  EXPECT_NEAR(check_quasi_static(rows, scene).kinetic_energy_ratio.value(), 0.08, 1e-12);
+  EXPECT_THAT(check_quasi_static(rows, scene).reason(), HasSubstr("kinetic energy reaches 8.0 % of the work"));
+}
+
 // The force may be largest in the ramp, and reversals have nothing else.
 TEST(QuasiStatic, RampsCount) {
   auto rows = pulled_spring(0.01);

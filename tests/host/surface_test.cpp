@@ -36,6 +36,43 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
   }
 }
 
+// What has opened and slid is drawn as what it has done more of: a joint that is torn along a straight line to
+// (opening, slip), by so much that little or all of its strength is gone.
+TEST(Surfaces, CracksAreNamedByTheLargerOfOpeningAndSlip) {
+  const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, mortar_family());
+  const auto torn = [&](double opening, double slide) {
+    Simulation simulation(bare_scene(), assembly);
+    constexpr int kSteps = 50;
+    for (int k = 1; k <= kSteps; ++k) {
+      for (int n = 0; n < 12; ++n) {
+        const double way = slide / kSteps, reached = static_cast<double>(k) / kSteps;
+        for (int c = 0; c < 3; ++c) {
+          for (int block = 0; block < 2; ++block) {
+            simulation.displacement()[dof(simulation.model(), block, n, c)] = 0.0;
+            simulation.velocity()[dof(simulation.model(), block, n, c)] = 0.0;
+          }
+        }
+        simulation.displacement()[dof(simulation.model(), 1, n, 0)] = opening * reached;
+        simulation.displacement()[dof(simulation.model(), 1, n, 1)] = slide * reached;
+        simulation.velocity()[dof(simulation.model(), 1, n, 1)] = way / simulation.time_step_report().time_step;
+      }
+      simulation.advance(1);
+    }
+    std::vector<JointPoint> points = Surfaces().joint_points(simulation);
+    EXPECT_EQ(points.size(), 4u);
+    for (const JointPoint& p : points) {
+      EXPECT_NEAR(p.opening, opening, 1e-9) << "as it was torn";
+      EXPECT_GT(p.slip, 0.5 * slide);
+      EXPECT_LT(p.slip, 1.5 * slide);
+    }
+    return points;
+  };
+  for (const JointPoint& p : torn(40e-6, 400e-6)) EXPECT_EQ(p.crack, Crack::sliding_begun) << p.damage_shear;
+  for (const JointPoint& p : torn(40e-6, 10e-6)) EXPECT_EQ(p.crack, Crack::opening_begun) << p.damage_tension;
+  for (const JointPoint& p : torn(0.3e-3, 3e-3)) EXPECT_EQ(p.crack, Crack::slipped);
+  for (const JointPoint& p : torn(3e-3, 0.3e-3)) EXPECT_EQ(p.crack, Crack::open);
+}
+
 // A dry joint has lost all strength from the start: pictures go by what it does.
 TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   JointFamily family = mortar_family();

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/read_scene.h"
@@ -64,6 +65,31 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
   }
   // The four are mirror images of each other.
   for (const double one : overlap) EXPECT_NEAR(one, overlap[0], 1e-6 * overlap[0]);
+}
+
+// F / (kn A) on a joint of 0.4 x 0.3 m, either side of what is allowed: 5 % of the ground's 0.1 m. It comes slowly: 2 %
+// more at most.
+TEST(Watch, OverlapIsToldFromAFivePercentOfTheLeastExtentOn) {
+  for (const char* kernels : {"lattice", "general"}) {
+    for (const double share : {0.9, 1.1}) {
+      SCOPED_TRACE(fmt::format("{} {}", kernels, share));
+      const double overlap = share * 0.05 * 0.1;
+      Simulation simulation(read_scene_text(
+          stone(fmt::format("kernels = \"{}\"", kernels), "",
+                fmt::format("ramp_time = 0.08\n[[stage.force]]\nblock = \"stone\"\npoint = [0.2, 0.1, 0.15]\nforce = "
+                            "[0, {}, 0]\n",
+                            -overlap * 5e7 * 0.4 * 0.3)),
+          "stone.toml"));
+      Observer nobody;
+      simulation.run(nobody);
+      EXPECT_NEAR(simulation.allowed_overlap(), 0.05 * 0.1, 1e-15);
+      EXPECT_NEAR(simulation.watch().overlap, overlap, 0.02 * overlap);
+      const auto& warnings = simulation.outcome().warnings;
+      EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                              [](const Warning& w) { return w.about == "interpenetration"; }),
+                share > 1 ? 1 : 0);
+    }
+  }
 }
 
 // Of steps that are looked at, a few of some thousand, though nobody has asked for energies.

@@ -33,6 +33,13 @@ static int does(const char* deed) {
   return what != NULL && strcmp(what, deed) == 0;
 }
 
+/* The number behind a deed, as in "energy 3"; 1: it is another deed. */
+static double times_of(const char* deed) {
+  const char* what = getenv("QUOIN_HOSTILE");
+  size_t length = strlen(deed);
+  return what != NULL && strncmp(what, deed, length) == 0 && what[length] == ' ' ? strtod(what + length, NULL) : 1.0;
+}
+
 static quoin_status start(const quoin_material* material, const char* id, double* values) {
   if (wrong_law.state_count > 0) values[0] = 0.0;
   return initial_state(material, id, values);
@@ -48,11 +55,12 @@ static quoin_status answer(const quoin_material* material, quoin_batch* batch) {
       batch->state_new[0].data[(int64_t)i * batch->state_new[0].stride] =
           batch->state_old[0].data[(int64_t)i * batch->state_old[0].stride] + 1.0;
   }
-  if (does("energy") && batch->energy_stored.data != NULL) {
+  if (batch->energy_stored.data != NULL) {
     uint64_t i;
-    for (i = 0; i < batch->count; ++i) batch->energy_stored.data[(int64_t)i * batch->energy_stored.stride] *= 3.0;
+    for (i = 0; i < batch->count; ++i)
+      batch->energy_stored.data[(int64_t)i * batch->energy_stored.stride] *= times_of("energy");
   }
-  if (does("stiff") && batch->tangent[0].data != NULL) batch->tangent[0].data[0] *= 4.0;
+  if (batch->tangent[0].data != NULL) batch->tangent[0].data[0] *= times_of("stiff");
   if (__atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED) < 400 || batch->count == 0) return status;
   if (does("nan")) batch->traction_new[0].data[0] = NAN;
   if (does("infinite")) batch->traction_new[1].data[0] = HUGE_VAL;

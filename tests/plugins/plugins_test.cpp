@@ -123,8 +123,8 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
 
 // Laws that lie about energies and stiffness, of which the watch sees more than one row.
 TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
-  for (const auto& [deed, about, words] : {std::tuple{"energy", "energy_balance", "energies do not balance"},
-                                           {"stiff", "time_step", "4 times as stiff as the bounds that it states"}}) {
+  for (const auto& [deed, about, words] : {std::tuple{"energy 3", "energy_balance", "energies do not balance"},
+                                           {"stiff 4", "time_step", "4 times as stiff as the bounds that it states"}}) {
     EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3"}), doing(deed)), 0) << error_;
     EXPECT_THAT(error_, HasSubstr(words)) << deed;
     bool told = false;
@@ -132,6 +132,24 @@ TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
     for (const auto& warning : all["warnings"]) told = told || warning["about"] == about;
     EXPECT_TRUE(told) << deed << all["watch"];
   }
+}
+
+// Just beyond what is allowed, and just below: 5 % of the energy that was moved; a millionth of the stiffness.
+TEST_F(Plugins, SmallLiesAboutEnergyAndStiffnessAreMeasured) {
+  const auto told = [&](const std::string& deed, const char* about) {
+    EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set", "output.energy=true"}), doing(deed)), 0)
+        << error_;
+    const nlohmann::json warnings = summary()["warnings"];
+    return std::any_of(warnings.begin(), warnings.end(), [&](const auto& w) { return w["about"] == about; });
+  };
+  const auto missing = [&] { return std::abs(summary()["watch"]["energy_missing_over_moved"].get<double>()); };
+  EXPECT_FALSE(told("energy 1.03", "energy_balance"));
+  EXPECT_LT(missing(), 0.05);
+  EXPECT_TRUE(told("energy 1.08", "energy_balance"));
+  EXPECT_GT(missing(), 0.05);
+  EXPECT_LT(missing(), 0.1);
+  EXPECT_FALSE(told("stiff 1.0000005", "time_step"));
+  EXPECT_TRUE(told("stiff 1.000004", "time_step"));
 }
 
 // A thread inside a law cannot be taken out of it: the run ends, with what it has.

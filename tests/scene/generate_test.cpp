@@ -230,6 +230,38 @@ TEST(GenerateWall, HalfThickness) {
   EXPECT_DOUBLE_EQ(a.bricks[0].size[2], 0.05);
 }
 
+// What touches a beam is bedded in the beams' family, what lies between units in that of beds: seen by where blocks
+// stand.
+TEST(GenerateWall, JointsOfBeamsHaveAFamilyOfTheirOwn) {
+  const std::vector<std::string> families{
+      "joints.beds={law = \"elastic\", normal_stiffness = 1e9, shear_stiffness = 1e9}",
+      "joints.beams={law = \"elastic\", normal_stiffness = 2e9, shear_stiffness = 1e9}"};
+  const auto with = [&](const char* scene, const std::string& table) {
+    std::vector<std::string> settings = families;
+    settings.push_back(table + ".bed_joint=beds");
+    settings.push_back(table + ".beam_joint=beams");
+    return assemble(read_scene(std::string(QUOIN_SCENES) + scene, settings));
+  };
+  for (const Assembly& a : {with("/solid_wall_030.toml", "wall"), with("/pavia_door.toml", "building")}) {
+    double top = 0.0;  // of the masonry
+    for (const Brick& b : a.bricks) {
+      if (b.unit >= 0) top = std::max(top, b.origin[1] + b.size[1]);
+    }
+    int beds = 0, at_foot = 0, at_top = 0;
+    for (const Joint& j : a.joints) {
+      if (j.face_a != 2 && j.face_a != 3) continue;
+      const Brick &below = a.bricks[static_cast<size_t>(j.face_a == 3 ? j.block_a : j.block_b)],
+                  &above = a.bricks[static_cast<size_t>(j.face_a == 3 ? j.block_b : j.block_a)];
+      const bool foot = below.origin[1]<-1e-9, head = above.origin[1]> top - 1e-9;
+      EXPECT_EQ(a.families[static_cast<size_t>(j.family)].name, foot || head ? "beams" : "beds") << above.origin[1];
+      (foot ? at_foot : head ? at_top : beds) += 1;
+    }
+    EXPECT_GE(at_foot, 5);
+    EXPECT_EQ(at_top > 0, a.bricks.back().body == "top_beam");
+    EXPECT_GT(beds, 40);
+  }
+}
+
 TEST(GenerateWall, RigidUnitsAreWholeAndNamedByRow) {
   const Assembly a = assemble(read_scene(QUOIN_SCENES "/cube_wall_10.toml"));
   ASSERT_EQ(a.bricks.size(), 100u);
