@@ -1,6 +1,6 @@
 // A host in the manner of 3DEC: loads the plug-in, makes a model for each contact point and calls it once a step with
 // forces and increments; compared with the law called directly. Runs on Linux and, under Wine, on Windows.
-// usage: threedec_host PLUGIN LAW_FILE [time]
+// usage: threedec_host PLUGIN LAW_FILE [time | unserved]
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -218,6 +218,11 @@ void check_stiffness_of_damaged_joint(const JointModel& prototype) {
   CHECK(contact.model->getMaxNormalStiffness() == kn);
 }
 
+// Bit slip-n is the law's flag. A cap crushes under shear too, and the joint slides by it without slipping.
+bool slips_as_the_law(Index bits, std::uint32_t flags) {
+  return ((bits & 1) != 0) == ((flags & QUOIN_FLAG_SLIPPING) != 0) || (bits & (1 | 16)) == (1 | 16);
+}
+
 // Along one axis the digits agree; in an oblique plane the axes of a step round.
 void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, const char* name, const Plane& plane,
                 bool exact) {
@@ -239,7 +244,7 @@ void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, cons
       difference = std::max(difference, std::abs(force[k] - direct.traction[k][0] * area));
       largest = std::max(largest, std::abs(force[k]));
     }
-    CHECK(((contact.state.state_ & 1) != 0) == ((direct.flags[0] & QUOIN_FLAG_SLIPPING) != 0));
+    CHECK(slips_as_the_law(contact.state.state_, direct.flags[0]));
   }
   double booked[2] = {0.0, 0.0};  // stored, dissipated
   for (Index key = 1; key <= 7; ++key)
@@ -251,6 +256,57 @@ void check_path(const JointModel& prototype, const quoin_law& law, Leg leg, cons
   CHECK(largest > 1e4);
   std::printf("%s, %s%s: %d steps, force up to %.4g N, largest difference %.3g N\n", law.id, name,
               exact ? " along s" : "", quoin::tests::leg_steps, largest, difference);
+}
+
+// By `angle` about the unit vector `axis` (Rodrigues).
+DVect3 turned(const DVect3& v, const DVect3& axis, double angle) {
+  const DVect3 across(axis.y() * v.z() - axis.z() * v.y(), axis.z() * v.x() - axis.x() * v.z(),
+                      axis.x() * v.y() - axis.y() * v.x());
+  return v * std::cos(angle) + across * std::sin(angle) + axis * ((axis | v) * (1.0 - std::cos(angle)));
+}
+
+// A contact whose plane leans over and spins by a milliradian a step, about an axis that is neither its normal nor in
+// its plane, while 3DEC turns the shear force along: in its own axes the law sees the path of a contact that stands.
+// With dilation, so that cyclic_joint climbs its seat, a vector of the plane, and comes down it again.
+void check_turning(const JointModel& prototype, const quoin_law& law) {
+  const auto joint = [&] {
+    Model model = mortar_joint(prototype);
+    if (const Index dilation = index_of(*model, "dilation_angle"); dilation != 0) model->setProperty(dilation, 20.0);
+    return model;
+  };
+  std::vector<quoin::adapters::PropertyValue> values = quoin::tests::mortar_of(law);
+  if (index_of(prototype, "dilation_angle") != 0) values.push_back({"dilation_angle", {20.0}, {}});
+  std::size_t seat = 0;
+  while (seat < law.state_count && law.states[seat]->kind == QUOIN_STATE_SCALAR) ++seat;
+  for (const double rate : {0.0, 1e-3}) {
+    Contact contact(joint());
+    DirectLaw direct(law, 1, values);
+    Plane plane = oblique;
+    const DVect3 axis(0.36, 0.48, 0.8);
+    double difference = 0.0, largest = 0.0, farthest = 0.0, jump = 0.0;
+    for (int i = 1; i <= quoin::tests::leg_steps; ++i) {
+      const double force[2] = {contact.state.shear_force_ | plane.s, contact.state.shear_force_ | plane.t};
+      plane = {turned(plane.s, axis, rate), turned(plane.t, axis, rate)};
+      contact.state.shear_force_ = plane.s * force[0] + plane.t * force[1];
+      std::array<double, 3> to = quoin::tests::displacement(Leg::shear, i);
+      to[1] *= std::cos(3e-3 * i);  // there and back again
+      const std::array<double, 3> d = contact.move(to, plane);
+      jump += d[0];
+      direct.step(jump, d[1], d[2]);
+      const double now[3] = {-contact.state.normal_force_, -(contact.state.shear_force_ | plane.s),
+                             -(contact.state.shear_force_ | plane.t)};
+      for (int k = 0; k < 3; ++k) {
+        difference = std::max(difference, std::abs(now[k] - direct.traction[k][0] * area));
+        largest = std::max(largest, std::abs(now[k]));
+      }
+      if (seat < law.state_count) farthest = std::max(farthest, std::abs(direct.state[seat + 1][0]));
+    }
+    CHECK(difference <= 1e-9 * largest);
+    CHECK(largest > 1e4);
+    if (seat < law.state_count) CHECK(farthest > 1e-4);
+    std::printf("%s, turning by %g a step: force up to %.4g N, largest difference %.3g N\n", law.id, rate, largest,
+                difference);
+  }
 }
 
 // A contact that is copied, saved or asked to initialize continues as if nothing had happened.
@@ -368,7 +424,7 @@ void check_random_path(const JointModel& prototype, const quoin_law& law) {
     CHECK(-contact.state.shear_force_.x() == direct.traction[1][0] * area);
     const auto has = [&](std::uint32_t flag) { return (direct.flags[0] & flag) != 0; };
     const auto bit = [&](Index mask) { return (contact.state.state_ & mask) != 0; };
-    CHECK(bit(1) == has(QUOIN_FLAG_SLIPPING));
+    CHECK(slips_as_the_law(contact.state.state_, direct.flags[0]));
     CHECK(bit(2) == (has(QUOIN_FLAG_OPEN) && has(QUOIN_FLAG_TENSION_DAMAGED)));
     CHECK(bit(16) == (crushed() > crushed_before));
     CHECK(bit(16 | 32) == has(QUOIN_FLAG_CRUSHED));
@@ -389,6 +445,48 @@ void check_no_allocation(const JointModel& prototype) {
       contact.move(quoin::tests::displacement(leg, i));
     }
     CHECK(quoin::tests::allocations == before);
+  }
+}
+
+template <class Call>
+bool refuses(const char* text, const Call& call) {
+  try {
+    call();
+  } catch (const std::runtime_error& error) {
+    if (std::strstr(error.what(), text) != nullptr) return true;
+    std::printf("another reason: %s\n", error.what());
+  }
+  return false;
+}
+
+// A contact that loses its area loses its forces, and the one that has an area again has those of its opening.
+void check_lost_area(const JointModel& prototype) {
+  for (const double lost : {0.0, -0.1}) {
+    Contact contact(mortar_joint(prototype));
+    contact.move({-1e-6, 1e-6, 0});
+    const double normal = contact.state.normal_force_, shear = contact.state.shear_force_.x();
+    CHECK(normal > 1e4 && shear < -1e3);
+    contact.state.area_ = lost;
+    contact.move({-2e-6, 1e-6, 0});
+    CHECK(contact.state.normal_force_ == 0.0 && contact.state.shear_force_.mag() == 0.0);
+    CHECK(contact.state.normal_force_inc_ == -normal && contact.state.shear_force_inc_.x() == -shear);
+    contact.state.area_ = area;
+    contact.move({-2e-6, 1e-6, 0});
+    CHECK(std::abs(contact.state.normal_force_ - area * kn * 2e-6) <= 1e-9 * normal);
+    CHECK(contact.state.shear_force_.mag() == 0.0);
+  }
+}
+
+// A law that cannot be served: no exception leaves createInstance, and the reason is in `initialize` and `run`.
+void check_unserved(JointModel& model) {
+  ContactState state;
+  CHECK(split(model.getProperties()).empty());
+  CHECK(model.getMaxNormalStiffness() == 0.0 && model.getMaxShearStiffness() == 0.0);
+  const Model copy(model.clone());
+  copy->copy(&model);
+  for (JointModel* const one : {&model, copy.get()}) {
+    CHECK(refuses("no law missing; looked for", [&] { one->initialize(3, &state); }));
+    CHECK(refuses("no law missing; looked for", [&] { one->run(3, &state); }));
   }
 }
 
@@ -431,17 +529,6 @@ void check_failure_bits(const JointModel& prototype) {
   cap.move({1e-3, 1e-3, 0});
   cap.move({-0.5 * elastic_limit, 1e-3, 0});
   CHECK((cap.state.state_ & (16 | 32)) == 32);
-}
-
-template <class Call>
-bool refuses(const char* text, const Call& call) {
-  try {
-    call();
-  } catch (const std::runtime_error& error) {
-    if (std::strstr(error.what(), text) != nullptr) return true;
-    std::printf("another reason: %s\n", error.what());
-  }
-  return false;
 }
 
 void check_refusals(const JointModel& prototype, const quoin_law& law) {
@@ -505,29 +592,23 @@ void print_times(const JointModel& prototype, const quoin_law& law) {
   }
 }
 
-bool has_vector_state(const quoin_law& law) {
-  for (std::uint64_t k = 0; k < law.state_count; ++k)
-    if (law.states[k]->kind != QUOIN_STATE_SCALAR) return true;
-  return false;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::printf("usage: %s PLUGIN LAW_FILE [time]\n", argv[0]);
+    std::printf("usage: %s PLUGIN LAW_FILE [time | unserved]\n", argv[0]);
     return 2;
   }
   const quoin_law& law = quoin::adapters::law_in_file(argv[2]);
   void* const create = symbol(argv[1], "createInstance");
   if (create == nullptr) return 1;
   const auto create_instance = reinterpret_cast<void* (*)()>(create);
-  if (has_vector_state(law)) {
-    CHECK(refuses("is a vector of the contact plane, whose axes 3DEC does not tell", create_instance));
-    std::printf("%s: refused for its vector state\n", law.id);
+  const Model prototype(static_cast<JointModel*>(create_instance()));
+  CHECK(prototype != nullptr);
+  if (argc > 3 && std::strcmp(argv[3], "unserved") == 0) {
+    check_unserved(*prototype);
     return quoin::tests::failures == 0 ? 0 : 1;
   }
-  const Model prototype(static_cast<JointModel*>(create_instance()));
   if (argc > 3) {
     print_times(*prototype, law);
     return 0;
@@ -539,11 +620,13 @@ int main(int argc, char** argv) {
     check_path(*prototype, law, leg, name, aligned, true);
     check_path(*prototype, law, leg, name, oblique, false);
   }
+  check_turning(*prototype, law);
   check_continuation(*prototype);
   check_interleaved(*prototype);
   check_random_path(*prototype, law);
   check_no_allocation(*prototype);
   check_first_forces(*prototype);
+  check_lost_area(*prototype);
   check_elastic_phase(*prototype);
   check_energy_activation(*prototype);
   if (std::string(law.id) != "elastic") check_dry_joint(*prototype);

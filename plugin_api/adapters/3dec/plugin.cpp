@@ -2,9 +2,11 @@
 // jmodelNAME007.dll for the law NAME, as 3DEC's naming of plug-ins has it: three digits of the interface's version.
 #include <algorithm>
 #include <cctype>
+#include <exception>
 #include <string>
 
 #include "3dec/quoin_joint_model.h"
+#include "3dec/unserved_model.h"
 #include "shared/law_library.h"
 
 namespace {
@@ -23,17 +25,32 @@ const std::string& law_name() {
 
 }  // namespace
 
+// No exception crosses extern "C": 3DEC may be built by another compiler there. A law that cannot be served becomes a
+// joint model that says why as soon as it is used.
 extern "C" {
 
 QUOIN_EXPORT const char* getName() {
-  static const std::string name = "jmodel" + law_name();
-  return name.c_str();
+  try {
+    static const std::string name = "jmodel" + law_name();
+    return name.c_str();
+  } catch (...) {  // no memory
+    return "jmodel";
+  }
 }
 QUOIN_EXPORT unsigned getMajorVersion() { return quoin::threedec::version; }
 QUOIN_EXPORT unsigned getMinorVersion() { return 1; }
 QUOIN_EXPORT void* createInstance() {
-  static const quoin::threedec::ServedLaw law(law_name());
-  return static_cast<jmodels::JointModel*>(new quoin::threedec::QuoinJointModel(law));
+  using namespace quoin::threedec;
+  try {
+    try {
+      static const ServedLaw law(law_name());
+      return static_cast<jmodels::JointModel*>(new QuoinJointModel(law));
+    } catch (const std::exception& error) {
+      return static_cast<jmodels::JointModel*>(new UnservedModel(law_name(), error.what()));
+    }
+  } catch (...) {  // no memory
+    return nullptr;
+  }
 }
 
 }  // extern "C"

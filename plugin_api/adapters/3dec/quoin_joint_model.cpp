@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "3dec/property_synonyms.h"
-#include "3dec/shear_axes.h"
 #include "shared/law_library.h"
 #include "shared/point.h"
 
@@ -26,6 +25,8 @@ Index state_bits(Index before, Index now) {
   return past | (now & all_now);
 }
 
+constexpr std::uint64_t save_format = 0x6a6f696e74320000;  // another one whenever Memory changes
+
 template <class T>
 void write(std::ostream& stream, const T* data, std::size_t count) {
   stream.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof(T)));
@@ -39,12 +40,7 @@ void read(std::istream& stream, T* data, std::size_t count) {
 }  // namespace
 
 ServedLaw::ServedLaw(const std::string& law_name)
-    : name(law_name), law(adapters::law_by_name(law_name)), properties(adapters::scalar_properties(law)) {
-  for (std::uint64_t k = 0; k < law.state_count; ++k)
-    if (law.states[k]->kind != QUOIN_STATE_SCALAR)
-      throw std::runtime_error(std::string(law.id) + ": state " + law.states[k]->id +
-                               " is a vector of the contact plane, whose axes 3DEC does not tell; give it as scalars");
-}
+    : name(law_name), law(adapters::law_by_name(law_name)), properties(adapters::scalar_properties(law)) {}
 
 QuoinJointModel::QuoinJointModel(const ServedLaw& law)
     : served_(law),
@@ -96,19 +92,20 @@ void QuoinJointModel::setProperty(Index index, const Value& value, Index restore
 
 void QuoinJointModel::save(std::ostream& stream) const {
   JointModel::save(stream);
-  const std::uint64_t schema = law_.state_schema;
-  write(stream, &schema, 1);
+  const std::uint64_t schema[] = {save_format, law_.state_schema};
+  write(stream, schema, 2);
   write(stream, &memory_, 1);
   write(stream, states_.data(), states_.size());
 }
 
 void QuoinJointModel::restore(std::istream& stream, Index restore_version) {
   JointModel::restore(stream, restore_version);
-  std::uint64_t schema = 0;
-  read(stream, &schema, 1);
-  if (schema != law_.state_schema)
+  std::uint64_t schema[] = {0, 0};
+  read(stream, schema, 2);
+  if (schema[0] != save_format || schema[1] != law_.state_schema)
     throw std::runtime_error(std::string(law_.id) + " " + law_.version +
-                             ": the save file was written with another version of the law, whose states differ");
+                             ": the save file was written with another version of the law, whose states differ, or of "
+                             "this joint model");
   read(stream, &memory_, 1);
   read(stream, states_.data(), states_.size());
   if (!stream) throw std::runtime_error(std::string(law_.id) + ": the save file ends within a contact");
@@ -137,14 +134,11 @@ const adapters::Material* QuoinJointModel::known_material() const {
   }
 }
 
-// The slope of the law where the point stands: its tangent in a step that does not move.
+// The slope of the law where the point stands.
 double QuoinJointModel::normal_stiffness_now(const adapters::Material& material) const {
   const double bound = material.stiffness().normal;
   if (!memory_.started || (law_.capabilities & QUOIN_CAN_TANGENT) == 0) return bound;
-  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::tangent);
-  constexpr double no_slip[2] = {0.0, 0.0};
-  evaluate(point, material, no_slip);
-  return std::clamp(point.tangent[0], 0.0, bound);
+  return std::clamp(standing(material, adapters::wanted::tangent).tangent[0], 0.0, bound);
 }
 
 // Called before the first step and before all properties are set, too.
@@ -171,28 +165,35 @@ void QuoinJointModel::start(const jmodels::State& state) {
   memory_.started = true;
 }
 
-// A step to memory_.jump from what else is remembered, which stays.
+// A step by `sliding` to memory_.jump from the traction and states that are remembered; its states go to `to`.
 void QuoinJointModel::evaluate(adapters::PointBatch& point, const adapters::Material& material,
-                               const double* sliding) const {
+                               const std::array<double, 2>& sliding, double* to) const {
   point.normal_jump = memory_.jump;
-  point.slip[0] = sliding[0];
-  point.slip[1] = sliding[1];
-  std::ranges::copy(memory_.traction, point.traction);
-  std::ranges::copy(states_, point.state);
+  for (std::size_t k = 0; k < 2; ++k) point.slip[k] = sliding[k];
+  for (std::size_t k = 0; k < 3; ++k) point.traction[k] = memory_.traction[k];
+  point.states(states_.data(), to);
   if (point.evaluate(material) == QUOIN_POINT_FAILED)
     throw std::runtime_error(std::string(law_.id) + ": opening " + std::to_string(memory_.jump) +
                              " m or the force before the step is not finite; the time step may be unstable");
 }
 
+// The outputs `asked` for where the point stands: of a step that does not move.
+const adapters::PointBatch& QuoinJointModel::standing(const adapters::Material& material, unsigned asked) const {
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, asked);
+  std::array<double, adapters::max_states> unused;
+  evaluate(point, material, {0.0, 0.0}, unused.data());
+  return point;
+}
+
 // Replaces what is remembered by the end of the step; returns the bits of now. These are told by the forces, as 3DEC's
 // own models tell them: a law's flags would cost several times the step.
-Index QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) {
+Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels::State& state) {
   using namespace adapters;
   const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;
   PointBatch& point = PointBatch::of_thread(law_, energies ? wanted::energies : wanted::nothing);
-  evaluate(point, *material_, axes.slip());
-  std::copy_n(point.traction, 3, memory_.traction.begin());
-  std::copy_n(point.state, states_.size(), states_.begin());
+  evaluate(point, *material_, sliding, states_.data());
+  const double before[2] = {memory_.traction[1], memory_.traction[2]};
+  for (std::size_t k = 0; k < 3; ++k) memory_.traction[k] = point.traction[k];
   if (energies) book_energies(state.area_, point.energy_stored, point.dissipated);
 
   constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();
@@ -209,34 +210,25 @@ Index QuoinJointModel::step(const ShearAxes& axes, const jmodels::State& state) 
   }
   if (point.any_yielding()) {
     const auto length = [](double a, double b) { return std::sqrt(a * a + b * b); };
-    const double elastic = length(axes.traction() + ks * axes.slip()[0], ks * axes.slip()[1]);
+    const double elastic = length(before[0] + ks * sliding[0], before[1] + ks * sliding[1]);
     const double held = length(memory_.traction[1], memory_.traction[2]);
     if (elastic - held > rounding * elastic) now |= slip_now;
   }
   return now;
 }
 
-void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
-  JointModel::run(dim, state);
-  jmodels::State& s = *state;
-  if (s.area_ <= 0.0) return;
-  if (!memory_.started) start(s);
-  memory_.jump += s.normal_disp_inc_;
+// The shear force that 3DEC hands over is the one of the last step, unless the contact has turned or its area changed.
+void QuoinJointModel::take_forces(const jmodels::State& s) {
+  memory_.traction[0] = -s.normal_force_ / s.area_;
+  if (same(s.shear_force_, memory_.shear_force()) && s.area_ == memory_.area) return;
+  memory_.axes.follow(memory_.shear_force(), s.shear_force_);
+  const std::array<double, 2> force = memory_.axes.components(s.shear_force_, s.shear_force_);
+  for (std::size_t k = 0; k < 2; ++k) memory_.traction[1 + k] = -force[k] / s.area_;
+  memory_.area = s.area_;
+}
 
-  const quoin_stiffness_bounds& stiffness = material_->stiffness();
-  const ShearAxes axes(s.shear_force_, s.area_, s.shear_disp_inc_);
-  std::array<double, 3>& traction = memory_.traction;
-  traction = {-s.normal_force_ / s.area_, axes.traction(), 0.0};
-  Index now = 0;
-  if (canFail()) {
-    now = step(axes, s);
-  } else {  // 3DEC's elastic phases
-    traction = {traction[0] + stiffness.normal * s.normal_disp_inc_, traction[1] + stiffness.shear * axes.slip()[0],
-                stiffness.shear * axes.slip()[1]};
-  }
-
-  const double normal_force = -traction[0] * s.area_;
-  const DVect3 shear_force = axes.vector(traction[1], traction[2]) * -s.area_;
+// Forces, their increments and dnop_ of the step; without an area, none.
+void QuoinJointModel::give_forces(double normal_force, const DVect3& shear_force, jmodels::State& s) {
   s.normal_force_inc_ = normal_force - s.normal_force_;
   s.shear_force_inc_ = shear_force - s.shear_force_;
   s.dnop_ = s.normal_disp_inc_;
@@ -244,19 +236,45 @@ void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
     s.dnop_ = -s.normal_disp_inc_ * s.normal_force_ / s.normal_force_inc_;
   s.normal_force_ = normal_force;
   s.shear_force_ = shear_force;
+  memory_.keep_shear_force(shear_force);
+}
+
+void QuoinJointModel::run(Dimension dim, jmodels::State* state) {
+  JointModel::run(dim, state);
+  jmodels::State& s = *state;
+  if (s.area_ <= 0.0) {  // nothing carries: the joint goes on from its opening and states where there is an area again
+    if (memory_.started) memory_.jump += s.normal_disp_inc_;
+    memory_.area = 0.0;
+    give_forces(0.0, DVect3(0.0), s);
+    s.state_ = state_bits(s.state_, 0);
+    return;
+  }
+  if (!memory_.started) start(s);
+  memory_.jump += s.normal_disp_inc_;
+
+  take_forces(s);
+  const std::array<double, 2> sliding = memory_.axes.components(s.shear_disp_inc_, s.shear_force_);
+  std::array<double, 3>& traction = memory_.traction;
+  Index now = 0;
+  if (canFail()) {
+    now = step(sliding, s);
+  } else {  // 3DEC's elastic phases
+    const quoin_stiffness_bounds& stiffness = material_->stiffness();
+    traction[0] += stiffness.normal * s.normal_disp_inc_;
+    for (std::size_t k = 0; k < 2; ++k) traction[1 + k] += stiffness.shear * sliding[k];
+  }
+  give_forces(-traction[0] * s.area_, memory_.axes.vector(traction[1], traction[2]) * -s.area_, s);
   s.state_ = state_bits(s.state_, now);
 }
 
 bool QuoinJointModel::isSliding(const jmodels::State& state) { return (state.state_ & slip_now) != 0; }
 
-// By the law's flags, in a step that does not move.
+// By the law's flags.
 bool QuoinJointModel::isBonded(const jmodels::State&) {
   const adapters::Material* const material = known_material();
   if (!memory_.started || material == nullptr) return true;
-  adapters::PointBatch& point = adapters::PointBatch::of_thread(law_, adapters::wanted::flags);
-  constexpr double no_slip[2] = {0.0, 0.0};
-  evaluate(point, *material, no_slip);
-  return (point.flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
+  const std::uint32_t flags = standing(*material, adapters::wanted::flags).flags;
+  return (flags & (QUOIN_FLAG_TENSION_COMPLETE | QUOIN_FLAG_SHEAR_COMPLETE)) == 0;
 }
 
 Text QuoinJointModel::getEnergies() const {

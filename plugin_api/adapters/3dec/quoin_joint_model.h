@@ -66,15 +66,24 @@ class QuoinJointModel final : public jmodels::JointModel {
     double jump = 0.0;                 // d_n, m
     double closure = 0.0;              // m, what the joint last closed by without pressure: crushed, less uplifted
     double reach = 0.0;                // m, the largest |d_n| so far: what lengths are rounded from
-    std::array<double, 3> traction{};  // Pa, the shear in the axes of the last step
+    std::array<double, 3> traction{};  // Pa, the shear along the axes, as the states that are vectors are
     std::array<double, energy_count> energies{};
+    ShearAxes axes;
+    double area = 0.0;                  // m2, of the last step that had one
+    double force[3] = {0.0, 0.0, 0.0};  // N, the shear force of the last step
+    DVect3 shear_force() const { return {force[0], force[1], force[2]}; }
+    void keep_shear_force(const DVect3& f) { force[0] = f.x(), force[1] = f.y(), force[2] = f.z(); }
   };
 
   const adapters::Material* known_material() const;
   double normal_stiffness_now(const adapters::Material& material) const;
   void start(const jmodels::State& state);
-  void evaluate(adapters::PointBatch& point, const adapters::Material& material, const double* sliding) const;
-  Index step(const ShearAxes& axes, const jmodels::State& state);
+  void evaluate(adapters::PointBatch& point, const adapters::Material& material, const std::array<double, 2>& sliding,
+                double* to) const;
+  const adapters::PointBatch& standing(const adapters::Material& material, unsigned asked) const;
+  Index step(const std::array<double, 2>& sliding, const jmodels::State& state);
+  void take_forces(const jmodels::State& s);
+  void give_forces(double normal_force, const DVect3& shear_force, jmodels::State& s);
   void book_energies(double area, double stored, const double* dissipated);
 
   const ServedLaw& served_;

@@ -1,42 +1,89 @@
-// Two axes of the contact plane in which a step of the shear force happens. 3DEC does not tell a model the normal, and
-// a law does not care where s points as long as force and slip are seen from the same axes: s follows the old force.
+// Two axes s, t of the contact plane, which follow the contact. 3DEC does not tell a model the normal of its contact,
+// but the shear force, which it turns with the contact, and the increments of shear displacement lie in the plane. An
+// axis that nothing has shown yet is zero.
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "3dec/interface_types.h"
 
 namespace quoin::threedec {
 
+inline DVect3 cross(const DVect3& a, const DVect3& b) {
+  return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(), a.x() * b.y() - a.y() * b.x()};
+}
+inline bool same(const DVect3& a, const DVect3& b) { return a.x() == b.x() && a.y() == b.y() && a.z() == b.z(); }
+
 class ShearAxes {
  public:
-  // force: on block A's side as 3DEC has it, against the displacement.
-  ShearAxes(const DVect3& force, double area, const DVect3& increment) {
-    const double size = force.mag();
-    if (size > 0.0) {
-      s_ = force / -size;
-      traction_ = size / area;
-    } else if (const double length = increment.mag(); length > 0.0) {
-      s_ = increment / length;
-    }
-    slip_[0] = increment | s_;
-    // What rounding leaves of a parallel increment points anywhere; its length alone is to be trusted.
-    const DVect3 across = increment - s_ * slip_[0];
-    if (const double square = across | across; square > 0.0) {
-      slip_[1] = std::sqrt(square);
-      t_ = across / slip_[1];
-    }
+  DVect3 vector(double s, double t) const {
+    return {s_[0] * s + t_[0] * t, s_[1] * s + t_[1] * t, s_[2] * s + t_[2] * t};
   }
 
-  double traction() const { return traction_; }  // along s; none along t
-  const double* slip() const { return slip_; }
-  DVect3 vector(double s, double t) const { return s_ * s + t_ * t; }
+  // The contact has turned: what was the shear force `before` is `now`. The smallest rotation from one to the other
+  // turns the axes. A force of other origin, as one that was set, only shows the plane.
+  void follow(const DVect3& before, const DVect3& now) {
+    const double product = std::sqrt((before | before) * (now | now));
+    if (known_ > 0 && (before | now) > 0.5 * product) turn(before / before.mag(), now / now.mag());
+    components(now, now);
+  }
+
+  // Along s and t, of a vector of the plane. One that leaves the plane of the axes shows that the contact has leaned
+  // over: about the shear force `held`, which has followed it.
+  std::array<double, 2> components(const DVect3& v, const DVect3& held) {
+    const std::array<double, 2> c = along(v);
+    const double square = v | v;
+    // Up to this share of its square, leaning takes no digit from a length.
+    if (known_ == 2 && square - (c[0] * c[0] + c[1] * c[1]) <= 1e-14 * square) return c;
+    return shown(v, c, held);
+  }
 
  private:
-  // DVect3's own default is no number: an axis that nothing shows is zero.
-  DVect3 s_{0.0, 0.0, 0.0}, t_{0.0, 0.0, 0.0};
-  double traction_ = 0.0;
-  double slip_[2] = {0.0, 0.0};
+  std::array<double, 2> along(const DVect3& v) const {
+    return {v.x() * s_[0] + v.y() * s_[1] + v.z() * s_[2], v.x() * t_[0] + v.y() * t_[1] + v.z() * t_[2]};
+  }
+  DVect3 s() const { return vector(1.0, 0.0); }
+  DVect3 t() const { return vector(0.0, 1.0); }
+  static void put(const DVect3& from, double* to) { to[0] = from.x(), to[1] = from.y(), to[2] = from.z(); }
+
+  // What `components` gives, with the axes as v shows them.
+  std::array<double, 2> shown(const DVect3& v, const std::array<double, 2>& c, const DVect3& held) {
+    const DVect3 rest = v - vector(c[0], c[1]);
+    constexpr double rounding = 1e-28;  // the square of what it leaves beside an axis
+    if (known_ == 2) {
+      lean(v, held);
+    } else if ((rest | rest) > rounding * (v | v)) {
+      put(rest / rest.mag(), known_ == 0 ? s_ : t_);
+      ++known_;
+    }
+    return along(v);
+  }
+
+  void lean(const DVect3& v, const DVect3& held) {
+    const DVect3 normal = cross(s(), t());
+    DVect3 leaned = cross(held, v);
+    // Without a force, or with one along v: about the normal's own perpendicular to v.
+    if ((leaned | leaned) <= 1e-16 * (held | held) * (v | v)) leaned = normal * (v | v) - v * (normal | v);
+    const double size = (leaned | normal) < 0.0 ? -leaned.mag() : leaned.mag();
+    if (size != 0.0) turn(normal, leaned / size);
+  }
+
+  // By the smallest rotation from the unit vector a to the unit vector b, no half turn.
+  void turn(const DVect3& a, const DVect3& b) {
+    const DVect3 sum = a + b;
+    const double half = 1.0 / (1.0 + (a | b));
+    const auto turned = [&](const DVect3& v) { return v + b * (2.0 * (v | a)) - sum * ((v | sum) * half); };
+    const DVect3 first = turned(s()) / turned(s()).mag();
+    put(first, s_);
+    if (known_ < 2) return;
+    const DVect3 second = turned(t()) - first * (first | turned(t()));  // without what rounding adds up to
+    put(second / second.mag(), t_);
+  }
+
+  // Not DVect3, whose own default is no number: a joint model saves its axes by their bytes.
+  double s_[3] = {0.0, 0.0, 0.0}, t_[3] = {0.0, 0.0, 0.0};
+  unsigned long long known_ = 0;  // axes
 };
 
 }  // namespace quoin::threedec

@@ -1,6 +1,7 @@
 #include "mgis/behaviour.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
@@ -33,11 +34,11 @@ std::uint32_t evaluate(adapters::PointBatch& point, const PointMaterial& of) {
   return point.evaluate(*of.material, of.column_count, of.columns);
 }
 
-// In plane strain the third component stays 0.
-void put_start(const BehaviourData& data, int components, std::uint64_t state_count, adapters::PointBatch& point) {
+// In plane strain the third component stays 0. states: where those of the end of the step go.
+void put_start(const BehaviourData& data, int components, double* states, adapters::PointBatch& point) {
   point.slip[1] = point.traction[2] = 0.0;
   std::copy_n(data.s0.thermodynamic_forces, components, point.traction);
-  std::copy_n(data.s0.internal_state_variables, state_count, point.state);
+  point.states(data.s0.internal_state_variables, states);
 }
 
 // Why the law fails a point: its own properties are refused, or something is not finite. Throws.
@@ -63,25 +64,24 @@ void prediction_operator(const PropertySets& sets, const PointMaterial& of, cons
   adapters::PointBatch& point = adapters::PointBatch::of_thread(sets.law(), adapters::wanted::tangent);
   point.normal_jump = data.s0.gradients[0];
   point.slip[0] = 0.0;
-  put_start(data, components, sets.law().state_count, point);
+  std::array<double, adapters::max_states> unused;
+  put_start(data, components, unused.data(), point);
   if (evaluate(point, of) == QUOIN_POINT_FAILED) throw_reason(data, components, sets, of);
   put_tangent(point.tangent, components, data.K);
 }
 
-int step(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components, bool tangent) {
-  const quoin_law& law = sets.law();
-  const bool energies = (law.capabilities & QUOIN_CAN_ENERGY) != 0 &&
-                        (data.s1.stored_energy != nullptr || data.s1.dissipated_energy != nullptr);
-  adapters::PointBatch& point =
-      adapters::PointBatch::of_thread(law, (energies ? adapters::wanted::energies : adapters::wanted::nothing) |
-                                               (tangent ? adapters::wanted::tangent : adapters::wanted::nothing));
-  put_start(data, components, law.state_count, point);
+int step(const PropertySets& sets, const PointMaterial& of, const BehaviourData& data, int components, bool energies,
+         bool tangent) {
+  energies = energies && (data.s1.stored_energy != nullptr || data.s1.dissipated_energy != nullptr);
+  adapters::PointBatch& point = adapters::PointBatch::of_thread(
+      sets.law(), (energies ? adapters::wanted::energies : adapters::wanted::nothing) |
+                      (tangent ? adapters::wanted::tangent : adapters::wanted::nothing));
+  put_start(data, components, data.s1.internal_state_variables, point);
   point.normal_jump = data.s1.gradients[0];
   for (int k = 1; k < components; ++k) point.slip[k - 1] = data.s1.gradients[k] - data.s0.gradients[k];
   const std::uint32_t status = evaluate(point, of);
   if (status == QUOIN_POINT_FAILED) throw_reason(data, components, sets, of);
   std::copy_n(point.traction, components, data.s1.thermodynamic_forces);
-  std::copy_n(point.state, law.state_count, data.s1.internal_state_variables);
   if (tangent) put_tangent(point.tangent, components, data.K);
   if (energies && data.s1.stored_energy != nullptr) *data.s1.stored_energy = point.energy_stored;
   if (energies && data.s1.dissipated_energy != nullptr) {
@@ -106,7 +106,7 @@ int Behaviour::integrate(BehaviourData& data, Hypothesis hypothesis) const noexc
     const bool tangent = request.wanted == Request::Operator::tangent;
     if (tangent && (sets.law().capabilities & QUOIN_CAN_TANGENT) == 0)
       throw std::runtime_error(std::string(law_name_) + " offers no tangent; ask for the elastic operator (K[0] = 1)");
-    const int result = request.integration ? step(sets, point, data, components, tangent) : results_reliable;
+    const int result = request.integration ? step(sets, point, data, components, energies_, tangent) : results_reliable;
     if (!request.integration && tangent) prediction_operator(sets, point, data, components);
     if (request.wanted == Request::Operator::elastic) {
       const bool exact = point.column_count == 0;
@@ -115,6 +115,8 @@ int Behaviour::integrate(BehaviourData& data, Hypothesis hypothesis) const noexc
     return result;
   } catch (const std::exception& error) {
     return fail(data, error.what());
+  } catch (...) {
+    return fail(data, "the law has thrown what no law may throw");
   }
 }
 
@@ -130,6 +132,8 @@ int Behaviour::initialize(BehaviourData& data, const char* initial_state) const 
     return results_reliable;
   } catch (const std::exception& error) {
     return fail(data, error.what());
+  } catch (...) {
+    return fail(data, "the law has thrown what no law may throw");
   }
 }
 

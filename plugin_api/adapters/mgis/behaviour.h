@@ -18,10 +18,15 @@ enum class Hypothesis { plane_strain = 2, tridimensional = 3 };  // the number o
 // One behaviour of a generated library. The law is loaded at the first call and kept.
 class Behaviour {
  public:
-  // state_schema, properties: of the law when the symbols were generated.
+  // state_schema, properties: of the law when the symbols were generated. energies: computed where the host gives them
+  // a place; else never.
   constexpr Behaviour(const char* law, std::uint64_t state_schema, const char* const* properties,
-                      std::size_t property_count)
-      : law_name_(law), state_schema_(state_schema), properties_(properties), property_count_(property_count) {}
+                      std::size_t property_count, bool energies)
+      : law_name_(law),
+        state_schema_(state_schema),
+        properties_(properties),
+        property_count_(property_count),
+        energies_(energies) {}
 
   // Any thread, as long as the data differ.
   int integrate(BehaviourData& data, Hypothesis hypothesis) const noexcept;
@@ -36,6 +41,7 @@ class Behaviour {
   std::uint64_t state_schema_;
   const char* const* properties_;
   std::size_t property_count_;
+  bool energies_;
   mutable std::atomic<const quoin_law*> law_{nullptr};
 };
 

@@ -13,7 +13,11 @@ struct LawBatches {
   std::array<std::unique_ptr<PointBatch>, wanted::all + 1> by_wanted;
 };
 
-// A plain pointer: a thread_local with a constructor costs a test at every use.
+// A plain pointer: a thread_local with a constructor costs a test at every use. Of a fixed place where the loader has
+// room for it: else it is looked up by a call.
+#if defined(__ELF__)
+[[gnu::tls_model("initial-exec")]]
+#endif
 constinit thread_local LawBatches* latest = nullptr;
 
 LawBatches& batches_of(const quoin_law& law) {
@@ -41,8 +45,8 @@ PointBatch::PointBatch(const quoin_law& law, unsigned asked) {
     throw std::runtime_error(std::string(law.id) + " offers no " +
                              ((asked & wanted::energies) != 0 && !can(QUOIN_CAN_ENERGY) ? "energies" : "tangent"));
   for (std::uint64_t k = 0; k < law.state_count; ++k) {
-    state_old_.push_back({state + k, 1});
-    state_new_.push_back({state + k, 1});
+    state_old_.push_back({nullptr, 1});
+    state_new_.push_back({nullptr, 1});
   }
   batch_.struct_size = sizeof batch_;
   batch_.count = 1;
@@ -61,14 +65,6 @@ PointBatch::PointBatch(const quoin_law& law, unsigned asked) {
   if ((asked & wanted::tangent) != 0)
     for (int k = 0; k < 9; ++k) batch_.tangent[k] = {tangent + k, 1};
   if ((asked & wanted::flags) != 0 && can(QUOIN_CAN_FLAGS)) batch_.flags = {&flags, 1};
-}
-
-std::uint32_t PointBatch::evaluate(const Material& material, std::uint64_t column_count,
-                                   const quoin_property_column* columns) {
-  batch_.property_column_count = column_count;
-  batch_.property_columns = columns;
-  material.evaluate(batch_);
-  return batch_.worst_status;
 }
 
 }  // namespace quoin::adapters

@@ -15,8 +15,8 @@ namespace wanted {
 constexpr unsigned nothing = 0, energies = 1, tangent = 2, flags = 4, all = 7;
 }  // namespace wanted
 
-// A batch of one point whose columns lie in this object: they are described once, a step only moves numbers. In the
-// convention of the contract: tension and opening positive, traction in Pa, slip over the step.
+// A batch of one point whose columns but for the states lie in this object: they are described once, a step only moves
+// numbers. In the convention of the contract: tension and opening positive, traction in Pa, slip over the step.
 class PointBatch {
  public:
   // The batch of this thread for this law; asked for: wanted::... It holds the numbers of whoever used it last. Throws
@@ -28,17 +28,25 @@ class PointBatch {
   double slip[2] = {0.0, 0.0};
   // Old in, new out; the old ones again where the step failed.
   double traction[3] = {0.0, 0.0, 0.0};
-  double state[max_states] = {};  // state_count
+  // The caller's own states at the start and the end of the next steps, state_count each: the same, or disjoint.
+  void states(const double* old, double* now) {
+    for (std::size_t k = 0; k < state_old_.size(); ++k) state_old_[k].data = old + k, state_new_[k].data = now + k;
+  }
   // Out, where asked for.
   double energy_stored = 0.0;
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};
   double tangent[9] = {};  // row by row
   std::uint32_t flags = 0;
 
-  // Returns the status of the point (QUOIN_POINT_...). Throws std::runtime_error when the law refuses the call.
-  std::uint32_t evaluate(const Material& material) { return evaluate(material, 0, nullptr); }
-  // With properties of the point's own in place of the material's.
-  std::uint32_t evaluate(const Material& material, std::uint64_t column_count, const quoin_property_column* columns);
+  // Returns the status of the point (QUOIN_POINT_...). columns: properties of the point's own in place of the
+  // material's. Throws std::runtime_error when the law refuses the call.
+  std::uint32_t evaluate(const Material& material, std::uint64_t column_count = 0,
+                         const quoin_property_column* columns = nullptr) {
+    batch_.property_column_count = column_count;
+    batch_.property_columns = columns;
+    material.evaluate(batch_);
+    return batch_.worst_status;
+  }
 
   // After a step: whether any internal variable moved in it.
   bool any_yielding() const { return batch_.any_yielding != 0; }
