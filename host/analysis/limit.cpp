@@ -1,0 +1,264 @@
+#include "analysis/limit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "analysis/linear_program.h"
+#include "base/error.h"
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+
+// Largest residual of equilibrium (in mean loads of a block) and of virtual velocities that counts as rounding.
+constexpr double kResidual = 1e-6;
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }
+
+bool finite(const Vector& v) { return std::isfinite(v.x + v.y + v.z); }
+
+void require(const LimitProblem& problem, const LimitSettings& settings) {
+  if (settings.facets < 4) refuse(fmt::format("{} facets of a friction cone; allowed: 4 or more", settings.facets));
+  const auto count = static_cast<int>(problem.blocks.size());
+  bool live = false;
+  for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
+    const LimitBlock& b = problem.blocks[i];
+    if (!finite(b.centre) || !finite(b.dead.force) || !finite(b.dead.moment) || !finite(b.live.force) ||
+        !finite(b.live.moment))
+      refuse(fmt::format("block {} has a value that is not finite", i));
+    live = live || (!b.fixed && (norm(b.live.force) > 0.0 || norm(b.live.moment) > 0.0));
+  }
+  if (!live) refuse("no load of a free block is multiplied; nothing can be found");
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const LimitPoint& p = problem.points[i];
+    if (p.a < 0 || p.a >= count || p.b < 0 || p.b >= count || p.a == p.b)
+      refuse(fmt::format("contact point {} joins blocks {} and {} of {}", i, p.a, p.b, count));
+    if (!finite(p.position) || !finite(p.n) || !finite(p.s) || !finite(p.t) || !(p.friction >= 0.0) ||
+        !(p.tension >= 0.0) || !(p.cohesion >= 0.0) || !(p.crushing > 0.0) ||
+        !std::isfinite(p.friction + p.tension + p.cohesion))
+      refuse(fmt::format("contact point {} has a strength below 0 or a value that is not finite", i));
+  }
+}
+
+// The linear programme of a problem. Forces in multiples of the mean load of a block, lengths in multiples of the mean
+// distance between centres and points.
+class Programme {
+ public:
+  Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
+    find_scales();
+    add_equilibrium();
+    for (std::size_t i = 0; i < problem.points.size(); ++i) add_point(i);
+  }
+
+  const LinearProgram& linear() const { return linear_; }
+
+  LimitResult result(const LinearSolution& solution) const {
+    LimitResult r;
+    r.multiplier = solution.objective;
+    r.gap = std::abs(solution.dual_objective - solution.objective) / std::max(1.0, std::abs(solution.objective));
+    for (std::size_t i = 0; i < problem_.points.size(); ++i) r.force.push_back(force_at(i, solution.x));
+    r.velocity.resize(problem_.blocks.size());
+    for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
+      if (rows_[k] < 0) continue;
+      for (int c = 0; c < 3; ++c) {
+        const auto row = static_cast<std::size_t>(rows_[k] + c);
+        r.velocity[k].force[c] = solution.price[row];
+        r.velocity[k].moment[c] = solution.price[row + 3] / length_;
+      }
+    }
+    normalise(r);
+    return r;
+  }
+
+ private:
+  struct Columns {
+    int first = 0, normal = 0;  // of the edges and of the pure normal force
+    double lift = 0.0;          // compression that goes with a unit of an edge
+    double tension = 0.0;       // at the apex, in units of force_
+    int shear_row = -1;
+  };
+
+  void find_scales() {
+    double load = 0.0, arm = 0.0;
+    for (const LimitBlock& b : problem_.blocks) load += norm(b.dead.force) + norm(b.live.force);
+    for (const LimitPoint& p : problem_.points)
+      arm += norm(p.position - problem_.blocks[static_cast<std::size_t>(p.a)].centre);
+    force_ = load > 0.0 ? load / static_cast<double>(problem_.blocks.size()) : 1.0;
+    length_ = arm > 0.0 ? arm / static_cast<double>(problem_.points.size()) : 1.0;
+  }
+
+  // Sum of what contact points do to a block = -(dead + multiplier * live): six rows a free block.
+  void add_equilibrium() {
+    rows_.assign(problem_.blocks.size(), -1);
+    for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
+      const LimitBlock& b = problem_.blocks[k];
+      if (b.fixed) continue;
+      rows_[k] = linear_.rows();
+      for (int c = 0; c < 6; ++c) {
+        const double dead = c < 3 ? b.dead.force[c] / force_ : b.dead.moment[c - 3] / (force_ * length_);
+        linear_.add_row(-dead, -dead);
+      }
+    }
+    linear_.add_column(1.0, -kNoBound, kNoBound);  // the multiplier
+    for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
+      if (rows_[k] < 0) continue;
+      const Wrench& live = problem_.blocks[k].live;
+      for (int c = 0; c < 3; ++c) linear_.add(rows_[k] + c, live.force[c] / force_);
+      for (int c = 0; c < 3; ++c) linear_.add(rows_[k] + 3 + c, live.moment[c] / (force_ * length_));
+    }
+  }
+
+  // The column that was added last is a unit force f on block a, and the opposite on b.
+  void act(const LimitPoint& p, const Vector& f) {
+    for (const auto& [block, sign] : {std::pair(p.a, 1.0), std::pair(p.b, -1.0)}) {
+      const int row = rows_[static_cast<std::size_t>(block)];
+      if (row < 0) continue;
+      const Vector moment = cross(p.position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
+      for (int c = 0; c < 3; ++c) linear_.add(row + c, sign * f[c]);
+      for (int c = 0; c < 3; ++c) linear_.add(row + 3 + c, sign * moment[c] / length_);
+    }
+  }
+
+  // Traction inside a pyramid with its apex at sigma = tension: normal force tension - N, shear = sum of e_i d_i over
+  // the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex each edge carries its compression along.
+  void add_point(std::size_t i) {
+    const LimitPoint& p = problem_.points[i];
+    Columns columns;
+    const double tension = p.friction > 0.0 ? std::min(p.tension, p.cohesion / p.friction) : p.tension;
+    columns.tension = tension / force_;
+    const double at_apex = std::max(0.0, p.cohesion - p.friction * tension) / force_;
+    const bool own_row = at_apex > 0.0;
+    const bool slides = p.friction > 0.0 || at_apex > 0.0;
+    columns.lift = !own_row && p.friction > 0.0 ? 1.0 / p.friction : 0.0;
+    if (own_row && slides) columns.shear_row = linear_.add_row(-kNoBound, at_apex);
+    const int crushing_row =
+        std::isfinite(p.crushing) ? linear_.add_row(-kNoBound, (p.crushing + tension) / force_) : -1;
+    add_apex(p, columns.tension);
+
+    columns.normal = linear_.add_column(0.0, 0.0, kNoBound);
+    act(p, -p.n);
+    if (columns.shear_row >= 0) linear_.add(columns.shear_row, -p.friction);
+    if (crushing_row >= 0) linear_.add(crushing_row, 1.0);
+    columns.first = linear_.columns();
+    for (int e = 0; slides && e < settings_.facets; ++e) {
+      const double angle =
+          std::numbers::pi * (2.0 * e + 1.0) / settings_.facets;  // facets are normal to even multiples
+      linear_.add_column(0.0, 0.0, kNoBound);
+      act(p, std::cos(angle) * p.s + std::sin(angle) * p.t - columns.lift * p.n);
+      if (columns.shear_row >= 0) linear_.add(columns.shear_row, 1.0);
+      if (crushing_row >= 0) linear_.add(crushing_row, columns.lift);
+    }
+    columns_.push_back(columns);
+  }
+
+  // The tension of the apex is a constant of equilibrium.
+  void add_apex(const LimitPoint& p, double tension) {
+    if (tension == 0.0) return;
+    for (const auto& [block, sign] : {std::pair(p.a, 1.0), std::pair(p.b, -1.0)}) {
+      const int row = rows_[static_cast<std::size_t>(block)];
+      if (row < 0) continue;
+      const Vector moment = cross(p.position - problem_.blocks[static_cast<std::size_t>(block)].centre, p.n);
+      for (int c = 0; c < 3; ++c) move_row(row + c, -sign * tension * p.n[c]);
+      for (int c = 0; c < 3; ++c) move_row(row + 3 + c, -sign * tension * moment[c] / length_);
+    }
+  }
+  void move_row(int row, double by) {
+    linear_.row_low[static_cast<std::size_t>(row)] += by;
+    linear_.row_high[static_cast<std::size_t>(row)] += by;
+  }
+
+  std::array<double, 3> force_at(std::size_t i, const std::vector<double>& x) const {
+    const Columns& columns = columns_[i];
+    const LimitPoint& p = problem_.points[i];
+    double compression = x[static_cast<std::size_t>(columns.normal)], s = 0.0, t = 0.0;
+    const bool slides = p.friction > 0.0 || columns.shear_row >= 0;
+    for (int e = 0; slides && e < settings_.facets; ++e) {
+      const double edge = x[static_cast<std::size_t>(columns.first + e)];
+      const double angle = std::numbers::pi * (2.0 * e + 1.0) / settings_.facets;
+      compression += columns.lift * edge, s += edge * std::cos(angle), t += edge * std::sin(angle);
+    }
+    return {force_ * (columns.tension - compression), force_ * s, force_ * t};
+  }
+
+  void normalise(LimitResult& r) const {
+    double largest = 0.0;
+    for (const Wrench& v : r.velocity) largest = std::max(largest, norm(v.force));
+    for (const LimitPoint& p : problem_.points) {
+      for (const int block : {p.a, p.b}) {
+        const Wrench& v = r.velocity[static_cast<std::size_t>(block)];
+        largest = std::max(
+            largest,
+            norm(v.force + cross(v.moment, p.position - problem_.blocks[static_cast<std::size_t>(block)].centre)));
+      }
+    }
+    if (!(largest > 0.0)) return;
+    for (Wrench& v : r.velocity) v.force *= 1.0 / largest, v.moment *= 1.0 / largest;
+  }
+
+  const LimitProblem& problem_;
+  const LimitSettings& settings_;
+  double force_ = 1.0, length_ = 1.0;  // N, m
+  LinearProgram linear_;
+  std::vector<int> rows_;  // first of each block; -1: fixed
+  std::vector<Columns> columns_;
+};
+
+// Which blocks are out of balance when the sum of all residuals under dead loads is as small as it can be.
+std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings& settings) {
+  const Programme programme(problem, settings);
+  LinearProgram linear = programme.linear();
+  linear.low[0] = linear.high[0] = 0.0, linear.cost[0] = 0.0;
+  const int rows = linear.rows(), first = linear.columns();
+  std::vector<int> block_of_row;
+  for (std::size_t k = 0; k < problem.blocks.size(); ++k)
+    for (int c = 0; !problem.blocks[k].fixed && c < 6; ++c) block_of_row.push_back(static_cast<int>(k));
+  for (int r = 0; r < std::min(rows, static_cast<int>(block_of_row.size())); ++r) {
+    for (const double sign : {1.0, -1.0}) {
+      linear.add_column(-1.0, 0.0, kNoBound);
+      linear.add(r, sign);
+    }
+  }
+  const LinearSolution solution = LinearSolver(linear).solve();
+  std::vector<int> unheld;
+  for (std::size_t r = 0; r < block_of_row.size(); ++r) {
+    const auto column = static_cast<std::size_t>(first) + 2 * r;
+    if (solution.x[column] + solution.x[column + 1] > kResidual && (unheld.empty() || unheld.back() != block_of_row[r]))
+      unheld.push_back(block_of_row[r]);
+  }
+  return unheld;
+}
+
+// A solution counts when the programme itself confirms it.
+LimitStatus status_of(const LinearSolution& solution) {
+  const bool confirmed = std::max(solution.primal_residual, solution.dual_residual) < kResidual;
+  switch (solution.status) {
+    case LinearStatus::solved:
+      return confirmed ? LimitStatus::solved : LimitStatus::not_converged;
+    case LinearStatus::infeasible:
+      return LimitStatus::no_equilibrium;
+    case LinearStatus::unbounded:
+      return LimitStatus::unbounded;
+    case LinearStatus::stopped:
+      break;
+  }
+  return LimitStatus::not_converged;
+}
+
+}  // namespace
+
+LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings) {
+  require(problem, settings);
+  const Programme programme(problem, settings);
+  const LinearSolution solution = LinearSolver(programme.linear()).solve();
+  LimitResult result;
+  if (solution.status == LinearStatus::solved) result = programme.result(solution);
+  result.status = status_of(solution);
+  if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);
+  return result;
+}
+
+}  // namespace quoin

@@ -1,0 +1,74 @@
+// Limit analysis of assemblies of rigid blocks by the static theorem: the largest multiplier of loads for which contact
+// forces exist that are in equilibrium and within strength everywhere.
+//
+// Livesley (1978): a linear programme; friction cones are pyramids. Flow is associated: sliding lifts by the friction
+// angle. The multiplier is an upper bound of those without dilation, far above them where a bonded wall cannot dilate.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "geometry/vector.h"
+
+namespace quoin {
+
+// Force and moment about the centre of a block, N and N m.
+struct Wrench {
+  geometry::Vector force, moment;
+};
+
+struct LimitBlock {
+  geometry::Vector centre;  // to which wrenches and velocities refer, m
+  bool fixed = false;
+  Wrench dead, live;  // what acts always, and what is multiplied
+};
+
+// A contact point. Tractions as in the laws: sigma > 0 is tension, n from block a to block b.
+struct LimitPoint {
+  int a = 0, b = 0;
+  geometry::Vector position;                                  // m
+  geometry::Vector n, s, t;                                   // unit
+  double friction = 0.0;                                      // tan(phi)
+  double tension = 0.0;                                       // largest force along n, N, >= 0
+  double cohesion = 0.0;                                      // shear strength without normal force, N, >= 0
+  double crushing = std::numeric_limits<double>::infinity();  // largest compression, N, > 0
+};
+
+struct LimitProblem {
+  std::vector<LimitBlock> blocks;
+  std::vector<LimitPoint> points;
+};
+
+struct LimitSettings {
+  // Facets of the pyramid inside the friction cone; the normal of the first one is s. A shear force between two edges
+  // of the pyramid is at most 1 - cos(pi/facets) too weak: 2 % of friction with 16.
+  int facets = 16;
+};
+
+enum class LimitStatus {
+  solved,
+  no_equilibrium,  // the dead loads alone cannot be carried
+  unbounded,       // no multiple of the live loads moves anything
+  not_converged    // the solver stopped, or its solution leaves residuals
+};
+
+struct LimitResult {
+  LimitStatus status = LimitStatus::not_converged;
+  double multiplier = 0.0;
+  double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the linear programme
+  // On block a along n, s, t at each point, N: n > 0 is tension.
+  std::vector<std::array<double, 3>> force;
+  // Mechanism: virtual velocity of the centre and spin of each block, scaled so that the largest velocity of a centre
+  // or contact point is 1 (m/s, rad/s).
+  std::vector<Wrench> velocity;  // force: velocity, moment: spin
+  // Blocks that cannot be held (no_equilibrium) or that no point holds; indices, ascending.
+  std::vector<int> blocks_concerned;
+};
+
+// Throws Error(bad_input): indices out of range, values that are not finite, strengths below 0, no live load, facets
+// < 4.
+LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
+
+}  // namespace quoin

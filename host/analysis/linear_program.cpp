@@ -1,0 +1,94 @@
+#include "analysis/linear_program.h"
+
+#include <ClpSimplex.hpp>
+#include <ClpSolve.hpp>
+#include <algorithm>
+#include <cmath>
+
+namespace quoin {
+
+struct LinearSolver::Solver {
+  LinearProgram program;
+  ClpSimplex clp;
+  bool has_basis = false;
+};
+
+LinearSolver::LinearSolver(LinearProgram program) : solver_(std::make_unique<Solver>()) {
+  solver_->program = std::move(program);
+  const LinearProgram& p = solver_->program;
+  ClpSimplex& clp = solver_->clp;
+  clp.setLogLevel(0);
+  clp.scaling(0);  // Clp's own scaling leaves infeasibilities of the unscaled programme that it reports as solved
+  clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
+                  p.cost.data(), p.row_low.data(), p.row_high.data());
+  clp.setOptimizationDirection(-1.0);  // maximise
+}
+
+LinearSolver::~LinearSolver() = default;
+
+void LinearSolver::set_row_high(int row, double to) {
+  solver_->program.row_high[static_cast<std::size_t>(row)] = to;
+  solver_->clp.setRowUpper(row, to);
+}
+
+namespace {
+
+// Of prices and bounds: prices > 0 belong to upper bounds of a maximum, < 0 to lower ones. A price without a bound is
+// an infeasibility of the dual programme.
+void add_share(double price, double low, double high, LinearSolution* solution) {
+  const double bound = price > 0.0 ? high : low;
+  if (std::isfinite(bound))
+    solution->dual_objective += price * bound;
+  else
+    solution->dual_residual = std::max(solution->dual_residual, std::abs(price));
+}
+
+double beyond(double value, double low, double high) { return std::max({0.0, low - value, value - high}); }
+
+// Residuals and dual objective from the programme as it was given, whatever the library reports.
+void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
+  std::vector<double> activity(static_cast<std::size_t>(p.rows()), 0.0);
+  solution->objective = 0.0;
+  for (int j = 0; j < p.columns(); ++j) {
+    const auto c = static_cast<std::size_t>(j);
+    const double x = solution->x[c];
+    double reduced = p.cost[c];
+    for (auto k = static_cast<std::size_t>(p.begin[c]); k < static_cast<std::size_t>(p.begin[c + 1]); ++k) {
+      activity[static_cast<std::size_t>(p.row[k])] += p.value[k] * x;
+      reduced -= p.value[k] * solution->price[static_cast<std::size_t>(p.row[k])];
+    }
+    solution->objective += p.cost[c] * x;
+    solution->primal_residual = std::max(solution->primal_residual, beyond(x, p.low[c], p.high[c]));
+    add_share(reduced, p.low[c], p.high[c], solution);
+  }
+  for (std::size_t r = 0; r < activity.size(); ++r) {
+    solution->primal_residual = std::max(solution->primal_residual, beyond(activity[r], p.row_low[r], p.row_high[r]));
+    add_share(solution->price[r], p.row_low[r], p.row_high[r], solution);
+  }
+}
+
+}  // namespace
+
+LinearSolution LinearSolver::solve() {
+  ClpSimplex& clp = solver_->clp;
+  if (!solver_->has_basis) {
+    ClpSolve how;
+    how.setSolveType(ClpSolve::useBarrier);  // and crossover to a basis; simplex alone takes ten times as long
+    clp.initialSolve(how);
+    solver_->has_basis = true;
+    if (!clp.isProvenOptimal()) clp.dual();
+  } else {
+    clp.dual();
+  }
+  LinearSolution solution;
+  solution.status = clp.isProvenOptimal()            ? LinearStatus::solved
+                    : clp.isProvenPrimalInfeasible() ? LinearStatus::infeasible
+                    : clp.isProvenDualInfeasible()   ? LinearStatus::unbounded
+                                                     : LinearStatus::stopped;
+  solution.x.assign(clp.primalColumnSolution(), clp.primalColumnSolution() + clp.numberColumns());
+  solution.price.assign(clp.dualRowSolution(), clp.dualRowSolution() + clp.numberRows());
+  hold_against_programme(solver_->program, &solution);
+  return solution;
+}
+
+}  // namespace quoin

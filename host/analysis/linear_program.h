@@ -1,0 +1,65 @@
+// Linear programmes, solved by a library; this header is all that other code sees of it.
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace quoin {
+
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
+
+// Maximise cost.x over low <= x <= high with row_low <= A x <= row_high. A is given column by column.
+struct LinearProgram {
+  std::vector<double> row_low, row_high;
+  std::vector<double> cost, low, high;
+  std::vector<int> begin{0};  // of each column in `row` and `value`, and the end of the last
+  std::vector<int> row;
+  std::vector<double> value;
+
+  int rows() const { return static_cast<int>(row_low.size()); }
+  int columns() const { return static_cast<int>(cost.size()); }
+  int add_row(double from, double to) {
+    row_low.push_back(from), row_high.push_back(to);
+    return rows() - 1;
+  }
+  // Coefficients follow with add(); rows ascending or not, each once.
+  int add_column(double c, double from, double to) {
+    cost.push_back(c), low.push_back(from), high.push_back(to), begin.push_back(begin.back());
+    return columns() - 1;
+  }
+  void add(int in_row, double coefficient) {  // to the column that was added last
+    if (coefficient == 0.0) return;
+    row.push_back(in_row), value.push_back(coefficient), ++begin.back();
+  }
+};
+
+enum class LinearStatus { solved, infeasible, unbounded, stopped };
+
+struct LinearSolution {
+  LinearStatus status = LinearStatus::stopped;
+  double objective = 0.0;
+  double dual_objective = 0.0;  // an upper bound where dual_residual is 0, from prices and bounds
+  std::vector<double> x;
+  std::vector<double> price;     // of rows: change of the objective with the active bound
+  double primal_residual = 0.0;  // largest distance of a row or column from its bounds
+  double dual_residual = 0.0;    // largest price of a row or column towards a bound that it does not have
+};
+
+// Keeps its basis, so that a programme whose bounds change a little is solved again quickly. One thread.
+class LinearSolver {
+ public:
+  explicit LinearSolver(LinearProgram program);
+  ~LinearSolver();
+  LinearSolver(const LinearSolver&) = delete;
+  LinearSolver& operator=(const LinearSolver&) = delete;
+
+  void set_row_high(int row, double to);
+  LinearSolution solve();
+
+ private:
+  struct Solver;
+  std::unique_ptr<Solver> solver_;
+};
+
+}  // namespace quoin

@@ -1,0 +1,261 @@
+// Limit analysis against closed forms and against an independent linear programme of the same theorem, points and cones.
+#include "analysis/limit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+using std::numbers::pi;
+
+// A unit of a wall in x (along), y (up) and z (depth), m. Weight 1 N/m3: multipliers do not depend on it.
+struct Unit {
+  Vector lower, size;
+};
+
+// Dry assemblies of boxes: contacts at the corners of shared faces.
+class Boxes {
+ public:
+  int add(const Vector& lower, const Vector& size, const Vector& live, bool fixed = false) {
+    units_.push_back({lower, size});
+    const double weight = size.x * size.y * size.z;
+    LimitBlock block;
+    block.centre = lower + 0.5 * size, block.fixed = fixed;
+    block.dead.force = {0.0, -weight, 0.0};
+    block.live.force = weight * live;
+    problem.blocks.push_back(block);
+    return static_cast<int>(units_.size()) - 1;
+  }
+  // Points where faces of two boxes meet. across: axis of the normals, first the lower box.
+  void join(double friction) {
+    for (std::size_t a = 0; a < units_.size(); ++a)
+      for (std::size_t b = 0; b < units_.size(); ++b)
+        for (int axis = 0; axis < 3; ++axis) join_along(a, b, axis, friction);
+  }
+  LimitProblem problem;
+
+ private:
+  void join_along(std::size_t a, std::size_t b, int axis, double friction) {
+    const Unit &p = units_[a], &q = units_[b];
+    if (problem.blocks[a].fixed && problem.blocks[b].fixed) return;
+    const double face = p.lower[axis] + p.size[axis];
+    if (std::abs(face - q.lower[axis]) > 1e-9) return;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    const double u0 = std::max(p.lower[u], q.lower[u]), u1 = std::min(p.lower[u] + p.size[u], q.lower[u] + q.size[u]);
+    const double v0 = std::max(p.lower[v], q.lower[v]), v1 = std::min(p.lower[v] + p.size[v], q.lower[v] + q.size[v]);
+    if (u1 - u0 < 1e-9 || v1 - v0 < 1e-9) return;
+    for (const double at_u : {u0, u1}) {
+      for (const double at_v : {v0, v1}) {
+        LimitPoint point;
+        point.a = static_cast<int>(a), point.b = static_cast<int>(b), point.friction = friction;
+        point.position[axis] = face, point.position[u] = at_u, point.position[v] = at_v;
+        point.n[axis] = 1.0, point.s[u] = 1.0, point.t[v] = 1.0;
+        problem.points.push_back(point);
+      }
+    }
+  }
+  std::vector<Unit> units_;
+};
+
+double multiplier(const LimitProblem& problem, const LimitSettings& settings = {}) {
+  const LimitResult result = limit_multiplier(problem, settings);
+  EXPECT_EQ(result.status, LimitStatus::solved);
+  EXPECT_LT(result.gap, 1e-6);
+  return result.multiplier;
+}
+
+// Running bond of `width` units of 0.4 x 0.175 x 0.2 m on a fixed base; odd courses begin with a half.
+LimitProblem running_bond(int width, int courses, double friction, int first_half, double height = 0.175) {
+  Boxes wall;
+  wall.add({-1.0, -0.2, 0.0}, {2.0 + 0.4 * width, 0.2, 0.2}, {}, true);
+  for (int c = 0; c < courses; ++c) {
+    const double y = height * c;
+    const bool halves = c % 2 == first_half;
+    double x = 0.0;
+    for (int i = 0; i < width + (halves ? 1 : 0); ++i) {
+      const double length = halves && (i == 0 || i == width) ? 0.2 : 0.4;
+      wall.add({x, y, 0.0}, {length, height, 0.2}, {1.0, 0.0, 0.0});
+      x += length;
+    }
+  }
+  wall.join(friction);
+  return wall.problem;
+}
+
+// A block on a plane: slides at mu or turns over at b/h, whichever is less. Exact; the first facet's normal is s = the
+// direction of sliding or opposite, where the pyramid is cos(pi/16) of the cone.
+TEST(Limit, BlockSlidesOrTurns) {
+  for (const double friction : {0.2, 0.9}) {
+    Boxes one;
+    one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+    one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+    one.join(friction);
+    const double slides = friction * std::cos(pi / 16.0);
+    const LimitResult result = limit_multiplier(one.problem);
+    EXPECT_NEAR(result.multiplier, std::min(slides, 0.5), 1e-9);
+    // The mechanism: work of the live load 1, of the dead load -multiplier.
+    const Wrench& v = result.velocity[1];
+    EXPECT_GT(dot(v.force, one.problem.blocks[1].live.force), 0.0);
+    EXPECT_NEAR(-dot(v.force, one.problem.blocks[1].dead.force) / dot(v.force, one.problem.blocks[1].live.force),
+                result.multiplier, 1e-9);
+    if (friction > 0.5) {
+      EXPECT_LT(v.moment.z, 0.0);  // over its toe at positive x
+    }
+  }
+}
+
+// Forces of the result are in equilibrium and within strength: what the static theorem asks for, checked without the
+// solver.
+TEST(Limit, ForcesAreInEquilibriumAndWithinStrength) {
+  const LimitProblem problem = running_bond(3, 5, 0.65, 1);
+  const LimitResult result = limit_multiplier(problem);
+  std::vector<Wrench> sum(problem.blocks.size());
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const LimitPoint& p = problem.points[i];
+    const auto& [n, s, t] = result.force[i];
+    EXPECT_LE(n, 1e-9);
+    EXPECT_LE(std::hypot(s, t), -0.65 * n + 1e-9);
+    const Vector f = n * p.n + s * p.s + t * p.t;
+    for (const auto& [block, sign] : {std::pair(p.a, 1.0), std::pair(p.b, -1.0)}) {
+      auto& [force, moment] = sum[static_cast<std::size_t>(block)];
+      force += sign * f;
+      moment += sign * cross(p.position - problem.blocks[static_cast<std::size_t>(block)].centre, f);
+    }
+  }
+  for (std::size_t k = 1; k < problem.blocks.size(); ++k) {
+    const LimitBlock& b = problem.blocks[k];
+    EXPECT_LT(norm(sum[k].force + b.dead.force + result.multiplier * b.live.force), 1e-8);
+    EXPECT_LT(norm(sum[k].moment + b.dead.moment + result.multiplier * b.live.moment), 1e-8);
+  }
+}
+
+// Ferris and Tin-Loi (2001), walls 1 and 2. A plane problem: shear acts along the joints alone. Four facets are normal
+// to the joint's axes and stand at cos(pi/4) of the cone, which the friction makes good: Coulomb's line exactly.
+TEST(Limit, FerrisAndTinLoi) {
+  LimitSettings settings;
+  settings.facets = 4;
+  const double friction = 0.65 / std::cos(pi / 4.0);
+  EXPECT_NEAR(multiplier(running_bond(5, 6, friction, 0), settings), 0.64286, 1e-4);
+  EXPECT_NEAR(multiplier(running_bond(5, 10, friction, 0), settings), 0.58000, 1e-4);
+}
+
+// At high friction a bonded wall of 8 x 4 units of 0.4 x 0.2 m turns over as a whole: 3.2/0.8. (Without dilation:
+// 0.714.)
+TEST(Limit, DilationLocksABondedWall) {
+  LimitSettings settings;
+  settings.facets = 4;
+  EXPECT_NEAR(multiplier(running_bond(8, 4, 10.0 / std::cos(pi / 4.0), 0, 0.2), settings), 4.0, 1e-6);
+}
+
+// A semicircular arch of voussoirs, t/R 0.15, with hinges alone (friction 10): horizontal multipliers 0.1667, 0.1493,
+// 0.1448.
+LimitProblem arch(int voussoirs, double thickness, double friction, double from, double to) {
+  LimitProblem problem;
+  problem.blocks.resize(static_cast<std::size_t>(voussoirs) + 1);  // the last one is the ground
+  problem.blocks.back().fixed = true;
+  const double inner = 1.0 - thickness / 2.0, outer = 1.0 + thickness / 2.0, step = (to - from) / voussoirs;
+  for (int i = 0; i <= voussoirs; ++i) {
+    const double angle = from + step * i;
+    if (i < voussoirs) {  // a ring sector: area and centroid
+      LimitBlock& block = problem.blocks[static_cast<std::size_t>(i)];
+      const double weight = 0.5 * step * (outer * outer - inner * inner);
+      const double radius = 2.0 / 3.0 * (std::pow(outer, 3) - std::pow(inner, 3)) / (outer * outer - inner * inner) *
+                            std::sin(step / 2.0) / (step / 2.0);
+      block.centre = radius * Vector{std::cos(angle + step / 2.0), std::sin(angle + step / 2.0), 0.0};
+      block.dead.force = {0.0, -weight, 0.0}, block.live.force = {weight, 0.0, 0.0};
+    }
+    for (const double radius : {inner, outer}) {
+      for (const double z : {0.0, 1.0}) {
+        LimitPoint point;
+        point.a = i > 0 ? i - 1 : voussoirs, point.b = i < voussoirs ? i : voussoirs, point.friction = friction;
+        point.position = {radius * std::cos(angle), radius * std::sin(angle), z};
+        point.n = {-std::sin(angle), std::cos(angle), 0.0};
+        point.s = {std::cos(angle), std::sin(angle), 0.0}, point.t = {0.0, 0.0, 1.0};
+        problem.points.push_back(point);
+      }
+    }
+  }
+  for (LimitBlock& block : problem.blocks) block.centre.z = 0.5;
+  return problem;
+}
+
+TEST(Limit, Arches) {
+  EXPECT_NEAR(multiplier(arch(7, 0.15, 10.0, 0.0, pi)), 0.1667, 1e-4);
+  EXPECT_NEAR(multiplier(arch(16, 0.15, 10.0, 0.0, pi)), 0.1493, 1e-4);
+  EXPECT_NEAR(multiplier(arch(36, 0.15, 10.0, 0.0, pi)), 0.1448, 1e-4);
+  // Oppenheim's arch as ring sectors: 157.5 degrees in 7 voussoirs: 0.37001.
+  EXPECT_NEAR(multiplier(arch(7, 0.15, 10.0, 11.25 * pi / 180.0, 168.75 * pi / 180.0)), 0.37001, 1e-4);
+}
+
+// Least thickness of a semicircle (Milankovitch 1907): 0.10746 of the radius. Below it dead loads cannot be carried.
+TEST(Limit, ArchThinnerThanItsLeastThicknessFalls) {
+  EXPECT_EQ(limit_multiplier(arch(60, 0.1090, 10.0, 0.0, pi)).status, LimitStatus::solved);
+  const LimitResult thin = limit_multiplier(arch(60, 0.1060, 10.0, 0.0, pi));
+  EXPECT_EQ(thin.status, LimitStatus::no_equilibrium);
+  EXPECT_FALSE(thin.blocks_concerned.empty());
+}
+
+// A bonded block under a moment: the joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2 (about the
+// toe: half of the tension acts at a distance of 1). Lever 1 m above the joint.
+TEST(Limit, TensionAndCohesionHold) {
+  Boxes one;
+  one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+  one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+  one.join(0.7);
+  for (LimitPoint& p : one.problem.points) p.tension = 5.0 / 4.0, p.cohesion = 40.0;
+  // M = W lambda about the toe, resisted by W/2 and the two corners at a distance of 1 m: lambda W = W/2 + 5/2, W = 2.
+  EXPECT_NEAR(multiplier(one.problem), 0.5 + 2.5 / 2.0, 1e-8);
+  for (LimitPoint& p : one.problem.points) p.tension = 0.0, p.cohesion = 0.1;
+  // Sliding at 4 c + mu W before it turns over: friction 0.1 in place of 0.7.
+  for (LimitPoint& p : one.problem.points) p.friction = 0.1;
+  EXPECT_NEAR(multiplier(one.problem), (0.4 + 0.1 * 2.0) / 2.0 * std::cos(pi / 16.0), 0.02 * 0.3);
+}
+
+// Crushing: the toe carries N <= fc. W (1/2 - x) is left of the lever: with cap per corner 1.2 and W = 2, both toe
+// corners carry all of W (2 <= 2.4): no loss; at 0.8 they carry 1.6, the heel 0.4: M = W/2 - 0.4.
+TEST(Limit, CrushingShortensTheLever) {
+  for (const double cap : {1.2, 0.8}) {
+    Boxes one;
+    one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+    one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+    one.join(5.0);
+    for (LimitPoint& p : one.problem.points) p.crushing = cap;
+    const double heel = std::max(0.0, 2.0 - 2.0 * cap);
+    EXPECT_NEAR(multiplier(one.problem), (1.0 - heel) / 2.0, 1e-8) << cap;
+  }
+}
+
+TEST(Limit, WhatHasNoAnswerIsNamed) {
+  Boxes floating;
+  floating.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}, true);
+  floating.add({0.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
+  floating.add({9.0, 9.0, 0.0}, {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0});
+  floating.join(0.5);
+  const LimitResult result = limit_multiplier(floating.problem);
+  EXPECT_EQ(result.status, LimitStatus::no_equilibrium);
+  EXPECT_EQ(result.blocks_concerned, std::vector<int>{2});
+
+  Boxes pressed;  // a load that pushes downwards moves nothing
+  pressed.add({-1.0, 0.0, -1.0}, {3.0, 1.0, 3.0}, {}, true);
+  pressed.add({0.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {0.0, -1.0, 0.0});
+  pressed.join(0.5);
+  EXPECT_EQ(limit_multiplier(pressed.problem).status, LimitStatus::unbounded);
+
+  LimitProblem bad = pressed.problem;
+  bad.points[0].friction = -1.0;
+  EXPECT_ANY_THROW(limit_multiplier(bad));
+  bad = pressed.problem;
+  bad.blocks[1].live = {};
+  EXPECT_ANY_THROW(limit_multiplier(bad));
+  LimitSettings settings;
+  settings.facets = 3;
+  EXPECT_ANY_THROW(limit_multiplier(pressed.problem, settings));
+}
+
+}  // namespace
+}  // namespace quoin
