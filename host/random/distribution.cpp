@@ -16,7 +16,10 @@ namespace bm = boost::math;
 
 namespace {
 
-constexpr double kLeastVariation = 0.01, kMostVariation = 10.0;  // of Weibull, whose shape is then 0.1 to 130
+constexpr double kLargest = 1e100, kSmallest = 1e-100;  // of any number: squares and products are numbers too
+constexpr double kFinest = 1e-9;                        // of scatter over mean: less is lost among the digits of a draw
+// Of Weibull, whose shape is then 0.1 to 130, and of the logarithm of a lognormal one, whose scatter is then 3 at most.
+constexpr double kLeastVariation = 0.01, kMostVariation = 10.0, kMostOfLognormal = 100.0;
 
 // Calls f with a distribution of these parameters.
 template <class F>
@@ -45,6 +48,13 @@ double probability_below(const Distribution& d, double a, double b, double x) { 
   if (std::isinf(x)) return x > 0 ? 1.0 : 0.0;
   if (x <= 0.0 && d.shape != Shape::normal) return 0.0;
   return with(d.shape, a, b, [&](const auto& known) { return bm::cdf(known, x); });
+}
+
+// What is wrong with the size of a number that is not 0; empty: nothing.
+std::string fault_of_size(const char* what, double value) {
+  const double size = std::abs(value);
+  if (value == 0.0 || (size >= kSmallest && size <= kLargest)) return "";
+  return fmt::format("a {} of 0, or of {:g} to {:g} in size", what, kSmallest, kLargest);
 }
 
 }  // namespace
@@ -83,14 +93,22 @@ bool Distribution::truncated() const {
 
 std::string Distribution::fault() const {
   if (!(lower < upper)) return fmt::format("a lower bound of less than the upper one, {:g}", upper);
+  for (const double bound : {lower, upper}) {
+    if (const std::string wrong = fault_of_size("bound", bound); std::isfinite(bound) && !wrong.empty()) return wrong;
+  }
   if (shape == Shape::uniform)
     return std::isfinite(lower) && std::isfinite(upper) ? "" : "lower and upper for a uniform distribution";
-  if (!std::isfinite(mean)) return "a finite mean";
-  if (!(scatter >= 0.0) || !std::isfinite(scatter)) return "a scatter of 0 or more";
+  if (const std::string wrong = fault_of_size("mean", mean); !wrong.empty()) return wrong;
+  if (!(scatter >= 0.0)) return "a scatter of 0 or more";
+  if (const std::string wrong = fault_of_size("scatter", scatter); !wrong.empty()) return wrong;
+  if (scatter > 0.0 && scatter < kFinest * std::abs(mean))
+    return fmt::format("a scatter of 0, or of at least {:g} times the mean", kFinest);
   if (shape != Shape::normal && !(mean > 0.0)) return fmt::format("a mean of more than 0 for {}", shape_name(shape));
   if (shape == Shape::weibull && scatter > 0.0 &&
       !(scatter >= kLeastVariation * mean && scatter <= kMostVariation * mean))
     return fmt::format("a scatter of {:g} to {:g} times the mean for weibull", kLeastVariation, kMostVariation);
+  if (shape == Shape::lognormal && scatter > kMostOfLognormal * mean)
+    return fmt::format("a scatter of at most {:g} times the mean for lognormal", kMostOfLognormal);
   if (scatter == 0.0 && !(mean >= lower && mean <= upper)) return "a mean between the bounds where nothing scatters";
   if (scatter > 0.0 && truncated()) {
     const auto [a, b] = parameters_of(*this);
@@ -126,8 +144,9 @@ double Sampler::value_at(double probability, double rest) const {
   if (d.shape == Shape::uniform) return d.lower + probability * (d.upper - d.lower);
   if (d.scatter == 0.0) return d.mean;
   if (d.truncated()) {
+    // Each from its own end: 1 less the other one is 0 far out, which no draw stands for.
     probability = below_ + probability * (above_ - below_);
-    rest = 1.0 - probability;
+    rest = (1.0 - above_) + rest * (above_ - below_);
   }
   const double x = with(d.shape, a_, b_, [&](const auto& known) {
     return probability < 0.5 ? bm::quantile(known, probability) : bm::quantile(bm::complement(known, rest));
@@ -140,7 +159,12 @@ double Sampler::mean() const {
   if (d.shape == Shape::uniform) return 0.5 * (d.lower + d.upper);
   if (!d.truncated()) return d.mean;
   bm::quadrature::tanh_sinh<double> rule;
-  return rule.integrate([&](double p) { return quantile(p); }, 0.0, 1.0, 1e-9);
+  // to_end: how far it is to the nearer end, with all its digits.
+  const auto value = [&](double p, double to_end) {
+    const double far = std::fmax(std::abs(to_end), std::numeric_limits<double>::min());
+    return p < 0.5 ? value_at(far, 1.0 - far) : value_at(1.0 - far, far);
+  };
+  return std::fmin(std::fmax(rule.integrate(value, 0.0, 1.0, 1e-9), d.lower), d.upper);
 }
 
 }  // namespace quoin::random

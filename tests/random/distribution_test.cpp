@@ -1,5 +1,6 @@
 #include "random/distribution.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -85,6 +86,50 @@ TEST(Distribution, TailsOfWeibullAreExact) {
   const Distribution d{Shape::weibull, 3.0, 3.0, -kNone, kNone};  // exponential of mean 3
   EXPECT_NEAR(Sampler(d).at_normal(7.0), -3.0 * std::log(normal_probability(-7.0)), 1e-10);
   EXPECT_NEAR(Sampler(d).at_normal(-7.0) / (-3.0 * std::log1p(-normal_probability(-7.0))), 1.0, 1e-10);
+}
+
+// Of any numbers that a user may write: refused with words, or draws within the bounds and a mean.
+TEST(Distribution, ExtremeNumbersAreRefusedOrDrawn) {
+  int drawn = 0, refused = 0;
+  const auto tried = [&](const Distribution& d) {
+    const std::string what =
+        fmt::format("{} {} {} from {} to {}", shape_name(d.shape), d.mean, d.scatter, d.lower, d.upper);
+    if (!d.fault().empty()) return void(++refused);
+    ++drawn;
+    const auto is_within = [&](double x) { return std::isfinite(x) && x >= d.lower && x <= d.upper; };
+    const Sampler sampler(d);
+    EXPECT_PRED1(is_within, sampler.mean()) << what;
+    for (const double z : {-8.3, -1.0, 0.0, 8.3}) EXPECT_PRED1(is_within, sampler.at_normal(z)) << what;
+    for (const double p : {1e-17, 0.5, 1 - 1e-16}) EXPECT_PRED1(is_within, sampler.quantile(p)) << what;
+  };
+  for (const Shape shape : {Shape::normal, Shape::lognormal, Shape::weibull, Shape::uniform}) {
+    for (const double mean : {-1e300, -3.0, 0.0, 5e-324, 1e-300, 0.2e6, 1e150, 1.7e308}) {
+      for (const double scatter : {0.0, 5e-324, 1e-300, 1e-200, 1e-16, 1e-12, 1e-8, 0.3, 9.9, 1e3, 1e160, 1e300}) {
+        for (const auto& [lower, upper] : {std::pair{-kNone, kNone},
+                                           {0.0, kNone},
+                                           {mean, kNone},
+                                           {-kNone, 2 * mean},
+                                           {0.999 * mean, 1.001 * mean},
+                                           {-1.7e308, 1.7e308},
+                                           {5e-324, 1e-323}}) {
+          tried({shape, mean, scatter * std::abs(mean), lower, upper});
+          tried({shape, mean, scatter, lower, upper});
+        }
+      }
+    }
+  }
+  EXPECT_GT(drawn, 200);
+  EXPECT_GT(refused, 1000);
+}
+
+// Far out in the upper tail too, where 1 less a probability has no digits: z is 8.3, of 5e-17.
+TEST(Distribution, DrawsOfTheUpperTailKeepTheirDigits) {
+  const Distribution d{Shape::normal, 10.0, 1.0, 10.0, kNone};
+  ASSERT_EQ(d.fault(), "");
+  // Half of the draws are left, so that the probability above is half as much, and the mean that of a folded normal.
+  const double above = 0.5 * normal_probability(-8.3);
+  EXPECT_NEAR(Sampler(d).at_normal(8.3), 10.0 - normal_quantile(above), 1e-9);
+  EXPECT_NEAR(Sampler(d).mean(), 10.0 + std::sqrt(2 / std::acos(-1.0)), 1e-9);
 }
 
 TEST(Distribution, SaysWhatIsWrongWithIt) {
