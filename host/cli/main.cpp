@@ -10,7 +10,9 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <new>
+#include <utility>
 
 #include "base/any_error.h"
 #include "base/error.h"
@@ -22,6 +24,7 @@
 #include "cli/report_command.h"
 #include "cli/reproduce_command.h"
 #include "cli/run_command.h"
+#include "cli/shipped.h"
 #include "cli/spectrum_command.h"
 #include "files/notice.h"
 #include "law/law_watch.h"
@@ -58,6 +61,13 @@ void fill_closed_descriptors() {
 // Before objects of static storage are made, which take memory too.
 [[gnu::constructor(101)]] void end_with_words() { std::set_terminate(end_without_handler); }
 
+class Help : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    return quoin::with_shipped_places(CLI::Formatter::make_help(app, std::move(name), mode));
+  }
+};
+
 int run_command(int argc, char** argv) {
   CLI::App app{
       "Quoin: discrete-element analysis of masonry with contact laws that are loaded at run time.\n\n"
@@ -72,6 +82,7 @@ int run_command(int argc, char** argv) {
       "  quoin ensemble host/studies/solid_wall_030.toml    many walls with scattered joints\n"
       "  quoin spectrum RECORD.AT2 --out out/spectrum       response spectrum of a record"};
   app.name("quoin");
+  app.formatter(std::make_shared<Help>());
   app.footer(
       "Exit codes: 0 done, 2 wrong command line, 3 bad input, 4 a law could not be loaded or refused its properties,\n"
       "5 numerical failure, 130 interrupted (what was computed is kept).");

@@ -1,10 +1,13 @@
 """Builds the wheel of quoin for pip (pyproject.toml): CMake compiles, and a wheel is a zip file with three texts. It needs
-no Python package, so that it works in an empty environment without network. $QUOIN_CMAKE_ARGS: more words for CMake."""
+no Python package, so that it works in an empty environment without network. $QUOIN_CMAKE_ARGS: more words for CMake;
+$CMAKE_BUILD_PARALLEL_LEVEL: compilers side by side. What is missing is told before anything is compiled: pip asks for the
+metadata first, and gets NumPy before it asks for the wheel."""
 import base64
 import hashlib
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -21,19 +24,48 @@ def version():
         return re.search(r"project\(quoin VERSION (\S+)", file.read())[1]
 
 
-def compile_package():
+def configure():
+    """Finds all that the build needs, or ends with what is missing."""
+    if not shutil.which("cmake"):
+        raise SystemExit("quoin: not built: cmake is not installed; scripts/setup.sh lists what the build needs")
     # Under a virtual environment CMake is told the interpreter that pip runs, whose headers its base has.
-    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release", f"-DQUOIN_PYTHON={sys.executable}",
-                    "-DQUOIN_BUILD_TESTS=OFF", "-DQUOIN_BUILD_ADAPTERS=OFF", *shlex.split(os.environ.get("QUOIN_CMAKE_ARGS", ""))],
-                   check=True)
-    if subprocess.run(["cmake", "--build", BUILD, "--parallel", "--target", "quoin_python"]).returncode != 0:
-        raise SystemExit("quoin: not built; the Python package needs pybind11-dev, python3-dev and what scripts/setup.sh "
-                         "lists (see the lines above)")
+    if subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-DCMAKE_BUILD_TYPE=Release", f"-DQUOIN_PYTHON={sys.executable}",
+                       "-DQUOIN_PYTHON_REQUIRED=ON", "-DQUOIN_BUILD_TESTS=OFF", "-DQUOIN_BUILD_ADAPTERS=OFF",
+                       *shlex.split(os.environ.get("QUOIN_CMAKE_ARGS", ""))]).returncode != 0:
+        raise SystemExit("quoin: not built: something is missing (see the lines above); the Python package needs "
+                         "pybind11-dev, python3-dev and what scripts/setup.sh lists")
+
+
+def side_by_side():
+    """Compilers at once: one a core that we may use, 1.5 GB of free memory each."""
+    cores = len(os.sched_getaffinity(0))
+    try:
+        with open("/proc/meminfo", encoding="utf-8") as file:
+            free = int(re.search(r"MemAvailable:\s+(\d+) kB", file.read())[1])
+    except (OSError, TypeError):
+        return cores
+    return max(1, min(cores, free // 1500000))
+
+
+def compile_package():
+    configure()
+    jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL") or str(side_by_side())
+    if subprocess.run(["cmake", "--build", BUILD, "--parallel", jobs, "--target", "quoin_python"]).returncode != 0:
+        raise SystemExit("quoin: not built (see the lines above)")
 
 
 def metadata():
     return (f"Metadata-Version: 2.1\nName: quoin\nVersion: {version()}\nSummary: Contact laws for discrete-element masonry, "
             "and a small, fast host that proves them\nRequires-Python: >=3.9\nRequires-Dist: numpy\n")
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    configure()
+    info = f"quoin-{version()}.dist-info"
+    os.mkdir(os.path.join(metadata_directory, info))
+    with open(os.path.join(metadata_directory, info, "METADATA"), "w", encoding="utf-8") as file:
+        file.write(metadata())
+    return info
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

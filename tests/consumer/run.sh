@@ -1,5 +1,5 @@
 #!/bin/sh
-# usage: run.sh installed|subdirectory|demo SOURCE_DIR BUILD_DIR WORK_DIR LAW...: Quoin as a project outside uses it.
+# usage: run.sh installed|program|subdirectory|demo SOURCE_DIR BUILD_DIR WORK_DIR LAW...: Quoin as a project outside uses it.
 set -e
 source=$2
 build=$3
@@ -25,7 +25,8 @@ case $way in
     (cd "$work/build" && ctest --output-on-failure)
     pc=$(find "$work/elsewhere" -name quoin.pc)
     if command -v pkg-config >/dev/null; then
-      flags=$(PKG_CONFIG_PATH=$(dirname "$pc") pkg-config --define-prefix --cflags quoin)
+      flags=$(PKG_CONFIG_PATH=$(dirname "$pc") pkg-config --cflags quoin)
+      [ -s "$(PKG_CONFIG_PATH=$(dirname "$pc") pkg-config --variable=symbolmap quoin)" ]
       cc -std=c99 $flags "$source/tests/consumer/host.c" -o "$work/by_pkg_config"
       "$work/by_pkg_config"
     else
@@ -55,6 +56,27 @@ case $way in
     else
       echo "/usr/local: skipped, /usr/bin/python3 does not look there"
     fi
+    ;;
+  program)
+    # Whoever has the installed program alone finds what its help names, and can run it.
+    cmake --install "$build" --prefix "$work/usr" --component program >"$work/log" || { cat "$work/log"; exit 1; }
+    quoin=$work/usr/bin/quoin
+    for command in "" run check models path fit reproduce report ensemble sensitivity; do
+      "$quoin" $command --help
+    done >"$work/help"
+    if grep -nE "(^| )(host|tests)/" "$work/help"; then
+      echo "the help names files of the source tree"
+      exit 1
+    fi
+    grep -o "$work/usr/share/[A-Za-z0-9_./]*" "$work/help" | sort -u >"$work/named"
+    while read -r file; do
+      [ -e "$file" ] || { echo "named in the help, not installed: $file"; exit 1; }
+    done <"$work/named"
+    [ "$(wc -l <"$work/named")" -ge 8 ]
+    "$quoin" check "$work/usr/share/quoin/scenes/solid_wall_030.toml"
+    "$quoin" path "$work/usr/share/quoin/paths/couplet.toml"
+    "$quoin" ensemble "$work/usr/share/quoin/studies/solid_wall_030.toml" --out "$work/out" --samples 1 --no-pictures \
+      --set stage.shear.displacement=1e-6
     ;;
   subdirectory)
     cmake -S "$source/tests/consumer/subdirectory" -B "$work/build" -DQUOIN_SOURCE_DIR="$source" -DBUILD_TESTING=OFF \

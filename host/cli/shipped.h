@@ -1,0 +1,29 @@
+// Scenes, studies, path tests and pages that come with the program, in its help.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+
+namespace quoin {
+
+// A text that names them by their places in the source tree, with those of the installed program where that is one:
+// PREFIX/share/quoin/scenes/arch.toml for host/scenes/arch.toml (CMakeLists.txt beside this file installs them).
+inline std::string with_shipped_places(std::string text) {
+  std::error_code fault;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
+  const auto share = (program.parent_path() / "../share/quoin").lexically_normal();
+  if (!std::filesystem::exists(share / "scenes", fault)) return text;
+  for (const auto& [source, name] : {std::pair{"host/scenes", "scenes"},
+                                     {"host/studies", "studies"},
+                                     {"host/ensemble", "ensemble"},
+                                     {"host/law/path_file.h", "paths/path_file.h"},
+                                     {"tests/law/paths", "paths"}}) {
+    const std::string from = source, to = (share / name).string();
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+}  // namespace quoin
