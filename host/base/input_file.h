@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/kept_inputs.h"
 
 namespace quoin {
 
@@ -50,8 +51,10 @@ inline std::unique_ptr<InputFile> open_input_file(const std::string& file) {
   return input;
 }
 
-// The bytes of FILE. Throws as open_input_file, and for more than `largest` bytes.
+// The bytes of FILE, or those that are kept of it (kept_inputs.h). Throws as open_input_file, and for more than
+// `largest` bytes.
 inline std::string read_input_file(const std::string& file, std::size_t largest = kLargestInput) {
+  if (const std::string* kept = kept_inputs().find(file)) return *kept;
   const auto input = open_input_file(file);
   const auto too_large = [&] {
     refuse_input(file, fmt::format("it has more than {} MB; is it the right file?", largest >> 20));
@@ -69,6 +72,7 @@ inline std::string read_input_file(const std::string& file, std::size_t largest 
     if (done > largest) too_large();
     if (count > 0) continue;
     bytes.resize(done);
+    if (kept_inputs().keeping()) kept_inputs().keep(file, bytes);
     return bytes;
   }
 }

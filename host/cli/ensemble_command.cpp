@@ -7,11 +7,12 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <thread>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "cli/prepare.h"
+#include "ensemble/kept_study.h"
 #include "ensemble/page.h"
 #include "ensemble/pool.h"
 #include "ensemble/sensitivity.h"
@@ -19,6 +20,7 @@
 #include "ensemble/sobol_table.h"
 #include "files/notice.h"
 #include "law/law_library.h"
+#include "results/provenance.h"
 
 namespace quoin {
 
@@ -43,12 +45,45 @@ Scene scene_of(const Study& study, std::uint64_t sample) {
   return prepare_scene(options);
 }
 
-// Reads the scene as it is with everything at its mean, which finds what no sample could be computed with.
-std::vector<std::string> laws_of(const Study& study) {
-  const Scene scene = scene_of(study, 0);
-  std::set<std::string> paths;
-  for (const auto& [name, family] : scene.joints) paths.insert(Law::find(family.law).library->path());
-  return {paths.begin(), paths.end()};
+// A study with all that it is computed from, read once: its samples find the same, whatever becomes of the files.
+struct ReadStudy {
+  StudyRequest request;
+  fs::path folder;  // of its results
+  Study study;
+  Scene scene;            // with everything at its mean, which finds what no sample could be computed with
+  std::vector<Law> laws;  // loaded, for the samples, too
+};
+
+// suffix: of the folder where results go unless --out says otherwise.
+ReadStudy read(const EnsembleOptions& options, Trials trials = Trials::drawn, const std::string& suffix = "") {
+  ReadStudy all;
+  all.request = {options.study, options.overrides};
+  all.folder = options.out.empty() ? fs::path("out") / (fs::path(options.study).stem().string() + suffix)
+                                   : fs::path(options.out);
+  if (is_kept_study(options.study)) {
+    all.folder = fs::absolute(options.study);
+    std::error_code unknown;
+    if (!options.out.empty() && !fs::equivalent(options.out, options.study, unknown))
+      throw Error(Exit::usage, fmt::format("--out {}: not with a folder in place of the study, which is where its "
+                                           "samples are: {}",
+                                           options.out, options.study));
+    all.request = take_kept_study(all.folder);
+    all.request.overrides.insert(all.request.overrides.end(), options.overrides.begin(), options.overrides.end());
+  }
+  kept_inputs().begin();
+  all.study = read_study(all.request.study);
+  all.study.overrides.insert(all.study.overrides.end(), all.request.overrides.begin(), all.request.overrides.end());
+  all.study.trials = trials;
+  all.scene = scene_of(all.study, 0);
+  for (const std::string& file : all.scene.inputs) read_input_file(file);
+  for (const HashedFile& law : law_files(all.scene)) all.laws.push_back(Law::find(law.name));
+  kept_inputs().end();
+  check_columns(all.study, all.scene);
+  if (!all.scene.start.empty()) {
+    all.study.start = (fs::path(all.scene.start) / "end_state.bin").string();
+    all.study.start_sha256 = sha256_of_file(all.study.start);
+  }
+  return all;
 }
 
 void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t samples) {
@@ -74,22 +109,20 @@ void wait_for(const std::string& job, const StudyFolder& folder, std::uint64_t s
 }
 
 void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder, std::uint64_t samples) {
-  std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
-                                 "ensemble",
-                                 fs::absolute(options.study).string(),
-                                 "--out",
-                                 fs::absolute(folder.path()).string(),
-                                 "--samples",
-                                 std::to_string(samples),
-                                 "--jobs",
-                                 "1",
-                                 "--worker"};
-  for (const std::string& o : options.overrides) words.insert(words.end(), {"--set", o});
+  // The folder in place of the study: tasks may begin long after its files have been edited.
+  const std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
+                                       "ensemble",
+                                       fs::absolute(folder.path()).string(),
+                                       "--samples",
+                                       std::to_string(samples),
+                                       "--jobs",
+                                       "1",
+                                       "--worker"};
   const int tasks = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.tasks), samples + 1));
   const std::string job = submit(folder.path(), words, tasks);
-  notice(fmt::format(
-      "job {} of Slurm: {} workers; results, also before the end: quoin ensemble {} --out {} --samples {} --gather",
-      job, tasks, options.study, folder.path().string(), samples));
+  notice(
+      fmt::format("job {} of Slurm: {} workers; results, also before the end: quoin ensemble {} --samples {} --gather",
+                  job, tasks, folder.path().string(), samples));
   if (!options.detach) wait_for(job, folder, samples);
 }
 
@@ -109,23 +142,26 @@ void compute_here(const EnsembleOptions& options, const StudyFolder& folder, con
       });
 }
 
-Study study_of(const EnsembleOptions& options) {
-  Study study = read_study(options.study);
-  study.overrides.insert(study.overrides.end(), options.overrides.begin(), options.overrides.end());
-  return study;
-}
-
-// Where results go unless --out says otherwise.
-fs::path folder_of(const EnsembleOptions& options, const std::string& suffix = "") {
-  return options.out.empty() ? fs::path("out") / (fs::path(options.study).stem().string() + suffix)
-                             : fs::path(options.out);
+// Results of failures alone are none.
+void require_results(const StudyFolder& folder, std::uint64_t samples) {
+  std::uint64_t failed = 0;
+  std::string reason;
+  for (std::uint64_t i = 1; i <= samples; ++i) {
+    if (!is_finished(folder.sample(i))) continue;
+    const Sample sample = read_sample(folder.sample(i));
+    if (sample.status == "done") return;
+    if (++failed == 1) reason = fmt::format("sample {}: {}", i, sample.reason);
+  }
+  if (failed > 0)
+    throw Error(Exit::numerical, fmt::format("all samples failed, {} of {} until now; {}", failed, samples, reason));
 }
 
 void run_ensemble(const EnsembleOptions& options) {
-  Study study = study_of(options);
+  ReadStudy read_once = read(options);
+  Study& study = read_once.study;
   if (options.samples > 0) study.samples = options.samples;
   const std::uint64_t samples = study.samples;
-  const StudyFolder folder(folder_of(options), study, laws_of(study));
+  const StudyFolder folder(read_once.folder, study, read_once.scene, read_once.request);
   if (options.slurm) {
     compute_by_slurm(options, folder, samples);
     if (options.detach) return;
@@ -135,6 +171,7 @@ void run_ensemble(const EnsembleOptions& options) {
   }
   const Gathered gathered = gather(folder, study, samples, !options.no_pictures);
   report(gathered, folder, samples);
+  require_results(folder, samples);
   if (gathered.finished < samples && !options.gather)
     throw Error(Exit::numerical,
                 fmt::format("{} samples are missing, as their workers have ended: {}/slurm-*.log may say why; "
@@ -143,28 +180,30 @@ void run_ensemble(const EnsembleOptions& options) {
 }
 
 void run_sensitivity(const EnsembleOptions& options) {
-  Study study = study_of(options);
-  study.trials = options.rows > 0 ? Trials::exchanged : Trials::one_at_a_time;
+  ReadStudy read_once = options.rows > 0 ? read(options, Trials::exchanged, "_sobol")
+                                         : read(options, Trials::one_at_a_time, "_sensitivity");
+  Study& study = read_once.study;
   const std::size_t inputs = study.inputs().size();
   if (inputs == 0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));
   if (options.rows == 0) {
     study.samples = 2 * inputs;
-    const StudyFolder folder(folder_of(options, "_sensitivity"), study, laws_of(study));
+    const StudyFolder folder(read_once.folder, study, read_once.scene, read_once.request);
     compute_here(options, folder, study);
     fmt::print("{}", write_sensitivity(folder, study, !options.no_pictures));
     fmt::print("results in {}\n", (folder.path() / "sensitivity.csv").string());
-    return;
+    return require_results(folder, study.samples);
   }
   if (2 * inputs > random::kMostSobolDimensions)
     throw Error(Exit::bad_input, fmt::format("{}: {} inputs; --sobol takes at most {}; leave some at their means",
                                              options.study, inputs, random::kMostSobolDimensions / 2));
   study.samples = options.rows * (inputs + 2);
-  const StudyFolder folder(folder_of(options, "_sobol"), study, laws_of(study));
+  const StudyFolder folder(read_once.folder, study, read_once.scene, read_once.request);
   compute_here(options, folder, study);
   fmt::print("{}", write_sobol_table(folder, study, options.rows));
   fmt::print("results in {}\n", (folder.path() / "sobol.csv").string());
+  require_results(folder, study.samples);
 }
 
 // What both commands take. Returns the option --jobs.
@@ -232,6 +271,7 @@ void add_ensemble_command(CLI::App& app, int&) {
       "Examples:\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --samples 1000     goes on from there\n"
+      "  quoin ensemble out/scatter                         the same, with study, scene and laws as they were then\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out /shared/scatter --slurm --tasks 64\n"
       "  parallel -N0 quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --jobs 1 --worker ::: 1 2 3 4");
   command->callback([options] { run_ensemble(*options); });

@@ -399,14 +399,9 @@ Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t sam
   for (const auto& [number, sample] : r.samples) gathered.failed += sample.status == "done" ? 0 : 1;
   gathered.of_means = r.of_means ? value_of(r.of_means->outputs, "peak_force_N") : kNone;
 
-  Json json{{"study", study.title},
-            {"scene", fs::path(study.scene).filename().string()},
-            {"seed", study.seed},
-            {"method", study.method == random::Method::monte_carlo       ? "monte_carlo"
-                       : study.method == random::Method::latin_hypercube ? "latin_hypercube"
-                                                                         : "sobol"},
-            {"samples", samples},
-            {"finished", gathered.finished},
+  Json json{{"study", study.title},     {"scene", fs::path(study.scene).filename().string()},
+            {"seed", study.seed},       {"method", random::method_name(study.method)},
+            {"samples", samples},       {"finished", gathered.finished},
             {"failed", gathered.failed}};
   if (r.curves.empty()) {
     gathered.peak = gathered.scatter = kNone;

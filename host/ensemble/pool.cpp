@@ -20,6 +20,7 @@
 #include <map>
 #include <vector>
 
+#include "base/any_error.h"
 #include "base/duration_text.h"
 #include "base/error.h"
 #include "files/file.h"
@@ -59,6 +60,20 @@ class StopHandler {
   std::array<struct sigaction, 3> before_{};
 };
 
+// A sample that a process of its own computes, and the pipe by which that process says why it cannot.
+struct UnderWay {
+  std::uint64_t sample;
+  int reasons;  // end to read from
+};
+
+// What was said there until now; the pipe is closed.
+std::string reason_in(int pipe) {
+  std::array<char, 4096> text{};
+  const ssize_t count = read(pipe, text.data(), text.size());
+  close(pipe);
+  return {text.data(), static_cast<std::size_t>(std::max<ssize_t>(0, count))};
+}
+
 std::string last_line(const fs::path& file) {
   std::ifstream stream(file);
   std::string line, last;
@@ -93,7 +108,8 @@ class Pool {
                          done_before_, settings_.jobs));
     while (true) {
       start_some();
-      if (running_.empty() && (left_.empty() || stop_asked || !settings_.wait_for_others)) break;
+      const bool no_more = left_.empty() || stop_asked || !fault_.empty() || !settings_.wait_for_others;
+      if (running_.empty() && no_more) break;
       wait_for_one();
     }
     if (!fault_.empty()) throw Error(Exit::bad_input, fault_);
@@ -113,47 +129,55 @@ class Pool {
       }
       left_.erase(left_.begin());
       if (is_finished(folder_.sample(sample))) continue;  // by another process
-      const pid_t child = start(sample);
-      if (child < 0) {
+      if (!start(sample)) {
         left_.insert(left_.begin(), sample);
         if (running_.empty()) throw Error(Exit::numerical, "no process can be started; close other programs");
         return;
       }
-      running_[child] = sample;
     }
   }
 
-  pid_t start(std::uint64_t sample) {
+  bool start(std::uint64_t sample) {
     std::fflush(nullptr);
+    std::array<int, 2> ends{};
+    if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) return false;
     const pid_t child = fork();
-    if (child != 0) return child;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent_) _exit(127);  // died before
-    handler_.restore();
-    const std::unique_ptr<Claim> claim = [&]() -> std::unique_ptr<Claim> {
-      try {
-        return Claim::take(folder_.claim(sample));
-      } catch (const Error& error) {
-        notice(fmt::format("quoin: {}", error.what()));
-        _exit(static_cast<int>(Exit::bad_input));
-      }
-    }();
+    if (child == 0) {
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
+      if (getppid() != parent_) _exit(127);  // died before
+      handler_.restore();
+      _exit(compute(sample, ends[1]));
+    }
+    close(ends[1]);
+    if (child < 0)
+      close(ends[0]);
+    else
+      running_[child] = {sample, ends[0]};
+    return child > 0;
+  }
+
+  // In the process of the sample: its exit code.
+  int compute(std::uint64_t sample, int reasons) {
     const fs::path place = folder_.sample(sample);
-    if (!claim || is_finished(place)) _exit(kClaimedByOthers);
-    claim->sign();
     int code = 0;
     try {
+      const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
+      if (!claim || is_finished(place)) return kClaimedByOthers;
+      claim->sign();
       make_folder(place);
       // What the sample says is in its folder; and so is what a law said before it crashed.
       const int log = open((place / "log.txt").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
       if (log >= 0) dup2(log, STDOUT_FILENO), dup2(log, STDERR_FILENO);
       compute_(sample, place);
-    } catch (const Error& error) {
+    } catch (const std::exception& thrown) {
+      const Error error = any_error(thrown);
       notice(fmt::format("quoin: {}", error.what()));
       code = static_cast<int>(error.exit_code);
+      // By a pipe too: the disk of the log may be full. Where that fails, the reason is missing and nothing else.
+      [[maybe_unused]] const ssize_t count = write(reasons, error.what(), std::strlen(error.what()));
     }
     std::fflush(nullptr);
-    _exit(code);
+    return code;
   }
 
   void wait_for_one() {
@@ -161,7 +185,7 @@ class Pool {
     const pid_t child = waitpid(-1, &status, WNOHANG);
     if (child <= 0) {
       if (stop_asked && !told_) {
-        for (const auto& [process, sample] : running_) kill(process, SIGKILL);
+        for (const auto& [process, under_way] : running_) kill(process, SIGKILL);
         told_ = true;
       }
       // Signals end the nap.
@@ -171,7 +195,8 @@ class Pool {
     }
     const auto found = running_.find(child);
     if (found == running_.end()) return;
-    const std::uint64_t sample = found->second;
+    const std::uint64_t sample = found->second.sample;
+    const std::string said = reason_in(found->second.reasons);
     running_.erase(found);
     if (stop_asked) return;
     if (is_finished(folder_.sample(sample))) {
@@ -179,11 +204,11 @@ class Pool {
       tell();
       return;
     }
-    judge(sample, status);
+    judge(sample, status, said);
   }
 
   // A sample that is not finished, and the process that should have.
-  void judge(std::uint64_t sample, int status) {
+  void judge(std::uint64_t sample, int status, const std::string& said) {
     const fs::path place = folder_.sample(sample);
     if (WIFEXITED(status) && WEXITSTATUS(status) == kClaimedByOthers) {
       left_.push_back(sample);
@@ -192,7 +217,11 @@ class Pool {
       return;
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == static_cast<int>(Exit::bad_input)) {
-      fault_ = fmt::format("sample {} could not be computed: {}", sample, last_line(place / "log.txt"));
+      if (!fault_.empty()) return;
+      fault_ = fmt::format("sample {} could not be computed: {}", sample, said);
+      if (!running_.empty())
+        notice(fmt::format("quoin: {}; no other one begins, those under way ({}) come to their end", fault_,
+                           running_.size()));
       return;
     }
     const bool killed = WIFSIGNALED(status) && !is_crash(WTERMSIG(status));
@@ -203,7 +232,7 @@ class Pool {
     }
     const std::unique_ptr<Claim> claim = Claim::take(folder_.claim(sample));
     if (!claim || is_finished(place)) return;
-    std::string reason = last_line(place / "log.txt");
+    std::string reason = said.empty() ? last_line(place / "log.txt") : said;
     if (reason.empty() || killed)
       reason = WIFSIGNALED(status)
                    ? fmt::format("its process ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)))
@@ -242,7 +271,7 @@ class Pool {
   std::vector<std::uint64_t> left_;
   std::map<std::uint64_t, Clock::time_point> held_until_;  // by other processes, as far as known
   std::map<std::uint64_t, int> killed_;
-  std::map<pid_t, std::uint64_t> running_;
+  std::map<pid_t, UnderWay> running_;
   std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;
   std::string fault_;
   bool told_ = false;

@@ -19,6 +19,7 @@
 #include "results/json_file.h"
 #include "results/parted_joints.h"
 #include "results/plots.h"
+#include "results/provenance.h"
 #include "results/summary.h"
 #include "results/warnings.h"
 #include "step/large_motion.h"
@@ -80,8 +81,9 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
       sum += area_of(i) * column.values[i], area += area_of(i);
       least = std::min(least, column.values[i]);
     }
-    inputs.emplace_back(fmt::format("joints.{}.{}_mean", family, column.id), sum / area);
-    inputs.emplace_back(fmt::format("joints.{}.{}_least", family, column.id), least);
+    const auto [name_of_mean, name_of_least] = drawn_columns(family, column.id);
+    inputs.emplace_back(name_of_mean, sum / area);
+    inputs.emplace_back(name_of_least, least);
   };
   const auto& names = simulation.assembly().families;
   if (const blocks::Model* riding = simulation.riding()) {
@@ -158,6 +160,15 @@ void write_joints(const Simulation& simulation, const fs::path& file) {
   write_file(file, text);
 }
 
+// The end of another run is too large to be kept, and may have been replaced.
+void require_start(const Study& study) {
+  if (study.start.empty() || sha256_of_file(study.start) == study.start_sha256) return;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: start: {} has changed since the study was begun; bring back the file of then, or begin "
+                          "another study with --out",
+                          study.scene, study.start));
+}
+
 // Messages name the scene by its path, which differs from machine to machine.
 std::string without_path(std::string reason, const std::string& path) {
   const std::string name = fs::path(path).filename().string();
@@ -178,6 +189,10 @@ std::vector<std::string> output_names() {
           "last_force_N",
           "collapse_multiplier",
           "large_motion"};
+}
+
+std::array<std::string, 2> drawn_columns(const std::string& family, const std::string& property) {
+  return {fmt::format("joints.{}.{}_mean", family, property), fmt::format("joints.{}.{}_least", family, property)};
 }
 
 void run_sample(const Study& study, std::uint64_t number, const std::function<Scene()>& make_scene,
@@ -205,9 +220,11 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
       simulation.emplace(make_scene(), 1);
       take_start(&*simulation);
     } catch (const Error& error) {  // of the scene as drawn
+      simulation.reset();
       fail(error.what());
     }
   });
+  require_start(study);
   if (simulation) {
     add_drawn(*simulation, sample.inputs);
     Recorder recorder(folder, simulation->scene());

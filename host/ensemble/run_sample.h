@@ -1,6 +1,7 @@
 // One sample: a scene computed in a folder of its own, with what went in and what came out in FOLDER/sample.json.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -23,6 +24,8 @@ struct Sample {
 
 // Names of the outputs, whatever became of the sample.
 std::vector<std::string> output_names();
+// And of the inputs that a property of a joint family brings that scatters: its mean by area, and its least value.
+std::array<std::string, 2> drawn_columns(const std::string& family, const std::string& property);
 
 // Computes the scene that make_scene reads with one thread: history.csv, summary.json, cracks.csv, and at last
 // sample.json, which says that the sample is finished. What the scene or the law makes impossible is a failed sample,

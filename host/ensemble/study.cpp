@@ -1,10 +1,13 @@
 #include "ensemble/study.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "base/input_file.h"
+#include "ensemble/run_sample.h"
 #include "random/correlation.h"
 #include "scene/inline_toml.h"
 #include "scene/read_scatter.h"
@@ -105,17 +108,36 @@ Study read_study(const std::string& file) {
     Table f(context, *table, fmt::format("fragility.{}", ++index));
     LimitState limit;
     f.text("output", limit.output, "a column of samples.csv", true);
+    limit.where = f.where("output");
     limit.name = limit.output;
     f.text("name", limit.name, "text");
     f.finish();
     study.limits.push_back(limit);
   }
   if (study.limits.empty())
-    study.limits = {{"peak", "displacement_at_peak_m"},
-                    {"a loss of 20 % of the peak", "displacement_at_20_percent_loss_m"}};
+    study.limits = {{"peak", "displacement_at_peak_m", ""},
+                    {"a loss of 20 % of the peak", "displacement_at_20_percent_loss_m", ""}};
   t.finish();
   context.throw_faults();
   return study;
+}
+
+void check_columns(const Study& study, const Scene& scene) {
+  std::vector<std::string> columns = output_names();
+  for (const StudyQuantity& quantity : study.quantities) columns.push_back(quantity.name);
+  for (const auto& [name, family] : scene.joints) {
+    for (const PropertySetting& p : family.properties) {
+      if (!p.scatter) continue;
+      for (const std::string& column : drawn_columns(name, p.id)) columns.push_back(column);
+    }
+  }
+  std::string faults;
+  for (const LimitState& limit : study.limits) {
+    if (std::find(columns.begin(), columns.end(), limit.output) != columns.end()) continue;
+    faults += fmt::format("{}{} = \"{}\": samples.csv has no such column{}; it has: {}", faults.empty() ? "" : "\n",
+                          limit.where, limit.output, did_you_mean(limit.output, columns), fmt::join(columns, ", "));
+  }
+  if (!faults.empty()) throw Error(Exit::bad_input, faults);
 }
 
 std::vector<StudyQuantity> Study::inputs() const {

@@ -7,6 +7,7 @@
 
 #include "random/design.h"
 #include "random/distribution.h"
+#include "scene/scene.h"
 
 namespace quoin::ensemble {
 
@@ -19,6 +20,7 @@ struct StudyQuantity {
 // Whose probability of having been reached is asked for.
 struct LimitState {
   std::string name, output;  // output: a column of samples.csv
+  std::string where;         // in the file, for messages; empty: one of those that every study has
 };
 
 // How the samples of a study come to their inputs.
@@ -38,7 +40,8 @@ struct Study {
   Trials trials = Trials::drawn;
   std::vector<double> mix;  // of the quantities' normal variables: random::mix_of, row by row
   std::vector<LimitState> limits;
-  double crack_opening = 1e-4;  // m: a joint that is open so far is a crack
+  double crack_opening = 1e-4;      // m: a joint that is open so far is a crack
+  std::string start, start_sha256;  // file with the end of another run, where samples begin; empty: at rest
 
   // What inputs() has in a sample from 1 on; in sample 0 their means.
   std::vector<double> values(std::uint64_t sample) const;
@@ -50,5 +53,9 @@ struct Study {
 
 // Throws Error(bad_input) with every fault of the file.
 Study read_study(const std::string& file);
+
+// Throws Error(bad_input), with all that there are, where the study asks for the fragility of what is no column of the
+// samples.csv of this scene.
+void check_columns(const Study& study, const Scene& scene);
 
 }  // namespace quoin::ensemble

@@ -13,9 +13,10 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/sha256.h"
 #include "files/csv_text.h"
 #include "files/file.h"
-#include "random/counter.h"
+#include "results/provenance.h"
 
 #ifndef QUOIN_VERSION
 #define QUOIN_VERSION "unknown"
@@ -30,24 +31,45 @@ using Json = nlohmann::ordered_json;
 
 std::string message(int code) { return std::error_code(code, std::generic_category()).message(); }
 
-std::string hash_of_file(const std::string& path) {
-  return fmt::format("{:016x}", random::name_of(read_input_file(path, std::size_t{1} << 40)));
+std::string word_of(Trials trials) {
+  switch (trials) {
+    case Trials::drawn:
+      return "drawn";
+    case Trials::one_at_a_time:
+      return "one at a time";
+    case Trials::exchanged:
+      return "exchanged";
+  }
+  return "?";
 }
 
-Json identity_of(const Study& study, const std::vector<std::string>& laws) {
+Json json_of(const StudyQuantity& quantity) {
+  const random::Distribution& d = quantity.distribution;
+  // JSON has no infinite number.
+  const auto bound = [](double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); };
+  return {{"name", quantity.name},  {"key", quantity.key},  {"distribution", random::shape_name(d.shape)},
+          {"mean", d.mean},         {"scatter", d.scatter}, {"lower", bound(d.lower)},
+          {"upper", bound(d.upper)}};
+}
+
+// Whatever a sample depends on, and nothing else: what only the results say, as titles and fragilities, may change.
+Json identity_of(const Study& study, const Scene& scene) {
   Json json;
   json["version of quoin"] = QUOIN_VERSION;
-  json["build of quoin"] = hash_of_file("/proc/self/exe");
-  json["text of the study"] = hash_of_file(study.file);
-  json["text of the scene"] = hash_of_file(study.scene);
+  json["build of quoin"] = sha256_of_file("/proc/self/exe");
+  json["quantities"] = Json::array();
+  for (const StudyQuantity& quantity : study.quantities) json["quantities"].push_back(json_of(quantity));
+  json["correlation"] = study.mix;
+  json["method"] = random::method_name(study.method);
   json["seed"] = study.seed;
   json["keys set"] = study.overrides;
-  json["trials"] = study.trials == Trials::drawn           ? "drawn"
-                   : study.trials == Trials::one_at_a_time ? "one at a time"
-                                                           : "exchanged";
+  json["trials"] = word_of(study.trials);
   // Places of a Latin hypercube depend on how many there are.
   if (study.method == random::Method::latin_hypercube) json["samples"] = study.samples;
-  for (const std::string& law : laws) json["law " + fs::path(law).stem().string()] = hash_of_file(law);
+  json["text of the scene"] = sha256_of(scene.text);
+  for (int number = 0; const HashedFile& file : input_files(scene))
+    json[fmt::format("file {}, {}", ++number, fs::path(file.name).filename().string())] = file.sha256;
+  for (const HashedFile& law : law_files(scene)) json["law " + law.name] = law.sha256;
   return json;
 }
 
@@ -95,30 +117,35 @@ void Claim::sign() const {
   if (lseek(file_, 0, SEEK_END) < 0 || write(file_, line.data(), line.size()) < 0) return;
 }
 
-StudyFolder::StudyFolder(fs::path path, const Study& study, const std::vector<std::string>& laws)
+StudyFolder::StudyFolder(fs::path path, const Study& study, const Scene& scene, const StudyRequest& request)
     : path_(std::move(path)) {
   make_folder(path_ / "samples");
   make_folder(path_ / "claims");
   const fs::path file = path_ / "study.json";
-  const Json own = identity_of(study, laws);
-  // Whoever comes first: the others wait, and find a whole file.
+  const Json own = identity_of(study, scene);
+  // Whoever comes first: the others wait, and find whole files.
   const std::unique_ptr<Claim> entering = Claim::wait_for(path_ / "claims" / "study");
   std::error_code unknown;
   if (!fs::exists(file, unknown)) {
+    keep_study(path_, request);
     write_file(file, own.dump(2) + "\n");
     return;
   }
   const Json there = Json::parse(read_input_file(file.string()), nullptr, false);
-  if (there == own) return;
+  if (there == own) {
+    keep_study(path_, request);
+    return;
+  }
   std::string differs;
   for (const auto& [what, value] : own.items()) {
     if (!there.is_object() || !there.contains(what) || there[what] != value)
       differs += (differs.empty() ? "" : ", ") + what;
   }
   throw Error(Exit::bad_input,
-              fmt::format("{}: has the samples of another study (different: {}); choose another folder with --out, or "
-                          "remove this one",
-                          path_.string(), differs.empty() ? "laws" : differs));
+              fmt::format("{0}: has the samples of another study (different: {1}); choose another folder with --out, "
+                          "remove this one, or go on with the study as it was when it was begun: give {0} in place of "
+                          "the study",
+                          path_.string(), differs.empty() ? "files or laws that it has no more" : differs));
 }
 
 fs::path StudyFolder::sample(std::uint64_t number) const { return path_ / "samples" / fmt::format("{:06}", number); }

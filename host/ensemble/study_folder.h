@@ -1,5 +1,6 @@
 // The folder of a study, on which any number of processes and machines work at once:
 //   study.json           what the study is; another one is refused
+//   inputs/              the files that it is computed from, as they were read at the start
 //   samples/000123/      one run, of a sample from 1 on, or of the means (0); sample.json says that it is finished
 //   claims/000123        held by the process that computes it: a lock of the kernel, which ends with its process
 //   samples.csv, summary.json, index.html, ...   the results, written by whoever comes last
@@ -10,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "ensemble/kept_study.h"
 #include "ensemble/run_sample.h"
 #include "ensemble/study.h"
 
@@ -35,9 +37,10 @@ class Claim {
 
 class StudyFolder {
  public:
-  // Makes the folder, or enters one of the same study: the same texts of study and scene, version and build of quoin.
-  // laws: paths of the law libraries in use. Throws Error(bad_input), naming what differs.
-  StudyFolder(std::filesystem::path path, const Study& study, const std::vector<std::string>& laws);
+  // Makes the folder, or enters one of the same study: all that samples depend on, that is quantities and keys set, the
+  // text of the scene and the files and laws that it names, by their bytes, and the build of quoin. Keeps in the folder
+  // what `request` reads (kept_study.h). Throws Error(bad_input), naming what differs.
+  StudyFolder(std::filesystem::path path, const Study& study, const Scene& scene, const StudyRequest& request);
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path sample(std::uint64_t number) const;

@@ -23,6 +23,18 @@ std::uint64_t rank(std::uint64_t seed, std::uint64_t dimension, std::uint64_t sa
 
 }  // namespace
 
+const char* method_name(Method method) {
+  switch (method) {
+    case Method::monte_carlo:
+      return "monte_carlo";
+    case Method::latin_hypercube:
+      return "latin_hypercube";
+    case Method::sobol:
+      return "sobol";
+  }
+  return "?";
+}
+
 double Design::at(std::uint64_t sample, std::uint64_t dimension) const {
   switch (method) {
     case Method::monte_carlo:

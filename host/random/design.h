@@ -10,6 +10,8 @@ namespace quoin::random {
 // Sobol (directions of Joe and Kuo), moved by a random vector (modulo 1) so that its mean has no bias.
 enum class Method { monte_carlo, latin_hypercube, sobol };
 
+const char* method_name(Method method);  // "latin_hypercube"
+
 struct Design {
   Method method = Method::monte_carlo;
   std::uint64_t seed = 1;

@@ -104,6 +104,8 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
   hash.add_text(provenance.scene_text);
   for (const std::string& text : provenance.request.overrides) hash.add_text(text);
   hash.add_text(provenance.request.law);
+  for (std::size_t i = 0; i < std::min(scene.inputs.size(), provenance.inputs.size()); ++i)
+    hash.add_text(provenance.inputs[i].sha256);
   for (const Stage& stage : scene.stages) {
     if (!stage.ground) continue;
     const TimeSeries& series = stage.ground->acceleration;

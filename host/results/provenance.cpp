@@ -25,11 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// Of any size: a program with its symbols may be large.
-std::string sha256_of_file(const std::string& path) {
-  return sha256_of(read_input_file(path, std::numeric_limits<std::size_t>::max()));
-}
-
 // Where this code is: the executable, or the module that another program has loaded.
 std::string program_file() {
   Dl_info here{};
@@ -74,29 +69,46 @@ std::vector<HashedFile> files_of(const Json& list, const char* name, const char*
 
 }  // namespace
 
+std::string sha256_of_file(const std::string& path) {
+  return sha256_of(read_input_file(path, std::numeric_limits<std::size_t>::max()));
+}
+
+std::vector<HashedFile> law_files(const Scene& scene) {
+  std::set<std::string> laws;
+  for (const auto& [name, family] : scene.joints) laws.insert(family.law);
+  for (const Stage& stage : scene.stages) {
+    for (const auto& [family, name] : stage.law_swaps) laws.insert(name);
+  }
+  std::vector<HashedFile> files;
+  for (const std::string& name : laws) {
+    const std::string path = Law::find(name).library->path();
+    files.push_back({name, path, sha256_of_file(path)});
+  }
+  return files;
+}
+
+std::vector<HashedFile> input_files(const Scene& scene) {
+  std::vector<std::string> inputs = scene.inputs;
+  std::error_code none;
+  if (const fs::path start = fs::path(scene.start) / "end_state.bin"; !scene.start.empty() && fs::exists(start, none))
+    inputs.push_back(start.string());
+  std::vector<HashedFile> files;
+  for (const std::string& file : inputs) files.push_back({file, file, sha256_of_file(file)});
+  return files;
+}
+
 Provenance provenance_of(const Simulation& simulation, const Request& request) {
   const Scene& scene = simulation.scene();
   Provenance p;
   p.program = QUOIN_VERSION;
   p.program_sha256 = sha256_of_file(program_file());
   p.compiler = __VERSION__;
-  std::set<std::string> laws;
-  for (const auto& [name, family] : scene.joints) laws.insert(family.law);
-  for (const Stage& stage : scene.stages) {
-    for (const auto& [family, name] : stage.law_swaps) laws.insert(name);
-  }
-  for (const std::string& name : laws) {
-    const std::string path = Law::find(name).library->path();
-    p.laws.push_back({name, path, sha256_of_file(path)});
-  }
+  p.laws = law_files(scene);
   p.scene = scene.file;
   p.scene_text = scene.text;
-  std::vector<std::string> inputs = scene.inputs;
-  std::error_code none;
-  if (const fs::path start = fs::path(scene.start) / "end_state.bin"; !scene.start.empty() && fs::exists(start, none))
-    inputs.push_back(start.string());
-  for (const std::string& file : inputs) p.inputs.push_back({file, file, sha256_of_file(file)});
+  p.inputs = input_files(scene);
   p.request = request;
+  std::error_code none;
   p.working_directory = fs::current_path(none).string();
   p.processor = processor_name();
   p.system = system_name();

@@ -23,6 +23,14 @@ struct HashedFile {
   std::string sha256;
 };
 
+// SHA-256 of a file of any size. Throws Error(bad_input): it cannot be read.
+std::string sha256_of_file(const std::string& path);
+// Libraries of the laws of all stages. Throws as sha256_of_file, and Error(law_refused): there is no such law.
+std::vector<HashedFile> law_files(const Scene& scene);
+// Other files that the scene takes in: meshes, series, the end of the run that it begins from. Throws as
+// sha256_of_file.
+std::vector<HashedFile> input_files(const Scene& scene);
+
 struct Provenance {
   std::string program, program_sha256, compiler;  // version, of the executable, what built it
   std::vector<HashedFile> laws;                   // of every stage

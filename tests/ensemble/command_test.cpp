@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -263,7 +265,7 @@ TEST_F(Ensemble, SensitivityOneAtATimeIsTwoRunsAnInput) {
 TEST_F(Ensemble, SensitivityIsThatOfTheTrials) {
   quoin::ensemble::Study study = quoin::ensemble::read_study(study_);
   study.trials = quoin::ensemble::Trials::one_at_a_time;
-  const quoin::ensemble::StudyFolder folder(folder_ / "s", study, {});
+  const quoin::ensemble::StudyFolder folder(folder_ / "s", study, {}, {study_, {}});
   const auto give = [&](int number, const char* status, double peak) {
     fs::create_directories(folder.sample(std::uint64_t(number)));
     std::ofstream(folder.sample(std::uint64_t(number)) / "sample.json") << nlohmann::json{
@@ -392,6 +394,161 @@ TEST_F(Ensemble, CtrlCKeepsWhatIsFinished) {
   EXPECT_GE(lines_of(table("a")).size(), 3u);
 }
 
+// A scene, its law and its study are read once: edited while samples are under way, and before other processes come to
+// help, they change nothing. In place, as editors and compilers do it.
+TEST_F(Ensemble, ReadsAllThatItIsComputedFromOnce) {
+  const std::string scene = read_all(small_), law = read_all(QUOIN_LAWS "/fracture_energy.so");
+  const fs::path scene_file = folder_ / "wall.toml", law_file = folder_ / "law.so", study_file = folder_ / "study.toml";
+  const auto write = [](const fs::path& file, const std::string& text) { std::ofstream(file) << text; };
+  const auto with = [](std::string text, const std::string& there, const std::string& here) {
+    return text.replace(text.find(there), there.size(), here);
+  };
+  const std::string of_file = with(scene, "\"fracture_energy\"", "\"" + law_file.string() + "\"");
+  const std::string study = with(read_all(study_), "../cli/small_wall.toml", "wall.toml");
+  write(scene_file, of_file), write(law_file, law), write(study_file, study);
+  const auto command = [&](const std::string& out, const char* samples, const std::string& what) {
+    return start({QUOIN_PROGRAM, "ensemble", what, "--out", (folder_ / out).string(), "--no-pictures", "--jobs", "1",
+                  "--samples", samples});
+  };
+  ASSERT_EQ(finish(command("whole", "12", study_file.string())), 0) << error_;
+
+  const pid_t driver = command("edited", "8", study_file.string());
+  wait_until_finished("edited", 1);
+  write(scene_file, with(of_file, "friction_angle = 35.0", "friction_angle = 20.0"));
+  write(law_file, read_all(QUOIN_LAWS "/elastic.so"));
+  write(study_file, with(study, "mean = 0.3e6", "mean = 0.1e6"));
+  ASSERT_EQ(finish(driver), 0) << error_;
+  const std::string whole = table("whole");
+  EXPECT_THAT(whole, testing::StartsWith(table("edited")));
+  EXPECT_EQ(lines_of(table("edited")).size(), 9u);
+
+  // It is another study now; that of then goes on from its folder.
+  EXPECT_EQ(finish(command("edited", "12", study_file.string())), 3);
+  write(law_file, law), write(study_file, study);
+  EXPECT_EQ(finish(command("edited", "12", study_file.string())), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("(different: text of the scene)"), HasSubstr("in place of the study")));
+  write(law_file, read_all(QUOIN_LAWS "/elastic.so")), fs::remove(scene_file), fs::remove(study_file);
+  ASSERT_EQ(finish(command("edited", "12", (folder_ / "edited").string())), 0) << error_;
+  EXPECT_EQ(table("edited"), whole);
+  EXPECT_EQ(finish(command("whole", "12", (folder_ / "edited").string())), 2) << "two folders";
+
+  const fs::path kept = folder_ / "edited" / "inputs";
+  for (const auto& entry : fs::directory_iterator(kept)) {
+    if (entry.path().filename().string().ends_with("wall.toml")) write(entry.path(), scene);
+  }
+  EXPECT_EQ(finish(command("edited", "12", (folder_ / "edited").string())), 3);
+  EXPECT_THAT(error_, HasSubstr("wall.toml is not what was kept then"));
+}
+
+// The same of a mesh that the scene names: gone when the first sample is done. A cube that falls on another one.
+TEST_F(Ensemble, ReadsMeshesOnce) {
+  std::ofstream(folder_ / "cube.off") << "OFF\n8 6 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
+                                         "4 0 4 6 2\n4 1 3 7 5\n4 0 1 5 4\n4 2 6 7 3\n4 0 2 3 1\n4 4 5 7 6\n";
+  std::ofstream(folder_ / "blocks.toml") << R"(
+[materials.stone]
+density = 1000.0
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e8
+shear_stiffness = 1e8
+friction_angle = 35.0
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [0, -1, 0], size = [1, 1, 1] }
+[[block]]
+name = "cube"
+material = "stone"
+mesh = "cube.off"
+[[stage]]
+name = "weight"
+gravity = [0, -9.81, 0]
+duration = 0.2
+)";
+  std::ofstream(folder_ / "study.toml")
+      << "scene = \"blocks.toml\"\nsamples = 6\n[[quantity]]\nname = \"density\"\nkey = "
+         "\"materials.stone.density\"\ndistribution = \"uniform\"\nlower = 900\n"
+         "upper = 1100\n";
+  const pid_t driver = start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                              (folder_ / "m").string(), "--no-pictures", "--jobs", "1"});
+  wait_until_finished("m", 1);
+  fs::remove(folder_ / "cube.off");
+  ASSERT_EQ(finish(driver), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("6 of 6 samples finished, 0 of them failed"));
+}
+
+// On a disk that takes no more: no file may grow beyond 2 kB once the study is begun. It ends, and says why.
+TEST_F(Ensemble, EndsWhereTheDiskIsFull) {
+  ASSERT_EQ(ensemble("a", {"--samples", "1"}), 0) << error_;
+  const pid_t driver = start(words("a", {"--samples", "20", "--jobs", "2"}), -1, [] {
+    alarm(60);  // of the test, for one that does not end
+    const rlimit limit{2000, 2000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  });
+  EXPECT_EQ(finish(driver), 3) << error_;
+  EXPECT_THAT(error_, testing::ContainsRegex("sample [0-9]+ could not be computed: .*history.csv.*cannot be written"));
+  EXPECT_EQ(finished("a"), 2);
+  ASSERT_EQ(ensemble("a", {"--samples", "3"}), 0) << error_;  // there is room again
+  EXPECT_EQ(lines_of(table("a")).size(), 4u);
+}
+
+// Nothing but failures is no result: no equilibrium within ten steps.
+TEST_F(Ensemble, FailsWhereAllSamplesFail) {
+  const std::vector<std::string> more{"--samples", "2", "--set", "stage.precompression.max_steps=10"};
+  EXPECT_EQ(ensemble("a", more), 5);
+  EXPECT_THAT(error_, AllOf(HasSubstr("all samples failed, 2 of 2 until now; sample 1: "), HasSubstr("10 steps")));
+  EXPECT_THAT(out_, HasSubstr("2 of 2 samples finished, 2 of them failed"));
+  EXPECT_EQ(lines_of(table("a")).size(), 3u) << "the table is written all the same";
+  EXPECT_EQ(ensemble("a", {"--samples", "2", "--set", "stage.precompression.max_steps=10", "--gather"}), 5);
+  for (const std::vector<std::string>& trials : {std::vector<std::string>{}, {"--sobol", "8"}}) {
+    std::vector<std::string> all{QUOIN_PROGRAM,
+                                 "sensitivity",
+                                 study_,
+                                 "--out",
+                                 (folder_ / "s").string(),
+                                 "--no-pictures",
+                                 "--set",
+                                 "stage.precompression.max_steps=10"};
+    all.insert(all.end(), trials.begin(), trials.end());
+    EXPECT_EQ(finish(start(all)), 5) << error_;
+    EXPECT_THAT(error_, HasSubstr("all samples failed"));
+    fs::remove_all(folder_ / "s");
+  }
+}
+
+// What only the results ask for is looked at before the work, and may be changed after it.
+TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
+  const auto write = [&](const std::string& output) {
+    std::string text = read_all(study_);
+    const std::string scene = "../cli/small_wall.toml";
+    text.replace(text.find(scene), scene.size(), small_);
+    std::ofstream(folder_ / "study.toml") << text << "\n[[fragility]]\noutput = \"" << output << "\"\n";
+  };
+  const auto run = [&] {
+    return finish(start({QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out",
+                         (folder_ / "a").string(), "--no-pictures", "--samples", "3"}));
+  };
+  write("peak_force_kN");
+  EXPECT_EQ(run(), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("study.toml:"),
+                            HasSubstr("fragility.1.output = \"peak_force_kN\": samples.csv has "
+                                      "no such column, did you mean 'peak_force_N'?"),
+                            HasSubstr("joints.mortar.cohesion_least")));
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+  for (const char* output : {"peak_force_N", "work_J", "joints.mortar.cohesion_least", "pressure"}) {
+    write(output);
+    EXPECT_EQ(run(), 0) << error_;
+    EXPECT_THAT(error_, testing::Not(HasSubstr("no such column")));
+    const auto results = nlohmann::json::parse(read_all(folder_ / "a" / "summary.json"));
+    EXPECT_EQ(results["fragility"][0]["output"], output);
+    EXPECT_EQ(results["fragility"][0]["reached"], 3);
+  }
+}
+
 // What Slurm's programs are asked and what is made of their answers: stand-ins that start the workers here, as
 // slurm_test.py has Slurm do where it is installed.
 TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
@@ -424,6 +581,8 @@ TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
   EXPECT_EQ(ask("b", {}), 0) << error_;
   EXPECT_THAT(error_, testing::AllOf(HasSubstr("job 17 of Slurm: 2 workers; results, also before the end: "),
                                      HasSubstr(" --samples 3 --gather"), HasSubstr("2/4 samples")));
+  EXPECT_THAT(read_all(folder_ / "asked"), HasSubstr(" ensemble " + (folder_ / "b").string() + " --samples 3 "))
+      << "of what is kept there";
   EXPECT_THAT(out_, HasSubstr("3 of 3 samples finished, 0 of them failed"));
   EXPECT_THAT(read_all(folder_ / "asked"), HasSubstr(" --array=1-2 --ntasks=1 "));
   EXPECT_THAT(read_all(folder_ / "queued"), HasSubstr("--jobs=17 "));
