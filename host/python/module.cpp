@@ -1,7 +1,11 @@
 // The compiled part of the package `quoin`: what the Python files beside it are written on. Not for users.
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include <cmath>
+#include <map>
+#include <variant>
 
 #include "base/error.h"
 #include "base/input_file.h"
@@ -12,7 +16,9 @@
 #ifdef QUOIN_VORO
 #include "python/voronoi.h"
 #endif
+#include "results/provenance.h"
 #include "results/report.h"
+#include "scene/read_scene.h"
 #include "scene/reader.h"
 #include "step/large_motion.h"
 
@@ -22,14 +28,36 @@ namespace py = pybind11;
 using quoin::Simulation;
 using quoin::python::Session;
 
-// As `quoin run` prepares a scene. document none: the file of that name as it is, so that messages have its lines.
-quoin::Scene scene_of(const py::object& document, const std::string& path) {
+using Hashes = std::map<std::string, std::string>;  // SHA-256 by file
+
+// Of the files that the scene takes in.
+Hashes hashes_of(const quoin::Scene& scene) {
+  Hashes hashes;
+  for (const std::string& file : scene.inputs) hashes[file] = quoin::sha256_of_file(file);
+  return hashes;
+}
+
+// As `quoin run` prepares a scene: of a document, or of the text of the file of that name, so that messages have its
+// lines. files: as hashes_of had them when the scene was loaded.
+quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files) {
   quoin::SceneOptions options;
   options.scene = path;
-  if (document.is_none()) return quoin::prepare_scene(options);
-  const toml::table table = quoin::python::table_of(document.cast<py::dict>());
-  quoin::Scene scene = quoin::reader::read_scene(table, path);
-  scene.text = quoin::python::text_of(table);
+  quoin::Scene scene;
+  if (const auto* text = std::get_if<std::string>(&source)) {
+    scene = quoin::read_scene_text(*text, path);
+  } else {
+    const toml::table table = quoin::python::table_of(std::get<py::dict>(source));
+    scene = quoin::reader::read_scene(table, path);
+    scene.text = quoin::python::text_of(table);
+  }
+  for (const auto& [file, hash] : hashes_of(scene)) {
+    const auto loaded = files.find(file);
+    if (loaded != files.end() && loaded->second != hash)
+      throw quoin::Error(quoin::Exit::bad_input,
+                         fmt::format("{}: has changed since the scene that names it was loaded, {}: load that again "
+                                     "(quoin.Scene.load), or bring the file of then back",
+                                     file, path));
+  }
   return quoin::prepare_scene(std::move(scene), options);
 }
 
@@ -57,10 +85,13 @@ PYBIND11_MODULE(_quoin, m) {
   m.def("law_path", [](const std::string& name) { return quoin::LawLibrary::load(name)->path(); });
   m.def("installed_laws", &quoin::installed_laws);
   m.def("parse", [](const std::string& path) {
-    return quoin::python::document_of(quoin::reader::parse(quoin::read_input_file(path), path));
+    const std::string text = quoin::read_input_file(path);
+    return std::pair(quoin::python::document_of(quoin::reader::parse(text, path)), text);
   });
   m.def("text", [](const py::dict& document) { return quoin::python::text_of(quoin::python::table_of(document)); });
-  m.def("check", [](const py::object& document, const std::string& path) { scene_of(document, path); });
+  m.def("check", [](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files) {
+    return hashes_of(scene_of(source, path, files));
+  });
 
   m.def("report", [](const std::string& folder) { return quoin::write_report({folder}).string(); });
 #ifdef QUOIN_VORO
@@ -68,9 +99,9 @@ PYBIND11_MODULE(_quoin, m) {
 #endif
 
   py::class_<Session>(m, "Session")
-      .def(py::init([](const py::object& document, const std::string& path, int threads, bool keep_frames,
-                       const std::string& folder, bool isolate_law, double law_seconds) {
-        return std::make_unique<Session>(scene_of(document, path), threads, keep_frames, folder, isolate_law,
+      .def(py::init([](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
+                       int threads, bool keep_frames, const std::string& folder, bool isolate_law, double law_seconds) {
+        return std::make_unique<Session>(scene_of(source, path, files), threads, keep_frames, folder, isolate_law,
                                          law_seconds);
       }))
       .def("step", &Session::step)

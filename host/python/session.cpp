@@ -11,7 +11,6 @@
 #include <set>
 #include <thread>
 
-#include "results/checkpoint_file.h"
 #include "results/crushed_out.h"
 #include "results/quasi_static.h"
 #include "results/summary.h"
@@ -107,10 +106,6 @@ std::vector<std::size_t> numbers_among(const std::vector<Vec3>& places, const Si
   return numbers;
 }
 
-Identity identity_of(const std::string& scene_hash) {
-  return {{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
-}
-
 }  // namespace
 
 Session::Session(Scene scene, int threads, bool keep_frames, const std::string& folder, bool isolate_law,
@@ -123,6 +118,9 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   if (!folder.empty()) keep_start(scene, folder_);
   simulation_ = std::make_unique<Simulation>(std::move(scene), threads);
   take_start(simulation_.get());
+  files_ = input_files(simulation_->scene());
+  for (const HashedFile& law : law_files(simulation_->scene())) files_.push_back(law);
+  if (!folder.empty() && simulation_->scene().output.end_state) provenance_ = provenance_of(*simulation_, {});
   columns_ = history_columns(simulation_->scene());
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
@@ -284,8 +282,7 @@ std::string Session::finish(const std::string& status, const std::string& messag
     if (series_ && status != "done" && info.law_answers) series_->add_frame(simulation);
     if (series_) series_->finish();
     write_summary(folder_ / "summary.json", simulation, rows_, info);
-    if (status == "done" && simulation.scene().output.end_state)
-      write_end_state(folder_, simulation, provenance_of(simulation, {}));
+    if (status == "done" && provenance_) write_end_state(folder_, simulation, *provenance_);
   }
   return summary_text(simulation, rows_, info);
 }
@@ -451,6 +448,13 @@ void Session::restore(const py::bytes& bytes) {
   // Rows of after are gone; those of before stay.
   std::erase_if(rows_, [&](const HistoryRow& row) { return row.step > simulation_->step(); });
   if (surfaces_) *surfaces_ = Surfaces();
+}
+
+Identity Session::identity_of(const std::string& scene_hash) const {
+  Identity identity{{{"version of quoin", QUOIN_VERSION}, {"scene", scene_hash}}};
+  for (const HashedFile& file : files_)
+    identity.parts.push_back({"file " + std::filesystem::path(file.name).filename().string(), file.sha256});
+  return identity;
 }
 
 void Session::checkpoint(const std::string& path, const std::string& scene_hash) const {

@@ -15,7 +15,9 @@
 #include "files/result_folder.h"
 #include "law/law_calls.h"
 #include "law/law_library.h"
+#include "results/checkpoint_file.h"
 #include "results/history.h"
+#include "results/provenance.h"
 #include "results/surface.h"
 #include "results/vtk.h"
 #include "step/simulation.h"
@@ -80,6 +82,7 @@ class Session : private Observer {
   void on_frame(const Simulation& simulation, int stage, int frame) override;
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const Simulation::View& view, bool writeable) const;
+  Identity identity_of(const std::string& scene_hash) const;
   std::pair<std::size_t, std::size_t> points_of(int family) const;  // the first, and one past the last
 
   LawIsolation isolation_;
@@ -98,6 +101,8 @@ class Session : private Observer {
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
   std::optional<LawWatchdog> watchdog_;
+  std::vector<HashedFile> files_;         // that the scene takes in and its laws, as they were at the start
+  std::optional<Provenance> provenance_;  // of a run that keeps its end
 };
 
 }  // namespace quoin::python

@@ -108,6 +108,56 @@ class Scenes(Folder):
         with self.assertRaisesRegex(TypeError, "scene: "):
             quoin.run(7)
 
+    def test_a_run_is_that_of_the_scene_that_was_loaded(self):
+        with open(SMALL_WALL, encoding="utf-8") as file:
+            right = file.read()
+        path = self.path("wall.toml")
+
+        def write(text):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+        write(right)
+        scene = quoin.Scene.load(path)
+        peak = quoin.run(scene, frames=False, threads=1).peak
+        for edited in (right.replace("0.3e6", "0.1e6"), "no scene"):
+            write(edited)
+            for loaded in (scene, scene.copy()):
+                loaded.check()
+                self.assertEqual(quoin.run(loaded, frames=False, threads=1).peak, peak)
+        os.remove(path)
+        self.assertEqual(quoin.run(scene, frames=False, threads=1).peak, peak)
+        with open(SMALL_WALL, encoding="utf-8") as file:
+            write(file.read().replace("0.3e6", "0.1e6"))
+        self.assertLess(quoin.run(quoin.Scene.load(path), frames=False, threads=1).peak[0], 0.8 * peak[0])
+
+    def test_a_mesh_that_has_changed_since_is_refused(self):
+        def cube(height):
+            with open(self.path("cube.off"), "w", encoding="utf-8") as file:
+                file.write("OFF\n8 6 0\n" + "".join(f"{x} {y * height} {z}\n" for z in (0, 1) for y in (0, 1)
+                                                    for x in (0, 1)) +
+                           "4 0 4 6 2\n4 1 3 7 5\n4 0 1 5 4\n4 2 6 7 3\n4 0 2 3 1\n4 4 5 7 6\n")
+        scene = block_scene(block=[quoin.Block(name="cube", material="stone", mesh="cube.off")])
+        with open(self.path("scene.toml"), "w", encoding="utf-8") as file:
+            file.write(scene.text())
+        cube(1)
+        loaded = quoin.Scene.load(self.path("scene.toml"))
+        sim = quoin.Simulation(loaded)
+        sim.checkpoint(self.path("then.bin"))
+        cube(2)
+        for changed in (False, True):
+            if changed:
+                loaded.joints.dry.friction_angle = 30.0
+            for use in (quoin.Simulation, quoin.run, quoin.Scene.check):
+                with self.assertRaisesRegex(quoin.BadInput, "cube.off: has changed since the scene"):
+                    use(loaded)
+        with self.assertRaisesRegex(quoin.BadInput, "is of another file cube.off"):
+            quoin.Simulation.resume(self.path("scene.toml"), self.path("then.bin"))
+        # Where nothing has been loaded, it is read when it is needed.
+        scene.block[0].mesh = self.path("cube.off")
+        for height in (1, 2):
+            cube(height)
+            self.assertEqual(quoin.Simulation(scene).mesh()["points"][:, 1].max(), height)
+
     def test_copies_are_apart(self):
         scene = quoin.Scene.load(SMALL_WALL)
         other = scene.copy()

@@ -48,6 +48,50 @@ class Views(unittest.TestCase):
         np.testing.assert_array_equal(whole, kept_whole)
         self.assertFalse(np.array_equal(sim.sigma("mortar"), kept_whole))
 
+    def test_nothing_writes_through_them(self):
+        sim = quoin.Simulation(SMALL_WALL)
+        sim.step(300)
+        views = [sim.sigma("mortar"), sim.tau_s("mortar"), sim.tau_t("mortar"), sim.area("mortar"),
+                 sim.position("mortar"), sim.displacement(0), sim.velocity(0), sim.state("mortar", "xi_t")]
+        before, hashed = [np.array(v) for v in views], sim.hash
+
+        class Sly(np.ndarray):
+            """Keeps what it is called with."""
+            given = []
+
+            def __array_ufunc__(self, ufunc, method, *inputs, **named):
+                Sly.given += inputs
+                return np.zeros(1)
+
+        class Thief:
+            def __radd__(self, number):
+                Sly.given.append(number)
+                return number
+        for view in views:
+            values = np.full(view.shape, 2.0)
+            for write in (lambda v: np.add.at(v, 0, 5.0), lambda v: np.multiply.at(v, slice(None), 0.5),
+                          lambda v: np.negative.at(v, 0), lambda v: np.add(v, 1.0, out=v),
+                          lambda v: np.add(values, 1.0, out=v), lambda v: np.add.accumulate(values, out=v),
+                          lambda v: np.copyto(v, 1.0), lambda v: np.put(v, 0, 1.0), lambda v: np.place(v, values > 0, 1.0),
+                          lambda v: np.putmask(v, values > 0, 1.0), lambda v: np.frombuffer(v), lambda v: memoryview(v),
+                          lambda v: v.__array_interface__, lambda v: v.data, lambda v: v.setflags(write=True)):
+                with self.assertRaises((TypeError, ValueError, AttributeError)):
+                    write(view)
+            np.add(view, np.zeros(view.shape).view(Sly))
+            np.add(np.zeros(view.shape).view(Sly), view)
+            np.add(view, np.array([Thief()], dtype=object))
+            for given in Sly.given:
+                if isinstance(given, np.ndarray) and given.flags.writeable:
+                    given[...] = 7.0
+            for result in (view[...], view[:], view[None], np.positive(view), np.sum(view, axis=()), view.max(axis=()),
+                           np.array(view), np.asarray(view), np.ravel(view), np.atleast_2d(view), view.copy()):
+                np.add.at(result, 0, 1.0)
+        for view, then in zip(views, before):
+            np.testing.assert_array_equal(view, then)
+        self.assertEqual(sim.hash, hashed)
+        np.add.at(before[0], slice(None), views[0])  # they may be added to others
+        np.testing.assert_array_equal(before[0], 2 * np.array(views[0]))
+
     def test_one_whose_simulation_is_gone_raises(self):
         for end in ("close", "delete"):
             sim = quoin.Simulation(SMALL_WALL)

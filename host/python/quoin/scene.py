@@ -150,17 +150,21 @@ class Scene(Table):
 
     def __init__(self, *args, **keys):
         object.__setattr__(self, "_file", None)     # where it was loaded from
-        object.__setattr__(self, "_loaded", None)   # what was there
+        object.__setattr__(self, "_loaded", None)   # what was there, as a document
+        object.__setattr__(self, "_text", None)     # and as text
+        object.__setattr__(self, "_hashes", {})     # of the files that it names
         super().__init__(*args, **keys)
 
     @classmethod
     def load(cls, path):
         """A scene file. BadInput with file and line of what is no TOML; values are judged by check and by simulations."""
         path = os.fspath(path)
-        scene = cls(_quoin.parse(path))
+        document, text = _quoin.parse(path)
+        scene = cls(document)
         object.__setattr__(scene, "_file", os.path.abspath(path))
         object.__setattr__(scene, "_loaded", scene._document())
-        scene.check()
+        object.__setattr__(scene, "_text", text)
+        object.__setattr__(scene, "_hashes", _quoin.check(*scene._source()))
         return scene
 
     def __getattr__(self, key):
@@ -176,10 +180,9 @@ class Scene(Table):
         return self._file or "scene"
 
     def _source(self):
-        """As the reader takes it: unchanged files as they are, so that messages have their lines."""
+        """As the reader takes it: what was loaded and has not been changed as its text, so that messages have its lines."""
         document = self._document()
-        return (None if self._file and document == self._loaded and os.path.exists(self._file) else document,
-                self._place())
+        return self._text if self._file and document == self._loaded else document, self._place(), self._hashes
 
     def check(self):
         """BadInput with every fault, or LawRefused."""
@@ -223,8 +226,8 @@ class Scene(Table):
 
     def __deepcopy__(self, memo):
         fresh = super().__deepcopy__(memo)
-        object.__setattr__(fresh, "_file", self._file)
-        object.__setattr__(fresh, "_loaded", self._loaded)
+        for of_file in ("_file", "_loaded", "_text", "_hashes"):
+            object.__setattr__(fresh, of_file, getattr(self, of_file))
         return fresh
 
     def __repr__(self):

@@ -72,9 +72,9 @@ class Simulation:
             raise TypeError(f"law_seconds: a number of seconds is needed, not {type(law_seconds).__name__}")
         elif not 0 <= law_seconds <= 1e9:
             raise ValueError(f"law_seconds = {law_seconds}: allowed: 0 (any time) to 1e9")
-        document, place = scene._source()
+        source = scene._source()
         self.scene = scene.copy()
-        self._session = _quoin.Session(document, place, threads, bool(frames), "" if out is None else os.fspath(out),
+        self._session = _quoin.Session(*source, threads, bool(frames), "" if out is None else os.fspath(out),
                                        bool(isolate_law), float(law_seconds))
 
     # --- time -----------------------------------------------------------------------------------------------------

@@ -6,6 +6,8 @@ import numpy as np
 
 from .errors import Gone
 
+READING = ("__call__", "reduce", "accumulate", "reduceat", "outer")  # methods of a ufunc that write to `out` alone
+
 
 class View(np.lib.mixins.NDArrayOperatorsMixin):
     """An array of a simulation, read where it lies: view.max(), view[3:5], np.sum(view), 2 * view copy nothing but their
@@ -45,16 +47,22 @@ class View(np.lib.mixins.NDArrayOperatorsMixin):
         array[index] = values
         self._simulation()._session_of(self._what).velocities_changed()
 
-    def __array__(self, dtype=None):
+    def __array__(self, dtype=None, copy=None):
+        if copy is False:
+            raise ValueError(f"{self._what}: as an array it is a copy; read the view itself where it lies")
         return np.array(self._array(), dtype=dtype)
 
     def __array_ufunc__(self, ufunc, method, *inputs, out=None, **named):
-        if out is not None:
+        # ufunc.at writes into its first argument, and NumPy does not look whether that can be written.
+        if out is not None or method not in READING and isinstance(inputs[0], View):
             raise TypeError(f"{self._what}: no output of {ufunc.__name__}; assign to velocity(block)[...]")
-        arrays = [x._array() if isinstance(x, View) else x for x in inputs]
-        if not all(isinstance(x, (np.ndarray, numbers.Number, np.generic, list, tuple)) for x in arrays):
+        if not all(isinstance(x, (View, np.ndarray, numbers.Number, np.generic, list, tuple, slice))
+                   for x in inputs):
             return NotImplemented
-        named = {k: v._array() if isinstance(v, View) else v for k, v in named.items()}
+        # Only NumPy's own code gets an array that looks into the simulation: subclasses of ndarray take part in the call.
+        plain = not any(isinstance(x, np.ndarray) and type(x) is not np.ndarray for x in inputs)
+        arrays = [(x._array() if plain else x.copy()) if isinstance(x, View) else x for x in inputs]
+        named = {k: v.copy() if isinstance(v, View) else v for k, v in named.items()}
         result = getattr(ufunc, method)(*arrays, **named)
         for array in arrays:
             result = self._own(result, array) if isinstance(array, np.ndarray) else result
