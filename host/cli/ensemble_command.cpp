@@ -78,7 +78,7 @@ ReadStudy read(const EnsembleOptions& options, Trials trials = Trials::drawn, co
   for (const std::string& file : all.scene.inputs) read_input_file(file);
   for (const HashedFile& law : law_files(all.scene)) all.laws.push_back(Law::find(law.name));
   kept_inputs().end();
-  check_columns(all.study, all.scene);
+  check_study(all.study, all.scene);
   if (!all.scene.start.empty()) {
     all.study.start = (fs::path(all.scene.start) / "end_state.bin").string();
     all.study.start_sha256 = sha256_of_file(all.study.start);

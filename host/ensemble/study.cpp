@@ -122,7 +122,10 @@ Study read_study(const std::string& file) {
   return study;
 }
 
-void check_columns(const Study& study, const Scene& scene) {
+namespace {
+
+// Of samples.csv: inputs, and what every sample gives.
+std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
   std::vector<std::string> columns = output_names();
   for (const StudyQuantity& quantity : study.quantities) columns.push_back(quantity.name);
   for (const auto& [name, family] : scene.joints) {
@@ -131,11 +134,39 @@ void check_columns(const Study& study, const Scene& scene) {
       for (const std::string& column : drawn_columns(name, p.id)) columns.push_back(column);
     }
   }
+  return columns;
+}
+
+}  // namespace
+
+void check_study(const Study& study, const Scene& scene) {
   std::string faults;
+  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
+  const std::vector<std::string> columns = columns_of(study, scene);
   for (const LimitState& limit : study.limits) {
-    if (std::find(columns.begin(), columns.end(), limit.output) != columns.end()) continue;
-    faults += fmt::format("{}{} = \"{}\": samples.csv has no such column{}; it has: {}", faults.empty() ? "" : "\n",
-                          limit.where, limit.output, did_you_mean(limit.output, columns), fmt::join(columns, ", "));
+    if (std::find(columns.begin(), columns.end(), limit.output) == columns.end())
+      add(fmt::format("{} = \"{}\": samples.csv has no such column{}; it has: {}", limit.where, limit.output,
+                      did_you_mean(limit.output, columns), fmt::join(columns, ", ")));
+  }
+  for (int number = 0; const StudyQuantity& quantity : study.quantities) {
+    const std::string where = fmt::format("{}: quantity.{}", study.file, ++number);
+    if (std::count(columns.begin(), columns.end(), quantity.name) > 1)
+      add(fmt::format("{}: samples.csv has two columns called \"{}\"; give it a name of its own", where,
+                      quantity.name));
+    if (std::count_if(study.quantities.begin(), study.quantities.end(),
+                      [&](const StudyQuantity& other) { return other.key == quantity.key; }) > 1)
+      add(fmt::format("{}.key = \"{}\": two quantities of one key; remove one", where, quantity.key));
+    for (const std::string& setting : study.overrides) {
+      if (setting.starts_with(quantity.key + "="))
+        add(fmt::format("{}.key = \"{}\": is set too ({}), which would have no effect; remove one of the two", where,
+                        quantity.key, setting));
+    }
+  }
+  for (const std::string& setting : study.overrides) {
+    if (setting.starts_with("random."))
+      add(fmt::format(
+          "{}: {}: samples of a study are numbered from 1, and their seed is that of the study; give it seed",
+          study.file, setting));
   }
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
 }

@@ -54,8 +54,8 @@ struct Study {
 // Throws Error(bad_input) with every fault of the file.
 Study read_study(const std::string& file);
 
-// Throws Error(bad_input), with all that there are, where the study asks for the fragility of what is no column of the
-// samples.csv of this scene.
-void check_columns(const Study& study, const Scene& scene);
+// What does not go together, which no sample would say: fragilities of what is no column of samples.csv for this scene,
+// columns of one name, keys that are set and drawn. Throws Error(bad_input) with every fault.
+void check_study(const Study& study, const Scene& scene);
 
 }  // namespace quoin::ensemble

@@ -602,6 +602,39 @@ TEST_F(Ensemble, RefusesTheFolderOfAnotherStudy) {
   EXPECT_THAT(error_, HasSubstr("--out"));
 }
 
+// What is given twice is refused: one of the two would have no effect.
+TEST_F(Ensemble, NothingOfAStudyIsLeftOutInSilence) {
+  const auto run = [&](const std::string& quantity, const std::vector<std::string>& more = {}) {
+    std::string text = read_all(study_);
+    const std::string scene = "../cli/small_wall.toml";
+    text.replace(text.find(scene), scene.size(), small_);
+    std::ofstream(folder_ / "study.toml") << text << quantity;
+    std::vector<std::string> all{
+        QUOIN_PROGRAM, "ensemble", (folder_ / "study.toml").string(), "--out", (folder_ / "a").string(),
+        "--samples",   "1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return finish(start(all));
+  };
+  const auto quantity = [](const std::string& name, const std::string& key) {
+    return "[[quantity]]\nname = \"" + name + "\"\nkey = \"" + key +
+           "\"\ndistribution = \"uniform\"\nlower = 9e9\nupper = 10e9\n";
+  };
+  const std::string modulus = "materials.brick.young_modulus";
+  for (const char* name : {"pressure", "peak_force_N", "joints.mortar.cohesion_mean"}) {
+    EXPECT_EQ(run(quantity(name, modulus)), 3);
+    EXPECT_THAT(error_, HasSubstr("study.toml: quantity.2: samples.csv has two columns called \"" + std::string(name)));
+  }
+  EXPECT_EQ(run(quantity("E", modulus) + quantity("F", modulus)), 3);
+  EXPECT_THAT(error_, HasSubstr("quantity.3.key = \"" + modulus + "\": two quantities of one key"));
+  EXPECT_EQ(run(quantity("velocity", "stage.shear.velocity")), 3);
+  EXPECT_THAT(error_, HasSubstr("is set too (stage.shear.velocity=0.2)"));
+  EXPECT_EQ(run("", {"--set", "stage.precompression.pressure=0.3e6"}), 3);
+  EXPECT_THAT(error_, HasSubstr("quantity.1.key = \"stage.precompression.pressure\": is set too"));
+  EXPECT_EQ(run("", {"--set", "random.seed=7"}), 3);
+  EXPECT_THAT(error_, HasSubstr("random.seed=7: samples of a study are numbered"));
+  EXPECT_FALSE(fs::exists(folder_ / "a"));
+}
+
 TEST_F(Ensemble, NamesTheFaultsOfAStudy) {
   std::ofstream(folder_ / "study.toml")
       << "scene = \"none.toml\"\nsample = 3\nmethod = \"sobol\"\n[[quantity]]\nkey = \"a\"\n";
