@@ -13,7 +13,8 @@ constexpr int kPassed = 0, kFailed = 1, kUsage = 2, kNotLoadable = 4;
 const char* const kHelp =
     "quoin-check-law LIB [--law ID] [--property id=value]... [--json]\n"
     "\n"
-    "Checks every promise of the contact-law contract (plugin_api/README.md) on a law, without the Quoin host.\n"
+    "Checks every promise of the contact-law contract on a law, without the Quoin host. The contract is\n"
+    "README.md of plugin_api, which quoin-dev installs in share/quoin.\n"
     "  LIB                  shared library with quoin_library_v1\n"
     "  --law ID             only this law of the library\n"
     "  --property id=value  property value: a number, a word, or a table x:y,x:y; the others take their default, or a\n"
