@@ -29,13 +29,15 @@ double way(double t) {
 
 // A block on the ground, in an elastic joint of 1e6 N/m that pulls too, and one beside it that nothing touches; 2 kg
 // each.
-std::string scene(const std::string& stages) {
+std::string scene(const std::string& of_ground, const std::string& stages) {
   return undamped_stone("general") + R"(
 [[block]]
 name = "ground"
 material = "stone"
 fixed = true
 box = { lower = [-1, -0.1, -1], size = [2, 0.1, 2] }
+)" + of_ground +
+         R"(
 [[block]]
 name = "rider"
 material = "stone"
@@ -50,8 +52,10 @@ box = { lower = [0, 3, 0], size = [0.1, 0.1, 0.1] }
 // On a step of 3e-5 s the sum of the velocities of half steps is the integral up to dt^2/24 times what the acceleration
 // has changed by, 6 m/s2 a change: 1e-9 m. Half a step late is 5e-6 m, rectangles are off by centimetres. Direction
 // [2, -3, 6] is 7 long: it is a direction, and no factor.
-TEST(GroundMotion, IsTheDoubleIntegralOfTheRecordAtEveryStep) {
-  const Scene moving = read_scene_text(scene(R"(
+class MovingGround : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(MovingGround, IsTheDoubleIntegralOfTheRecordAtEveryStep) {
+  const Scene moving = read_scene_text(scene(GetParam(), R"(
 [[stage]]
 name = "wait"
 duration = 0.0137
@@ -71,8 +75,10 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
   };
   expect_at_rest(0);
   double fastest = 0.0;
+  std::vector<std::uint8_t> half_way;
   for (bool more = true; more;) {
     more = simulation.run_stage(nobody, 101);
+    if (half_way.empty() && simulation.time() > begin + 0.15) half_way = simulation.save();
     const double t = simulation.time() - begin, expected = way(t);
     const Vec3 axis{2.0 / 7, -3.0 / 7, 6.0 / 7};
     for (const Vec3& u : simulation.block_displacement(0)) {
@@ -83,13 +89,20 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
   EXPECT_GT(fastest, 0.3);
   EXPECT_GT(dt * fastest / 2, 100 * 6.0 * dt * dt) << "half a step late must be seen";
   expect_at_rest(2);  // what stands on nothing
+  Simulation resumed(moving, 2);
+  resumed.restore(half_way);
+  resumed.run(nobody);
+  EXPECT_EQ(resumed.hash(), simulation.hash()) << "a record goes on where it was left";
 }
+
+INSTANTIATE_TEST_SUITE_P(Grounds, MovingGround, ::testing::Values("", "rigid = false\ndivisions = [2, 1, 2]"),
+                         [](const auto& of) { return std::string(*of.param ? "Zones" : "Rigid"); });
 
 // Ground that begins to rise with constant acceleration a under a mass on a spring: seen from the ground the mass has
 // the weight m a, and swings about m a/k by -(a/w^2) (1 - cos w t). Steps of a hundredth of a period are off by
 // (w dt)^2/24 of w, 2e-4 of three periods. The ground pays for it: energies balance.
 TEST(GroundMotion, AMassOnASpringLagsBehindByItsInertia) {
-  const Scene moving = read_scene_text(scene(R"(
+  const Scene moving = read_scene_text(scene("", R"(
 [[stage]]
 name = "rise"
 duration = 0.03

@@ -62,6 +62,7 @@ const texts = element => [element.textContent, ...element.children.flatMap(texts
 function shown(run) {
   return {frame: run.frame, position: numbers(run.position), colour: numbers(run.colour), cracked: run.cracked,
     rim: numbers(run.rim.geometry.attributes.position), rim_colour: numbers(run.rim.geometry.attributes.color),
+    points: numbers(run.dots.geometry.attributes.position), point_colour: numbers(run.dots.geometry.attributes.color),
     legend: run.legend.children.map(c => [c.textContent, c.style.color || c.style.background]),
     dots: [run.curve.dots, run.energies.dots]};
 }

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 import quoin
-from support import SMALL_WALL, SOURCE
+from support import SCENES, SMALL_WALL, SOURCE
 import numpy as np  # after support, which tells where it is missing
 from vtu import Vtu, history_of, times_of
 
@@ -29,18 +29,15 @@ def precision(value, digits=3):
     return f"{value:.{max(0, places)}f}"
 
 
-class Page(unittest.TestCase):
-    """The small wall, cracked: all of its gridpoints are on its surface, and so vertices of the page."""
+class Shown:
+    """A scene, its files, and what its page shows of them. All of its gridpoints are vertices of the page."""
 
     @classmethod
     def setUpClass(cls):
         holder = tempfile.TemporaryDirectory(dir=os.environ.get("QUOIN_WORK"))
         cls.addClassCleanup(holder.cleanup)
-        scene, out = quoin.Scene.load(SMALL_WALL), os.path.join(holder.name, "wall")
-        scene.solver = dict(large_motion="never", past_motion_bound="warn")
-        scene.stage[1].velocity = 0.2
-        scene.output = dict(frames=3, energy=True)
-        quoin.run(scene, out=out, report=True, threads=1)
+        out = os.path.join(holder.name, "run")
+        quoin.run(cls.scene(), out=out, report=True, threads=1)
         told = subprocess.run([NODE, os.path.join(SOURCE, "tests/python/page.js"), os.path.join(out, "report.html")],
                               capture_output=True, text=True, timeout=120, check=True)
         page = json.loads(told.stdout)
@@ -49,6 +46,32 @@ class Page(unittest.TestCase):
         cls.blocks, cls.joints = ([Vtu(f"{out}/{kind}_{k:04}.vtu") for k in range(len(cls.times))]
                                   for kind in ("blocks", "joints"))
         assert cls.run_["vertices"] == len(cls.blocks[0]["position"])
+
+    def test_vertices_stand_where_the_magnification_puts_them(self):
+        largest = max(np.abs(b["displacement_m"]).max() for b in self.blocks)
+        for look in self.run_["looks"]:
+            blocks, times = self.blocks[look["frame"]], look["magnified"]
+            expected = blocks["position"] + times * blocks["displacement_m"]
+            np.testing.assert_allclose(np.reshape(look["position"], (-1, 3)), expected,
+                                       atol=times * largest / 32767 + 1e-6)
+
+    def test_curve_is_that_of_the_history(self):
+        h, curve = self.history, self.run_["curves"][0]
+        np.testing.assert_allclose(curve["xs"], 1e3 * h["displacement_m"], rtol=1e-12)
+        np.testing.assert_allclose(curve["lines"][0]["values"], 1e-3 * h["horizontal_force_N"], rtol=1e-12)
+        self.assertEqual(curve["labels"], ["displacement [mm]", "horizontal force [kN]"])
+
+
+class Wall(Shown, unittest.TestCase):
+    """The small wall, cracked, in small displacements."""
+
+    @staticmethod
+    def scene():
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.solver = dict(large_motion="never", past_motion_bound="warn")
+        scene.stage[1].velocity = 0.2
+        scene.output = dict(frames=3, energy=True)
+        return scene
 
     def values(self, what, k):
         """At the vertices in frame k, from the files alone."""
@@ -101,14 +124,6 @@ class Page(unittest.TestCase):
             share = abs(values[-1][v]) / most
             np.testing.assert_allclose(last[v], MIDDLE + min(1.0, share) * (end - MIDDLE), atol=0.012, err_msg=what)
 
-    def test_vertices_stand_where_the_magnification_puts_them(self):
-        largest = max(np.abs(b["displacement_m"]).max() for b in self.blocks)
-        for look in self.run_["looks"]:
-            blocks, times = self.blocks[look["frame"]], look["magnified"]
-            expected = blocks["position"] + times * blocks["displacement_m"]
-            np.testing.assert_allclose(np.reshape(look["position"], (-1, 3)), expected,
-                                       atol=times * largest / 32767 + 1e-6)
-
     def test_cracks_are_drawn_along_the_rims_of_joints(self):
         """Edges of one quad alone, both ends of which have cracked, in the colour that the legend names."""
         for look in self.run_["looks"]:
@@ -134,11 +149,8 @@ class Page(unittest.TestCase):
                     self.assertEqual("#" + "".join(f"{round(255 * c):02x}" for c in end), colour)
         self.assertGreater(look["cracked"], 10)
 
-    def test_curves_are_those_of_the_history(self):
+    def test_curves_are_drawn_from_the_history(self):
         h, (curve, energies) = self.history, self.run_["curves"]
-        np.testing.assert_allclose(curve["xs"], 1e3 * h["displacement_m"], rtol=1e-12)
-        np.testing.assert_allclose(curve["lines"][0]["values"], 1e-3 * h["horizontal_force_N"], rtol=1e-12)
-        self.assertEqual(curve["labels"], ["displacement [mm]", "horizontal force [kN]"])
         np.testing.assert_array_equal(energies["xs"], h["time_s"])
         columns = dict(kinetic="kinetic_energy_J", strain="strain_energy_J", joints="contact_energy_J",
                        tension="dissipated_tension_J", cohesion="dissipated_cohesion_J", friction="dissipated_friction_J",
@@ -179,6 +191,39 @@ class Page(unittest.TestCase):
         zones, points = (self.blocks[0]["types"] == 10).sum(), len(self.joints[0]["position"])
         self.assertEqual(texts[texts.index("model") + 1], f"{blocks} blocks, {zones} zones, {points} contact points")
         self.assertTrue(texts[texts.index("run") + 1].startswith(f"{h['step'][-1]:.0f} steps of "), texts)
+
+
+class Arch(Shown, unittest.TestCase):
+    """Blocks of any shape, that have begun to fall."""
+
+    @staticmethod
+    def scene():
+        scene = quoin.Scene.load(SCENES + "/arch.toml")
+        scene.stage[1].collapse = dict(rate=0.2, displacement=0.1)
+        scene.output.frames = 2
+        return scene
+
+    def test_colours_of_displacement_are_those_of_the_values(self):
+        most = max(np.abs(b["displacement_m"]).max() for b in self.blocks)
+        self.assertGreater(most, 0.1)
+        for look in (look for look in self.run_["looks"] if look["what"] == "displacement"):
+            moved = np.linalg.norm(self.blocks[look["frame"]]["displacement_m"].astype(float), axis=1)
+            np.testing.assert_allclose(np.reshape(look["colour"], (-1, 3)), colours_of(moved, most), atol=0.001)
+
+    def test_cracks_are_drawn_where_their_points_stand(self):
+        drawn = 0
+        for look in (look for look in self.run_["looks"] if look["magnified"] == 1 and look["what"] == "damage"):
+            joints, legend = self.joints[look["frame"]], [colour for text, colour in look["legend"][2:]]
+            points, paint = (np.reshape(look[name], (-1, 3)) for name in ("points", "point_colour"))
+            for place, crack in zip(joints["position"], joints["crack"]):
+                if crack == 0:
+                    continue
+                k = np.abs(points - place).max(axis=1).argmin()
+                self.assertLess(np.abs(points[k] - place).max(), 1e-5)
+                drawn += 1
+            colours = ["#" + "".join(f"{round(255 * c):02x}" for c in colour) for colour in paint]
+            self.assertEqual(sorted(colours), sorted(legend[crack - 1] for crack in joints["crack"] if crack))
+        self.assertGreater(drawn, 4)  # four hinges
 
 
 NODE = shutil.which("node") or shutil.which("nodejs")
