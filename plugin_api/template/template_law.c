@@ -25,6 +25,11 @@ static const quoin_property_info property_table[PROPERTY_COUNT] = {
      QUOIN_PROPERTY_NUMBER, QUOIN_PROPERTY_LOWER_OPEN, 0.0, 0.0, HUGE_VAL, "normal_stiffness", NULL, 0, NULL},
 };
 static const quoin_property_info* const properties[PROPERTY_COUNT] = {&property_table[0], &property_table[1]};
+/* No states. One would be: enum { STATE_COUNT = 1 }, and in the table {sizeof(quoin_state_info), "slip", "m",
+ * "accumulated slip", QUOIN_ROLE_HISTORY, QUOIN_STATE_SCALAR, QUOIN_STATE_MONOTONIC, 0, 0.0, HUGE_VAL} and its pointer.
+ */
+enum { STATE_COUNT = 0 };
+static const quoin_state_info* const states[STATE_COUNT + 1] = {NULL};
 static const char* const initial_states[] = {"bonded"};
 static const quoin_convention convention = {sizeof(quoin_convention), 1, 1, 1, 1, 1, 1};
 
@@ -127,8 +132,10 @@ static quoin_status material_number(const quoin_material* material, const char* 
 }
 
 static quoin_status initial_state(const quoin_material* material, const char* id, double* values) {
-  (void)values; /* this law has no state variables: nothing to write */
+  int k;
   if (material == NULL || id == NULL || strcmp(id, initial_states[0]) != 0) return QUOIN_ERROR_ARGUMENT;
+  if (STATE_COUNT > 0 && values == NULL) return QUOIN_ERROR_ARGUMENT;
+  for (k = 0; k < STATE_COUNT; ++k) values[k] = 0.0;
   return QUOIN_OK;
 }
 
@@ -153,10 +160,22 @@ static void put_u32(quoin_out_u32 column, uint64_t i, uint32_t value) {
   if (column.data != NULL) column.data[(int64_t)i * column.stride] = value;
 }
 
+/* Both columns of a history state, and old and new ones of a diagnostic state or neither (C6.8). */
+static int well_formed_states(const quoin_batch* batch) {
+  int k;
+  if (STATE_COUNT > 0 && (batch->state_old == NULL || batch->state_new == NULL)) return 0;
+  for (k = 0; k < STATE_COUNT; ++k) {
+    const int has_old = batch->state_old[k].data != NULL, has_new = batch->state_new[k].data != NULL;
+    if (states[k]->role == QUOIN_ROLE_HISTORY && !(has_old && has_new)) return 0;
+    if (has_new && (!has_old || batch->state_new[k].stride == 0)) return 0;
+  }
+  return 1;
+}
+
 static int well_formed(const quoin_batch* batch) { /* C6.11 */
   int k, ok;
   if (batch->count == 0) return 1;
-  ok = batch->normal_jump.data != NULL && batch->property_column_count == 0;
+  ok = batch->normal_jump.data != NULL && batch->property_column_count == 0 && well_formed_states(batch);
   for (k = 0; k < 2; ++k) ok = ok && batch->slip_increment[k].data != NULL;
   for (k = 0; k < 3; ++k)
     ok = ok && batch->traction_old[k].data != NULL && batch->traction_new[k].data != NULL &&
@@ -223,6 +242,8 @@ static quoin_status evaluate(const quoin_material* material, quoin_batch* batch)
     put(batch->traction_new[0], i, sigma);
     put(batch->traction_new[1], i, tau_s);
     put(batch->traction_new[2], i, tau_t);
+    for (k = 0; k < STATE_COUNT; ++k) /* EQUATIONS of your states: here they stay what they are */
+      if (batch->state_new[k].data != NULL) put(batch->state_new[k], i, get(batch->state_old[k], i));
     put(batch->energy_stored, i, stored);
     for (k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) put(batch->dissipated[k], i, 0.0);
     for (k = 0; k < 9; ++k) put(batch->tangent[k], i, k % 4 == 0 && !failed ? tangent[k / 4] : 0.0);
@@ -246,8 +267,8 @@ static const quoin_law law = {
     &convention,
     PROPERTY_COUNT,
     properties,
-    0,    /* state variables */
-    NULL, /* their descriptions */
+    STATE_COUNT,
+    states,
     1,
     initial_states,
     UINT64_C(0x74656d706c000001), /* state schema: any number, another one whenever the states change */
