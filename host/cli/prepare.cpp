@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/input_file.h"
+#include "base/sha256.h"
 #include "files/memory.h"
 #include "files/notice.h"
 #include "law/law_library.h"
@@ -108,9 +110,14 @@ void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
 }  // namespace
 
 Scene prepare_scene(const SceneOptions& options) {
-  return prepare_scene(options.text ? read_scene_text(*options.text, options.scene, options.overrides)
-                                    : read_scene(options.scene, options.overrides),
-                       options);
+  const std::string text = options.text ? *options.text : read_input_file(options.scene);
+  if (!options.text_sha256.empty() && sha256_of(text) != options.text_sha256)
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: is of another scene than the run was begun with: sha256 {:.12}, then {:.12}; bring the "
+                    "text of then back, or start the run anew without --resume",
+                    options.scene, sha256_of(text), options.text_sha256));
+  return prepare_scene(read_scene_text(text, options.scene, options.overrides), options);
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {

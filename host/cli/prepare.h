@@ -12,6 +12,7 @@ namespace quoin {
 struct SceneOptions {
   std::string scene;
   std::optional<std::string> text;  // in place of what that file holds now
+  std::string text_sha256;          // of what it must hold: a run that goes on is one of the scene that it began with
   std::string law;                  // replaces the law of every joint family; empty: as in the scene
   std::vector<std::string> overrides;
   bool force = false;      // models that seem too large for the machine, too
@@ -19,9 +20,9 @@ struct SceneOptions {
   int processes_here = 1;  // of them, on this machine
 };
 
-// Reads the scene, refuses one that the memory of the machine cannot hold, replaces its laws when asked to (properties
-// that the new law does not have are left out, with a word on stderr), and refuses properties that no law knows, each
-// with its place and a suggestion.
+// Reads the scene, refuses another text than was asked for, one that the memory of the machine cannot hold, replaces
+// its laws when asked to (properties that the new law does not have are left out, with a word on stderr), and refuses
+// properties that no law knows, each with its place and a suggestion.
 Scene prepare_scene(const SceneOptions& options);
 Scene prepare_scene(Scene read, const SceneOptions& options);  // the same, of a scene that has been read
 

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/sha256.h"
 #include "files/file.h"
 
 namespace quoin {
@@ -22,8 +23,9 @@ Json read_json(const fs::path& path) { return Json::parse(read_input_file(path.s
 
 }  // namespace
 
-void write_run_record(const fs::path& folder, const SceneOptions& options) {
+void write_run_record(const fs::path& folder, const SceneOptions& options, const std::string& scene_text) {
   const Json json = {{"scene", options.scene},
+                     {"scene_sha256", sha256_of(scene_text)},
                      {"law", options.law},
                      {"set", options.overrides},
                      {"working_directory", fs::current_path().string()}};
@@ -43,6 +45,7 @@ SceneOptions read_run_record(const fs::path& folder) {
   fs::path place;
   try {
     options.scene = json.at("scene").get<std::string>();
+    options.text_sha256 = json.at("scene_sha256").get<std::string>();
     options.law = json.at("law").get<std::string>();
     options.overrides = json.at("set").get<std::vector<std::string>>();
     place = json.at("working_directory").get<std::string>();

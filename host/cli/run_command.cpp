@@ -583,7 +583,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   const ResultFolder own(folder, lock, [&](const std::string& name) {
     return lock != nullptr && is_kept(name, before.frame_times.size());
   });
-  if (!lock) write_run_record(folder, options.scene);
+  if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
 
   Surfaces surfaces;
   // Before the work, as far as it can be known: a full disk is found out about too late otherwise.

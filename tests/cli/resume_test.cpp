@@ -135,6 +135,16 @@ TEST_F(Resume, WithoutCheckpointsARunStartsAnew) {
   EXPECT_EQ(summary()["status"], "done");
 }
 
+// Nor is another scene begun where there is no checkpoint yet.
+TEST_F(Resume, WithoutCheckpointsOtherScenesAreRefusedToo) {
+  ASSERT_EQ(quoin({"run", scene_, "--out", out(), "--threads", "1"}), 0) << error_;
+  fs::remove(out() + "/summary.json");
+  std::ofstream(scene_, std::ios::app) << "# another one\n";
+  expect_refused("is of another scene than the run was begun with");
+  fs::copy_file(small_, scene_, fs::copy_options::overwrite_existing);
+  EXPECT_EQ(quoin({"run", "--resume", out()}), 0) << error_;
+}
+
 TEST_F(Resume, RefusesWhatIsNoRun) {
   expect_refused("no such folder");
   fs::create_directories(out());
