@@ -1,6 +1,7 @@
 #include "scene/read_scatter.h"
 
 #include "random/correlation.h"
+#include "scene/scatter_text.h"
 
 namespace quoin::reader {
 
@@ -62,7 +63,8 @@ random::Distribution read_distribution(Table& t) {
   }
   read = (t.number("lower", d.lower, kAny, "", uniform) || !t.has("lower")) && read;
   read = (t.number("upper", d.upper, kAny, "", uniform) || !t.has("upper")) && read;
-  if (read && !d.fault().empty()) t.context().fault(fmt::format("{}: allowed: {}", t.where(), d.fault()));
+  if (read && !d.fault().empty())
+    t.context().fault(fmt::format("{} = {}: allowed: {}", t.where(), quoin::text_of(d), d.fault()));
   return d;
 }
 
