@@ -145,14 +145,19 @@ class Programme {
     if (crushing_row >= 0) linear_.add(crushing_row, 1.0);
     columns.first = linear_.columns();
     for (int e = 0; slides && e < settings_.facets; ++e) {
-      const double angle =
-          std::numbers::pi * (2.0 * e + 1.0) / settings_.facets;  // facets are normal to even multiples
+      const double angle = edge_angle(e);
       linear_.add_column(0.0, 0.0, kNoBound);
       act(p, std::cos(angle) * p.s + std::sin(angle) * p.t - columns.lift * p.n);
       if (columns.shear_row >= 0) linear_.add(columns.shear_row, 1.0);
       if (crushing_row >= 0) linear_.add(crushing_row, columns.lift);
     }
     columns_.push_back(columns);
+  }
+
+  // From s towards t.
+  double edge_angle(int edge) const {
+    const double first = settings_.facet_on_axis ? 0.5 : 0.0;
+    return 2.0 * std::numbers::pi * (edge + first) / settings_.facets;
   }
 
   // The tension of the apex is a constant of equilibrium.
@@ -178,7 +183,7 @@ class Programme {
     const bool slides = p.friction > 0.0 || columns.shear_row >= 0;
     for (int e = 0; slides && e < settings_.facets; ++e) {
       const double edge = x[static_cast<std::size_t>(columns.first + e)];
-      const double angle = std::numbers::pi * (2.0 * e + 1.0) / settings_.facets;
+      const double angle = edge_angle(e);
       compression += columns.lift * edge, s += edge * std::cos(angle), t += edge * std::sin(angle);
     }
     return {force_ * (columns.tension - compression), force_ * s, force_ * t};

@@ -19,6 +19,9 @@
 #include "cli/check_command.h"
 #include "cli/ensemble_command.h"
 #include "cli/fit_command.h"
+#ifdef QUOIN_LIMIT
+#include "cli/limit_command.h"
+#endif
 #include "cli/models_command.h"
 #include "cli/path_command.h"
 #include "cli/report_command.h"
@@ -101,6 +104,9 @@ int run_command(int argc, char** argv) {
   quoin::add_ensemble_command(app, exit_code);
   quoin::add_sensitivity_command(app, exit_code);
   quoin::add_spectrum_command(app);
+#ifdef QUOIN_LIMIT
+  quoin::add_limit_command(app, exit_code);
+#endif
 
   try {
     app.parse(argc, argv);

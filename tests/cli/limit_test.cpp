@@ -1,0 +1,41 @@
+// `quoin limit` as a user calls it, on scenes that ship.
+#include <gmock/gmock.h>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class Limit : public Cli {
+ protected:
+  nlohmann::json limit(const std::string& scene) {
+    EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/" + scene, "--out", out()}), 0) << error_;
+    return nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  }
+};
+
+// Ferris and Tin-Loi (2001) as an independent programme has them; the arch with the weights of plane-sided voussoirs.
+TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
+  EXPECT_NEAR(limit("ferris_tin_loi_1.toml")["multiplier"], 0.64286, 1e-4);
+  EXPECT_NEAR(limit("ferris_tin_loi_2.toml")["multiplier"], 0.58000, 1e-4);
+  const nlohmann::json arch = limit("arch.toml");
+  EXPECT_NEAR(arch["multiplier"], 0.374, 5e-4);
+  EXPECT_LT(arch["gap"], 1e-6);
+  EXPECT_TRUE(fs::exists(fs::path(out()) / "mechanism.csv"));
+  EXPECT_TRUE(fs::exists(fs::path(out()) / "forces.csv"));
+}
+
+TEST_F(Limit, WhatHasNoAnswerIsSaid) {
+  const std::string arch = QUOIN_SCENES "/arch.toml";
+  EXPECT_EQ(quoin({"limit", arch, "--direction", "0", "-1", "0"}), 5);
+  EXPECT_THAT(error_, HasSubstr("no multiple of the load moves a block"));
+  EXPECT_EQ(quoin({"limit", arch, "--direction", "0", "0", "0"}), 3);
+  EXPECT_THAT(error_, HasSubstr("--direction X Y Z"));
+  EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/solid_wall_030.toml", "--direction", "1", "0", "0"}), 3);
+  EXPECT_THAT(error_, HasSubstr("no stage has gravity"));
+  EXPECT_EQ(quoin({"limit", arch, "--law", "elastic"}), 3);
+  EXPECT_THAT(error_, HasSubstr("friction_angle"));
+}
+
+}  // namespace
