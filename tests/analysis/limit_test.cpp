@@ -199,6 +199,41 @@ TEST(Limit, ArchThinnerThanItsLeastThicknessFalls) {
   EXPECT_FALSE(thin.blocks_concerned.empty());
 }
 
+// A facade of units 0.4 x 0.2 x 0.2 m and two side walls of 0.8 m whose corners interlock, pushed outwards (-z).
+LimitProblem u_shape(int facade_units, int courses, double friction) {
+  Boxes walls;
+  const double length = 0.4 * facade_units;
+  const Vector live{0.0, 0.0, -1.0};
+  walls.add({-1.0, -0.2, -1.0}, {length + 2.0, 0.2, 3.0}, {}, true);
+  for (int c = 0; c < courses; ++c) {
+    const double y = 0.2 * c;
+    const bool through = c % 2 == 0;  // the facade runs to the corners
+    for (double x = through ? 0.0 : 0.2; x < length - 0.3; x += 0.4) walls.add({x, y, 0.0}, {0.4, 0.2, 0.2}, live);
+    for (const double x : {0.0, length - 0.2}) {
+      if (through) {
+        walls.add({x, y, 0.2}, {0.2, 0.2, 0.4}, live);
+        walls.add({x, y, 0.6}, {0.2, 0.2, 0.2}, live);
+      } else {
+        walls.add({x, y, 0.0}, {0.2, 0.2, 0.4}, live);
+        walls.add({x, y, 0.4}, {0.2, 0.2, 0.4}, live);
+      }
+    }
+  }
+  walls.join(friction);
+  return walls.problem;
+}
+
+// Out of plane: an independent programme with the same pyramids has 0.28653 and 0.20579; a free wall turns over at t/h.
+TEST(Limit, FacadesHeldBySideWalls) {
+  LimitSettings settings;
+  settings.facets = 16, settings.facet_on_axis = true;
+  EXPECT_NEAR(multiplier(u_shape(4, 8, 0.6), settings), 0.28653, 1e-4 * 0.28653);
+  EXPECT_NEAR(multiplier(u_shape(6, 10, 0.6), settings), 0.20579, 1e-4 * 0.20579);
+  LimitProblem free = running_bond(5, 10, 0.6, 0, 0.2);
+  for (LimitBlock& block : free.blocks) block.live.force = {0.0, 0.0, -norm(block.dead.force)};
+  EXPECT_NEAR(multiplier(free), 0.1, 1e-6);
+}
+
 // A bonded block under a moment: the joint of 1 m x 1 m with points at its corners opens at M = ft A/2 + W/2 (about the
 // toe: half of the tension acts at a distance of 1). Lever 1 m above the joint.
 TEST(Limit, TensionAndCohesionHold) {
