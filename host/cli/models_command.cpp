@@ -1,22 +1,13 @@
 #include "cli/models_command.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
-#include <cerrno>
-#include <climits>
 #include <cmath>
-#include <csignal>
-#include <cstdio>
-#include <cstring>
 
+#include "base/error.h"
 #include "law/law_library.h"
-#include "law/law_watch.h"
 
 namespace quoin {
 
@@ -90,47 +81,14 @@ void print_law(const Law& law) {
   fmt::print("capabilities: {}\n", can.empty() ? "none" : fmt::format("{}", fmt::join(can, ", ")));
 }
 
-// What the list says of a law. It is loaded by a process of its own: a broken library must not hide the others, and
-// what it does when it is loaded (crash, exit, wait) ends that process alone.
+// What the list says of a law: a broken library must not hide the others.
 std::string line_of(const std::string& id) {
-  constexpr unsigned kPatience = 10;  // s
-  std::fflush(stdout);
-  int ends[2];
-  if (pipe(ends) != 0) return "cannot be looked at: no pipe";
-  const pid_t child = fork();
-  if (child == 0) {
-    end_of_watch();  // the status says what happened
-    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
-    alarm(kPatience);
-    const int null = open("/dev/null", O_WRONLY);
-    dup2(null, STDOUT_FILENO);  // for its words, and not for ours
-    dup2(null, STDERR_FILENO);
-    std::string line;
-    try {
-      const Law law = Law::find(id);
-      line = fmt::format("{:<8} {}", text(law.law->version), text(law.law->name));
-    } catch (const std::exception& error) {
-      line = fmt::format("cannot be used: {}", error.what());
-    }
-    const ssize_t written = write(ends[1], line.data(), std::min<std::size_t>(line.size(), PIPE_BUF));
-    _exit(written > 0 ? 0 : 1);
+  try {
+    const Law law = Law::find(id);
+    return fmt::format("{:<8} {}", text(law.law->version), text(law.law->name));
+  } catch (const Error& error) {
+    return fmt::format("cannot be used: {}", error.what());
   }
-  close(ends[1]);
-  std::string line;
-  std::array<char, PIPE_BUF> buffer{};
-  for (ssize_t n = 0;
-       child > 0 && ((n = read(ends[0], buffer.data(), buffer.size())) > 0 || (n < 0 && errno == EINTR));)
-    if (n > 0) line.append(buffer.data(), static_cast<std::size_t>(n));
-  close(ends[0]);
-  if (child < 0) return "cannot be looked at: no process";
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
-    return fmt::format("cannot be used: it was not loaded within {} s", kPatience);
-  if (WIFSIGNALED(status))
-    return fmt::format("cannot be used: it crashes when it is loaded ({})", strsignal(WTERMSIG(status)));
-  return line.empty() ? "cannot be used: it ends the program when it is loaded" : line;
 }
 
 void models(const std::string& name) {

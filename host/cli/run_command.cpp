@@ -23,6 +23,7 @@
 #include "files/result_folder.h"
 #include "law/law_calls.h"
 #include "law/law_process.h"
+#include "law/law_trial.h"
 #include "ranks/join.h"
 #include "results/block_picture.h"
 #include "results/history.h"
@@ -553,6 +554,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     options.scene = options_of(*there);
     options.scene.force = force;
   }
+  if (options.law_seconds != kLawSeconds) law_loading_seconds = options.law_seconds;
   Scene scene = scene_of(&options, ranks);
   keep_start(scene, folder);
   const int wanted = threads_of(options, ranks);
@@ -680,8 +682,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--isolate-law", options->isolate_law,
                     "Evaluate each law in a process of its own: its crash costs the law and keeps the results; slower");
   command
-      ->add_option("--law-seconds", options->law_seconds,
-                   "Seconds that a law has for one batch before the run ends and names it; 0: any time (default: 60)")
+      ->add_option(
+          "--law-seconds", options->law_seconds,
+          "Seconds that a law has for one batch, or to be loaded, before the run ends and names it; 0: any time "
+          "(default: 60, and 10 to be loaded)")
       ->type_name("SECONDS")
       ->check(CLI::Range(0.0, 1e9));
   command

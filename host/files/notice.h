@@ -5,15 +5,17 @@
 #include <cstdio>
 #include <string>
 
+#include "base/printable.h"
+
 namespace quoin {
 
 // Off in processes that help another one, which speaks for all.
 inline bool notices_wanted = true;
 
-// One line.
+// One line; names and texts in it may come from anywhere.
 inline void notice(const std::string& text) {
   if (!notices_wanted) return;
-  std::fputs((text + "\n").c_str(), stderr);
+  std::fputs((printable(text) + "\n").c_str(), stderr);
   std::fflush(stderr);
 }
 

@@ -20,9 +20,11 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/printable.h"
 #include "law/elf_file.h"
 #include "law/law_calls.h"
 #include "law/law_process.h"
+#include "law/law_trial.h"
 #include "law/law_watch.h"
 #include "law/metadata.h"
 
@@ -144,6 +146,7 @@ std::string loader_reason(const std::string& path) {
 std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_path) {
   static std::mutex one_at_a_time;
   static std::map<std::string, std::weak_ptr<const LawLibrary>> loaded;  // by path and bytes
+  static std::set<std::string> tried;                                    // the same: came back when they were loaded
   const std::lock_guard guard(one_at_a_time);
   const std::string path = resolve(name_or_path);
   const std::string failed = fmt::format("law '{}' could not be loaded from {}: ", name_or_path, path);
@@ -158,10 +161,19 @@ std::shared_ptr<const LawLibrary> LawLibrary::load(const std::string& name_or_pa
   const std::string missing = missing_of_elf(bytes);
   if (!missing.empty()) refuse(fmt::format("{}it is not whole: {}; copy or build it again", failed, missing));
 
-  const std::shared_ptr<LawLibrary> result(new LawLibrary());
+  const auto make = [&] {
+    const std::shared_ptr<LawLibrary> made(new LawLibrary());
+    made->path_ = path;
+    made->open(bytes, failed);
+    return made;
+  };
+  if (!tried.contains(key)) {
+    if (const std::string fault = fault_of_loading(make, law_loading_seconds); !fault.empty())
+      refuse(fmt::format("law library {} {} while it was loaded; tell its author", path, fault));
+    tried.insert(key);
+  }
   const WatchedLoading watched(path);
-  result->path_ = path;
-  result->open(bytes, failed);
+  const std::shared_ptr<LawLibrary> result = make();
   loaded[key] = result;
   return result;
 }
@@ -194,7 +206,7 @@ void LawLibrary::open(const std::string& bytes, const std::string& failed) {
   host.name = kHostName;
   host.version = kHostVersion;
   const quoin_library* library = nullptr;
-  const std::string words = quoin::api::text_of([&](quoin_text* text) { library = entry(&host, text); });
+  const std::string words = printable(quoin::api::text_of([&](quoin_text* text) { library = entry(&host, text); }));
   if (library == nullptr) {
     refuse(fmt::format(
         "{}the library refuses this host (ABI {}.{}): {}; rebuild one of the two against the other's headers", failed,
@@ -273,8 +285,9 @@ bool names(const std::string& line, const std::string& id) {
   return false;
 }
 
-// Every line of a law's text, behind the places where the properties that it names were set.
-std::string with_sources(const std::string& text, const std::vector<const PropertySetting*>& settings) {
+// Every line of a law's text, as a terminal may show it, behind the places where the properties that it names were set.
+std::string with_sources(const std::string& words, const std::vector<const PropertySetting*>& settings) {
+  const std::string text = printable(words);
   std::string result;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <linux/futex.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -47,7 +46,7 @@ struct alignas(64) Lane {
   std::atomic<std::uint32_t> turn;
   std::atomic<std::uint32_t> taken;  // by a thread of the host
   std::uint64_t count;
-  std::uint8_t has_optional[kOptional], has_flags, has_status, has_state[256];
+  std::uint8_t has_optional[kOptional], has_flags, has_status, has_state[256], has_property[256];
   quoin_status answer;
   std::uint64_t clamped, failed;
   std::uint32_t worst, any_yielding;
@@ -67,7 +66,7 @@ void breathe() {
 #endif
 }
 
-// Columns of a lane: jump, slip 2, traction 3, flags, status, optional ones, states.
+// Columns of a lane: jump, slip 2, traction 3, flags, status, optional ones, states, properties.
 struct Columns {
   double* first;
   double* at(std::size_t k) const { return first + k * kPoints; }
@@ -78,8 +77,9 @@ struct Columns {
   std::uint32_t* status() const { return reinterpret_cast<std::uint32_t*>(at(7)); }
   double* optional(std::size_t k) const { return at(8 + k); }
   double* state(std::size_t k) const { return at(8 + kOptional + k); }
+  double* property(const quoin_law& law, std::size_t k) const { return state(law.state_count + k); }
 };
-std::size_t column_count(const quoin_law& law) { return 8 + kOptional + law.state_count; }
+std::size_t column_count(const quoin_law& law) { return 8 + kOptional + law.state_count + law.property_count; }
 std::size_t lane_bytes(const quoin_law& law) { return sizeof(Lane) + column_count(law) * kPoints * sizeof(double); }
 
 // The optional columns of a batch in the order of Lane::has_optional.
@@ -96,6 +96,13 @@ void each_optional(Batch& batch, const Each& each) {
   }
 }
 
+// The law's own property of this id; property_count: none.
+std::size_t property_of(const quoin_law& law, const char* id) {
+  std::size_t k = 0;
+  while (k < law.property_count && id != law.properties[k]->id && std::strcmp(id, law.properties[k]->id) != 0) ++k;
+  return k;
+}
+
 template <class From>
 void gather(const From& column, std::size_t first, std::size_t count, double* to) {
   for (std::size_t i = 0; i < count; ++i) to[i] = column.data[static_cast<std::int64_t>(first + i) * column.stride];
@@ -107,6 +114,7 @@ void scatter(const Value* from, std::size_t first, std::size_t count, const To& 
 
 }  // namespace
 
+// One process of the law, of the process that has started it.
 struct LawProcess::Impl {
   Impl(const quoin_law& law_in, const quoin_material* material_in, std::string path_in, int threads, double seconds)
       : law(law_in),
@@ -114,7 +122,19 @@ struct LawProcess::Impl {
         path(std::move(path_in)),
         lanes(threads),
         limit(seconds),
-        spins(2 * threads <= static_cast<int>(std::thread::hardware_concurrency())) {}
+        spins(2 * threads <= static_cast<int>(std::thread::hardware_concurrency())) {
+    start();
+  }
+  ~Impl() {
+    if (is_ours() && !ended) end(true);
+    munmap(memory, bytes);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // False in a process that was forked from the one that started the law's.
+  bool is_ours() const { return owner == getpid(); }
+  void start();
 
   const quoin_law& law;
   const quoin_material* material;
@@ -124,6 +144,7 @@ struct LawProcess::Impl {
   bool spins;  // processes need not sleep: there are processors for all
   unsigned char* memory = nullptr;
   std::size_t bytes = 0;
+  const pid_t owner = getpid();
   pid_t child = -1;
   mutable std::mutex mutex;  // of what follows
   std::string fault;
@@ -143,12 +164,12 @@ struct LawProcess::Impl {
   // ---- In the law's process ----
   [[noreturn]] void serve() {
     end_of_watch();
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
     for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(signal, SIG_IGN);  // the host's to obey
-    std::vector<std::thread> others;
-    for (int i = 1; i < lanes; ++i) others.emplace_back([this, i] { serve_lane(lane(i)); });
-    serve_lane(lane(0));
+    std::vector<std::thread> threads;
+    for (int i = 0; i < lanes; ++i) threads.emplace_back([this, i] { serve_lane(lane(i)); });
+    // A signal at the death of the parent would come with that of the thread which started us.
+    while (getppid() == owner) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     _exit(0);
   }
   void serve_lane(Lane& l) {
@@ -178,6 +199,11 @@ struct LawProcess::Impl {
       old[k] = {column, 1}, fresh[k] = {column, 1};
     }
     batch.state_old = old.data(), batch.state_new = fresh.data();
+    std::vector<quoin_property_column> properties;
+    for (std::size_t k = 0; k < law.property_count; ++k) {
+      if (l.has_property[k]) properties.push_back({law.properties[k]->id, {c.property(law, k), 1}});
+    }
+    batch.property_column_count = properties.size(), batch.property_columns = properties.data();
     each_optional(batch, [&](std::size_t k, quoin_out& column) {
       if (l.has_optional[k]) column = {c.optional(k), 1};
     });
@@ -240,6 +266,14 @@ struct LawProcess::Impl {
       l.has_state[k] = batch.state_old[k].data != nullptr;
       if (l.has_state[k]) gather(batch.state_old[k], first, count, c.state(k));
     }
+    std::fill_n(l.has_property, law.property_count, std::uint8_t{0});
+    for (std::size_t k = 0; k < batch.property_column_count; ++k) {
+      const quoin_property_column& column = batch.property_columns[k];
+      const std::size_t p = column.id && column.values.data ? property_of(law, column.id) : law.property_count;
+      if (p == law.property_count) return QUOIN_ERROR_ARGUMENT;  // as the law says of one that it does not know
+      l.has_property[p] = 1;
+      gather(column.values, first, count, c.property(law, p));
+    }
     std::fill_n(l.has_optional, kOptional, std::uint8_t{0});
     each_optional(batch, [&](std::size_t k, const quoin_out& column) { l.has_optional[k] = column.data != nullptr; });
     l.has_flags = batch.flags.data != nullptr;
@@ -273,41 +307,54 @@ struct LawProcess::Impl {
   }
 };
 
-LawProcess::LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads,
-                       double seconds)
-    : impl_(std::make_unique<Impl>(law, material, std::move(path), std::max(1, threads), seconds)) {
-  Impl& s = *impl_;
-  if (law.state_count > sizeof(Lane::has_state))
-    throw Error(Exit::law_refused, fmt::format("law '{}' has {} states; a process of its own takes {} at most", law.id,
-                                               law.state_count, sizeof(Lane::has_state)));
-  s.bytes = static_cast<std::size_t>(s.lanes) * lane_bytes(law);
-  void* const memory = mmap(nullptr, s.bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+void LawProcess::Impl::start() {
+  bytes = static_cast<std::size_t>(lanes) * lane_bytes(law);
+  void* const shared = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   const auto refuse = [&] {
     throw Error(Exit::numerical, fmt::format("law '{}': no process of its own could be started: {}; run without "
                                              "--isolate-law",
                                              law.id, std::error_code(errno, std::generic_category()).message()));
   };
-  if (memory == MAP_FAILED) refuse();
-  s.memory = static_cast<unsigned char*>(memory);
-  for (int i = 0; i < s.lanes; ++i) new (&s.lane(i)) Lane{};
+  if (shared == MAP_FAILED) refuse();
+  memory = static_cast<unsigned char*>(shared);
+  for (int i = 0; i < lanes; ++i) new (&lane(i)) Lane{};
   std::fflush(nullptr);  // what is in buffers is written by one of the two
-  s.child = fork();
-  if (s.child == 0) s.serve();
-  if (s.child < 0) {
-    const int fault = errno;
-    munmap(memory, s.bytes);
-    errno = fault;
+  child = fork();
+  if (child == 0) serve();
+  if (child < 0) {
+    const int why = errno;
+    munmap(shared, bytes);
+    errno = why;
     refuse();
   }
 }
 
-LawProcess::~LawProcess() {
-  if (!impl_->ended) impl_->end(true);
-  munmap(impl_->memory, impl_->bytes);
+LawProcess::LawProcess(const quoin_law& law, const quoin_material* material, std::string path, int threads,
+                       double seconds) {
+  for (const auto& [what, count] : {std::pair{"states", law.state_count}, {"properties", law.property_count}}) {
+    if (count > sizeof(Lane::has_state))
+      throw Error(Exit::law_refused, fmt::format("law '{}' has {} {}; a process of its own takes {} at most", law.id,
+                                                 count, what, sizeof(Lane::has_state)));
+  }
+  started_.push_back(std::make_unique<Impl>(law, material, std::move(path), std::max(1, threads), seconds));
+  current_ = started_.back().get();
+}
+
+LawProcess::~LawProcess() = default;
+
+// The law's process belongs to the process that has started it; one that was forked from it starts its own.
+LawProcess::Impl& LawProcess::ours() {
+  if (Impl& s = *current_; s.is_ours() || s.ended) return s;
+  const std::lock_guard guard(starting_);
+  if (Impl& s = *current_; !s.is_ours()) {
+    started_.push_back(std::make_unique<Impl>(s.law, s.material, s.path, s.lanes, s.limit));
+    current_ = started_.back().get();
+  }
+  return *current_;
 }
 
 quoin_status LawProcess::evaluate(quoin_batch* batch) {
-  Impl& s = *impl_;
+  Impl& s = ours();
   if (s.ended) return QUOIN_ERROR_INTERNAL;
   batch->clamped_count = batch->failed_count = 0;
   batch->worst_status = batch->any_yielding = 0;
@@ -324,13 +371,17 @@ quoin_status LawProcess::evaluate(quoin_batch* batch) {
 }
 
 std::string LawProcess::fault() const {
-  const std::lock_guard guard(impl_->mutex);
-  return impl_->fault;
+  const Impl& s = *current_;
+  if (!s.is_ours()) return "";
+  const std::lock_guard guard(s.mutex);
+  return s.fault;
 }
 
 LawProcessTimes LawProcess::times() const {
-  const std::lock_guard guard(impl_->mutex);
-  return impl_->times;
+  const Impl& s = *current_;
+  if (!s.is_ours()) return {};
+  const std::lock_guard guard(s.mutex);
+  return s.times;
 }
 
 }  // namespace quoin

@@ -1,8 +1,11 @@
 // A material that is evaluated in a process of its own, through shared memory: its law's crash ends that process.
 #pragma once
 
+#include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "quoin.hpp"
 
@@ -23,14 +26,18 @@ class LawProcess {
   LawProcess(const LawProcess&) = delete;
   LawProcess& operator=(const LawProcess&) = delete;
 
-  // As the law's own function; QUOIN_ERROR_INTERNAL once the process has ended, and fault() says how.
+  // As the law's own function; QUOIN_ERROR_INTERNAL once the process has ended, and fault() says how. A process that
+  // was forked from ours starts a process of the law for itself here.
   quoin_status evaluate(quoin_batch* batch);
   std::string fault() const;  // empty: the law is well
   LawProcessTimes times() const;
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Impl& ours();
+  std::vector<std::unique_ptr<Impl>> started_;  // the last of them is ours, those before it of the processes before
+  std::atomic<Impl*> current_;
+  std::mutex starting_;
 };
 
 }  // namespace quoin

@@ -12,6 +12,8 @@
 #include <cstring>
 #include <set>
 
+#include "base/printable.h"
+
 namespace quoin {
 
 namespace {
@@ -19,13 +21,13 @@ namespace {
 constexpr uint64_t kMost = 4096;         // laws, properties, states, choices: more is no count
 constexpr std::size_t kLongest = 65536;  // bytes of a text
 
-// Texts end, and their bytes are there.
+// Texts end, their bytes are there, and they hold no control characters.
 bool is_text(const char* text) {
   for (std::size_t done = 0; done < kLongest;) {
     // Up to the end of a page at once: the next one may be nobody's.
     const std::size_t page = 4096 - (reinterpret_cast<std::uintptr_t>(text + done) & 4095);
     if (!is_readable(text + done, page)) return false;
-    if (std::memchr(text + done, 0, page) != nullptr) return true;
+    if (std::memchr(text + done, 0, page) != nullptr) return is_printable(text);  // a terminal obeys what is not
     done += page;
   }
   return false;
@@ -49,14 +51,14 @@ std::string fault_of_property(const quoin_property_info* p) {
     return "has no valid metadata";
   const std::string name = fmt::format("'{}' ", p->id);
   for (const char* text : {p->symbol, p->unit, p->description, p->default_from, p->default_text}) {
-    if (!is_text_or_null(text)) return name + "has a text that is none";
+    if (!is_text_or_null(text)) return name + "has a text that is none, or not printable";
   }
   if (p->kind < QUOIN_PROPERTY_NUMBER || p->kind > QUOIN_PROPERTY_TABLE)
     return name + fmt::format("is of the unknown kind {}", p->kind);
   if (p->kind != QUOIN_PROPERTY_CHOICE) return {};
   if (p->choice_count == 0 || !is_list(p->choices, p->choice_count)) return name + "has no choices";
   for (uint64_t i = 0; i < p->choice_count; ++i) {
-    if (!is_id(p->choices[i])) return name + "has a choice without a name";
+    if (!is_id(p->choices[i])) return name + "has a choice without a printable name";
   }
   return {};
 }
@@ -65,7 +67,8 @@ std::string fault_of_state(const quoin_state_info* s) {
   if (s == nullptr || !is_readable(s, sizeof *s) || s->struct_size < sizeof *s || !is_id(s->id))
     return "has no valid metadata";
   const std::string name = fmt::format("'{}' ", s->id);
-  if (!is_text_or_null(s->unit) || !is_text_or_null(s->description)) return name + "has a text that is none";
+  if (!is_text_or_null(s->unit) || !is_text_or_null(s->description))
+    return name + "has a text that is none, or not printable";
   if (!(s->lower <= s->upper)) return name + fmt::format("has the bounds [{:g}, {:g}]", s->lower, s->upper);
   return {};
 }
@@ -76,10 +79,10 @@ std::string fault_of_law(const quoin_law* law) {
     return fmt::format("a quoin_law of {} bytes, but version {}.0 has {}", law->struct_size, QUOIN_ABI_MAJOR,
                        sizeof(quoin_law));
   }
-  if (!is_id(law->id)) return "a law without id";
+  if (!is_id(law->id)) return "a law without a printable id";
   const std::string name = fmt::format("law '{}': ", law->id);
   for (const char* text : {law->name, law->version, law->citation, law->description}) {
-    if (!is_text_or_null(text)) return name + "a text that is none";
+    if (!is_text_or_null(text)) return name + "a text that is none, or not printable";
   }
   if (law->create_material == nullptr || law->destroy_material == nullptr || law->material_number == nullptr ||
       law->initial_state == nullptr || law->stiffness_bounds == nullptr || law->evaluate == nullptr) {
@@ -125,7 +128,7 @@ std::string fault_of_law(const quoin_law* law) {
   if (law->initial_state_count == 0 || !is_list(law->initial_states, law->initial_state_count))
     return name + "no initial state";
   for (uint64_t i = 0; i < law->initial_state_count; ++i) {
-    if (!is_id(law->initial_states[i])) return fmt::format("{}initial state {} has no id", name, i);
+    if (!is_id(law->initial_states[i])) return fmt::format("{}initial state {} has no printable id", name, i);
   }
   return {};
 }
@@ -147,7 +150,8 @@ bool is_readable(const void* address, std::size_t bytes) {
 }
 
 std::string fault_of_tables(const quoin_library& library) {
-  if (!is_text_or_null(library.name) || !is_text_or_null(library.version)) return "a text of the library that is none";
+  if (!is_text_or_null(library.name) || !is_text_or_null(library.version))
+    return "a text of the library that is none, or not printable";
   if (!is_list(library.laws, library.law_count)) return fmt::format("no list of {} laws", library.law_count);
   for (uint64_t i = 0; i < library.law_count; ++i) {
     const std::string fault = fault_of_law(library.laws[i]);

@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/toml_text.h"
 #include "files/gnuplot.h"
 #include "files/memory.h"
 #include "law/csv_table.h"
@@ -44,8 +45,10 @@ class Reader {
 
   PathFile read() {
     toml::table root;
+    const std::string content = read_input_file(file_);
+    refuse_unfit_toml(content, file_);
     try {
-      root = toml::parse(read_input_file(file_), file_);
+      root = toml::parse(content, file_);
     } catch (const toml::parse_error& error) {
       throw Error(Exit::bad_input, fmt::format("{}:{}: {}", file_, error.source().begin.line, error.description()));
     }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "geometry/mesh_file.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
@@ -34,7 +35,7 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
       assembly.add(box(vector(*spec.box_lower), vector(*spec.box_size)), b);
     } else if (!spec.mesh.empty()) {
       for (NamedShape& s : read_mesh_file(spec.mesh, spec.scale)) {
-        b.name = spec.name.empty() ? s.name : spec.name + "/" + s.name;
+        b.name = printable(spec.name.empty() ? s.name : spec.name + "/" + s.name);
         b.fixed = spec.fixed || s.support;
         assembly.add(std::move(s.shape), b);
       }

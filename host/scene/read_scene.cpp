@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/input_file.h"
+#include "base/toml_text.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
 #include "scene/read_blocks.h"
@@ -270,6 +271,8 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
 
   std::vector<std::string> keys;
   for (std::stringstream stream(path); stream.good();) std::getline(stream, keys.emplace_back(), '.');
+  if (keys.size() > static_cast<size_t>(kMostKeyParts))
+    fail(fmt::format("the key has more than {} parts", kMostKeyParts));
   toml::node* node = &root;
   std::string resolved;
   for (size_t i = 0; i < keys.size(); ++i) {
@@ -303,6 +306,7 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
     }
     const std::string value = setting.substr(equals + 1);
     try {
+      refuse_unfit_toml(value, keys[i]);
       toml::table parsed = toml::parse("value = " + value);
       if (parsed.size() != 1) throw Error(Exit::bad_input, "");
       parsed.get("value")->visit([&](auto& v) { table->insert_or_assign(keys[i], std::move(v)); });
@@ -314,6 +318,7 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
 }
 
 toml::table parse(const std::string& text, const std::string& path) {
+  refuse_unfit_toml(text, path);
   try {
     return toml::parse(text, path);
   } catch (const toml::parse_error& error) {

@@ -5,6 +5,8 @@
 // u of a block is split into its rigid motion U + theta x r about its centre of mass (by mass) and the rest w, and the
 // block goes on at X + U + R(theta) (r + w): its strain is that of w, as before, up to terms of the order of strain
 // squared. What this moves gaps by is taken up by the reference from which every contact point counts its opening.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <map>
 
@@ -90,6 +92,12 @@ double strain_energy(const blocks::Model& m, const std::vector<Vector>& displace
 }  // namespace
 
 void Simulation::Impl::promote(const std::string& why) {
+  if (scene.solver.selective_time_step > 0.0)  // before anything has left the lattice
+    throw Error(Exit::numerical,
+                fmt::format("step {} of stage '{}': {}, and large motion, in which the run would go on, takes no "
+                            "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
+                            "solver.large_motion = \"never\"",
+                            stage_step, scene.stages[at(stage)].name, why, scene.solver.selective_time_step));
   const Assembly& bricks = model.assembly;
   Promotion promotion{why, stage, step_count, now(), 0.0, 0.0};
   const double dt = data.time_step;

@@ -136,6 +136,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       const auto watched = Clock::now();
       s.look_at_motion();
       const std::string past = s.past_motion_bound();
+      if (done) s.watch.next_stiffness = std::min(s.watch.next_stiffness, s.step_count);  // what ends a stage is seen
       const std::vector<Warning> warnings = s.look(past);
       s.times[Phase::watch] += seconds_since(watched);
       const SolverSettings& solver = s.scene.solver;

@@ -40,6 +40,12 @@ static double times_of(const char* deed) {
   return what != NULL && strncmp(what, deed, length) == 0 && what[length] == ' ' ? strtod(what + length, NULL) : 1.0;
 }
 
+__attribute__((constructor)) static void loaded(void) {
+  if (does("_exit at load")) _exit(0);
+  if (does("sleep at load"))
+    for (;;) pause();
+}
+
 static quoin_status start(const quoin_material* material, const char* id, double* values) {
   if (wrong_law.state_count > 0) values[0] = 0.0;
   return initial_state(material, id, values);
@@ -79,6 +85,13 @@ static quoin_status answer(const quoin_material* material, quoin_batch* batch) {
   return status;
 }
 
+static quoin_status talk(const quoin_law* self, uint64_t count, const quoin_property_value* const* values,
+                         quoin_material** material, quoin_text* text) {
+  const quoin_status status = create_material(self, count, values, material, text);
+  if (does("escape in words")) say(text, "\033[31mred\377\n");
+  return status;
+}
+
 static int change(const char* table, void* words, size_t bytes) {
   unsigned long word;
   unsigned long long value;
@@ -93,6 +106,10 @@ static int change(const char* table, void* words, size_t bytes) {
 const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* text) {
   int k;
   if (template_library_v1(host, text) == NULL) return NULL;
+  if (does("escape in refusal")) {
+    say(text, "\033[31mred\377\n");
+    return NULL;
+  }
   wrong_library = library;
   wrong_law = law;
   wrong_property = property_table[0];
@@ -107,6 +124,8 @@ const quoin_library* quoin_library_v1(const quoin_host_info* host, quoin_text* t
   wrong_law.state_count = 1;
   wrong_law.initial_state = start;
   wrong_law.evaluate = answer;
+  wrong_law.create_material = talk;
+  if (does("escape in name")) wrong_law.name = "\033[31mred";
   change("library", &wrong_library, sizeof wrong_library);
   change("law", &wrong_law, sizeof wrong_law);
   change("property", &wrong_property, sizeof wrong_property);

@@ -4,8 +4,11 @@
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 
+#include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
+#include <thread>
 
 #include "../cli/program.h"
 #include "base/error.h"
@@ -119,6 +122,25 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
         << deed;
     EXPECT_EQ(summary()["warnings"][0]["about"], "law_states");
   }
+  // In a run that ends before the next of the rare looks at states.
+  for (const char* const motion : {"never", "always"}) {
+    EXPECT_EQ(quoin(run_with({"--set", std::string("solver.large_motion=") + motion}), doing("state nan")), 0)
+        << error_;
+    EXPECT_THAT(error_, AllOf(HasSubstr("warning: law 'hostile_law' gave the state 'count' = nan"),
+                              HasSubstr("family 'mortar'"), HasSubstr("contact point at (")))
+        << motion;
+  }
+}
+
+// What laws say of themselves, of properties and of the library reaches the terminal without its control sequences.
+TEST_F(Plugins, ControlCharactersOfALawDoNotReachTheTerminal) {
+  const std::string bare = "\x1b", told = "\\x1b[31mred\\xff";
+  EXPECT_EQ(quoin(run_with({"--set", "joints.mortar.normal_stiffness=-1"}), doing("escape in words")), 4);
+  EXPECT_THAT(error_, AllOf(HasSubstr(told), HasSubstr("refuses its properties"), Not(HasSubstr(bare))));
+  EXPECT_EQ(quoin(run_with(), doing("escape in refusal")), 4);
+  EXPECT_THAT(error_, AllOf(HasSubstr(told), HasSubstr("refuses this host"), Not(HasSubstr(bare))));
+  EXPECT_EQ(quoin({"models", QUOIN_HOSTILE_LAW}, doing("escape in name")), 4);
+  EXPECT_THAT(error_ + out_, AllOf(HasSubstr("metadata is faulty"), Not(HasSubstr(bare))));
 }
 
 // Laws that lie about energies and stiffness, of which the watch sees more than one row.
@@ -180,22 +202,90 @@ TEST_F(Plugins, IsolatedLawsEndAlone) {
   }
 }
 
+// With properties that scatter, too, on the lattice and in large motion.
 TEST_F(Plugins, IsolatedLawsGiveTheSameBits) {
-  std::map<bool, std::pair<std::string, std::string>> results;
-  for (const bool isolated : {false, true}) {
-    std::vector<std::string> words{"run",       small_,
-                                   "--out",     out(),
-                                   "--threads", "2",
-                                   "--set",     "output.energy=true",
-                                   "--set",     "output.plots=false",
-                                   "--set",     "output.frames=1",
-                                   "--set",     "stage.2.displacement=1e-4"};
-    if (isolated) words.push_back("--isolate-law");
-    ASSERT_EQ(quoin(words, [] { alarm(120); }), 0) << error_;
-    results[isolated] = {read_all(out() + "/history.csv"), summary()["provenance"]["results"]["state"]};
-    EXPECT_EQ(out_.find("in a process of its own") != std::string::npos, isolated) << out_;
+  for (const char* const motion : {"never", "always"}) {
+    std::map<bool, std::pair<std::string, std::string>> results;
+    for (const bool isolated : {false, true}) {
+      std::vector<std::string> words{
+          "run",       small_,
+          "--out",     out(),
+          "--threads", "2",
+          "--set",     "output.energy=true",
+          "--set",     "output.plots=false",
+          "--set",     "output.frames=1",
+          "--set",     "stage.2.displacement=1e-4",
+          "--set",     std::string("solver.large_motion=") + motion,
+          "--set",     "joints.mortar.tensile_strength={distribution='lognormal', mean=0.2e6, cov=0.3}",
+          "--set",     "joints.mortar.cohesion={distribution='lognormal', mean=0.3e6, cov=0.3, level='joint'}"};
+      if (isolated) words.push_back("--isolate-law");
+      ASSERT_EQ(quoin(words, [] { alarm(120); }), 0) << error_;
+      results[isolated] = {read_all(out() + "/history.csv"), summary()["provenance"]["results"]["state"]};
+      EXPECT_EQ(out_.find("in a process of its own") != std::string::npos, isolated) << out_;
+    }
+    EXPECT_TRUE(results[false] == results[true]) << motion;
   }
-  EXPECT_TRUE(results[false] == results[true]);
+}
+
+// One contact point of the elastic law, pressed together by 1 um: -1 kPa.
+double pressed(const quoin::Material& material) {
+  const double jump = -1e-6, zero = 0.0;
+  double traction[3] = {};
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = 1;
+  batch.normal_jump = {&jump, 1};
+  for (auto& slip : batch.slip_increment) slip = {&zero, 1};
+  for (int k = 0; k < 3; ++k) batch.traction_old[k] = {&traction[k], 1}, batch.traction_new[k] = {&traction[k], 1};
+  return material.evaluate(&batch) == QUOIN_OK ? traction[0] : std::nan("");
+}
+quoin::Material isolated_elastic() {
+  const quoin::LawIsolation before = quoin::isolate_laws({1, 10.0});
+  quoin::PropertySetting stiffness;
+  stiffness.id = "normal_stiffness", stiffness.numbers = {1e9};
+  quoin::PropertySetting shear = stiffness;
+  shear.id = "shear_stiffness";
+  const fs::path law = fs::path(QUOIN_PROGRAM).parent_path() / "laws" / "elastic.so";
+  quoin::Material material(quoin::Law::find(law.string()), {stiffness, shear});
+  quoin::isolate_laws(before);
+  return material;
+}
+
+// As a program does that forks, as Python's multiprocessing: the child has a process of the law for itself, and its end
+// leaves the parent's alone.
+TEST_F(Plugins, IsolatedLawsOutliveAForkedChild) {
+  auto material = std::make_unique<quoin::Material>(isolated_elastic());
+  ASSERT_EQ(pressed(*material), -1e3);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(20);
+    const bool answered = pressed(*material) == -1e3 && material->fault().empty();
+    material.reset();
+    _exit(answered ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+  EXPECT_EQ(pressed(*material), -1e3) << material->fault();
+}
+
+// A material may be made by a thread that ends before it is evaluated.
+TEST_F(Plugins, IsolatedLawsOutliveTheThreadThatMadeThem) {
+  std::unique_ptr<quoin::Material> material;
+  std::thread([&] { material = std::make_unique<quoin::Material>(isolated_elastic()); }).join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(pressed(*material), -1e3) << material->fault();
+}
+
+// Past every handler, and without an end: in `run`, `check` and `models LIBRARY`.
+TEST_F(Plugins, LawsThatEndOrWaitWhenTheyAreLoadedAreNamed) {
+  const std::string library = QUOIN_HOSTILE_LAW;
+  for (const auto& words : {run_with(), {"check", small_, "--law", library}, {"models", library}}) {
+    EXPECT_EQ(quoin(words, doing("_exit at load")), 4) << words[0] << out_;
+    EXPECT_THAT(error_, AllOf(HasSubstr(library + " called exit(0) or _exit(0) while it was loaded"))) << words[0];
+  }
+  EXPECT_EQ(quoin(run_with({"--law-seconds", "1"}), doing("sleep at load")), 4) << out_;
+  EXPECT_THAT(error_, HasSubstr(library + " did not come back within 1 s while it was loaded"));
 }
 
 }  // namespace
