@@ -61,7 +61,7 @@ case $way in
     # Whoever has the installed program alone finds what its help names, and can run it.
     cmake --install "$build" --prefix "$work/usr" --component program >"$work/log" || { cat "$work/log"; exit 1; }
     quoin=$work/usr/bin/quoin
-    for command in "" run check models path fit reproduce report ensemble sensitivity spectrum; do
+    for command in "" run check models path fit reproduce report ensemble sensitivity spectrum limit; do
       "$quoin" $command --help
     done >"$work/help"
     if grep -nE "(^| )(host|tests)/" "$work/help"; then
