@@ -14,7 +14,7 @@ void World::find_units() {
     if (blocks_[size_t(i)].body < 0 && assembly_.blocks[size_t(i)].unit >= 0)
       blocks_of[assembly_.blocks[size_t(i)].unit].push_back(i);
   }
-  other_half_.assign(blocks_.size(), -1);
+  other_half_.assign(blocks_.size(), -1), apart_.assign(blocks_.size(), 0);
   for (const auto& [unit, blocks] : blocks_of) {
     if (blocks.size() != 2) continue;
     other_half_[size_t(blocks[0])] = blocks[1];
@@ -23,9 +23,9 @@ void World::find_units() {
   }
 }
 
-Unit World::unit_of(int block) const {
+Unit World::unit_of(int block, Halves of) const {
   const int other = other_half_[size_t(block)];
-  if (other < 0) return {{block, -1}, 1};
+  if (other < 0 || (of == Halves::together && apart_[size_t(block)])) return {{block, -1}, 1};
   return {{std::min(block, other), std::max(block, other)}, 2};
 }
 
@@ -97,36 +97,47 @@ void World::scale_motion(const std::vector<UnitInertia>& inertias, LaneVector<Ve
   }
 }
 
-// Halves that have turned or moved against each other beyond the bound of small motion are blocks of their own for
-// good: inertia on each other that nothing holds would slow their fall apart. Velocities stay, and so does momentum;
-// the kinetic energy of that inertia is booked, and the time step chosen anew.
+// Whether a point of the joint between halves can close before the next look, as each of them moves by less than a
+// quarter of the way until then (motion_looks.cpp), or holds them: what is left of its stiffness, sigma over opening,
+// is more than 1/s_u of kn, so that without the added inertia it would vibrate faster than a closed joint does with it.
+// What has come apart is farther away.
+bool World::are_together(int a, int b) const {
+  const Pair pair{a, b};
+  const auto c = std::lower_bound(contacts_.begin(), contacts_.end(), pair,
+                                  [](const Contact& contact, const Pair& p) { return contact.pair < p; });
+  if (c == contacts_.end() || pair < c->pair || c->count == 0) return false;
+  const Family& f = families_[size_t(c->family)];
+  const double way = (apart_[size_t(a)] ? 1.0 : 2.0) * detection_fraction() * size_;
+  for (uint32_t p = c->first; p < c->first + c->count; ++p) {
+    const double opening = f.normal_jump[p];
+    if (opening < way || solver_.unit_inertia * f.traction[0][p] > f.kn * opening) return true;
+  }
+  return false;
+}
+
+// The added inertia of halves against each other is there to slow the vibration of their joint, which would set the
+// time step, so it stays as long as a point of the joint can close; where nothing holds them together it would slow
+// their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
+// none; its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
 void World::part_units() {
   if (step_count_ < next_check_ || !splits_motion()) return;
-  std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part, J
-  bool parted = false;
+  std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part or meet, J
+  bool changed = false;
   for (int a = 0; a < block_count(); ++a) {
     const int b = other_half_[size_t(a)];
-    if (b < a || !owns(a)) continue;
-    Vector xa, xb;
-    Matrix ra, rb;
-    pose(a, xa, ra), pose(b, xb, rb);
-    const Matrix &start_ra = start_[size_t(a)].r, &start_rb = start_[size_t(b)].r;
-    const Vector half = 0.5 * (start_[size_t(b)].x - start_[size_t(a)].x);  // to the middle of their joint
-    const Vector opening = xb - rb * transposed_times(start_rb, half) - (xa + ra * transposed_times(start_ra, half));
-    const double turned = angle_between(transposed(ra) * rb, transposed(start_ra) * start_rb);
-    const double length = std::min(blocks_[size_t(a)].least_extent, blocks_[size_t(b)].least_extent);
-    if (turned <= solver_.motion_bound.rotation && norm(opening) <= solver_.motion_bound.sliding * length) continue;
-    const double together = rigid_kinetic_energy({{a, b}, 2});
-    freed[size_t(a)] = together - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
-    parted = true;
+    if (b < a || !owns(a) || are_together(a, b) != bool(apart_[size_t(a)])) continue;
+    const double added =
+        rigid_kinetic_energy({{a, b}, 2}) - rigid_kinetic_energy({{a}, 1}) - rigid_kinetic_energy({{b}, 1});
+    freed[size_t(a)] = apart_[size_t(a)] ? -added : added;
+    changed = true;
   }
-  if (!any(parted)) return;
+  if (!any(changed)) return;
   tell_by_block(freed);
   for (int a = 0; a < block_count(); ++a) {
     if (std::isnan(freed[size_t(a)])) continue;
-    int& b = other_half_[size_t(a)];
-    other_half_[size_t(b)] = -1, b = -1;
-    --unit_count_;
+    const bool part = !apart_[size_t(a)];
+    apart_[size_t(a)] = apart_[size_t(other_half_[size_t(a)])] = part;
+    unit_count_ += part ? -1 : 1;
     if (energy_) later_.detection += freed[size_t(a)];
   }
   fetch_();

@@ -596,7 +596,8 @@ class World {
   double gamma() const {  // of eq. 1
     return settling_ ? solver_.settling_damping.value_or(solver_.local_damping) : solver_.local_damping;
   }
-  Unit unit_of(int block) const;
+  enum class Halves : uint8_t { together, also_apart };
+  Unit unit_of(int block, Halves of = Halves::together) const;
   Gridpoints gridpoints_of(int block) const;
   UnitInertia inertia_of(const Unit& unit) const;
   double rigid_kinetic_energy(const Unit& unit) const;
@@ -607,6 +608,7 @@ class World {
   void make_alike(int block);
   void find_units();
   void part_units();
+  bool are_together(int a, int b) const;
   std::vector<UnitInertia> inertia_of_units() const;  // by the first half or single block; others: nothing
   void scale_motion(const std::vector<UnitInertia>& inertia, LaneVector<Vector>& y, bool of_forces) const;
   void add_zone_forces(const LaneVector<Vector>& velocity, LaneVector<Vector>& force) const;
@@ -652,7 +654,8 @@ class World {
   double turned_by_now(int block) const;
   double force_sum_of(const Chunk& chunk) const;
   Deepest deepest_of(const Chunk& chunk) const;
-  // Points of own blocks, in the order of all points: visit(family, point).
+  // Points of own blocks that can close before part_units looks again, in the order of all points: visit(family,
+  // point).
   template <class Visit>
   void each_own_point(Visit visit) const;
   struct FrequencyHalo;
@@ -735,7 +738,8 @@ class World {
   std::vector<AlikeBlocks> alike_;
   LaneVector<Vector> node_anchor_;   // b of blocks in frames of their own; empty: there are none
   std::vector<uint8_t> by_zone_;     // by block: it has deformed too much for a frame
-  std::vector<int32_t> other_half_;  // by block: of its unit; -1: none, or the unit has come apart
+  std::vector<int32_t> other_half_;  // by block: of its unit; -1: none
+  std::vector<uint8_t> apart_;       // by block: nothing holds it and its other half together
   int unit_count_ = 0;               // of two halves
 
   std::vector<Family> families_;

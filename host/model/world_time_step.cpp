@@ -19,7 +19,7 @@ void World::each_own_point(Visit visit) const {
     const Family& f = families_[k];
     for (const uint32_t i : contacts_of_family_[k]) {
       const Contact& c = contacts_[i];
-      if (!owns(c)) continue;
+      if (!owns(c) || (apart_[size_t(c.pair.a)] && other_half_[size_t(c.pair.a)] == c.pair.b)) continue;
       for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
     }
   }

@@ -225,29 +225,31 @@ void World::divide_blocks() {
   };
   // Zones of a piece whose blocks go one by one, so that threads share them.
   const int most_zones = int(std::clamp(zones_.size() / 16, size_t(500), size_t(4000)));
-  // Of a list of units, in its order, those that go into one piece after the other.
+  // Of a list of units, in its order, those that go into one piece after the other. Halves that are apart stay in one
+  // piece, so that one rank has both when they meet again.
   const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t alike = -1) {
     const bool one_by_one = kind == Piece::Kind::unlike || kind == Piece::Kind::by_zone;
-    for (const int count : {1, 2}) {
+    const auto of_one_kind = [&](int count, bool halves) {
       std::vector<Unit> together;
       int zones = 0;
       const auto put = [&] {
         if (together.empty()) return;
         pieces_.push_back(
-            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), count == 2, kind, alike});
+            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, alike});
         for (int half = 0; half < count; ++half) {
           for (const Unit& unit : together) piece_blocks_.push_back(unit.block[half]);
         }
         together.clear(), zones = 0;
       };
       for (const Unit& unit : units) {
-        if (unit.count != count) continue;
+        if (unit.count != count || halves != (count == 2 && !apart_[size_t(unit.block[0])])) continue;
         const bool is_full = int(together.size() + 1) * count > kBodies;
         if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
         together.push_back(unit), zones += zones_of(unit);
       }
       put();
-    }
+    };
+    of_one_kind(1, false), of_one_kind(2, true), of_one_kind(2, false);
   };
   std::vector<Unit> rigid, fixed, unlike, by_zone;
   std::map<int32_t, std::vector<Unit>> of_kind;
@@ -256,7 +258,7 @@ void World::divide_blocks() {
       (assembly_.blocks[size_t(i)].fixed ? fixed : rigid).push_back({{i, -1}, 1});
       continue;
     }
-    const Unit unit = unit_of(i);
+    const Unit unit = unit_of(i, Halves::also_apart);
     if (unit.block[0] != i) continue;  // goes with the first half
     const bool leaves = by_zone_[size_t(i)] || by_zone_[size_t(unit.block[size_t(unit.count) - 1])];
     const int32_t kind = blocks_[size_t(i)].alike;

@@ -26,7 +26,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.array(m.node_v_);
   archive.array(m.node_held_);
   archive.array(m.node_held_v_);
-  archive.array(m.other_half_);
+  archive.array(m.apart_);
   archive.value(m.unit_count_);
   archive.array(m.by_zone_);
   for (auto& f : m.families_) {
@@ -140,7 +140,7 @@ void Model::restore(ArchiveReader& reader) {
   transfer_state(reader, *this);
   if (bodies_.size() != bodies || node_x_.size() != nodes || node_v_.size() != nodes || node_held_.size() != nodes ||
       node_held_v_.size() != nodes || block_contact_force_.size() != blocks_.size() ||
-      loaded_.size() != blocks_.size() || other_half_.size() != blocks_.size() || by_zone_.size() != blocks_.size() ||
+      loaded_.size() != blocks_.size() || apart_.size() != blocks_.size() || by_zone_.size() != blocks_.size() ||
       (!applied_.empty() && applied_.size() != blocks_.size()) || pair_look_.size() != contacts_.size() ||
       pair_place_.size() != contacts_.size() || broad_.size() != blocks_.size() ||
       (!block_look_.empty() && block_look_.size() != blocks_.size()) || (!seen_.empty() && seen_.size() != bodies))
@@ -181,8 +181,7 @@ void Model::restore(ArchiveReader& reader) {
   }
   for (int i = 0; i < block_count(); ++i) {
     const int other = other_half_[size_t(i)];
-    if (other >= 0 && (!is_block(other) || other_half_[size_t(other)] != i || blocks_[size_t(i)].body >= 0))
-      throw Error(Exit::bad_input, kOther);
+    if (apart_[size_t(i)] != (other < 0 ? 0 : apart_[size_t(other)])) throw Error(Exit::bad_input, kOther);
   }
   divide_work();
 }
