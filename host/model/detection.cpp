@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "geometry/overlap.h"
+#include "model/fields.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -417,18 +418,12 @@ void World::take_points(Family& f, Family& into) {
 void World::keep_points(const Before& before, const Finding& finding, const Contact& c, uint32_t facets) {
   const Family& old = before.families[c.family];
   Family& f = families_[c.family];
-  const auto copy = [&](const auto& from, auto& to) {
-    if (!from.empty() && !to.empty()) std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
-  };
-  copy(old.point, f.point);
-  for (int k = 0; k < 2; ++k) copy(old.slid[k], f.slid[k]);
-  for (size_t s = 0; s < f.state.size(); ++s) copy(old.state[s], f.state[s]);
-  for (size_t k = 0; k < f.columns.size(); ++k) copy(old.columns[k].values, f.columns[k].values);
-  for (int k = 0; k < 3; ++k) copy(old.traction[k], f.traction[k]);
-  copy(old.normal_jump, f.normal_jump);
-  copy(old.old_jump, f.old_jump);
-  copy(old.stored, f.stored);
-  for (int k = 0; k < 3; ++k) copy(old.viscous[k], f.viscous[k]);
+  WorldFields::of_points(
+      [&](const Field& field, const auto& from, auto& to) {
+        if (field.of_step || from.empty() || to.empty()) return;
+        std::copy_n(from.begin() + finding.first, finding.count, to.begin() + c.first);
+      },
+      old, f);
   std::copy_n(before.facets.begin() + finding.first_facet, facets, facets_.begin() + c.first_facet);
   const auto carry = [&](int32_t& index) {
     if (index >= 0) index += int32_t(c.first_facet) - int32_t(finding.first_facet);
@@ -530,22 +525,15 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
 }
 
 void World::resize(Family& f, size_t n) const {
-  f.point = LaneVector<Point>(n);
-  f.normal_jump = LaneVector<double>(n);
-  for (auto& c : f.slid) c = LaneVector<double>(n);
-  for (auto& c : f.slip) c = LaneVector<double>(n);
-  for (auto& c : f.traction) c = LaneVector<double>(n);
-  for (auto& c : f.state) c = LaneVector<double>(n);
   for (PropertyColumn& c : f.columns) c.values.assign(n, c.usual);
-  // Of no use without stiffness damping, and then gone: a stage may have switched it off.
-  const size_t viscous = viscous_contacts() ? n : 0;
-  for (auto& c : f.old_traction) c = LaneVector<double>(viscous);
-  for (auto& c : f.viscous) c = LaneVector<double>(viscous);
-  f.old_jump = LaneVector<double>(viscous);
-  if (energy_) {
-    f.stored = LaneVector<double>(n);
-    for (auto& c : f.dissipated) c = LaneVector<double>(n);
-  }
+  WorldFields::of_points(
+      [&](const Field& field, auto& column) {
+        if (field.known_to_all || (field.when == When::with_energies && !energy_)) return;
+        // Of no use without stiffness damping, and then gone: a stage may have switched it off.
+        const bool unused = field.when == When::with_stiffness_damping && !viscous_contacts();
+        column = std::decay_t<decltype(column)>(unused ? 0 : n);
+      },
+      f);
 }
 
 // What a closed point has crushed, or dilated, since it was placed: the law's sigma = kn (d_n + closure), m.

@@ -23,6 +23,7 @@
 #include "law/law_library.h"
 #include "model/alike_blocks.h"
 #include "model/block_inertia.h"
+#include "model/field.h"
 #include "model/halo.h"
 #include "model/lanes.h"
 #include "model/property_columns.h"
@@ -560,6 +561,7 @@ class World {
   void detect_now() { detect_contacts(true); }
 
  protected:
+  friend struct WorldFields;
   bool moved_enough();
   void see(int block);
   bool look_at_block(int block, long& step) const;
@@ -635,11 +637,12 @@ class World {
   template <class Visit>
   void each_told_memory(const Wanted& wanted, Visit visit);
   using VisitBytes = std::function<void(void*, size_t)>;
-  void each_memory_of_block(int block, const VisitBytes& visit);
-  struct StartPoints {
+  struct Items {
     size_t first, end;
   };
-  StartPoints start_points_of(int first_block, int end_block) const;  // of joints that begin at these blocks
+  Items items_of_blocks(Owner owner, size_t first_block, size_t end_block) const;  // in a row
+  void each_memory_of_block(int block, const VisitBytes& visit);
+  Items start_points_of(int first_block, int end_block) const;  // of joints that begin at these blocks
   void each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit);
   void forget_points(size_t family, const std::vector<bool>& contact_stays);
   void hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs);

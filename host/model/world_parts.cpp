@@ -4,6 +4,7 @@
 // change of a block is known to its owner; contact points to the owners of both blocks of their pair.
 #include <algorithm>
 
+#include "model/fields.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -53,24 +54,30 @@ void World::fail_together(const std::optional<Error>& here) const {
 
 // ---- What there is to tell -----------------------------------------------------------------------------------------
 
-void World::each_memory_of_block(int block, const VisitBytes& visit) {
-  const ModelBlock& b = blocks_[size_t(block)];
-  const auto i = size_t(block), node = size_t(b.first_node), nodes = size_t(b.node_count);
-  if (b.body >= 0) {
-    visit(&bodies_[size_t(b.body)], sizeof(Body));
-    if (!seen_.empty()) visit(&seen_[size_t(b.body)], sizeof(SeenMotion));
-  } else {
-    for (auto* field : {&node_x_, &node_v_, &node_held_v_}) visit(&(*field)[node], nodes * sizeof(Vector));
-    visit(&node_held_[node], nodes);
+World::Items World::items_of_blocks(Owner owner, size_t first, size_t end) const {
+  const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
+  if (owner == Owner::block) return {first, end};
+  if (owner == Owner::gridpoint) return {size_t(from.first_node), size_t(last.first_node + last.node_count)};
+  Items bodies{0, 0};
+  for (size_t i = first; i < end; ++i) {
+    if (blocks_[i].body < 0) continue;
+    if (bodies.end == 0) bodies.first = size_t(blocks_[i].body);
+    bodies.end = size_t(blocks_[i].body) + 1;
   }
-  visit(&broad_[i], sizeof(Pose));
-  if (!block_look_.empty()) visit(&block_look_[i], sizeof(long));
-  visit(&block_contact_force_[i], sizeof(Vector));
-  const StartPoints joints = start_points_of(block, block + 1);
+  return bodies;
+}
+
+void World::each_memory_of_block(int block, const VisitBytes& visit) {
+  WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
+    const Items items = items_of_blocks(field.owner, size_t(block), size_t(block) + 1);
+    if (field.known_to_all || array.empty() || items.first == items.end) return;
+    visit(&array[items.first], (items.end - items.first) * sizeof array[0]);
+  });
+  const Items joints = start_points_of(block, block + 1);
   if (joints.end > joints.first) visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(Vector));
 }
 
-World::StartPoints World::start_points_of(int first_block, int end_block) const {
+World::Items World::start_points_of(int first_block, int end_block) const {
   const auto first_of = [&](int block) {
     const auto joint = std::ranges::lower_bound(start_joints_, block, {}, [](const StartJoint& j) { return j.pair.a; });
     return joint == start_joints_.end() ? start_point_.size() : size_t(joint->first);
@@ -79,20 +86,11 @@ World::StartPoints World::start_points_of(int first_block, int end_block) const 
 }
 
 void World::each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit) {
-  Family& f = families_[size_t(family)];
-  const auto column = [&](auto& values) {
-    if (!values.empty()) visit(&values[first], (end - first) * sizeof values[0]);
-  };
-  column(f.point);
-  for (auto& values : f.slid) column(values);
-  column(f.normal_jump);
-  for (auto& values : f.slip) column(values);
-  for (auto& values : f.traction) column(values);
-  for (auto& values : f.state) column(values);
-  for (auto& values : f.old_traction) column(values);
-  column(f.old_jump), column(f.stored);
-  for (auto& values : f.dissipated) column(values);
-  for (auto& values : f.viscous) column(values);
+  WorldFields::of_points(
+      [&](const Field& field, auto& column) {
+        if (!field.known_to_all && !column.empty()) visit(&column[first], (end - first) * sizeof column[0]);
+      },
+      families_[size_t(family)]);
 }
 
 struct World::Wanted {
@@ -141,8 +139,7 @@ void World::each_told_memory(const Wanted& w, Visit visit) {
     const size_t first = i;
     rank = rank_of_contact(i), parts.clear();
     for (; i < contacts_.size() && w.contact[i] && rank_of_contact(i) == rank; ++i) add(1, w.contact_here[i]);
-    visit_parts(&pair_place_[first], sizeof(PairPlace));
-    visit_parts(&pair_look_[first], sizeof(PairLook));
+    WorldFields::of_pairs(*this, [&](const Field&, auto& array) { visit_parts(&array[first], sizeof array[0]); });
     --i;
   }
   for (size_t k = 0; k < families_.size(); ++k) {
@@ -247,7 +244,7 @@ void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
 
   each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(first, end); });
   each_row(contact_stays, false, [&](size_t first, size_t end) {
-    forget_part(pair_place_, first, end), forget_part(pair_look_, first, end);
+    WorldFields::of_pairs(*this, [&](const Field&, auto& array) { forget_part(array, first, end); });
   });
   for (size_t k = 0; k < families_.size(); ++k) forget_points(k, contact_stays);
   bind_work();
@@ -270,33 +267,29 @@ void World::forget_points(size_t family, const std::vector<bool>& contact_stays)
   }
 }
 
+// Of a row of blocks: what changes in a run, and what lay_out makes.
 void World::forget_blocks(size_t first, size_t end) {
+  WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
+    const Items items = items_of_blocks(field.owner, first, end);
+    if constexpr (requires { forget_part(array, items.first, items.end); }) {
+      if (!field.known_to_all) forget_items(array, items.first, items.end);
+    }
+  });
   const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
-  const auto nodes = [&](auto& field) {
-    forget_items(field, size_t(from.first_node), size_t(last.first_node + last.node_count));
-  };
-  nodes(node_x_), nodes(node_reference_), nodes(node_v_), nodes(node_held_v_), nodes(node_anchor_);
-  nodes(node_mass_), nodes(node_weight_mass_), nodes(node_held_), nodes(node_support_);
+  const Items nodes = items_of_blocks(Owner::gridpoint, first, end), joints = start_points_of(int(first), int(end));
+  const auto forget_nodes = [&](auto&... field) { (forget_items(field, nodes.first, nodes.end), ...); };
+  forget_nodes(node_reference_, node_anchor_, node_mass_, node_weight_mass_, node_support_);
   forget_items(zones_, size_t(from.first_zone), size_t(last.first_zone + last.zone_count));
   for (auto* field : {&corner_, &placed_corner_})
     forget_items(*field, from.first_corner, last.first_corner + last.shape->vertices.size());
   for (auto* field : {&body_normal_, &placed_normal_})
     forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
-  for (auto* field : {&start_, &broad_}) forget_items(*field, first, end);
-  const StartPoints joints = start_points_of(int(first), int(end));
+  forget_items(start_, first, end);
   forget_items(start_point_, joints.first, joints.end);
-  forget_items(block_look_, first, end), forget_items(block_contact_force_, first, end);
-  int first_body = -1, last_body = -1;
   for (size_t i = first; i < end; ++i) {
     laid_out_[i] = false;
     std::vector<geometry::Zoning::SurfaceTriangle>().swap(blocks_[i].surface);
-    if (blocks_[i].body < 0) continue;
-    if (first_body < 0) first_body = blocks_[i].body;
-    last_body = blocks_[i].body;
   }
-  if (first_body < 0) return;
-  forget_items(bodies_, size_t(first_body), size_t(last_body) + 1);
-  forget_items(seen_, size_t(first_body), size_t(last_body) + 1);
 }
 
 void World::tell_blocks(std::span<const int> told) {

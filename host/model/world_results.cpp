@@ -2,6 +2,7 @@
 #include <cstring>
 #include <limits>
 
+#include "model/fields.h"
 #include "model/world.h"
 
 namespace quoin::blocks {
@@ -220,25 +221,19 @@ uint64_t World::hash(const GiveParts& parts) const {
     if (parts) return parts(bytes.data(), bytes.size(), take);
     take({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
   };
-  std::vector<uint8_t> rest;  // of a body that comes in two parts
-  each_part(bodies_, [&](std::span<const uint8_t> bytes) {
-    rest.insert(rest.end(), bytes.begin(), bytes.end());
-    size_t done = 0;
-    for (; rest.size() - done >= sizeof(Body); done += sizeof(Body)) {
-      Body b;
-      std::memcpy(&b, rest.data() + done, sizeof b);
-      add(&b.x, sizeof b.x), add(&b.q, sizeof b.q), add(&b.v, sizeof b.v), add(&b.momentum, sizeof b.momentum);
-    }
-    rest.erase(rest.begin(), rest.begin() + long(done));
-  });
-  const auto add_all = [&](const auto& array) {
-    each_part(array, [&](std::span<const uint8_t> bytes) { add(bytes.data(), bytes.size()); });
+  const auto add_field = [&](const Field& field, const auto& array) {
+    if (field.hashed == 0) return;
+    const size_t size = sizeof array[0];
+    std::vector<uint8_t> rest;  // of an item that comes in two parts
+    each_part(array, [&](std::span<const uint8_t> bytes) {
+      if (field.hashed == size) return add(bytes.data(), bytes.size());
+      rest.insert(rest.end(), bytes.begin(), bytes.end());
+      size_t done = 0;
+      for (; rest.size() - done >= size; done += size) add(rest.data() + done, field.hashed);
+      rest.erase(rest.begin(), rest.begin() + long(done));
+    });
   };
-  add_all(node_x_), add_all(node_v_);
-  for (const Family& f : families_) {
-    for (const auto& c : f.traction) add_all(c);
-    for (const auto& c : f.state) add_all(c);
-  }
+  WorldFields::each(*this, add_field);
   return h;
 }
 

@@ -6,8 +6,8 @@
 #include <set>
 
 #include "base/archive.h"
+#include "step/lattice_fields.h"
 #include "step/law_swap.h"
-#include "step/state.h"
 
 namespace quoin {
 namespace {
@@ -16,16 +16,17 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '2'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '3'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
-  archive.array(s.displacement);
-  archive.array(s.velocity);
-  for (auto& column : s.traction) archive.array(column);
-  for (auto& columns : s.law_state) archive.array(columns);
-  archive.array(s.normal_shift);
-  archive.array(s.body_lanes);
+  each_lattice_field(s, [&](const Field& field, auto& array, int family) {
+    if (!field.saved) return;
+    if constexpr (requires { archive.part_of(field, array, family); })
+      archive.part_of(field, array, family);
+    else
+      archive.array(array);
+  });
   archive.array(s.ramps);
   archive.array(s.load_ramps);
   archive.value(s.gravity_from);
@@ -170,11 +171,10 @@ void save(Writer& writer, blocks::Model& riding) {
 struct PartsReader : ArchiveReader {
   Simulation::Impl& s;
   const Simulation::Impl::Rows elsewhere;
-  using ArchiveReader::array;
-  void array(LaneVector<double>& x) {
+  void part_of(const Field& field, LaneVector<double>& x, int family) {
     x.resize(count_of(sizeof(double)));
     std::size_t done = 0;
-    s.each_row_elsewhere(elsewhere, x, [&](std::size_t first, std::size_t end) {
+    s.each_row_elsewhere(elsewhere, field.owner, family, x.size(), [&](std::size_t first, std::size_t end) {
       if (end > x.size()) throw of_another_model();
       take(x.data() + done, (first - done) * sizeof(double));
       source.skip((end - first) * sizeof(double));
@@ -326,15 +326,13 @@ void Simulation::Impl::restore(ByteSource& source) {
     return_to_lattice();
     outcome.promotion.reset();
   }
-  std::vector<std::size_t> expected{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
-                                    load_ramps.size()};
-  for (const auto& column : traction) expected.push_back(column.size());
+  std::vector<std::size_t> expected{ramps.size(), load_ramps.size()};
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     ContactFamily& family = model.families[f];
     family.material = material_in_stage(f, stage);
     if (riding) riding->take_law(static_cast<int>(f), family.material);
     const quoin_law& api = family.material->api();
-    expected.push_back(api.state_count * at(family.point_count));
+    law_state[f].resize(api.state_count * at(family.point_count));
     std::string law;
     std::uint64_t schema = 0;
     reader.array(law);
@@ -345,6 +343,12 @@ void Simulation::Impl::restore(ByteSource& source) {
                             "'{}' (schema {:#x})",
                             family.name, law, schema, api.id, api.state_schema));
   }
+  const auto note_sizes = [&](std::vector<std::size_t>& sizes) {
+    each_lattice_field(*this, [&](const Field& field, const auto& array, int) {
+      if (field.saved && field.when == When::always) sizes.push_back(array.size());
+    });
+  };
+  note_sizes(expected);
   double dt = 0.0;
   reader.value(dt);
   if (const double here = riding ? 0.0 : data.time_step; dt != here) {
@@ -358,10 +362,8 @@ void Simulation::Impl::restore(ByteSource& source) {
   } else {
     transfer(reader, *this);
   }
-  std::vector<std::size_t> sizes{displacement.size(), velocity.size(), body_lanes.size(), ramps.size(),
-                                 load_ramps.size()};
-  for (const auto& column : traction) sizes.push_back(column.size());
-  for (const auto& columns : law_state) sizes.push_back(columns.size());
+  std::vector<std::size_t> sizes{ramps.size(), load_ramps.size()};
+  note_sizes(sizes);
   if (sizes != expected || (!normal_shift.empty() && normal_shift.size() != at(model.point_count)))
     throw of_another_model();
   if (riding) {

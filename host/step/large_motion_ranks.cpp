@@ -1,18 +1,10 @@
 // Blocks of any shape that several processes advance: what one of them has to tell the others.
 #include <cmath>
 
+#include "model/fields.h"
 #include "step/large_motion.h"
 
 namespace quoin::blocks {
-
-namespace {
-
-template <class Column>
-void part_of(Column& column, const Chunk& chunk, const VisitMemory& visit) {
-  if (!column.empty()) visit(column.data() + chunk.first, chunk.count * sizeof column[0]);
-}
-
-}  // namespace
 
 bool Model::in_trouble(std::span<const int> chunks, std::span<const int> pieces) const {
   for (const int c : chunks) {
@@ -64,20 +56,15 @@ bool Model::is_startled(std::span<const int> pieces) const {
 
 void Model::each_memory_of_piece(Part part, int piece, const VisitMemory& visit) {
   for (const int32_t i : blocks_of(pieces_[size_t(piece)])) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    if (part == Part::motion) {
+    if (part == Part::motion)
       visit(&block_sums_[size_t(i)].startled, sizeof(bool));
-    } else {
+    else
       visit(&block_sums_[size_t(i)], sizeof(BlockSums));
-      visit(&block_contact_force_[size_t(i)], sizeof(Vector));
-    }
-    if (part == Part::sums) continue;
-    if (b.body >= 0) {
-      visit(&bodies_[size_t(b.body)], sizeof(Body));
-    } else {
-      visit(&node_x_[size_t(b.first_node)], size_t(b.node_count) * sizeof(Vector));
-      visit(&node_v_[size_t(b.first_node)], size_t(b.node_count) * sizeof(Vector));
-    }
+    WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {
+      if (!has(part, field.gathered)) return;
+      const Items items = items_of_blocks(field.owner, size_t(i), size_t(i) + 1);
+      if (items.first < items.end) visit(&array[items.first], (items.end - items.first) * sizeof array[0]);
+    });
   }
 }
 
@@ -93,18 +80,13 @@ void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit)
   visit(&chunk.status, sizeof chunk.status);
   visit(&chunk.failed, sizeof chunk.failed);
   visit(&chunk.batch.failed_count, sizeof chunk.batch.failed_count);
-  if (part == Part::sums) return;
-  part_of(f.normal_jump, chunk, visit);
-  for (auto& column : f.traction) part_of(column, chunk, visit);
-  for (auto& column : f.viscous) part_of(column, chunk, visit);
-  if (part == Part::row) return;
-  for (auto& column : f.slid) part_of(column, chunk, visit);
-  for (auto& column : f.slip) part_of(column, chunk, visit);
-  for (auto& column : f.state) part_of(column, chunk, visit);
-  for (auto& column : f.old_traction) part_of(column, chunk, visit);
-  part_of(f.old_jump, chunk, visit);
-  part_of(f.stored, chunk, visit);
-  for (auto& column : f.dissipated) part_of(column, chunk, visit);
+  WorldFields::of_points(
+      [&](const Field& field, auto& column) {
+        if (has(part, field.gathered) && !column.empty())
+          visit(column.data() + chunk.first, chunk.count * sizeof column[0]);
+      },
+      f);
+  if (part != Part::all) return;
   visit(chunk.facets.data(), chunk.facets.size() * sizeof(FacetLanes));
   for (const uint32_t i : chunk.others) {
     visit(&f.point[i], sizeof(Point));

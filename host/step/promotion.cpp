@@ -25,7 +25,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Gridpoints of a deformable block of the lattice.
-struct Field {
+struct GridpointMotion {
   std::vector<Vector> place, displacement, velocity;  // place: of the start, m; m; m/s
   std::vector<double> mass;                           // kg
 };
@@ -36,7 +36,7 @@ struct RigidPart {
   Vector centre, mean, turn;
 };
 
-RigidPart rigid_part(const Field& f, const std::vector<Vector>& of, bool symmetry_plane) {
+RigidPart rigid_part(const GridpointMotion& f, const std::vector<Vector>& of, bool symmetry_plane) {
   RigidPart part;
   double mass = 0.0;
   for (std::size_t i = 0; i < f.place.size(); ++i) {
@@ -128,7 +128,7 @@ void Simulation::Impl::promote(const std::string& why) {
       for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
     }
   }
-  std::vector<Field> fields(bricks.bricks.size());
+  std::vector<GridpointMotion> fields(bricks.bricks.size());
   struct BodyState {
     Vec3 centre, displacement, rotation, velocity, spin;
   };
@@ -191,7 +191,7 @@ void Simulation::Impl::promote(const std::string& why) {
       m.set_velocity(static_cast<int>(b), geometry::vector(s.velocity), geometry::vector(s.spin));
       continue;
     }
-    const Field& f = fields[b];
+    const GridpointMotion& f = fields[b];
     const RigidPart moved = rigid_part(f, f.displacement, plane), moving = rigid_part(f, f.velocity, plane);
     const Matrix turn = matrix(geometry::rotation(moved.turn));
     const auto order = gridpoint_order(left->bricks[b], f.place, m.node_reference(), block);

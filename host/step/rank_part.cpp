@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "model/scattered_points.h"
+#include "step/lattice_fields.h"
 #include "step/rank_sums.h"
-#include "step/state.h"
 
 namespace quoin {
 
@@ -56,25 +56,21 @@ Simulation::Impl::Rows Simulation::Impl::rows_elsewhere(const Held& held) const 
   return rows;
 }
 
-void Simulation::Impl::each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+void Simulation::Impl::each_row_elsewhere(const Rows& rows, Owner owner, int family, std::size_t numbers,
                                           const std::function<void(std::size_t, std::size_t)>& visit) const {
-  if (array.empty()) return;
-  if (&array == &displacement || &array == &velocity) {
-    for (const VectorRow& row : rows.gridpoints) visit(row.first, row.end);
+  if (numbers == 0) return;
+  if (family < 0) {
+    for (const VectorRow& row : owner == Owner::gridpoint ? rows.gridpoints : rows.points) visit(row.first, row.end);
     return;
   }
-  for (std::size_t f = 0; f < law_state.size(); ++f) {
-    if (&array != &law_state[f]) continue;
-    const auto first = at(model.families[f].first_point), count = at(model.families[f].point_count);
-    for (std::size_t column = 0; count > 0 && column < array.size(); column += count) {
-      for (const VectorRow& row : rows.points) {
-        const std::size_t from = std::max(row.first, first), to = std::min(row.end, first + count);
-        if (from < to) visit(column + from - first, column + to - first);
-      }
+  const ContactFamily& of = model.families[at(family)];
+  const auto first = at(of.first_point), count = at(of.point_count);
+  for (std::size_t column = 0; count > 0 && column < numbers; column += count) {
+    for (const VectorRow& row : rows.points) {
+      const std::size_t from = std::max(row.first, first), to = std::min(row.end, first + count);
+      if (from < to) visit(column + from - first, column + to - first);
     }
-    return;
   }
-  for (const VectorRow& row : rows.points) visit(row.first, row.end);
 }
 
 void Simulation::Impl::hold_all() {
@@ -104,14 +100,14 @@ void Simulation::Impl::hold_part() {
   for (const VectorRow& row : elsewhere.points) {
     for (auto& column : force) forget_if_any(column, row);
     for (auto& column : energy_columns) forget_if_any(column, row);
-    forget_if_any(flags, row);
   }
-  const auto forget_elsewhere = [&](LaneVector<double>& array) {
-    each_row_elsewhere(elsewhere, array, [&](std::size_t first, std::size_t end) { forget_part(array, first, end); });
-  };
-  for (auto* array : {&displacement, &velocity, &normal_shift}) forget_elsewhere(*array);
-  for (auto& column : traction) forget_elsewhere(column);
-  for (auto& columns : law_state) forget_elsewhere(columns);
+  each_lattice_field(*this, [&](const Field& field, auto& array, int family) {
+    if constexpr (requires { forget_part(array, 0, 0); }) {
+      if (field.known_to_all) return;
+      each_row_elsewhere(elsewhere, field.owner, family, array.size(),
+                         [&](std::size_t first, std::size_t end) { forget_part(array, first, end); });
+    }
+  });
   if (dt_over_mass.empty()) return;  // the first time, before there is a time step
   const std::unique_ptr<SharedModel> shared = needs_rows(scene.solver) ? share_of_model() : nullptr;
   inertia = inertia_in_use(model, scene.solver, shared.get());

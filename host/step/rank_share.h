@@ -16,13 +16,6 @@
 
 namespace quoin {
 
-// What is asked for of all blocks and contact points, whoever advances them.
-enum class Part {
-  sums,    // what a measured step adds up
-  motion,  // of blocks in large motion, alone: what detection looks at
-  row,     // sums and motion; of contact points what a row of the history takes
-  all      // everything that changes in steps and that later ones, or results, read
-};
 // Who needs it.
 enum class Who {
   everybody,

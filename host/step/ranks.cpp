@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-#include "step/state.h"
+#include "step/lattice_fields.h"
 
 namespace quoin {
 
@@ -580,10 +580,16 @@ void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemor
     for (const int b : bodies_of_item(item)) visit_value(body_force[at(b)], visit);
   }
   if (part != Part::all) return;
+  const auto each_gridpoint_field = [&](const auto& of_field) {
+    each_lattice_field(*this, [&](const Field& field, auto& array, int) {
+      if constexpr (std::is_same_v<decltype(array), LaneVector<double>&>) {
+        if (field.owner == Owner::gridpoint) of_field(array);
+      }
+    });
+  };
   const auto lines = [&](std::int32_t first, std::size_t count) {
-    const std::size_t bytes = count * kLine * sizeof(double);
-    visit(displacement.data() + at(first) * kLine, bytes);
-    visit(velocity.data() + at(first) * kLine, bytes);
+    each_gridpoint_field(
+        [&](LaneVector<double>& array) { visit(array.data() + at(first) * kLine, count * kLine * sizeof(double)); });
   };
   if (!of_bodies) {
     const UnitGroup& unit = model.unit_groups[at(item)];
@@ -596,10 +602,9 @@ void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemor
     lines(group.first_line, at(model.body_slots[at(group.slots)].slot_count()));
   } else {
     for (const std::int32_t slave : model.bodies[at(model.lone_bodies[i - model.body_groups.size()])].slave) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        visit_value(displacement[at(slave) + c * kLanes], visit);
-        visit_value(velocity[at(slave) + c * kLanes], visit);
-      }
+      each_gridpoint_field([&](LaneVector<double>& array) {
+        for (std::size_t c = 0; c < 3; ++c) visit_value(array[at(slave) + c * kLanes], visit);
+      });
     }
   }
 }
@@ -616,13 +621,14 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
   if (part != Part::all) return;
   const ContactChunk& c = model.chunks[at(chunk)];
   const auto first = at(c.first_point), count = at(c.point_count);
-  for (auto& column : traction) visit(column.data() + first, count * sizeof(double));
-  if (!normal_shift.empty()) visit(normal_shift.data() + first, count * sizeof(double));
-  const ContactFamily& family = model.families[at(c.family)];
-  LaneVector<double>& states = law_state[at(c.family)];
-  for (std::size_t begin = 0; begin < states.size(); begin += at(family.point_count))
-    visit(states.data() + begin + (first - at(family.first_point)), count * sizeof(double));
-  visit(flags.data() + first, count * sizeof flags[0]);
+  each_lattice_field(*this, [&](const Field& field, auto& array, int family) {
+    if (field.owner != Owner::contact_point || array.empty() || (family >= 0 && family != c.family)) return;
+    const std::size_t bytes = count * sizeof array[0];
+    if (family < 0) return visit(array.data() + first, bytes);
+    const ContactFamily& of = model.families[at(family)];
+    for (std::size_t begin = 0; begin < array.size(); begin += at(of.point_count))
+      visit(array.data() + begin + (first - at(of.first_point)), bytes);
+  });
   visit_value(call.failed, visit);
   visit_value(call.status, visit);
   visit_value(call.batch.failed_count, visit);

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/rank_rows.h"
-#include "step/state.h"
+#include "step/lattice_fields.h"
 
 namespace quoin {
 namespace {
@@ -386,15 +386,13 @@ std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
   };
   if (riding) return riding->hash(give);
   std::uint64_t hash = kHashStart;
-  add_to_hash(body_lanes, &hash);
-  const auto add = [&](const LaneVector<double>& array) {
-    give(array.data(), array.size() * sizeof(double), [&](std::span<const std::uint8_t> bytes) {
+  each_lattice_field(*this, [&](const Field& field, const auto& array, int family) {
+    if (field.hashed == 0) return;
+    if (field.known_to_all || (at_rest && family < 0)) return add_to_hash(array, &hash);
+    give(array.data(), array.size() * sizeof array[0], [&](std::span<const std::uint8_t> bytes) {
       add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &hash);
     });
-  };
-  for (const auto* array : {&displacement, &velocity, &traction[0], &traction[1], &traction[2]})
-    at_rest ? add_to_hash(*array, &hash) : add(*array);
-  for (const auto& columns : law_state) add(columns);
+  });
   return hash;
 }
 
@@ -403,21 +401,14 @@ std::uint64_t Simulation::hash() const {
   if (impl_->start_hash && impl_->step_count == 0 && !impl_->has_all()) return *impl_->start_hash;
   if (impl_->riding) return impl_->riding->hash();
   std::uint64_t hash = kHashStart;
-  const auto add = [&](const auto& values) { add_to_hash(values, &hash); };
-  add_to_hash(impl_->body_lanes, &hash);
-  add(impl_->displacement);
-  add(impl_->velocity);
-  for (const auto& column : impl_->traction) add(column);
-  for (std::size_t f = 0; f < impl_->law_state.size(); ++f) {
-    if (impl_->holds_all) {
-      add(impl_->law_state[f]);
-      continue;
-    }
+  each_lattice_field(*impl_, [&](const Field& field, const auto& array, int f) {
+    if (field.hashed == 0) return;
+    if (f < 0 || impl_->holds_all) return add_to_hash(array, &hash);
     // Before the first step: as they begin, for this rank has those of its own points alone.
-    const ContactFamily& family = impl_->model.families[f];
-    for (const double value : family.material->initial_state(impl_->model.assembly.families[f].initial_state))
-      add(std::vector<double>(at(family.point_count), value));
-  }
+    const ContactFamily& family = impl_->model.families[at(f)];
+    for (const double value : family.material->initial_state(impl_->model.assembly.families[at(f)].initial_state))
+      add_to_hash(std::vector<double>(at(family.point_count), value), &hash);
+  });
   return hash;
 }
 

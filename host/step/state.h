@@ -280,8 +280,8 @@ struct Simulation::Impl {
     std::vector<VectorRow> gridpoints, points;
   };
   Rows rows_elsewhere(const Held& held) const;
-  // Of an array of the state, in order: visit(first, end).
-  void each_row_elsewhere(const Rows& rows, const LaneVector<double>& array,
+  // Of an array of a field with so many numbers, in order: visit(first, end). family: of its points; -1: of all.
+  void each_row_elsewhere(const Rows& rows, Owner owner, int family, std::size_t numbers,
                           const std::function<void(std::size_t, std::size_t)>& visit) const;
   std::vector<int> own_units() const;  // in order
   void hold_part();                    // by share: gives back the memory of the rest
@@ -345,7 +345,7 @@ struct Simulation::Impl {
   TimeStepReport time_step;
   ThreadPool pool;
 
-  // State: everything that save() writes.
+  // State: everything that save() writes. Arrays by block, gridpoint and contact point: step/lattice_fields.h.
   LaneVector<double> displacement, velocity;
   LaneVector<double> traction[3];             // by contact point
   std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other

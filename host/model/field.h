@@ -1,0 +1,56 @@
+// What the tables of fields say of an array (model/fields.h).
+#pragma once
+
+#include <cstddef>
+
+#include "base/rank_rows.h"
+
+namespace quoin {
+
+// Whose the items of an array are.
+enum class Owner { block, body, gridpoint, pair, contact_point, facet };
+// When an array has its items; else it may be empty.
+enum class When { always, with_stiffness_damping, with_energies, after_looks, after_law_swaps };
+
+struct Field {
+  Owner owner;
+  const char* name;
+  int components;    // numbers of an item; 0: a struct, see its members
+  const char* unit;  // of these
+  When when = When::always;
+  std::size_t hashed = 0;     // bytes of an item, its first ones, that belong to the hash of the state
+  Part gathered = Part::all;  // from which on ranks gather it in steps; nothing: steps do not change it
+  bool known_to_all = false;  // ranks have all of it
+  bool of_step = false;       // every step finds it anew before it is read: new contact points need not have it
+  bool saved = true;
+
+  // The same but for what they name.
+  constexpr Field only(When holds) const {
+    return change([&](Field& f) { f.when = holds; });
+  }
+  constexpr Field in_hash(std::size_t bytes) const {
+    return change([&](Field& f) { f.hashed = bytes; });
+  }
+  constexpr Field in(Part part) const {
+    return change([&](Field& f) { f.gathered = part; });
+  }
+  constexpr Field on_all_ranks() const {
+    return change([&](Field& f) { f.known_to_all = true; });
+  }
+  constexpr Field found_in_each_step() const {
+    return change([&](Field& f) { f.of_step = true; });
+  }
+  constexpr Field not_saved() const {
+    return change([&](Field& f) { f.saved = false; });
+  }
+
+ private:
+  template <class Change>
+  constexpr Field change(const Change& to) const {
+    Field changed = *this;
+    to(changed);
+    return changed;
+  }
+};
+
+}  // namespace quoin

@@ -1,0 +1,78 @@
+// The table of what changes in a run: every array once, with what it is and whose. Checkpoints, state hashes, what
+// ranks gather in steps, tell each other when blocks change hands and give back, and what new contact points take over,
+// are loops over it; nobody else lists arrays. Blocks on the lattice: step/lattice_fields.h. Single numbers, which only
+// checkpoints want, are listed there.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+#include "model/field.h"
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+struct WorldFields {
+  // visit(field, array).
+  template <class World, class Visit>
+  static void of_blocks(World& w, const Visit& visit) {
+    constexpr auto nothing = Part::nothing;
+    constexpr std::size_t kMotion = offsetof(Body, omega);  // place, orientation, velocity, angular momentum
+    const Field place{Owner::gridpoint, "position", 3, "m"}, velocity{Owner::gridpoint, "velocity", 3, "m/s"};
+    visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(kMotion).in(Part::motion), w.bodies_);
+    visit(place.in_hash(sizeof(Vector)).in(Part::motion), w.node_x_);
+    visit(velocity.in_hash(sizeof(Vector)).in(Part::motion), w.node_v_);
+    visit(Field{Owner::gridpoint, "held", 1, "-"}.in(nothing), w.node_held_);
+    visit(Field{Owner::gridpoint, "held_velocity", 3, "m/s"}.in(nothing), w.node_held_v_);
+    visit(Field{Owner::block, "contact_force", 3, "N"}.in(Part::sums), w.block_contact_force_);
+    visit(Field{Owner::block, "apart", 1, "-"}.in(nothing).on_all_ranks(), w.apart_);
+    visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.by_zone_);
+    visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.broad_);
+    visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_looks), w.block_look_);
+    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_looks), w.seen_);
+  }
+
+  // Of each pair that is close.
+  template <class World, class Visit>
+  static void of_pairs(World& w, const Visit& visit) {
+    visit(Field{Owner::pair, "place", 0, "SI"}.in(Part::nothing), w.pair_place_);
+    visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.pair_look_);
+  }
+
+  // Of the contact points of a family, or of several side by side: visit(field, array of each).
+  template <class Visit, class First, class... Others>
+  static void of_points(const Visit& visit, First& f, Others&... g) {
+    constexpr auto damped = When::with_stiffness_damping, energies = When::with_energies;
+    const auto field = [](const char* name, const char* unit) { return Field{Owner::contact_point, name, 1, unit}; };
+    const auto each = [&](const Field& of, auto&... columns) {
+      for (std::size_t k = 0; k < std::min({std::size(columns)...}); ++k) visit(of, columns[k]...);
+    };
+    const Field point{Owner::contact_point, "point", 0, "SI"};  // steps change those with one deformable side alone
+    visit(point.in(Part::nothing), f.point, g.point...);
+    each(field("slid", "m"), f.slid, g.slid...);
+    visit(field("normal_jump", "m").in(Part::row), f.normal_jump, g.normal_jump...);
+    each(field("slip", "m").found_in_each_step(), f.slip, g.slip...);
+    each(field("traction", "Pa").in_hash(sizeof(double)).in(Part::row), f.traction, g.traction...);
+    each(field("state", "of the law").in_hash(sizeof(double)), f.state, g.state...);
+    for (std::size_t k = 0; k < f.columns.size(); ++k)
+      visit(field("property", "of the law").in(Part::nothing).on_all_ranks(), f.columns[k].values,
+            g.columns[k].values...);
+    each(field("traction_before", "Pa").only(damped).found_in_each_step(), f.old_traction, g.old_traction...);
+    visit(field("jump_before", "m").only(damped), f.old_jump, g.old_jump...);
+    visit(field("stored", "J/m2").only(energies), f.stored, g.stored...);
+    each(field("dissipated", "J/m2").only(energies).found_in_each_step(), f.dissipated, g.dissipated...);
+    each(field("viscous_traction", "Pa").only(damped).in(Part::row), f.viscous, g.viscous...);
+  }
+
+  // All of them.
+  template <class World, class Visit>
+  static void each(World& w, const Visit& visit) {
+    of_blocks(w, visit);
+    for (auto& family : w.families_) of_points(visit, family);
+    visit(Field{Owner::facet, "facet", 0, "SI"}.in(Part::nothing), w.facets_);
+    of_pairs(w, visit);
+  }
+};
+
+}  // namespace quoin::blocks
