@@ -86,6 +86,9 @@ std::string fault_of_loading(const std::function<void()>& load, double seconds) 
   if (!WIFSIGNALED(status))
     return fmt::format("called exit({}) or _exit({})", WEXITSTATUS(status), WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
+  for (const int from_outside : {SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGQUIT}) {
+    if (signal == from_outside) return "";  // no deed of the law
+  }
   const char* const abbreviation = sigabbrev_np(signal);
   return fmt::format("{} (SIG{})", signal == SIGABRT ? "aborted, or threw what a law must not throw" : "crashed",
                      abbreviation ? abbreviation : std::to_string(signal).c_str());
