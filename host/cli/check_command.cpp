@@ -134,6 +134,17 @@ void print_notes(const TimeStepReport& report) {
                100 * report.added_mass / report.model_mass);
 }
 
+void print_what_sets_step(const blocks::Model& model) {
+  const blocks::StepLimit limit = model.what_sets_time_step();
+  if (limit.block < 0) return;
+  std::string zone = "rigid";
+  if (limit.height > 0.0)
+    zone =
+        fmt::format("its zone there is {:.3g} m high and has an edge of {:.3g} m", limit.height, limit.shortest_edge);
+  fmt::print("      set at ({:.3f}, {:.3f}, {:.3f}) m: block {}, {}\n", limit.at.x, limit.at.y, limit.at.z,
+             blocks::label(model.assembly(), limit.block), zone);
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
@@ -153,8 +164,10 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
       simulation.riding()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
       count_of(Kind::alike), count_of(Kind::unlike), count_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
+  for (const std::string& note : simulation.riding()->assembly().notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
+  print_what_sets_step(*simulation.riding());
   print_notes(step);
   print_time(simulation, print_stages(scene, step.time_step), options.force);
 }

@@ -34,6 +34,7 @@
 #include "results/surface.h"
 #include "results/vtk.h"
 #include "scene/quality.h"
+#include "step/large_motion.h"
 #include "step/simulation.h"
 
 namespace quoin {
@@ -443,6 +444,9 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
     say(at_once ? "large motion from the start" : "general kernels");
   }
   if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
+  if (simulation.riding()) {
+    for (const std::string& note : simulation.riding()->assembly().notes) say("quoin: " + note);
+  }
 }
 
 // curve.png, cracks.png, mechanism.png; what is missing is told.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -27,6 +28,7 @@ class Reader {
   // What stands above a mesh and holds for it.
   struct Above {
     std::string name, where;
+    std::string number;  // COMPAS's own of a block
     bool support = false;
     Placement placement{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
     int depth = 0;
@@ -35,7 +37,11 @@ class Reader {
   void visit(const Json& node, Above above) {
     if (++above.depth > kDeepest) refuse(above.where, "is nested too deep for an assembly");
     if (node.is_array()) {
-      for (std::size_t i = 0; i < node.size(); ++i) visit(node[i], below(above, fmt::format("{}", i)));
+      for (std::size_t i = 0; i < node.size(); ++i) {
+        Above own = entry(above, fmt::format("{}", i));
+        own.number = above.number;  // of what holds the list
+        visit(node[i], own);
+      }
       return;
     }
     if (!node.is_object()) return;
@@ -48,11 +54,23 @@ class Reader {
         above.name = attributes["name"].get<std::string>();
     }
     if (node.contains("transformation")) place(node["transformation"], above);
+    // An assembly has its blocks at the nodes of its graph; whatever an old writer left beside them is of one of them.
+    if (has_blocks(node, "node")) {
+      above.support = false;
+      return visit_all(node["node"], below(above, "node"), nullptr);
+    }
+    // Before COMPAS 1 blocks stood beside the graph, whose nodes (or vertices) have their supports.
+    if (node.contains("blocks") && node["blocks"].is_object()) {
+      const Json* graph = node.contains("assembly") && node["assembly"].is_object() ? &node["assembly"] : nullptr;
+      return visit_all(node["blocks"], below(above, "blocks"), graph);
+    }
     if (node.contains("vertex") && node.contains("face") && node["vertex"].is_object() && node["face"].is_object())
       return add_mesh(node, above);
     // A model of compas_dem has its blocks as elements; its tree and graph only point to them.
     if (node.contains("elements") && node["elements"].is_array())
       return visit(node["elements"], below(above, "elements"));
+    if (node.contains("elements") && node["elements"].is_object())
+      return visit_all(node["elements"], below(above, "elements"), nullptr);
     for (const auto& [key, value] : node.items()) {
       const bool is_no_block = key == "edge" || key == "adjacency" || key == "interface" || key == "interfaces" ||
                                key == "modelgeometry" || key == "collision_mesh" || key == "features";
@@ -68,7 +86,33 @@ class Reader {
   }
 
   static bool flag(const Json& node, const char* key) {
-    return node.contains(key) && node[key].is_boolean() && node[key].get<bool>();
+    return node.is_object() && node.contains(key) && node[key].is_boolean() && node[key].get<bool>();
+  }
+
+  static bool has_blocks(const Json& graph, const char* key) {
+    if (!graph.contains(key) || !graph[key].is_object()) return false;
+    const auto holds = [](const Json& node) { return node.is_object() && node.contains("block"); };
+    return std::any_of(graph[key].begin(), graph[key].end(), holds);
+  }
+
+  // Entries by COMPAS's numbers; graph: its node (or vertex) of the same number says whether one is a support.
+  void visit_all(const Json& entries, const Above& above, const Json* graph) {
+    for (const auto& [key, value] : entries.items()) {
+      Above own = entry(above, key);
+      for (const char* kind : {"node", "vertex"}) {
+        if (graph && graph->contains(kind) && (*graph)[kind].is_object() && (*graph)[kind].contains(key))
+          own.support = own.support || flag((*graph)[kind][key], "is_support");
+      }
+      visit(value, own);
+    }
+  }
+
+  // One of several things: what holds them all does not give it a name.
+  static Above entry(const Above& above, const std::string& key) {
+    Above own = below(above, key);
+    own.name.clear();
+    own.number = key;
+    return own;
   }
 
   static Above below(Above above, const std::string& key) {
@@ -104,6 +148,7 @@ class Reader {
   void add_mesh(const Json& mesh, const Above& above) {
     RawShape& shape = shapes.emplace_back();
     shape.name = above.name.empty() ? fmt::format("block_{}", shapes.size() - 1) : above.name;
+    shape.number = above.number;
     shape.support = above.support;
     std::map<std::string, int> number;
     for (const auto& [key, vertex] : mesh["vertex"].items()) {

@@ -1,17 +1,22 @@
 #include "geometry/mesh_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/number_text.h"
 #include "geometry/compas_file.h"
+#include "geometry/drawn_shape.h"
 
 namespace quoin::geometry {
 namespace {
@@ -38,6 +43,8 @@ class Lines {
     return false;
   }
   const std::vector<std::string>& words() const { return words_; }
+  // What follows the first word: a name, which may have blanks.
+  std::string rest() const { return fmt::format("{}", fmt::join(words_.begin() + 1, words_.end(), " ")); }
 
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error(Exit::bad_input, fmt::format("{}:{}: {}", path_, line_, what));
@@ -73,7 +80,6 @@ class Lines {
 
 std::vector<RawShape> read_off(const std::string& path, const std::string& bytes) {
   RawShape shape;
-  shape.name = path;
   Lines lines(path, bytes, '#');
   const auto next = [&](const std::string& expected) {
     if (!lines.next()) lines.refuse(fmt::format("the file ends too early: expected {}", expected));
@@ -110,7 +116,7 @@ std::vector<RawShape> read_obj(const std::string& path, const std::string& bytes
   std::vector<RawShape> shapes;
   std::map<int64_t, int> local;  // file-wide vertex number -> number in the current object
   auto current = [&]() -> RawShape& {
-    if (shapes.empty()) shapes.push_back({path, {}, {}});
+    if (shapes.empty()) shapes.emplace_back();
     return shapes.back();
   };
   Lines lines(path, bytes, '#');
@@ -120,7 +126,7 @@ std::vector<RawShape> read_obj(const std::string& path, const std::string& bytes
       all.push_back(lines.point(1));
     } else if (words[0] == "o" || words[0] == "g") {
       if (shapes.empty() || !shapes.back().faces.empty()) shapes.emplace_back();
-      shapes.back().name = words.size() > 1 ? words[1] : fmt::format("{}#{}", path, shapes.size() - 1);
+      shapes.back().name = lines.rest();
       local.clear();
     } else if (words[0] == "f") {
       RawShape& shape = current();
@@ -156,7 +162,7 @@ struct Welder {
 };
 
 std::vector<RawShape> read_binary_stl(const std::string& path, const std::string& bytes, size_t count) {
-  RawShape shape{path, {}, {}};
+  RawShape shape;
   Welder weld;
   for (size_t t = 0; t < count; ++t) {
     float xyz[9];
@@ -182,7 +188,7 @@ std::vector<RawShape> read_ascii_stl(const std::string& path, const std::string&
     const auto& words = lines.words();
     if (words[0] == "solid") {
       if (in_loop) lines.refuse("misplaced 'solid'");
-      shapes.push_back({words.size() > 1 ? words[1] : fmt::format("{}#{}", path, shapes.size()), {}, {}});
+      shapes.emplace_back().name = lines.rest();
       weld.known.clear();
     } else if (words[0] == "outer") {
       if (shapes.empty() || in_loop) lines.refuse("misplaced 'outer loop'");
@@ -212,9 +218,79 @@ std::vector<RawShape> read_stl(const std::string& path, const std::string& bytes
   return read_ascii_stl(path, bytes);
 }
 
+// Every body of its own, in m, welded and oriented. Parts of one object are numbered.
+std::vector<RawShape> bodies(const std::string& path, std::vector<RawShape> raw, double scale) {
+  std::vector<RawShape> all;
+  for (RawShape& r : raw) {
+    for (Vector& p : r.vertices) {
+      p *= scale;
+      if (!std::isfinite(p.x + p.y + p.z))
+        throw Error(Exit::bad_input, fmt::format("{}: block '{}': a coordinate is not finite", path, r.name));
+    }
+    // Bodies that touch have corners at the same places; what is open hangs together by places alone.
+    std::vector<RawShape> parts = split(r);
+    if (std::all_of(parts.begin(), parts.end(), is_closed)) {
+      for (RawShape& part : parts) weld(part);
+    } else {
+      weld(r);
+      parts = split(r);
+    }
+    if (parts.empty() || std::any_of(parts.begin(), parts.end(), [](const RawShape& p) { return p.faces.empty(); }))
+      throw Error(Exit::bad_input, fmt::format("{}: block '{}': has no face with an area", path, r.name));
+    for (size_t i = 0; i < parts.size(); ++i) {
+      RawShape& part = parts[i];
+      orient(part);
+      if (parts.size() > 1 && !part.name.empty()) part.name += fmt::format("/{}", i);
+      all.push_back(std::move(part));
+    }
+  }
+  return all;
+}
+
+// The file's own names; what has none is called as the file and by its place in it, and what shares one by its number.
+void name_all(const std::string& path, std::vector<RawShape>& raw) {
+  const std::string file = std::filesystem::path(path).stem().string();
+  std::map<std::string, std::vector<size_t>> called;
+  for (size_t i = 0; i < raw.size(); ++i) {
+    if (raw[i].name.empty()) raw[i].name = raw.size() == 1 ? file : fmt::format("{}#{}", file, i);
+    called[raw[i].name].push_back(i);
+  }
+  for (const auto& [name, places] : called) {
+    if (places.size() == 1) continue;
+    std::set<std::string> numbers;
+    for (size_t i : places) numbers.insert(raw[i].number);
+    const bool by_number = numbers.size() == places.size() && !numbers.contains("");
+    for (size_t i : places) raw[i].name += fmt::format("#{}", by_number ? raw[i].number : std::to_string(i));
+  }
+}
+
+NamedShape block_of(const RawShape& shape, const std::vector<RawShape>& all) {
+  if (!is_flat(shape)) {
+    DrawnShape drawn = from_drawn(shape);
+    return {shape.name, std::move(drawn.shape), shape.support, drawn.warp, false};
+  }
+  if (!shape.support) {
+    throw Error(
+        Exit::bad_input,
+        fmt::format("block {}: is drawn as a flat face, which only a support can be; mark it as one (is_support "
+                    "in COMPAS, or its name in `fixed` here), or draw it as a closed block",
+                    shape.name));
+  }
+  Vector middle;
+  double corners = 0.0;
+  for (const RawShape& other : all) {
+    if (&other == &shape) continue;
+    for (const Vector& p : other.vertices) middle += p;
+    corners += double(other.vertices.size());
+  }
+  const Vector behind = shape.vertices[0] - plane_of(shape.vertices, shape.faces[0]).normal;
+  return {shape.name, plate(shape, corners > 0 ? middle / corners : behind), true, 0.0, true};
+}
+
 }  // namespace
 
-std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
+std::vector<NamedShape> read_mesh_file(const std::string& path, double scale,
+                                       const std::function<bool(const std::string& name)>& fixed) {
   std::string ending = path.substr(std::min(path.size(), path.rfind('.')));
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   std::vector<RawShape> (*read)(const std::string&, const std::string&) = nullptr;
@@ -230,15 +306,30 @@ std::vector<NamedShape> read_mesh_file(const std::string& path, double scale) {
     throw Error(Exit::bad_input,
                 fmt::format("{}: unknown kind of mesh file; .off, .obj, .stl and .json (COMPAS) are read", path));
   }
-  const std::string bytes = read_input_file(path);
-  std::vector<RawShape> raw = read(path, bytes);
+  std::vector<RawShape> raw = read(path, read_input_file(path));
   if (raw.empty()) throw Error(Exit::bad_input, fmt::format("{}: no block in this file", path));
+  raw = bodies(path, std::move(raw), scale);
+  name_all(path, raw);
   std::vector<NamedShape> shapes;
+  std::vector<std::string> refused;
+  std::string why;
   for (RawShape& r : raw) {
-    for (Vector& p : r.vertices) p *= scale;
-    shapes.push_back({r.name, from_faces(r.vertices, r.faces, r.name), r.support});
+    r.support = r.support || (fixed && fixed(r.name));
+    try {
+      shapes.push_back(block_of(r, raw));
+    } catch (const Error& error) {
+      if (refused.empty()) why = error.what();
+      refused.push_back(r.name);
+    }
   }
-  return shapes;
+  if (refused.empty()) return shapes;
+  if (refused.size() > 1) {
+    constexpr size_t kNamed = 10;
+    why += fmt::format("; {} of the file's {} blocks are refused: {}", refused.size(), raw.size(),
+                       fmt::join(refused.begin(), refused.begin() + long(std::min(kNamed, refused.size())), ", "));
+    if (refused.size() > kNamed) why += " ...";
+  }
+  throw Error(Exit::bad_input, fmt::format("{}: {}", path, why));
 }
 
 std::string to_obj(const std::vector<NamedShape>& shapes) {

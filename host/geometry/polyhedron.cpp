@@ -118,12 +118,12 @@ void complete(ConvexPolyhedron& shape) {
   }
 }
 
-ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::string& name) {
+ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::string& name, double relative_tolerance) {
   if (input.size() < 4) refuse(name, fmt::format("has {} vertices; a polyhedron needs at least 4", input.size()));
   for (size_t i = 0; i < input.size(); ++i) {
     if (!std::isfinite(input[i].x + input[i].y + input[i].z)) refuse(name, fmt::format("vertex {} is not a number", i));
   }
-  const double size = longest_extent(input), tolerance = shape_tolerance * size;
+  const double size = longest_extent(input), tolerance = relative_tolerance * size;
   std::vector<Vector> points;
   for (const Vector& p : input) {  // mesh files repeat corners
     bool is_new = true;
@@ -205,8 +205,8 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
   return shape;
 }
 
-ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
-                            const std::string& name) {
+void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
+                  const std::string& name) {
   const double size = longest_extent(vertices), tolerance = shape_tolerance * size;
   const int n = int(vertices.size());
   if (faces.size() < 4) refuse(name, fmt::format("has {} faces; a polyhedron needs at least 4", faces.size()));
@@ -236,14 +236,7 @@ ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vect
                                place(vertices[ends.first]), place(vertices[ends.second]), f));
     }
   }
-  double volume = 0.0;
-  for (const auto& face : faces) {
-    for (size_t i = 1; i + 1 < face.size(); ++i) {
-      const Vector &o = vertices[faces[0][0]], &a = vertices[face[0]], &b = vertices[face[i]],
-                   &c = vertices[face[i + 1]];
-      volume += dot(a - o, cross(b - o, c - o)) / 6;
-    }
-  }
+  const double volume = volume_within(vertices, faces);
   if (std::abs(volume) <= tolerance * size * size) {
     refuse(name, fmt::format("has zero volume ({:.3g} m3 within a box of side {:.3g} m)", volume, size));
   }
@@ -253,31 +246,57 @@ ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vect
                        "outside",
                        volume));
   }
+}
+
+double volume_within(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces) {
+  double volume = 0.0;
+  const Vector& o = vertices[faces[0][0]];
+  for (const auto& face : faces) {
+    for (size_t i = 1; i + 1 < face.size(); ++i) {
+      const Vector &a = vertices[face[0]], &b = vertices[face[i]], &c = vertices[face[i + 1]];
+      volume += dot(a - o, cross(b - o, c - o)) / 6;
+    }
+  }
+  return volume;
+}
+
+Plane plane_of(const std::vector<Vector>& vertices, const std::vector<int>& face) {
+  Plane plane;
+  for (int c : face) plane.centre += vertices[c] / double(face.size());
+  const Vector m = newell(vertices, face);
+  if (norm(m) > 0.0) plane.normal = normalized(m);
+  return plane;
+}
+
+std::string fault_of_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces) {
+  const double tolerance = shape_tolerance * longest_extent(vertices);
   for (size_t f = 0; f < faces.size(); ++f) {
-    const Vector m = newell(vertices, faces[f]);
-    if (norm(m) <= tolerance * tolerance)
-      refuse(name, fmt::format("face {} at {} has no area", f, place(vertices[faces[f][0]])));
-    const Vector normal = normalized(m);
-    Vector centre;
-    for (int c : faces[f]) centre += vertices[c] / double(faces[f].size());
+    if (norm(newell(vertices, faces[f])) <= tolerance * tolerance)
+      return fmt::format("face {} at {} has no area", f, place(vertices[faces[f][0]]));
+    const Plane plane = plane_of(vertices, faces[f]);
     for (int c : faces[f]) {
-      const double off = dot(vertices[c] - centre, normal);
+      const double off = dot(vertices[c] - plane.centre, plane.normal);
       if (std::abs(off) > tolerance) {
-        refuse(name, fmt::format("face {} is not planar: its corner {} lies {:.3g} m off the plane", f,
-                                 place(vertices[c]), off));
+        return fmt::format("face {} is not planar: its corner {} lies {:.3g} m off the plane", f, place(vertices[c]),
+                           off);
       }
     }
-    for (int i = 0; i < n; ++i) {
-      const double front = dot(vertices[i] - centre, normal);
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      const double front = dot(vertices[i] - plane.centre, plane.normal);
       if (front > 2 * tolerance) {
-        refuse(name,
-               fmt::format(
-                   "is not convex: vertex {} at {} lies {:.3g} m in front of face {}; cut the block into convex parts "
-                   "joined by a bonded joint",
-                   i, place(vertices[i]), front, f));
+        return fmt::format("is not convex: vertex {} at {} lies {:.3g} m in front of face {}; {}", i,
+                           place(vertices[i]), front, f, how_to_cut);
       }
     }
   }
+  return {};
+}
+
+ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
+                            const std::string& name) {
+  check_closed(vertices, faces, name);
+  const std::string fault = fault_of_faces(vertices, faces);
+  if (!fault.empty()) refuse(name, fault);
   return from_vertices(vertices, name);
 }
 

@@ -25,15 +25,37 @@ struct ConvexPolyhedron {
 // before the input is refused. Mesh files in single precision need 1e-6.
 constexpr double shape_tolerance = 1e-6;
 
-// The hull of points; points inside it are dropped. `name` stands in the messages. Throws Error(bad_input): fewer than
-// four points, not a number, flat or needle-like point sets.
-ConvexPolyhedron from_vertices(const std::vector<Vector>& points, const std::string& name);
+// The hull of points; points inside it are dropped. `name` stands in the messages. relative_tolerance: of the largest
+// extent; faces take in corners that lie off their planes by twice that. Throws Error(bad_input): fewer than four
+// points, not a number, flat or needle-like point sets.
+ConvexPolyhedron from_vertices(const std::vector<Vector>& points, const std::string& name,
+                               double relative_tolerance = shape_tolerance);
 
 // A closed convex surface given by faces (counter-clockwise seen from outside; neighbouring coplanar faces, as mesh
 // files have them, are merged). Throws Error(bad_input) naming block, face, place and distance: corner numbers out of
 // range, holes, inverted faces, faces that are not planar, zero volume, non-convex.
 ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                             const std::string& name);
+
+// What from_faces looks at. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
+// bodies that are inverted, zero volume; fault_of_faces: the first face that is not planar or has a vertex in front of
+// it, in words; empty: there is none.
+void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
+                  const std::string& name);
+std::string fault_of_faces(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
+constexpr const char* how_to_cut =
+    "cut it into convex parts where it was drawn, give them one `unit`, and join them by a joint_rule with "
+    "inside_units "
+    "of an elastic family";
+
+// m3, of a closed surface.
+double volume_within(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces);
+
+// Through the mean of a face's corners, along its vector area.
+struct Plane {
+  Vector centre, normal;  // normal: unit, outward; zero for a face without area
+};
+Plane plane_of(const std::vector<Vector>& vertices, const std::vector<int>& face);
 
 ConvexPolyhedron box(const Vector& lower, const Vector& size);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <set>
 
 #include "base/error.h"
 
@@ -103,7 +104,107 @@ void refine(Zoning& m) {
   m.zones = std::move(finer);
 }
 
+double longest_edge_of(const Zoning& m) {
+  double longest = 0.0;
+  for (const auto& t : m.zones) {
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) longest = std::max(longest, norm(m.nodes[t[i]] - m.nodes[t[j]]));
+    }
+  }
+  return longest;
+}
+
+// Halves edges longer than `bound` (m), the longest first, in all zones around them. Short edges stay, where refine()
+// would halve them too, and with them the time step. What becomes of a face depends on its own edges alone, and of
+// equal ones that with the lower middle comes first: blocks that share a face have the same triangles there.
+class Bisection {
+ public:
+  Bisection(Zoning& m, double bound) : m_(m), bound_(bound) {
+    for (int z = 0; z < int(m.zones.size()); ++z) add(z);
+  }
+
+  void run() {
+    while (!queue_.empty()) {
+      const Edge edge = queue_.begin()->second;
+      queue_.erase(queue_.begin());
+      halve(edge);
+    }
+  }
+
+ private:
+  using Edge = std::pair<int, int>;
+  // Length to a millionth, longest first, then the middle: x, y, z to a millionth.
+  using Rank = std::array<long, 4>;
+
+  Rank rank_of(const Edge& e) const {
+    const Vector a = m_.nodes[size_t(e.first)], b = m_.nodes[size_t(e.second)], middle = 0.5 * (a + b);
+    const double unit = 1e-6 * bound_;
+    return {-std::lround(norm(a - b) / unit), std::lround(middle.x / unit), std::lround(middle.y / unit),
+            std::lround(middle.z / unit)};
+  }
+
+  void add(int zone) {
+    const auto& t = m_.zones[size_t(zone)];
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        const Edge edge{std::min(t[i], t[j]), std::max(t[i], t[j])};
+        auto& around = zones_around_[edge];
+        around.push_back(zone);
+        if (norm(m_.nodes[size_t(edge.first)] - m_.nodes[size_t(edge.second)]) > bound_)
+          queue_.insert({rank_of(edge), edge});
+      }
+    }
+  }
+
+  void halve(const Edge& edge) {
+    const int middle = int(m_.nodes.size());
+    m_.nodes.push_back(0.5 * (m_.nodes[size_t(edge.first)] + m_.nodes[size_t(edge.second)]));
+    const std::vector<int> around = std::move(zones_around_[edge]);
+    zones_around_.erase(edge);
+    for (const int z : around) {
+      std::array<int, 4> with_second = m_.zones[size_t(z)];
+      for (auto& [other, zones] : edges_of(z)) {
+        if (other != edge) std::erase(*zones, z);
+      }
+      std::replace(with_second.begin(), with_second.end(), edge.first, middle);
+      std::replace(m_.zones[size_t(z)].begin(), m_.zones[size_t(z)].end(), edge.second, middle);
+      m_.zones.push_back(with_second);
+      add(z);
+      add(int(m_.zones.size()) - 1);
+    }
+  }
+
+  std::vector<std::pair<Edge, std::vector<int>*>> edges_of(int zone) {
+    const auto& t = m_.zones[size_t(zone)];
+    std::vector<std::pair<Edge, std::vector<int>*>> edges;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = i + 1; j < 4; ++j) {
+        const Edge edge{std::min(t[i], t[j]), std::max(t[i], t[j])};
+        const auto found = zones_around_.find(edge);
+        if (found != zones_around_.end()) edges.push_back({edge, &found->second});
+      }
+    }
+    return edges;
+  }
+
+  Zoning& m_;
+  double bound_;
+  std::map<Edge, std::vector<int>> zones_around_;
+  std::set<std::pair<Rank, Edge>> queue_;
+};
+
 }  // namespace
+
+ZoneSize size_of_zone(const Zoning& zoning, const std::array<int, 4>& zone) {
+  double largest = 0.0, shortest = 1e300;  // twice the area of a side, an edge
+  for (const auto& [a, b, c] : triangles_of(zone)) {
+    const Vector u = zoning.nodes[size_t(b)] - zoning.nodes[size_t(a)],
+                 v = zoning.nodes[size_t(c)] - zoning.nodes[size_t(a)];
+    largest = std::max(largest, norm(cross(u, v)));
+    shortest = std::min({shortest, norm(u), norm(v), norm(u - v)});
+  }
+  return {6 * std::abs(volume_of(zoning.nodes, zone)) / largest, shortest};
+}
 
 std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape) {
   if (shape.vertices.size() != 8 || shape.faces.size() != 6 || shape.edges.size() != 12) return std::nullopt;
@@ -215,7 +316,6 @@ Zoning make_brick_zones(const ConvexPolyhedron& shape, std::array<int, 3> n, int
 }
 
 Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::string& name) {
-  const double size = longest_extent(shape.vertices);
   if (!(target_edge > 0))
     throw Error(Exit::bad_input, fmt::format("block {}: zone edge {} m must be > 0", name, target_edge));
   const double estimate = 10 * mass_properties(shape).volume / (target_edge * target_edge * target_edge);
@@ -240,17 +340,9 @@ Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::
     m.nodes.push_back(face_centroid(shape, int(f)));
     for (size_t i = 0; i < face.size(); ++i) m.zones.push_back({centre, middle, face[i], face[(i + 1) % face.size()]});
   }
-  auto longest = [&] {
-    double l = 0.0;
-    for (const auto& t : m.zones) {
-      for (int i = 0; i < 4; ++i) {
-        for (int j = i + 1; j < 4; ++j) l = std::max(l, norm(m.nodes[t[i]] - m.nodes[t[j]]));
-      }
-    }
-    return l;
-  };
-  (void)size;
-  while (longest() > 1.5 * target_edge) refine(m);
+  const double bound = 1.5 * target_edge;
+  while (longest_edge_of(m) > 8 * bound) refine(m);  // of fine zones, which are slow to halve one by one
+  Bisection(m, bound).run();
   finish(shape, name, m);
   return m;
 }

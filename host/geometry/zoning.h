@@ -23,6 +23,11 @@ struct Zoning {
   double worst_quality = 1.0, mean_quality = 1.0;
 };
 
+struct ZoneSize {
+  double height = 0.0, shortest_edge = 0.0;  // m, the smallest ones
+};
+ZoneSize size_of_zone(const Zoning& zoning, const std::array<int, 4>& zone);
+
 // The vertices of a six-sided block of brick topology: number i of the result is at bits (x, y, z) of i, as in
 // geometry::box, along the axes that divisions count. Nothing for other shapes.
 std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape);
@@ -33,10 +38,10 @@ double hexahedra_along(double length, double target_edge);
 // Hexahedra along these axes with edges of at most `target_edge` (m), for shapes with brick_corners.
 std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge);
 
-// Zones with edges not much longer than `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs,
-// wedges cut from them) are divided like a brick, n x m x k hexahedra of 5 zones; any other shape in a fan about its
-// centroid, then every zone into 8 until the longest edge is within the target. Throws Error(bad_input) when the target
-// is not positive or would give more than ten million zones.
+// Zones with edges of at most 1.5 times `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs) in
+// n x m x k hexahedra of 5 zones; others in a fan about their centroid, whose long edges are halved, so that blocks
+// that share a face share its triangles (where edges are 12 times the target, first every zone in 8). Throws
+// Error(bad_input) when the target is not positive or would give more than ten million zones.
 Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::string& name);
 
 // The same with given divisions for six-sided shapes: along the edges 0-1, 0-2, 0-4 of geometry::box. parity: which of

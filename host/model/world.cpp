@@ -107,8 +107,11 @@ void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
   if (assembly_.families.empty()) throw Error(Exit::bad_input, "the scene has no joint family");
   if (solver_.selective_time_step > 0) {
-    throw Error(Exit::bad_input,
-                "selective_time_step is for the small-displacement model of conforming bricks; use mass_scaling here");
+    throw Error(
+        Exit::bad_input,
+        "selective_time_step is for the lattice's bricks in small displacements: it adds inertia to gridpoints, which "
+        "would change how blocks move as a whole; use deformation_inertia with damping = \"block\", which slows "
+        "vibrations alone");
   }
   for (size_t i = 0; i < assembly_.families.size(); ++i) {
     const JointFamily& description = assembly_.families[i];
@@ -269,13 +272,16 @@ std::shared_ptr<const Zoning> World::zoning_of(int block) {
   if (input.zoning) return input.zoning;
   if (zonings_.size() > kFew) zonings_.clear();
   auto& zoning = zonings_[zoning_key(input)];
-  if (!zoning) {
-    const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-    zoning = std::make_shared<const Zoning>(
-        input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, block))
-                               : make_zones(shape, input.zone_edge, label(assembly_, block)));
-  }
+  if (!zoning) zoning = std::make_shared<const Zoning>(make_zoning(block));
   return zoning;
+}
+
+Zoning World::make_zoning(int block) const {
+  const Block& input = assembly_.blocks[size_t(block)];
+  if (input.zoning) return *input.zoning;
+  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+  return input.divisions[0] > 0 ? make_brick_zones(shape, input.divisions, input.parity, label(assembly_, block))
+                                : make_zones(shape, input.zone_edge, label(assembly_, block));
 }
 
 // What a block is at the start.

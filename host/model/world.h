@@ -387,6 +387,13 @@ struct Pose {
   Matrix r;
 };
 
+// A rigid block, or a gridpoint and the flattest zone at it.
+struct StepLimit {
+  int block = -1;
+  Vector at;                                 // m
+  double height = 0.0, shortest_edge = 0.0;  // of the zone, m; 0: a rigid block
+};
+
 class World {
  public:
   // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
@@ -434,6 +441,8 @@ class World {
   long steps() const { return step_count_; }
   double time_step() const { return dt_; }
   double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
+  // What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
+  StepLimit what_sets_time_step() const;
   bool small_displacement() const { return small_; }
   long detections() const { return detections_; }
   long divisions() const { return divisions_; }  // how often the work has been divided anew
@@ -622,6 +631,7 @@ class World {
   Body body_of(int block) const;
   static std::array<double, 6> zoning_key(const Block& block);
   std::shared_ptr<const geometry::Zoning> zoning_of(int block);
+  geometry::Zoning make_zoning(int block) const;
   void forget_blocks(size_t first, size_t end);
   void find_time_step();
 
@@ -651,7 +661,7 @@ class World {
   int facets_a_point(const Contact& c) const {
     return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
   }
-  double highest_frequency() const;  // rad/s
+  double highest_frequency(LaneVector<double>* mode = nullptr) const;  // rad/s; mode: by 6 of bodies, 3 of gridpoints
   double local_stiffness_bound() const;
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
   double turned_by_now(int block) const;

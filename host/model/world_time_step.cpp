@@ -134,7 +134,7 @@ struct World::FrequencyHalo {
   }
 };
 
-double World::highest_frequency() const {
+double World::highest_frequency(LaneVector<double>* mode) const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
   std::unique_ptr<ToldSums> shared;
@@ -257,8 +257,42 @@ double World::highest_frequency() const {
   settings.max_steps = 80;
   settings.first_check = 11;
   settings.settled = 1e-6;
-  const double value = largest_eigenvalue(product, std::move(start), settings, shared.get()).value;
+  settings.with_vector = mode != nullptr;
+  LargestEigenvalue largest = largest_eigenvalue(product, std::move(start), settings, shared.get());
+  if (mode) *mode = std::move(largest.vector);
+  const double value = largest.value;
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+}
+
+StepLimit World::what_sets_time_step() const {
+  LaneVector<double> mode;
+  highest_frequency(&mode);
+  double most = 0.0;
+  StepLimit limit;
+  int gridpoint = -1;
+  const auto look = [&](size_t first, size_t count) {
+    double energy = 0.0;
+    for (size_t k = 0; k < count; ++k) energy += mode[first + k] * mode[first + k];
+    const bool is_more = energy > most;
+    if (is_more) most = energy;
+    return is_more;
+  };
+  for (int i = 0; i < block_count(); ++i) {
+    const ModelBlock& b = blocks_[size_t(i)];
+    if (b.body >= 0 && look(6 * size_t(b.body), 6)) limit = {i, bodies_[size_t(b.body)].x}, gridpoint = -1;
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
+      if (look(6 * bodies_.size() + 3 * size_t(n), 3)) limit = {i, node_x_[size_t(n)]}, gridpoint = n - b.first_node;
+    }
+  }
+  if (gridpoint < 0) return limit;
+  const Zoning zoning = make_zoning(limit.block);
+  limit.height = 1e300;
+  for (const auto& zone : zoning.zones) {
+    if (std::find(zone.begin(), zone.end(), gridpoint) == zone.end()) continue;
+    const ZoneSize size = size_of_zone(zoning, zone);
+    if (size.height < limit.height) limit.height = size.height, limit.shortest_edge = size.shortest_edge;
+  }
+  return limit;
 }
 
 void World::hold_by_springs(double eigenvalue) {

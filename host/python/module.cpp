@@ -1,5 +1,6 @@
 // The compiled part of the package `quoin`: what the Python files beside it are written on. Not for users.
 #include <fmt/format.h>
+#include <pybind11/functional.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -10,10 +11,12 @@
 #include "base/error.h"
 #include "base/input_file.h"
 #include "cli/prepare.h"
+#include "geometry/mesh_file.h"
 #include "law/law_library.h"
 #include "python/document.h"
 #include "python/session.h"
 #ifdef QUOIN_VORO
+#include "python/stones.h"
 #include "python/voronoi.h"
 #endif
 #include "results/provenance.h"
@@ -68,6 +71,17 @@ py::dict dict_of(const quoin::LawSwap& swap) {
   return d;
 }
 
+// Blocks of a mesh file: name, corners (a row of three each, m), faces, and whether it is a support.
+py::list mesh_of(const std::string& path, double scale, const std::function<bool(const std::string&)>& fixed) {
+  py::list blocks;
+  for (const quoin::geometry::NamedShape& s : quoin::geometry::read_mesh_file(path, scale, fixed)) {
+    std::vector<quoin::Vec3> corners;
+    for (const quoin::geometry::Vector& p : s.shape.vertices) corners.push_back(array(p));
+    blocks.append(py::make_tuple(s.name, corners, s.shape.faces, s.support));
+  }
+  return blocks;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_quoin, m) {
@@ -93,9 +107,20 @@ PYBIND11_MODULE(_quoin, m) {
     return hashes_of(scene_of(source, path, files));
   });
 
+  m.def("read_mesh", &mesh_of);
   m.def("report", [](const std::string& folder) { return quoin::write_report({folder}).string(); });
 #ifdef QUOIN_VORO
   m.def("voronoi", &quoin::python::voronoi);
+  m.def("stones", [](const std::vector<quoin::Vec3>& seeds, const quoin::Vec3& size, double shortest) {
+    std::vector<quoin::geometry::Vector> places;
+    for (const quoin::Vec3& p : seeds) places.push_back(quoin::geometry::vector(p));
+    const auto made = quoin::python::stones(std::move(places), quoin::geometry::vector(size), shortest);
+    std::vector<std::vector<quoin::Vec3>> corners(made.corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (const quoin::geometry::Vector& p : made.corners[i]) corners[i].push_back(array(p));
+    }
+    return py::make_tuple(corners, made.shortest_edge);
+  });
 #endif
 
   py::class_<Session>(m, "Session")

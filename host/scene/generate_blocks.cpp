@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/printable.h"
+#include "geometry/drawn_shape.h"
 #include "geometry/mesh_file.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
@@ -22,6 +23,55 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
+// How the blocks of a mesh differ from what its file has.
+void note_mesh(const BlockSpec& spec, const std::vector<NamedShape>& shapes, Assembly& assembly) {
+  std::string warped, plates;
+  double worst = 0.0;
+  long count = 0;
+  for (const NamedShape& s : shapes) {
+    if (s.plate) plates += (plates.empty() ? "" : ", ") + printable(s.name);
+    if (s.warp == 0.0) continue;
+    ++count;
+    if (s.warp > worst) worst = s.warp, warped = printable(s.name);
+  }
+  if (count > 0)
+    assembly.notes.push_back(
+        fmt::format("{}: {} of {} blocks have faces that no plane fits, and were made planar: their surfaces moved by "
+                    "{:.2g} m at most ({})",
+                    spec.mesh, count, shapes.size(), worst, warped));
+  if (!plates.empty())
+    assembly.notes.push_back(
+        fmt::format("{}: supports drawn as a flat face, now fixed plates behind it: {}", spec.mesh, plates));
+}
+
+// Every block of a mesh file: `like` the table says, with a name and a support of its own.
+void add_mesh(const BlockSpec& spec, Block like, Assembly& assembly) {
+  const auto name_of = [&](const std::string& own) {
+    return printable(spec.name.empty() ? own : spec.name + "/" + own);
+  };
+  std::vector<bool> found(spec.fixed_names.size(), false);
+  std::vector<std::string> names;
+  std::vector<NamedShape> shapes = read_mesh_file(spec.mesh, spec.scale, [&](const std::string& own) {
+    names.push_back(own);
+    bool fixed = spec.fixed;
+    for (size_t i = 0; i < found.size(); ++i) {
+      if (spec.fixed_names[i] == own || spec.fixed_names[i] == name_of(own)) fixed = found[i] = true;
+    }
+    return fixed;
+  });
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (!found[i])
+      throw Error(Exit::bad_input, fmt::format("fixed: no block of {} is called '{}'{}", spec.mesh, spec.fixed_names[i],
+                                               did_you_mean(spec.fixed_names[i], names)));
+  }
+  note_mesh(spec, shapes, assembly);
+  for (NamedShape& s : shapes) {
+    like.name = name_of(s.name);
+    like.fixed = s.support;
+    assembly.add(std::move(s.shape), like);
+  }
+}
+
 void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly) {
   Block b;
   b.name = spec.name;
@@ -34,11 +84,7 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
     if (spec.box_size) {
       assembly.add(box(vector(*spec.box_lower), vector(*spec.box_size)), b);
     } else if (!spec.mesh.empty()) {
-      for (NamedShape& s : read_mesh_file(spec.mesh, spec.scale)) {
-        b.name = printable(spec.name.empty() ? s.name : spec.name + "/" + s.name);
-        b.fixed = spec.fixed || s.support;
-        assembly.add(std::move(s.shape), b);
-      }
+      add_mesh(spec, b, assembly);
     } else {
       std::vector<Vector> points;
       for (const Vec3& p : spec.vertices) points.push_back(vector(p));
@@ -48,8 +94,17 @@ void add_block(const BlockSpec& spec, int material, int unit, Assembly& assembly
         assembly.add(std::move(zoned.shape), b);
         return;
       }
-      assembly.add(spec.faces.empty() ? from_vertices(points, spec.name) : from_faces(points, spec.faces, spec.name),
-                   b);
+      if (spec.faces.empty()) {
+        assembly.add(from_vertices(points, spec.name), b);
+        return;
+      }
+      DrawnShape drawn = from_drawn({spec.name, points, spec.faces});
+      if (drawn.warp > 0.0)
+        assembly.notes.push_back(
+            fmt::format("block {}: has faces that no plane fits, and was made planar: its surface "
+                        "moved by {:.2g} m at most",
+                        spec.name, drawn.warp));
+      assembly.add(std::move(drawn.shape), b);
     }
   } catch (const Error& e) {
     throw Error(e.exit_code, fmt::format("{}: {}", spec.source.text, e.what()));

@@ -89,13 +89,30 @@ void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid,
   if (t.number("zone_edge", zone_edge, kLength, "m") && rigid) t.refuse("zone_edge", "only with rigid = false");
 }
 
+// fixed: true, or which blocks of a mesh.
+void read_fixed(Table& t, BlockSpec& b) {
+  const std::string allowed = "true or false, or of a mesh a list of names of blocks";
+  const toml::node* node = t.find("fixed", allowed, false);
+  if (!node) return;
+  if (node->is_boolean()) {
+    b.fixed = *node->value<bool>();
+    return;
+  }
+  const toml::array* list = node->as_array();
+  if (!list || list->empty() || !t.has("mesh")) return t.wrong_type("fixed", *node, allowed);
+  for (const toml::node& name : *list) {
+    if (!name.is_string()) return t.wrong_type("fixed", *node, allowed);
+    b.fixed_names.push_back(*name.value<std::string>());
+  }
+}
+
 BlockSpec read_block(Table t, const Scene& scene) {
   BlockSpec b;
   b.source = {t.where()};
   t.text("name", b.name, "text");
   t.text("unit", b.unit, "the name of the masonry unit that the block is part of");
   read_kind(t, scene, b.material, b.rigid, b.zone_edge);
-  t.boolean("fixed", b.fixed);
+  read_fixed(t, b);
   if (t.numbers("divisions", b.divisions, between(1, 200), "hexahedra of 5 zones along the three edges") && b.rigid) {
     t.refuse("divisions", "only with rigid = false");
   }

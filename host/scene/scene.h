@@ -312,9 +312,10 @@ struct BlockSpec {
   std::vector<std::vector<int>> faces;         // empty: the hull of the vertices
   std::vector<std::array<int, 4>> tetrahedra;  // deformable: of the vertices, the zones; empty: they are made
   std::optional<Vec3> box_lower, box_size;
-  std::string mesh;    // file; every object becomes a block
-  double scale = 1.0;  // of the mesh file's lengths
-  std::string unit;    // blocks that name the same one are parts of a masonry unit
+  std::string mesh;                      // file; every object becomes a block
+  std::vector<std::string> fixed_names;  // of the mesh's blocks, with or without the name of this table before them
+  double scale = 1.0;                    // of the mesh file's lengths
+  std::string unit;                      // blocks that name the same one are parts of a masonry unit
   Source source;
 };
 

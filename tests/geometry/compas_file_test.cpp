@@ -63,7 +63,40 @@ TEST(Compas, WhatIsNoBlockIsPassedOver) {
       read_compas("a.json", R"({"attributes": {"is_support": true, "name": "base"}, "blocks": [{)" + kMesh + "}]}");
   ASSERT_EQ(shapes.size(), 1u);
   EXPECT_TRUE(shapes[0].support);
-  EXPECT_EQ(shapes[0].name, "base");
+  EXPECT_EQ(shapes[0].name, "block_0");
+}
+
+// Before COMPAS 1 blocks stood beside the graph whose nodes, or vertices, say which are supports; every block was
+// called "Block".
+TEST(Compas, SupportsOfOldFilesAreInTheGraph) {
+  for (const std::string kind : {"node", "vertex"}) {
+    const auto shapes = read_compas(
+        "a.json", R"({"assembly": {"attributes": {"name": "Assembly"}, "node_attributes": {"is_support": false}, ")" +
+                      kind + R"(": {"7": {"x": 1, "is_support": true}, "3": {"x": 1}, "5": {"is_support": false}},
+"edge": {}}, "blocks": {"3": {"attributes": {"name": "Block"}, )" +
+                      kMesh + R"(}, "7": {"attributes": {"name": "Block"}, )" + kMesh + R"(}, "5": {)" + kMesh + "}}}");
+    ASSERT_EQ(shapes.size(), 3u);
+    EXPECT_EQ(shapes[0].number + shapes[1].number + shapes[2].number, "375");
+    EXPECT_FALSE(shapes[0].support);
+    EXPECT_TRUE(shapes[1].support);
+    EXPECT_FALSE(shapes[2].support);
+    EXPECT_EQ(shapes[1].name, "Block");
+    EXPECT_EQ(shapes[2].name, "block_2");
+  }
+}
+
+// COMPAS 0.18 wrote the attributes of its last block beside the graph, a whole mesh and a support among them.
+TEST(Compas, BlocksOfAGraphAreAllThatItHas) {
+  const auto shapes = read_compas(
+      "a.json", R"({"attributes": {"name": "Graph"}, "is_support": true, )" + kMesh +
+                    R"(, "node": {"0": {"is_support": false, "block": {"value": {)" + kMesh +
+                    R"(}}}, "4": {"is_support": true, "block": {"value": {"attributes": {"name": "key"}, )" + kMesh +
+                    "}}}}}");
+  ASSERT_EQ(shapes.size(), 2u);
+  EXPECT_EQ(shapes[0].name, "block_0");  // and not as the graph
+  EXPECT_FALSE(shapes[0].support);
+  EXPECT_EQ(shapes[1].name, "key");
+  EXPECT_TRUE(shapes[1].support);
 }
 
 TEST(Compas, FaultsNameTheirPlace) {

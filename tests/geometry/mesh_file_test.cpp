@@ -1,14 +1,17 @@
 // Mesh files that are wrong: every one is refused with file and line, and none crashes the reader.
 #include "geometry/mesh_file.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <sstream>
 
 #include "base/error.h"
 
@@ -103,16 +106,143 @@ TEST_F(BadMeshFile, ObjectsAreCalledAsTheFileSaysOrByTheirPlace) {
     for (const NamedShape& shape : read(ending, bytes)) list.push_back(shape.name);
     return list;
   };
-  const std::string body = std::string(kObj).substr(8), file = (folder_ / "m.").string();
+  const std::string body = std::string(kObj).substr(8);
   const std::string faces = "f -4 -2 -3\nf -4 -3 -1\nf -3 -2 -1\nf -4 -1 -2\n";
   const std::string next = "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n" + faces;
-  EXPECT_THAT(names("obj", "o\n" + body + "g post\n" + next + "o\n" + next),
-              ElementsAre(file + "obj#0", "post", file + "obj#2"));
-  EXPECT_THAT(names("obj", body), ElementsAre(file + "obj"));
+  EXPECT_THAT(names("obj", "o\n" + body + "g post\n" + next + "o\n" + next), ElementsAre("m#0", "post", "m#2"));
+  EXPECT_THAT(names("obj", body), ElementsAre("m"));
+  // Blanks belong to a name; a name that several have gets their places, and bodies of one object their numbers.
+  EXPECT_THAT(names("obj", "o left post\n" + body + "o lintel\n" + next + "o lintel\n" + next),
+              ElementsAre("left post", "lintel#1", "lintel#2"));
+  EXPECT_THAT(names("obj", "o posts\n" + body + next), ElementsAre("posts/0", "posts/1"));
+  // Mirrored in its face z = 0: two bodies that touch.
+  const std::string below = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 -1\n" + faces;
+  EXPECT_THAT(names("obj", "o pair\n" + body + below), ElementsAre("pair/0", "pair/1"));
+  // Two triangles back to back whose corners are one place, nearly: closed, and nothing is left of it.
+  EXPECT_THAT(refusal("obj", "v 0 0 0\nv 1e-9 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\n"),
+              HasSubstr("block '': has no face with an area"));
+  EXPECT_THAT(refusal("obj", "o flat\nv 0 0 0\nv 1 0 0\nf 1 2 1\n"),
+              HasSubstr("block 'flat': has no face with an area"));
   const std::string named = ascii_stl();
   const std::string nameless = "solid" + named.substr(named.find('\n'));
-  EXPECT_THAT(names("stl", nameless + named + nameless), ElementsAre(file + "stl#0", "wedge#1", file + "stl#2"));
-  EXPECT_THAT(names("off", kOff), ElementsAre(file + "off"));
+  EXPECT_THAT(names("stl", nameless + named + nameless), ElementsAre("m#0", "wedge#1", "m#2"));
+  EXPECT_THAT(names("off", kOff), ElementsAre("m"));
+}
+
+// A unit cube as OBJ, whose corner (1, 1, 1) is raised: its top is warped.
+std::string cube(double raised, const std::string& name = "cube", double x = 0.0) {
+  std::string text = "o " + name + "\n";
+  for (int i = 0; i < 8; ++i)
+    text += fmt::format("v {} {} {}\n", x + (i & 1), (i >> 1 & 1) * (i == 7 ? 1 + raised : 1), i >> 2);
+  for (const auto& f : {"1 5 7 3", "2 4 8 6", "1 2 6 5", "3 7 8 4", "1 3 4 2", "5 6 8 7"}) {
+    text += "f";
+    std::istringstream corners(f);
+    for (int c; corners >> c;) text += fmt::format(" {}", c - 9);
+    text += "\n";
+  }
+  return text;
+}
+
+// The plane that fits (0, 1, 0), (1, 1, 0), (0, 1, 1), (1, 1 + h, 1) best in Newell's normal passes a quarter of h from
+// each, above two and below two; upright faces stay planes. Corners move along upright edges, by h/4, and the volume
+// stays that of the mean height, 1 + h/4.
+TEST_F(BadMeshFile, WarpedFacesBecomePlanesThroughTheMiddle) {
+  for (const double h : {1e-5, 1e-4, 1e-3, 1e-2}) {
+    const NamedShape block = read("obj", cube(h)).at(0);
+    EXPECT_EQ(block.shape.faces.size(), 6u);
+    EXPECT_EQ(block.shape.vertices.size(), 8u);
+    EXPECT_NEAR(block.warp, h / 4, 1e-3 * h);
+    EXPECT_NEAR(mass_properties(block.shape).volume, 1 + h / 4, 1e-6 * h + 1e-12);
+    EXPECT_EQ(fault_of_faces(block.shape.vertices, block.shape.faces), "");
+    for (const Vector& p : block.shape.vertices) {
+      const bool up = p.y > 0.5;
+      const double drawn = up && p.x > 0.5 && p.z > 0.5 ? 1 + h : (up ? 1.0 : 0.0);
+      EXPECT_NEAR(std::abs(p.y - drawn), up ? h / 4 : 0.0, 1e-3 * h);
+    }
+  }
+  EXPECT_EQ(read("obj", cube(0)).at(0).warp, 0.0);
+  for (const double h : {0.05, -0.05})
+    EXPECT_THAT(refusal("obj", cube(h)),
+                AllOf(HasSubstr("m.obj: block cube: a face is not planar: its corner"),
+                      HasSubstr("lies 0.0125 m off the plane (allowed: 0.005"), HasSubstr("triangles")));
+}
+
+// Two blocks that share the corners of a warped face have one plane there, and no gap.
+TEST_F(BadMeshFile, NeighboursShareThePlaneOfAWarpedFace) {
+  const double h = 1e-3;
+  std::string upper = "o upper\n";
+  for (int i = 0; i < 8; ++i)
+    upper += fmt::format("v {} {} {}\n", i & 1, i >> 1 & 1 ? 2.0 : ((i & 5) == 5 ? 1 + h : 1.0), i >> 2);
+  for (const auto& f : {"9 13 15 11", "10 12 16 14", "9 10 14 13", "11 15 16 12", "9 11 12 10", "13 14 16 15"})
+    upper += fmt::format("f {}\n", f);
+  const auto blocks = read("obj", cube(h) + upper);
+  ASSERT_EQ(blocks.size(), 2u);
+  int shared = 0;
+  for (const Vector& p : blocks[0].shape.vertices) {
+    for (const Vector& q : blocks[1].shape.vertices) shared += norm(p - q) < 1e-6 * h;
+  }
+  EXPECT_EQ(shared, 4);
+}
+
+// Rhino writes some blocks inside out, some with every face twice, some with corners of their own for every face.
+TEST_F(BadMeshFile, FacesMayRunEitherWayRoundAndComeTwice) {
+  std::string twice = cube(0), inside_out, own_corners = "o cube\n";
+  for (const auto& f : {"-4 -2 -6 -8", "-7 -5 -1 -3"}) twice += fmt::format("f {}\n", f);
+  std::istringstream lines(cube(0));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("f")) {
+      std::istringstream words(line.substr(1));
+      std::array<std::string, 4> c;
+      for (auto& word : c) words >> word;
+      line = "f " + c[3] + " " + c[2] + " " + c[1] + " " + c[0];
+    }
+    inside_out += line + "\n";
+  }
+  const ConvexPolyhedron body = read("obj", cube(0)).at(0).shape;
+  for (const auto& face : body.faces) {
+    for (int i : face) {
+      const Vector& p = body.vertices[size_t(i)];
+      own_corners += fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+    }
+    own_corners += "f -4 -3 -2 -1\n";
+  }
+  for (const std::string& text : {twice, inside_out, own_corners})
+    EXPECT_DOUBLE_EQ(mass_properties(read("obj", text).at(0).shape).volume, 1.0);
+}
+
+TEST_F(BadMeshFile, AllThatIsRefusedIsNamed) {
+  const std::string l_shape = [] {  // a prism over an L
+    std::string text = "o L\n";
+    for (int z : {0, 1}) {
+      for (const char* p : {"0 0", "2 0", "2 1", "1 1", "1 2", "0 2"}) text += fmt::format("v {} {}\n", p, z);
+    }
+    text += "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\n";
+    for (int i = 0; i < 6; ++i) text += fmt::format("f {} {} {} {}\n", i + 1, (i + 1) % 6 + 1, (i + 1) % 6 + 7, i + 7);
+    return text;
+  }();
+  EXPECT_THAT(refusal("obj", l_shape), AllOf(HasSubstr("m.obj: block L: is not convex: near"), HasSubstr("`unit`"),
+                                             HasSubstr("convex parts"), HasSubstr("inside_units")));
+  EXPECT_THAT(refusal("obj", l_shape + cube(0) + cube(0.2, "post")),
+              HasSubstr("2 of the file's 3 blocks are refused: L, post"));
+}
+
+// A support that is drawn as a flat face is a plate of a tenth of its extent behind it, away from what stands before
+// it.
+TEST_F(BadMeshFile, SupportsDrawnAsOneFaceArePlates) {
+  const std::string floor = "o floor\nv -1 0 -1\nv 3 0 -1\nv 3 0 1\nv -1 0 1\n", face = "f -4 -3 -2 -1\n";
+  for (const std::string& way_round : {face, std::string("f -1 -2 -3 -4\n")}) {
+    const auto fixed = [](const std::string& name) { return name == "floor"; };
+    std::ofstream(folder_ / "m.obj") << cube(0) << floor << way_round;
+    const auto blocks = read_mesh_file((folder_ / "m.obj").string(), 1.0, fixed);
+    ASSERT_EQ(blocks.size(), 2u);
+    EXPECT_FALSE(blocks[0].plate || blocks[0].support);
+    EXPECT_TRUE(blocks[1].plate && blocks[1].support);
+    const MassProperties plate = mass_properties(blocks[1].shape);
+    EXPECT_DOUBLE_EQ(plate.volume, 4 * 2 * 0.4);
+    EXPECT_DOUBLE_EQ(plate.centroid.y, -0.2);
+  }
+  EXPECT_THAT(refusal("obj", cube(0) + floor + face),
+              AllOf(HasSubstr("block floor: is drawn as a flat face"), HasSubstr("is_support"), HasSubstr("`fixed`")));
 }
 
 TEST_F(BadMeshFile, NumbersOfCornersAreWholeAndInRange) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "base/error.h"
 #include "geometry/mesh_file.h"
@@ -319,6 +320,98 @@ TEST(Zoning, FillsTheVolumeAndCoversTheSurface) {
               make_zones(box({0, 0, 0}, {1, 1, 1}), 1e-4, "q");
             }).find("more than 1e+07"),
             std::string::npos);
+}
+
+// Corners and a plane of a stone cut by another plane near a corner: two short edges. Zones are made finer by halving
+// the long edges alone, so the smallest height stays that of the fan. Halving all edges, as for the whole grid, gave
+// half.
+TEST(Zoning, FinerZonesAreNoFlatterThanShortEdgesMakeThem) {
+  std::vector<Vector> stone;
+  for (const Vector& p : prism(6, 0.1, 0.2).vertices) stone.push_back(p);
+  stone[0] = stone[0] + 0.1 * (stone[1] - stone[0]);
+  const ConvexPolyhedron shape = from_vertices(stone, "stone");
+  const auto smallest = [&](double edge) {
+    const Zoning z = make_zones(shape, edge, "stone");
+    double height = 1e300;
+    for (const auto& zone : z.zones) height = std::min(height, size_of_zone(z, zone).height);
+    return std::pair(height, z.zones.size());
+  };
+  const auto [coarse, few] = smallest(1.0);
+  const auto [fine, many] = smallest(0.1);
+  EXPECT_GT(many, few);
+  EXPECT_GT(fine, 0.75 * coarse);
+}
+
+// Neighbours that are zoned each by itself share gridpoints and triangles on the face between them: the two halves of a
+// prism, cut by a slanted plane.
+TEST(Zoning, NeighboursShareTheTrianglesOfTheirFace) {
+  std::vector<Vector> lower, upper;
+  for (int k = 0; k < 7; ++k) {
+    const double a = 2 * std::numbers::pi * k / 7, x = 0.3 * std::cos(a), z = 0.3 * std::sin(a), cut = 0.4 + 0.3 * x;
+    lower.insert(lower.end(), {{x, 0, z}, {x, cut, z}});
+    upper.insert(upper.end(), {{x, 1, z}, {x, cut, z}});
+  }
+  using Place = std::array<long, 3>;
+  const auto triangles = [](const std::vector<Vector>& corners) {
+    const Zoning z = make_zones(from_vertices(corners, "half"), 0.1, "half");
+    std::set<std::set<Place>> found;
+    for (const auto& t : z.surface) {
+      std::set<Place> places;
+      bool on_cut = true;
+      for (int n : t.node) {
+        const Vector& p = z.nodes[size_t(n)];
+        on_cut &= std::abs(p.y - 0.4 - 0.3 * p.x) < 1e-9;
+        places.insert({std::lround(p.x * 1e8), std::lround(p.y * 1e8), std::lround(p.z * 1e8)});
+      }
+      if (on_cut) found.insert(places);
+    }
+    return found;
+  };
+  const auto of_lower = triangles(lower);
+  EXPECT_GT(of_lower.size(), 14u);
+  EXPECT_EQ(of_lower, triangles(upper));
+}
+
+// The patch test: under a uniform stress the zones around an inner gridpoint hold it in balance, and those at the
+// surface pull by a third of the traction on each triangle, to rounding.
+TEST(Zoning, UniformStressIsInBalance) {
+  const Matrix stress{{{2.0, -0.3, 0.5}, {-0.3, 1.0, 0.7}, {0.5, 0.7, -1.5}}};
+  for (const double edge : {0.5, 0.12, 0.05}) {
+    const Zoning z = make_zones(from_vertices({{0, 0, 0},
+                                               {0.3, 0, 0.02},
+                                               {0.32, 0.02, 0.3},
+                                               {0, 0.01, 0.25},
+                                               {0.1, 0.3, 0.1},
+                                               {0.25, 0.28, 0.2},
+                                               {0.02, 0.2, 0.22}},
+                                              "stone"),
+                                edge, "stone");
+    std::vector<Vector> force(z.nodes.size());
+    for (const auto& t : z.zones) {
+      for (int k = 0; k < 4; ++k) {  // V grad N is minus a third of the area of the side across
+        const Vector &p = z.nodes[size_t(t[size_t(k)])], &a = z.nodes[size_t(t[size_t((k + 1) % 4)])],
+                     &b = z.nodes[size_t(t[size_t((k + 2) % 4)])], &c = z.nodes[size_t(t[size_t((k + 3) % 4)])];
+        Vector twice = cross(b - a, c - a);
+        if (dot(twice, p - a) < 0) twice = -twice;
+        force[size_t(t[size_t(k)])] += stress * (1.0 / 6 * twice);
+      }
+    }
+    for (const auto& t : z.surface) {
+      const Vector twice = cross(z.nodes[size_t(t.node[1])] - z.nodes[size_t(t.node[0])],
+                                 z.nodes[size_t(t.node[2])] - z.nodes[size_t(t.node[0])]);
+      for (const int n : t.node) force[size_t(n)] -= stress * (1.0 / 6 * twice);
+    }
+    for (const Vector& f : force) EXPECT_LT(norm(f), 1e-15);
+  }
+}
+
+TEST(Zoning, TheSizeOfAZoneIsItsSmallest) {
+  Zoning z;
+  z.nodes = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {0, 0, 2}};
+  const ZoneSize size = size_of_zone(z, {0, 1, 2, 3});
+  // From the origin to the plane x/4 + y/3 + z/2 = 1.
+  EXPECT_NEAR(size.height, 1 / std::sqrt(1 / 16.0 + 1 / 9.0 + 1 / 4.0), 1e-12);
+  EXPECT_EQ(size.shortest_edge, 2.0);
 }
 
 TEST(MeshFile, OffObjAndStl) {

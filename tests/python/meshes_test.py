@@ -43,7 +43,18 @@ def compas_2(blocks):
                                                               "elements": elements}, "guid": "x"}
 
 
+def before_compas_1(blocks):
+    """compas_assembly before COMPAS 1: blocks beside the graph, which has the supports; all are called Block."""
+    return {"assembly": {"attributes": {"name": "Assembly"}, "node_attributes": {"is_support": False}, "edge": {},
+                         "node": {str(i): {"x": 0, **({"is_support": True} if s else {})} for i, (_, s) in enumerate(blocks)}},
+            "blocks": {str(i): mesh for i, (mesh, _) in enumerate(blocks)}}
+
+
 class Compas(Folder):
+    def setUp(self):
+        super().setUp()
+        self.floor, self.cube = mesh_of(0, 0, 0, name="Block"), mesh_of(0, 0, 1, name="Block")
+
     def scene(self, data, **keys):
         with open(self.path("assembly.json"), "w", encoding="utf-8") as file:
             json.dump(data, file)
@@ -75,6 +86,35 @@ class Compas(Folder):
         sim = quoin.Simulation(scene)
         self.assertEqual(sim.velocity("a/stone 1").shape, (1, 3))
 
+    def test_old_files_have_their_supports_in_the_graph(self):
+        scene = self.scene(before_compas_1([(self.floor, True), (self.cube, False)]))
+        self.assert_stands_on_its_support(scene)
+        sim = quoin.Simulation(scene)
+        self.assertEqual(sim.velocity("a/Block#1").shape, (1, 3))
+
+    def test_a_support_may_be_one_face(self):
+        self.floor["vertex"] = {k: dict(v, z=1.0) for k, v in self.floor["vertex"].items() if int(k) < 4}
+        self.floor["face"] = {"0": [0, 1, 3, 2]}
+        self.assert_stands_on_its_support(self.scene(before_compas_1([(self.floor, True), (self.cube, False)])))
+        with self.assertRaisesRegex(quoin.BadInput, "Block#0: is drawn as a flat face"):
+            quoin.Simulation(self.scene(before_compas_1([(self.floor, False), (self.cube, False)])))
+        self.assert_stands_on_its_support(self.scene(before_compas_1([(self.floor, False), (self.cube, False)]),
+                                                     fixed=["Block#0"]))
+
+    def test_warped_faces_are_one_joint(self):
+        """The same corners, one of them raised by 1 mm, are those of both blocks: a joint of 1 m2."""
+        self.floor["vertex"]["7"]["z"] = self.cube["vertex"]["3"]["z"] = 1.001
+        scene = self.scene(compas_1([(self.floor, True), (self.cube, False)]))
+        self.assert_stands_on_its_support(scene)
+        sim = quoin.Simulation(scene)
+        self.assertAlmostEqual(np.sum(sim.area("dry")), 1.0, delta=1e-3)
+        scene.stage[0].duration = 0.01
+        scene.write(self.path("scene.toml"))
+        words = "2 of 2 blocks have faces that no plane fits, and were made planar: their surfaces moved by 0.00025 m at most"
+        self.assertIn(words, self.command("check", "scene.toml").stdout)
+        done = self.command("run", "scene.toml", "--out", "out")
+        self.assertIn(words, done.stdout + done.stderr)
+
     def test_what_is_wrong_is_told_with_its_place(self):
         broken = mesh_of(0, 0, 1)
         broken["face"]["3"] = [2, 6, 77, 3]
@@ -94,6 +134,61 @@ class Compas(Folder):
         scene.block[0].mesh = self.path("rubbish.json")
         with self.assertRaisesRegex(quoin.BadInput, "rubbish.json: not valid JSON"):
             quoin.Simulation(scene)
+
+
+class Obj(Folder):
+    """What Blender and Rhino write: normals, texture coordinates, objects with names."""
+
+    def write(self, corner):
+        """A slab and a post on it; corner: of faces, with {0} for the number."""
+        text = "mtllib none.mtl\nvn 0 0 1\nvt 0.5 0.5\n"
+        for name, (x, y, z), size in (("foundation", (-0.5, -0.2, -0.5), (2, 0.2, 2)), ("post 1", (0, 0, 0), (1, 1, 1))):
+            text += f"o {name}\n" + "".join(f"v {x + size[0] * (i & 1)} {y + size[1] * (i >> 1 & 1)} {z + size[2] * (i >> 2)}\n"
+                                           for i in range(8)) + "vn 0 1 0\nusemtl stone\ns off\n"
+            for face in ((0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)):
+                text += "f " + " ".join(corner.format(i - 8) for i in face) + "\n"
+        with open(self.path("two.obj"), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path("two.obj")
+
+    def assert_stands(self, blocks):
+        sim = quoin.Simulation(scene_of(blocks))
+        sim.run()
+        self.assertAlmostEqual(np.sum(sim.sigma("dry") * sim.area("dry")), -19620.0, delta=200.0)
+
+    def test_normals_are_passed_over_and_names_kept(self):
+        for corner in ("{0}", "{0}//1", "{0}/1/1", "{0}/1"):
+            with self.subTest(corner):
+                blocks = quoin.read_blocks(self.write(corner), material="stone", fixed=["foundation"])
+                self.assertEqual([b.name for b in blocks], ["foundation", "post 1"])
+                self.assertEqual(["fixed" in b for b in blocks], [True, False])
+                self.assert_stands(blocks)
+        named = quoin.read_blocks(self.write("{0}//1"), material="stone", name="site", scale=2.0, fixed=["site/foundation"])
+        self.assertEqual([b.name for b in named], ["site/foundation", "site/post 1"])
+        self.assertTrue(named[0].fixed)
+        self.assertEqual(np.max(named[1].vertices), 2.0)
+        with self.assertRaisesRegex(quoin.BadInput, "no block is called 'fundation'; did you mean 'foundation'"):
+            quoin.read_blocks(self.write("{0}"), material="stone", fixed=["fundation"])
+        with self.assertRaisesRegex(quoin.BadInput, "give zone_edge"):
+            quoin.read_blocks(self.write("{0}"), material="stone", rigid=False)
+
+    def test_a_block_of_a_mesh_is_fixed_by_name(self):
+        self.write("{0}//1")
+        for name, fixed in (("site", ["foundation"]), ("site", ["site/foundation"]), (None, ["foundation"])):
+            block = quoin.Block(material="stone", mesh=self.path("two.obj"), fixed=fixed)
+            if name:
+                block.name = name
+            self.assert_stands([block])
+            scene = scene_of([block], duration=0.01)
+            scene.write(self.path("scene.toml"))
+            self.assertEqual(quoin.Scene.load(self.path("scene.toml")), scene)
+            self.assertEqual(self.command("run", "scene.toml", "--out", "out").returncode, 0)
+        for fixed, words in ((["fundation"], "fixed: no block of .*two.obj is called 'fundation'.*foundation"),
+                             ([], "fixed.*a list of names"), ([3], "fixed.*a list of names"), ("all", "fixed.*true or false")):
+            with self.assertRaisesRegex(quoin.BadInput, words):
+                quoin.Simulation(scene_of([quoin.Block(material="stone", mesh=self.path("two.obj"), fixed=fixed)]))
+        with self.assertRaisesRegex(quoin.BadInput, "fixed.*of a mesh"):
+            quoin.Simulation(scene_of([quoin.Block(material="stone", box=dict(size=[1, 1, 1]), fixed=["a"])]))
 
 
 def mesh_boxes(test, name, boxes, edge, version=4.1):

@@ -1,6 +1,7 @@
 """Generators of masonry: what they fill, that nothing overlaps, that it stands."""
 import math
 import unittest
+from collections import Counter
 
 import numpy as np
 import quoin
@@ -148,6 +149,41 @@ class Shapes(Folder):
         for seed in (4, 10, 21):  # splinters too make a model (of seeds 1 to 29 all but 22: corners closer than told apart)
             wild = quoin.shapes.rubble(size, stone, seed=seed, relax=0, **MASONRY)
             self.assertEqual(quoin.Simulation(scene_of(wild)).blocks, 40)
+
+    def test_stones_have_no_short_edges_and_share_their_faces(self):
+        if not hasattr(quoin._quoin, "voronoi"):
+            self.skipTest("the package is built without Voro++ (voro++-dev)")
+        size, stone = np.array([1.0, 0.6, 0.4]), np.array([0.2, 0.12, 0.2])
+        for seed, relax in ((1, 3), (2, 0), (3, 10)):
+            with self.subTest(seed=seed, relax=relax):
+                edges = {}
+                for shortest in (0.0, 0.15):
+                    blocks = quoin.shapes.rubble(size, stone, seed=seed, relax=relax, shortest_edge=shortest, **MASONRY)
+                    self.assert_fills(blocks, np.prod(size))
+                    faces = [face for b in blocks for face in hull_faces(np.array(b.vertices))]
+                    edges[shortest] = min(np.linalg.norm((face - np.roll(face, 1, axis=0)) / stone, axis=1).min()
+                                          for face in faces)
+                self.assertLess(edges[0.0], 0.03)  # there was something to do
+                self.assertGreaterEqual(edges[0.15], 0.15)
+                corners = Counter(frozenset(map(tuple, np.round(face, 7) + 0.0)) for face in faces)
+                for face, times in corners.items():
+                    points = np.array(list(face))
+                    is_side = any((points[:, k] == at).all() for k in range(3) for at in (0.0, size[k]))
+                    self.assertEqual(times, 1 if is_side else 2)
+                self.assertEqual(quoin.Simulation(scene_of(blocks)).blocks, len(blocks))
+
+    def test_deformable_rubble_has_the_time_step_of_its_stones(self):
+        if not hasattr(quoin._quoin, "voronoi"):
+            self.skipTest("the package is built without Voro++ (voro++-dev)")
+        steps = {}
+        for shortest in (0.0, 0.15):
+            blocks = quoin.shapes.rubble([1.0, 0.6, 0.4], [0.2, 0.12, 0.2], seed=1, relax=3, shortest_edge=shortest, rigid=False,
+                                         zone_edge=0.15, **MASONRY)
+            sim = quoin.Simulation(scene_of(blocks))
+            steps[shortest] = sim.time_step
+        # Along an edge of 0.15 * 0.12 m a wave of sqrt(E/rho) = 2236 m/s runs for 8e-6 s; zones are flatter than that.
+        self.assertGreater(steps[0.15], 10 * steps[0.0])
+        self.assertGreater(steps[0.15], 1.5e-6)
 
     def test_a_cross_vault_fills_its_webs_and_stands(self):
         span, thickness, courses = 4.0, 0.4, 11

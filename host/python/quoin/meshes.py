@@ -1,5 +1,7 @@
-"""Blocks from meshes of other programs, read by meshio: gmsh's .msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
+"""Blocks from meshes of other programs: OBJ, OFF, STL and assemblies of COMPAS as a scene reads them, and by meshio gmsh's
+.msh of versions 2 and 4, PLY, VTK, Abaqus, MED and others."""
 import contextlib
+import difflib
 import importlib.util
 import io
 import os
@@ -8,6 +10,7 @@ import resource
 
 import numpy as np
 
+from . import _quoin
 from .errors import BadInput
 from .scene import Block
 
@@ -128,12 +131,67 @@ def _read(path):
         raise ValueError(" ".join(said.getvalue().split()) or "no reason is given") from None
 
 
-def read_blocks(path, *, material, scale=1.0, name=None, **keys):
-    """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale: the surfaces of their tetrahedra,
-    or, where the file has none, closed surfaces. Bodies are parted by gmsh's volumes, and where they do not hang together;
-    each must be convex. With rigid=False the tetrahedra of the file are the zones of deformable blocks; with zone_edge
-    besides, blocks are zoned anew."""
+OWN_KINDS = (".obj", ".off", ".stl", ".json")  # that a scene reads by itself
+
+
+def _is_own(path):
+    """Of COMPAS is what is no mesh of meshio's, which has no .json."""
+    return os.path.splitext(path)[1] in OWN_KINDS
+
+
+def _fixed_names(fixed):
+    """True or False for all, or a list of names."""
+    if isinstance(fixed, (bool, np.bool_)):
+        return bool(fixed), []
+    names = [fixed] if isinstance(fixed, str) else list(fixed)
+    if not all(isinstance(n, str) for n in names):
+        raise ValueError(f"fixed = {fixed!r}: allowed: True, False or a list of names of blocks")
+    return False, names
+
+
+def _chosen(path, names, all_fixed, wanted, own_support):
+    """Which of the blocks of these names are fixed. BadInput for a wanted name that none has."""
+    for name in wanted:
+        if name not in names:
+            near = difflib.get_close_matches(name, names, 1)
+            raise BadInput(f"{path}: fixed: no block is called {name!r}" +
+                           (f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(names[:10])}"))
+    return [all_fixed or own or name in wanted for name, own in zip(names, own_support)]
+
+
+def _own_blocks(path, material, scale, name, fixed, keys):
+    """Of a file that a scene reads by itself: with the file's names, after `name` if that is given."""
+    if not keys.get("rigid", True) and "zone_edge" not in keys and "divisions" not in keys:
+        raise BadInput(f"{path}: has no tetrahedra that could be the zones of deformable blocks; give zone_edge")
+    all_fixed, wanted = _fixed_names(fixed)
+    before = f"{name}/" if name else ""
+
+    def is_fixed(own):
+        return all_fixed or own in wanted or before + own in wanted
+    bodies = _quoin.read_mesh(path, scale, is_fixed)
+    names = [n for n, *_ in bodies]
+    _chosen(path, names, all_fixed, [w[len(before):] if w.startswith(before) else w for w in wanted],
+            [support for *_, support in bodies])
+    blocks = []
+    for own, corners, faces, support in bodies:
+        block = Block(name=name if name and len(bodies) == 1 else before + own, material=material,
+                      vertices=[list(p) for p in corners], faces=faces, **keys)
+        if support:
+            block.fixed = True
+        blocks.append(block)
+    return blocks
+
+
+def read_blocks(path, *, material, scale=1.0, name=None, fixed=False, **keys):
+    """The bodies of a mesh file as a list of blocks for scene.block, lengths times scale; each must be convex. OBJ, OFF, STL
+    and assemblies of COMPAS (.json) are read as a scene's key `mesh` reads them, with the names and supports of the file,
+    after `name` if it is given. Of other files: the surfaces of their tetrahedra, or, where there are none, closed
+    surfaces, parted by gmsh's volumes and where they do not hang together, and called by `name` (or the file) and a number.
+    fixed: True, or the names of blocks that do not move. With rigid=False the tetrahedra of the file are the zones of
+    deformable blocks; with zone_edge besides, blocks are zoned anew."""
     path = os.fspath(path)
+    if _is_own(path):
+        return _own_blocks(path, material, scale, name, fixed, keys)
     own_zones = not keys.get("rigid", True) and not keys.keys() & {"zone_edge", "divisions"}
     if importlib.util.find_spec("meshio") is None:
         raise ImportError("read_blocks: meshio is not installed (python3-meshio)")
@@ -171,4 +229,8 @@ def read_blocks(path, *, material, scale=1.0, name=None, **keys):
         else:
             block.faces = _boundary(cells) if zoned else cells
         blocks.append(block)
+    all_fixed, wanted = _fixed_names(fixed)
+    for block, held in zip(blocks, _chosen(path, [b.name for b in blocks], all_fixed, wanted, [False] * len(blocks))):
+        if held:
+            block.fixed = True
     return blocks

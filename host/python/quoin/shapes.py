@@ -7,6 +7,7 @@ rigid=False, zone_edge=0.1) are passed on:
 host/python/SHAPES.md shows a picture of each.
 """
 import math
+import warnings
 
 import numpy as np
 
@@ -140,13 +141,29 @@ def two_leaf_wall(courses, length, unit, gap=0.0, tie_every=3, tie_spacing=2, na
     return _laid(laid, unit[1], name, origin, keys)
 
 
-def rubble(size, stone, seed=1, relax=2, name="rubble", origin=(0.0, 0.0, 0.0), **keys):
+def _without_short_edges(cells, seeds, room, shortest_edge):
+    """Cells of seeds moved a little, as much of shortest_edge as can be had; cells where none can."""
+    for wanted in (shortest_edge, 0.7 * shortest_edge, 0.4 * shortest_edge, 0.2 * shortest_edge):
+        stones, left = _quoin.stones(seeds.tolist(), room.tolist(), wanted)
+        if left >= wanted:
+            break
+    else:
+        stones, wanted = cells, 0.0
+    if wanted < shortest_edge:
+        warnings.warn(f"rubble: edges down to {wanted:.2g} of a mean stone are left; take another seed or more relax")
+    return [np.array(stone) for stone in stones]
+
+
+def rubble(size, stone, seed=1, relax=2, shortest_edge=0.15, name="rubble", origin=(0.0, 0.0, 0.0), **keys):
     """A box of irregular stones without gaps: the cells of seeds drawn at random (Voro++), as many as stones of that mean
     length, height and width have room. relax: how often seeds move to the middle of their cells; 0: as they were drawn,
-    with splinters; 10: nearly of one size. The same seed gives the same stones. Numbered from the lowest up."""
+    with splinters; 10: nearly of one size. shortest_edge: edges shorter than this part of a mean stone are taken out, as
+    they would set the time step of zones; faces stay planes that neighbours share; 0: edges as they come. The same seed
+    gives the same stones. Numbered from the lowest up."""
     if not hasattr(_quoin, "voronoi"):
         raise ImportError("rubble: this installation was built without Voro++ (voro++-dev)")
     size, stone, relax = _lengths("size", size), _lengths("stone", stone), _count("relax", relax, 0, 1000)
+    shortest_edge = 0.0 if shortest_edge == 0 else _length("shortest_edge", shortest_edge, upper=0.25)
     count = max(1, round(math.prod(size) / math.prod(stone)))
     if count > 100000:
         raise ValueError(f"stone = {stone}: {count} stones; allowed: 100000 at most; take larger ones")
@@ -156,6 +173,8 @@ def rubble(size, stone, seed=1, relax=2, name="rubble", origin=(0.0, 0.0, 0.0), 
         cells, centroids = _quoin.voronoi(seeds, room.tolist())
         if turn < relax:
             seeds = centroids
+    if shortest_edge > 0:
+        cells = _without_short_edges(cells, seeds, room, shortest_edge)
     cells.sort(key=lambda cell: cell[:, 1].mean())
     origin = _place("origin", origin)
     return [_hull(f"{name}/{number}", origin + cell * stone, keys) for number, cell in enumerate(cells)]
