@@ -152,7 +152,7 @@ class Recorder : public Observer {
   }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
-    last_ = response(row, scene_.stages[static_cast<size_t>(row.stage)]);
+    last_ = shown(row, scene_);
   }
   bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }
   void on_pause(const Simulation& simulation, bool) override {
@@ -169,9 +169,7 @@ class Recorder : public Observer {
     }
     clock_.taken();
   }
-  void on_progress(const Progress& progress) override {
-    progress_.show(progress, last_.displacement, last_.horizontal_force);
-  }
+  void on_progress(const Progress& progress) override { progress_.show(progress, last_.displacement, last_.force); }
   void on_frame(const Simulation& simulation, int, int) override {
     if (frames_fault_) return frames_.leave_out(simulation);
     try {
@@ -184,10 +182,11 @@ class Recorder : public Observer {
   void on_stage_end(const Simulation& simulation, int stage, const HistoryRow& last) override {
     const Response r = response(last, scene_.stages[static_cast<size_t>(stage)]);
     progress_.message(
-        fmt::format("stage {}/{} done after {} steps: {:.3f} mm, horizontal {:.2f} kN, vertical {:.2f} kN, "
+        fmt::format("stage {}/{} done after {} steps: {:.3f} mm{}, horizontal {:.2f} kN, vertical {:.2f} kN, "
                     "unbalanced ratio {:.1e}",
-                    stage + 1, scene_.stages.size(), simulation.step(), r.displacement * 1e3, r.horizontal_force / 1e3,
-                    r.vertical_force / 1e3, last.unbalanced_ratio));
+                    stage + 1, scene_.stages.size(), simulation.step(), shown(last, scene_).displacement * 1e3,
+                    is_vertical(scene_) ? " upright" : "", r.horizontal_force / 1e3, r.vertical_force / 1e3,
+                    last.unbalanced_ratio));
     for (const StopAtForceLoss& stop : simulation.outcome().force_losses) {
       if (stop.stage == stage)
         progress_.message(
@@ -212,7 +211,7 @@ class Recorder : public Observer {
   fs::path checkpoint_;
   Identity identity_;
   CheckpointClock clock_;
-  Response last_;
+  Shown last_;
   std::set<std::string> told_;
   std::optional<Error> frames_fault_;
 };
@@ -357,6 +356,11 @@ Scene scene_of(RunOptions* options, const Ranks* ranks) {
   Scene scene = prepare_scene(options->scene);
   if (options->report && pieces_of(scene, ranks).count > 1)
     throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");
+  if (options->report && scene.output.frames == 0)
+    throw Error(Exit::usage,
+                "--report: the page shows frames, and with output.frames = 0 there are none; set output.frames, for "
+                "instance with --set output.frames=20, or leave --report out");
+  if (options->report && (!ranks || ranks->rank() == 0)) require_report_library();
   return scene;
 }
 
@@ -429,6 +433,9 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
       simulation.instruction_set()));
 
   const OutputSettings& output = simulation.scene().output;
+  if (options.compressed && output.frames == 0)
+    say("--compressed: without effect, as output.frames = 0 writes no files for ParaView");
+  if (output.pieces && output.frames == 0) say("output.pieces: without effect, as output.frames = 0 writes no frames");
   if (output.pieces && output.frames > 0 && pieces_of(simulation.scene(), ranks).count <= 1)
     say("output.pieces: without effect in one process, which writes each frame as one file");
   if (simulation.thread_count() < wanted_threads)
@@ -530,8 +537,9 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
   const std::string error = unknown.empty() ? fmt::format("expected error at quality {}: {:.1f} %", scene.quality,
                                                           100 * quality_named(scene.quality).peak_error)
                                             : "error not known: " + unknown;
-  fmt::print("peak {:.2f} kN at {:.3f} mm ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
-             peak.displacement * 1e3, error, simulation.step(), info.wall_clock_s, folder.string());
+  fmt::print("peak {:.2f} kN at {:.3f} mm{} ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
+             peak.displacement * 1e3, is_vertical(scene) ? " upright" : "", error, simulation.step(), info.wall_clock_s,
+             folder.string());
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
   if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
   print_isolation(simulation);

@@ -106,21 +106,19 @@ Values outputs_of(const Simulation& simulation, const std::vector<HistoryRow>& r
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);
   const int last = static_cast<int>(scene.stages.size()) - 1;
-  const Stage& driven = scene.stages[static_cast<std::size_t>(last)];
   double work = 0.0, lost = kNone, final_force = kNone;
   const HistoryRow* before = nullptr;
   for (const HistoryRow& row : rows) {
     if (row.stage != last) continue;
-    const Response now = response(row, driven);
-    final_force = now.horizontal_force;
+    const Shown now = shown(row, scene);
+    final_force = now.force;
     if (before) {
-      const Response then = response(*before, driven);
-      work += 0.5 * (now.horizontal_force + then.horizontal_force) * (now.displacement - then.displacement);
+      const Shown then = shown(*before, scene);
+      work += 0.5 * (now.force + then.force) * (now.displacement - then.displacement);
     }
     before = &row;
     const bool after_peak = peak.row >= 0 && &row - rows.data() > peak.row;
-    if (after_peak && std::isnan(lost) && std::abs(now.horizontal_force) <= kLoss * peak.force)
-      lost = std::abs(now.displacement);
+    if (after_peak && std::isnan(lost) && std::abs(now.force) <= kLoss * peak.force) lost = std::abs(now.displacement);
   }
   const double height = scene.wall ? scene.wall->courses * scene.wall->unit[1] : kNone;
   const auto multiplier = simulation.outcome().collapse_multiplier;
@@ -151,8 +149,9 @@ void write_joints(const Simulation& simulation, const fs::path& file) {
     j.opening = std::max(j.opening, opening);
   };
   for (const ContactPoint& p : simulation.contact_points()) add(p.block_a, p.block_b, p.position, p.jump[0]);
-  for (const PartedJoint& joint : parted_joints(simulation)) {
-    for (const Vec3& place : joint.side_a) add(joint.block_a, joint.block_b, place, joint.opening);
+  for (const PartedPoint& p : parted_points(simulation)) {
+    const ContactPoint& last = p.joint.contact;
+    add(last.block_a, last.block_b, last.position, p.joint.opening);
   }
   std::string text = "block_a,block_b,x0_m,y0_m,x1_m,y1_m,opening_m\n";
   for (const auto& [key, j] : joints)

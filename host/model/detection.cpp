@@ -339,6 +339,11 @@ void World::number_points(Detection& found, Before& before) {
 void World::place_points(Detection& found) {
   Before before;
   number_points(found, before);
+  if (!found.at_start && kept_.empty()) kept_ = LaneVector<double>(start_point_.size() * kept_width());
+  const auto keep_of = [&](const Contact& c, uint32_t first, uint32_t count) {
+    if (c.initial && count > 0 && owns(c.pair.a))
+      keep_of_joint(c, before.families[c.family], before.facets, first, count);
+  };
 
   // Energies that are freed, J, in a fixed order, and the pairs that they belong to.
   std::vector<double> freed;
@@ -346,8 +351,10 @@ void World::place_points(Detection& found) {
   const auto free = [&](const Contact& c, double energy) {
     if (energy_) freed.push_back(energy), freed_by.push_back(&c);
   };
-  for (const Contact& c : found.lost)
+  for (const Contact& c : found.lost) {
+    keep_of(c, c.first, c.count);
     free(c, owns(c) ? energy_of_points(before.families[c.family], before.facets, c.first, c.count) : 0.0);
+  }
   // Contacts that go on as they are, one after the other before and now: they are copied together.
   Finding kept;
   Contact together;
@@ -363,6 +370,7 @@ void World::place_points(Detection& found) {
     if (finding.fresh) {
       const bool own = owns(c);
       keep();
+      if (!found.at_start) keep_of(c, finding.first, finding.count);
       free(c, own ? energy_of_points(before.families[c.family], before.facets, finding.first, finding.count) : 0.0);
       if (own) hand_over(before, finding, c, std::span(found.points).subspan(finding.begin, c.count), found.at_start);
       free(c, own ? -energy_of_points(families_[c.family], facets_, c.first, c.count) : 0.0);
@@ -394,15 +402,17 @@ void World::place_points(Detection& found) {
 void World::note_start_joints() {
   uint32_t points = 0;
   for (const Contact& c : contacts_) {
-    if (c.count > 0) start_joints_.push_back({c.pair, points, c.count});
+    if (c.count > 0) start_joints_.push_back({c.pair, c.family, points, c.count});
     points += c.count;
   }
-  start_point_ = LaneVector<Vector>(points);
+  start_point_ = LaneVector<StartPoint>(points);
   auto joint = start_joints_.begin();
   for (const Contact& c : contacts_) {
     if (c.count == 0) continue;
-    for (uint32_t k = 0; k < c.count && owns(c); ++k)
-      start_point_[joint->first + k] = families_[c.family].point[c.first + k].at;
+    for (uint32_t k = 0; k < c.count && owns(c); ++k) {
+      const Point& p = families_[c.family].point[c.first + k];
+      start_point_[joint->first + k] = {p.at, p.area};
+    }
     ++joint;
   }
 }

@@ -514,7 +514,10 @@ void World::replace_law(int family, std::shared_ptr<const Material> material, st
   Family& f = families_[size_t(family)];
   const double kn = f.kn, ks = f.ks;
   take_back_facets();
+  const std::shared_ptr<const Material> old = f.material;
+  const size_t old_width = kept_width();
   take_law(family, std::move(material));
+  keep_states_by_id(family, old->api(), old_width);
   for (size_t k = 0; k < f.state.size(); ++k)
     f.state[k].assign(state.begin() + long(k * f.size()), state.begin() + long((k + 1) * f.size()));
   for (size_t i = 0; i < f.size(); ++i) {

@@ -301,9 +301,26 @@ struct PairPlace {
   Matrix relative_r;
 };
 
+// A joint of the start, and its contact points then.
 struct StartJoint {
   geometry::Pair pair;
-  uint32_t first, count;  // into World::start_points()
+  int family;
+  uint32_t first, count;  // of World::start_point_
+};
+struct StartPoint {
+  Vector at;    // m
+  double area;  // m2
+};
+// A contact point of the start where its blocks are no longer in contact (parted_points.cpp).
+struct PartedPoint {
+  int a, b, family;                // n points from block a to block b
+  Vector side_a, side_b;           // where what was one place is now, on a and on b, m
+  Vector n, s;                     // of the last contact point there, unit, turned along with a
+  double area;                     // of the start, m2
+  double normal_jump;              // of the last contact point there, m; and so:
+  double traction[3];              // Pa
+  std::vector<double> state;       // of the law
+  std::vector<double> properties;  // that scatter, in the order of the family's columns
 };
 
 // Deformable blocks that move on together: one, or the two halves of a masonry unit.
@@ -482,11 +499,10 @@ class World {
   const std::vector<Contact>& contacts() const { return contacts_; }  // in the order of their pairs
   const PairPlace& place_of_pair(size_t contact) const { return pair_place_[contact]; }
   bool owns(const Contact& c) const { return owns(c.pair.a) || owns(c.pair.b); }
-  const std::vector<StartJoint>& start_joints() const { return start_joints_; }  // the same
-  // Where contact points of the start were, m.
-  std::span<const Vector> start_points(const StartJoint& joint) const {
-    return std::span(start_point_).subspan(joint.first, joint.count);
-  }
+  // Of joints that begin at blocks [first, end), in their order. With ranks of own blocks, after tell_parted_blocks().
+  std::vector<PartedPoint> parted_points(int first_block, int end_block) const;
+  void tell_parted_blocks();                               // by all ranks at the same moment
+  bool has_placed_anew() const { return !kept_.empty(); }  // contact points, since the start
   // Pairs that have points in a chunk, and their blocks.
   template <class Visit>
   void each_contact_of_chunk(int chunk, Visit visit) const {
@@ -707,6 +723,11 @@ class World {
   bool edge_point(const geometry::Pair& pair, const geometry::Separation& separation, double area,
                   std::vector<NewPoint>& out);
   void note_start_joints();
+  void keep_of_joint(const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
+                     uint32_t count);
+  size_t kept_width() const;
+  void keep_states_by_id(int family, const quoin_law& old, size_t old_width);
+  std::vector<Vector> places_of(const Contact& c) const;
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
   void refresh_facet_frame(Point& p, Facet& facet) const;
   void take_back_facets();  // frames and feet, from lanes to points
@@ -765,7 +786,8 @@ class World {
   std::vector<uint8_t> due_;                               // by block: for a look of now
   LaneVector<SeenMotion> seen_;                            // by body
   std::vector<StartJoint> start_joints_;
-  LaneVector<Vector> start_point_;
+  LaneVector<StartPoint> start_point_;
+  LaneVector<double> kept_;  // of the last contact point at each of these, kept_width() numbers; empty: nothing yet
   LaneVector<Vector> block_contact_force_;
 
   std::vector<Chunk> chunks_;            // with contents where this process evaluates them

@@ -74,7 +74,11 @@ void World::each_memory_of_block(int block, const VisitBytes& visit) {
     visit(&array[items.first], (items.end - items.first) * sizeof array[0]);
   });
   const Items joints = start_points_of(block, block + 1);
-  if (joints.end > joints.first) visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(Vector));
+  if (joints.end == joints.first) return;
+  visit(&start_point_[joints.first], (joints.end - joints.first) * sizeof(StartPoint));
+  const size_t width = kept_width();
+  if (!kept_.empty() && width > 0)
+    visit(&kept_[joints.first * width], (joints.end - joints.first) * width * sizeof kept_[0]);
 }
 
 World::Items World::start_points_of(int first_block, int end_block) const {
@@ -286,6 +290,7 @@ void World::forget_blocks(size_t first, size_t end) {
     forget_items(*field, from.first_normal, last.first_normal + last.shape->normals.size());
   forget_items(start_, first, end);
   forget_items(start_point_, joints.first, joints.end);
+  forget_items(kept_, joints.first * kept_width(), joints.end * kept_width());
   for (size_t i = first; i < end; ++i) {
     laid_out_[i] = false;
     std::vector<geometry::Zoning::SurfaceTriangle>().swap(blocks_[i].surface);
@@ -313,6 +318,21 @@ void World::tell_joints(std::span<const int> of_blocks) {
       lay_out(b);
       wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
     }
+  }
+  tell(wanted);
+}
+
+// The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
+void World::tell_parted_blocks() {
+  if (!ranks_ || !has_placed_anew()) return;
+  Wanted wanted(*this, rank_of_block_);
+  Need need{wanted.block, wanted.block_here, ranks_->rank()};
+  for (const StartJoint& joint : start_joints_) {
+    const int rank_a = rank_of_block_[size_t(joint.pair.a)], rank_b = rank_of_block_[size_t(joint.pair.b)];
+    need.add(size_t(joint.pair.b), rank_a, rank_a == rank_b);
+  }
+  for (int b = 0; b < block_count(); ++b) {
+    if (wanted.block_here[size_t(b)]) lay_out(b);
   }
   tell(wanted);
 }

@@ -181,6 +181,14 @@ PYBIND11_MODULE(_quoin, m) {
       .def("resume", &Session::resume)
       .def_property_readonly("steps", [](const Session& s) { return s.use().step(); })
       .def_property_readonly("time", [](const Session& s) { return s.use().time(); })
+      .def("require_report",
+           [](const Session& s) {
+             if (s.use().scene().output.frames == 0)
+               throw quoin::Error(quoin::Exit::bad_input,
+                                  "report: the page shows frames, and with output.frames = 0 there are none; set "
+                                  "scene.output.frames, for instance to 20");
+             quoin::require_report_library();
+           })
       .def_property_readonly("time_step", [](const Session& s) { return s.use().time_step_report().time_step; })
       .def_property_readonly("stage", &Session::stage)
       .def_property_readonly("stage_names",

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "results/crushed_out.h"
+#include "results/parted_joints.h"
 #include "results/quasi_static.h"
 #include "results/summary.h"
 #include "results/warnings.h"
@@ -65,6 +66,7 @@ py::dict joints_of(const std::vector<JointPoint>& joints) {
   d["block_a"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.block_a; });
   d["block_b"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.block_b; });
   d["joint"] = column_of<std::int32_t>(joints, [](const JointPoint& p) { return p.contact.family; });
+  d["gap"] = vectors_of(joints, [](const JointPoint& p) { return p.gap; });
   return d;
 }
 
@@ -222,6 +224,7 @@ void Session::on_frame(const Simulation& simulation, int, int) {
     frame.displacement.insert(frame.displacement.end(), moved.begin(), moved.end());
   }
   frame.joints = surfaces_->joint_points(simulation);
+  for (const PartedPoint& p : parted_points(simulation)) frame.joints.push_back(p.joint);
 }
 
 py::dict Session::history() const {

@@ -118,20 +118,34 @@ void add_line(const std::vector<Vector>& places, Crack crack, const View& view, 
   if (longest > 0.0) lines.push_back(line);
 }
 
+// The points of a joint: where its blocks touch, and on both sides of where they have come apart.
+struct Joint {
+  std::vector<Vector> touching, side_a, side_b;
+  Crack crack = Crack::intact;
+};
+
 std::vector<Line> crack_lines(const Simulation& simulation, const Surfaces& surfaces, const View& view) {
-  std::map<std::pair<int, int>, std::pair<std::vector<Vector>, Crack>> contacts;
-  for (const JointPoint& p : surfaces.joint_points(simulation)) {
-    auto& [places, crack] = contacts[std::minmax(p.contact.block_a, p.contact.block_b)];
-    places.push_back(geometry::vector(p.contact.position) + geometry::vector(p.displacement));
-    crack = std::max(crack, p.crack);
+  std::map<std::pair<int, int>, Joint> joints;
+  const auto joint_of = [&](const JointPoint& p) -> Joint& {
+    Joint& joint = joints[std::minmax(p.contact.block_a, p.contact.block_b)];
+    joint.crack = std::max(joint.crack, p.crack);
+    return joint;
+  };
+  for (const JointPoint& p : surfaces.joint_points(simulation))
+    joint_of(p).touching.push_back(geometry::vector(p.contact.position) + geometry::vector(p.displacement));
+  for (const PartedPoint& p : parted_points(simulation)) {
+    Joint& joint = joint_of(p.joint);
+    const Vector on_a = geometry::vector(p.joint.contact.position), on_b = on_a + geometry::vector(p.joint.gap);
+    const bool in_order = p.joint.contact.block_a < p.joint.contact.block_b;
+    joint.side_a.push_back(in_order ? on_a : on_b), joint.side_b.push_back(in_order ? on_b : on_a);
   }
   std::vector<Line> lines;
-  for (const auto& [pair, contact] : contacts) add_line(contact.first, contact.second, view, lines);
-  for (const PartedJoint& joint : parted_joints(simulation)) {
-    for (const std::vector<Vec3>& side : {joint.side_a, joint.side_b}) {
-      std::vector<Vector> places;
-      for (const Vec3& place : side) places.push_back(geometry::vector(place));
-      add_line(places, Crack::open, view, lines);
+  for (auto& [pair, joint] : joints) {
+    if (joint.side_a.empty()) add_line(joint.touching, joint.crack, view, lines);
+    for (std::vector<Vector>* side : {&joint.side_a, &joint.side_b}) {
+      if (side->empty()) continue;
+      side->insert(side->end(), joint.touching.begin(), joint.touching.end());
+      add_line(*side, joint.crack, view, lines);
     }
   }
   return lines;

@@ -50,6 +50,25 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], force, row.vertical_force};
 }
 
+bool is_vertical(const Stage& stage) {
+  if (stage.direction == 1) return true;
+  std::array<bool, 3> driven{};
+  for (const BodyControl& control : stage.controls) {
+    for (size_t c = 0; c < 3; ++c)
+      driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
+  }
+  return stage.direction == 0 && driven == std::array{false, true, false} && !stage.whiffletree && !stage.cycles &&
+         !stage.collapse && !stage.ground && stage.forces.empty() && stage.pressures.empty();
+}
+
+bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(scene.stages.back()); }
+
+Shown shown(const HistoryRow& row, const Scene& scene) {
+  if (is_vertical(scene)) return {row.monitor_displacement[1], -row.joint_force[1]};
+  const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
+  return {r.displacement, r.horizontal_force};
+}
+
 std::vector<HistoryColumn> history_columns(const Scene& scene) {
   using Kind = HistoryColumn::Kind;
   std::vector<HistoryColumn> columns{

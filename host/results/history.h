@@ -18,6 +18,16 @@ struct Response {
 };
 Response response(const HistoryRow& row, const Stage& stage);
 
+// Measured along y, or driven along y and nowhere else. Where the last stage is, what is shown of the run is upright.
+bool is_vertical(const Stage& stage);
+bool is_vertical(const Scene& scene);
+// What peak, pictures, page and screen show of a row.
+struct Shown {
+  double displacement = 0.0;  // of the monitor body since the start, m
+  double force = 0.0;         // resistance positive, N
+};
+Shown shown(const HistoryRow& row, const Scene& scene);
+
 // A column of the history. value: of numbers and integers (exact); texts are the name of the stage.
 struct HistoryColumn {
   enum class Kind { integer, text, number };

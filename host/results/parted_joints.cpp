@@ -1,34 +1,110 @@
 #include "results/parted_joints.h"
 
 #include <algorithm>
-#include <set>
+#include <limits>
 
 #include "geometry/vector.h"
+#include "law/at_rest.h"
 #include "step/large_motion.h"
 
 namespace quoin {
 
-std::vector<PartedJoint> parted_joints(const Simulation& simulation) {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+// What the laws say of points as they were when they were last in contact.
+struct LastSeen {
+  std::vector<std::array<double, QUOIN_DAMAGE_COUNT>> damage;
+  std::vector<std::uint32_t> flags;
+};
+
+void look_at_family(const std::vector<blocks::PartedPoint>& points, const blocks::Family& family, int index,
+                    LastSeen& seen) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].family == index) chosen.push_back(i);
+  }
+  if (chosen.empty()) return;
+  const std::size_t n = chosen.size();
+  const auto column = [&](const auto& value) {
+    std::vector<double> values;
+    for (const std::size_t i : chosen) values.push_back(value(points[i]));
+    return values;
+  };
+  const std::vector<double> jump = column([](const auto& p) { return p.normal_jump; });
+  std::vector<std::vector<double>> traction, state;
+  RestingPoints resting{n, jump.data(), {}, {}, {}};
+  for (std::size_t k = 0; k < 3; ++k) traction.push_back(column([&](const auto& p) { return p.traction[k]; }));
+  for (std::size_t k = 0; k < 3; ++k) resting.traction[k] = traction[k].data();
+  for (std::size_t k = 0; k < family.state.size(); ++k) {
+    state.push_back(column([&](const auto& p) { return p.state[k]; }));
+    resting.state.push_back(state.back().data());
+  }
+  std::vector<PropertyColumn> properties;
+  for (std::size_t k = 0; k < family.columns.size(); ++k) {
+    const PropertyColumn& c = family.columns[k];
+    const std::vector<double> values = column([&](const auto& p) { return p.properties[k]; });
+    properties.push_back({c.id, c.usual, c.most, {values.begin(), values.end()}});
+  }
+  resting.properties = batch_columns(properties, *family.material, 0);
+
+  std::array<std::vector<double>, QUOIN_DAMAGE_COUNT> damage;
+  std::vector<std::uint32_t> flags(n, 0);
+  for (auto& values : damage) values.assign(n, kUnknown);
+  const std::uint64_t can = family.material->api().capabilities;
+  if ((can & (QUOIN_CAN_DAMAGE | QUOIN_CAN_FLAGS)) == 0) return;
+  evaluate_at_rest(*family.material, resting, [&](quoin_batch& batch) {
+    if (can & QUOIN_CAN_FLAGS) batch.flags = {flags.data(), 1};
+    for (std::size_t k = 0; k < damage.size() && (can & QUOIN_CAN_DAMAGE); ++k) batch.damage[k] = {damage[k].data(), 1};
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < damage.size(); ++k) seen.damage[chosen[i]][k] = damage[k][i];
+    seen.flags[chosen[i]] = flags[i];
+  }
+}
+
+}  // namespace
+
+std::vector<PartedPoint> parted_points(const Simulation& simulation, int first_block, int end_block) {
   const blocks::Model* riding = simulation.riding();
   if (!riding) return {};
-  std::set<std::pair<int, int>> touching;
-  for (const blocks::Contact& c : riding->contacts()) {
-    if (c.count > 0) touching.insert({c.pair.a, c.pair.b});
-  }
-  const auto moved = [&](int block, const geometry::Vector& start) {
-    return riding->position(block) + riding->orientation(block) * (start - simulation.riding_start(block));
-  };
-  std::vector<PartedJoint> parted;
-  for (const blocks::StartJoint& joint : riding->start_joints()) {
-    if (touching.contains({joint.pair.a, joint.pair.b})) continue;
-    PartedJoint& now = parted.emplace_back(PartedJoint{joint.pair.a, joint.pair.b, {}, {}, 0.0});
-    for (const geometry::Vector& start : riding->start_points(joint)) {
-      const geometry::Vector a = moved(joint.pair.a, start), b = moved(joint.pair.b, start);
-      now.side_a.push_back(geometry::array(a)), now.side_b.push_back(geometry::array(b));
-      now.opening = std::max(now.opening, norm(b - a));
-    }
+  const std::vector<blocks::PartedPoint> points = riding->parted_points(first_block, end_block);
+  std::array<double, QUOIN_DAMAGE_COUNT> unknown;
+  unknown.fill(kUnknown);
+  LastSeen seen{std::vector(points.size(), unknown), std::vector<std::uint32_t>(points.size(), 0)};
+  for (std::size_t f = 0; f < riding->families().size(); ++f)
+    look_at_family(points, riding->families()[f], static_cast<int>(f), seen);
+
+  std::vector<PartedPoint> parted;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const blocks::PartedPoint& p = points[i];
+    const Law& law = riding->families()[static_cast<std::size_t>(p.family)].material->law();
+    const auto state = [&](const char* id) {
+      const int k = law.state_index(id);
+      return k < 0 ? kUnknown : p.state[static_cast<std::size_t>(k)];
+    };
+    ContactPoint contact{};
+    contact.index = contact.joint = -1;
+    contact.position = geometry::array(p.side_a);
+    contact.normal = geometry::array(p.n), contact.s = geometry::array(p.s),
+    contact.t = geometry::array(cross(p.n, p.s));
+    contact.area = p.area, contact.family = p.family;
+    contact.block_a = p.a, contact.block_b = p.b;
+    contact.jump = {norm(p.side_b - p.side_a), 0.0, 0.0};
+    contact.flags = seen.flags[i] | QUOIN_FLAG_OPEN;
+    contact.condition = condition_of(contact.flags);
+    PartedPoint& now = parted.emplace_back();
+    now.joint = joint_point(simulation, contact, {seen.damage[i], state("slip"), state("w")});
+    now.joint.crack = std::max(Crack::open, now.joint.crack);
+    now.joint.gap = geometry::array(p.side_b - p.side_a);
+    now.state = p.state;
   }
   return parted;
+}
+
+std::vector<PartedPoint> parted_points(const Simulation& simulation) {
+  return parted_points(simulation, 0, static_cast<int>(simulation.block_count()));
 }
 
 }  // namespace quoin

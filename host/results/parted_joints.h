@@ -1,19 +1,24 @@
-// Joints of the start whose blocks have come so far apart in large motion that no contact point is left of them.
+// Joints of the start where their blocks have come apart in large motion: no contact point is left there, but what the
+// joint had come to stays.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "results/surface.h"
 #include "step/simulation.h"
 
 namespace quoin {
 
-struct PartedJoint {
-  int block_a, block_b;
-  std::vector<Vec3> side_a, side_b;  // the two sides of what were its contact points, where they are now, m
-  double opening;                    // the widest distance between them, m
+struct PartedPoint {
+  JointPoint joint;  // as its last contact point, on block a, but for the traction, which is 0, and the opening,
+                     // which is the distance of now between the two sides; contact.index: -1
+  std::vector<double> state;  // of its law, in the law's order
 };
 
-// None in small displacements, whose contact points stay.
-std::vector<PartedJoint> parted_joints(const Simulation& simulation);
+// Of joints that begin at blocks [first, end), which this rank must own or have all of. None in small displacements,
+// whose contact points stay.
+std::vector<PartedPoint> parted_points(const Simulation& simulation, int first_block, int end_block);
+std::vector<PartedPoint> parted_points(const Simulation& simulation);
 
 }  // namespace quoin

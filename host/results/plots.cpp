@@ -45,9 +45,10 @@ std::string moved_part(const Scene& scene) {
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
   Peak peak;
   for (size_t i = 0; i < rows.size(); ++i) {
-    const Response r = response(rows[i], scene.stages[static_cast<size_t>(rows[i].stage)]);
-    if (peak.row >= 0 && std::abs(r.horizontal_force) <= peak.force) continue;
-    peak = {static_cast<int>(i), std::abs(r.horizontal_force), std::abs(r.displacement), r.vertical_force};
+    if (is_vertical(scene) && !is_vertical(scene.stages[static_cast<size_t>(rows[i].stage)])) continue;
+    const Shown r = shown(rows[i], scene);
+    if (peak.row >= 0 && std::abs(r.force) <= peak.force) continue;
+    peak = {static_cast<int>(i), std::abs(r.force), std::abs(r.displacement), rows[i].vertical_force};
   }
   return peak;
 }
@@ -56,10 +57,11 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
                        const std::string& law, const std::string& label) {
   make_folder(folder / "plots");
   const double area = bed_area(scene);
-  std::string data = "# displacement_mm horizontal_force_kN vertical_stress_MPa\n";
+  const std::string axis = is_vertical(scene) ? "vertical" : "horizontal";
+  std::string data = fmt::format("# displacement_mm {}_force_kN vertical_stress_MPa\n", axis);
   double lowest = 0.0, highest = 0.0;
   for (const HistoryRow& row : rows) {
-    const double x = response(row, scene.stages[static_cast<size_t>(row.stage)]).displacement;
+    const double x = shown(row, scene).displacement;
     lowest = std::min(lowest, x);
     highest = std::max(highest, x);
   }
@@ -71,14 +73,14 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
   bool moving = false;  // pressing comes first, and would be a vertical line at 0
   for (size_t i = 0; i < rows.size(); ++i) {
     const HistoryRow& row = rows[i];
-    const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
+    const Shown r = shown(row, scene);
     const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == row.stage;
     moving = moving || std::abs(r.displacement) > 1e-9 * largest;
     if (!moving && next_is_still) continue;
-    low_force = std::min(low_force, sign * r.horizontal_force);
-    high_force = std::max(high_force, sign * r.horizontal_force);
-    data += fmt::format("{:.7g} {:.7g} {:.7g}\n", sign * r.displacement * 1e3, sign * r.horizontal_force / 1e3,
-                        area > 0 ? r.vertical_force / area / 1e6 : 0.0);
+    low_force = std::min(low_force, sign * r.force);
+    high_force = std::max(high_force, sign * r.force);
+    data += fmt::format("{:.7g} {:.7g} {:.7g}\n", sign * r.displacement * 1e3, sign * r.force / 1e3,
+                        area > 0 ? row.vertical_force / area / 1e6 : 0.0);
   }
   write_file(folder / "plots" / "curve.dat", data);
 
@@ -88,7 +90,7 @@ std::string plot_curve(const std::filesystem::path& folder, const std::vector<Hi
       fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
 set title {} noenhanced font "Sans,23"
 set xlabel {} noenhanced
-set ylabel "horizontal force (kN)" textcolor rgb "#b3321e"
+set ylabel "{} force (kN)" textcolor rgb "#b3321e"
 set border 11 linecolor rgb "#404040"
 set xrange [{:.6g}:{:.6g}]
 set yrange [{}:*]
@@ -98,14 +100,14 @@ set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
 set key bottom right spacing 1.3 samplen 3 noenhanced
 )gp",
                   gnuplot_text(title_of(scene)),
-                  gnuplot_text(fmt::format("horizontal displacement of the {} (mm)", moved_part(scene))),
+                  gnuplot_text(fmt::format("{} displacement of the {} (mm)", axis, moved_part(scene))), axis,
                   turns ? 1.02 * lowest * 1e3 : 0.0, largest > 0 ? 1.02 * (turns ? highest : largest) * 1e3 : 1.0,
                   pushed_back ? "*" : "0");
   if (turns) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   if (pushed_back) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   std::string plot =
       fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
-                  gnuplot_text("horizontal force, law " + law));
+                  gnuplot_text(axis + " force, law " + law));
   if (area > 0) {
     script +=
         "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"#5a7186\"\nset y2range [0:*]\n"
@@ -117,8 +119,8 @@ set key bottom right spacing 1.3 samplen 3 noenhanced
   }
   if (peak.row >= 0 && peak.force > 0) {
     const HistoryRow& row = rows[static_cast<size_t>(peak.row)];
-    const Response r = response(row, scene.stages[static_cast<size_t>(row.stage)]);
-    const double at = sign * r.displacement * 1e3, force = sign * r.horizontal_force / 1e3;
+    const Shown r = shown(row, scene);
+    const double at = sign * r.displacement * 1e3, force = sign * r.force / 1e3;
     script += fmt::format(
         "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{0:.6g} center offset 0,{2} font \"Sans,19\" front\n"
         "set offsets 0, 0, graph 0.1, {3}\n",
@@ -376,9 +378,13 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
 
   std::string state = "law " + law;
   if (!rows.empty()) {
-    const Response r = response(rows.back(), scene.stages[static_cast<size_t>(rows.back().stage)]);
-    state = fmt::format("{} moved {:.2f} mm, horizontal force {:.1f} kN, law {}", moved_part(scene),
-                        std::abs(r.displacement) * 1e3, std::abs(r.horizontal_force) / 1e3, law);
+    const Shown r = shown(rows.back(), scene);
+    state = fmt::format("{} moved {:.2f} mm{}, {} force {:.1f} kN, law {}", moved_part(scene),
+                        std::abs(r.displacement) * 1e3,
+                        !is_vertical(scene)    ? ""
+                        : r.displacement < 0.0 ? " down"
+                                               : " up",
+                        is_vertical(scene) ? "vertical" : "horizontal", std::abs(r.force) / 1e3, law);
   }
   // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
   const Vec3 &low = view.low, &high = view.high;

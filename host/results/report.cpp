@@ -20,6 +20,7 @@
 #include "base/number_text.h"
 #include "files/file.h"
 #include "files/markup.h"
+#include "results/crack_styles.h"
 #include "results/read_vtu.h"
 #include "results/report_parts.h"
 
@@ -32,7 +33,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Triangle = std::array<std::int32_t, 3>;
 
-constexpr std::uint8_t kPolygon = 7, kTetrahedron = 10, kHexahedron = 12;
+constexpr std::uint8_t kQuad = 9, kPolygon = 7, kTetrahedron = 10, kHexahedron = 12;
 constexpr double kSharp = 0.94;  // cosine of the angle between two triangles from which on their edge is drawn
 
 // Arrays one after the other, and where each of them is.
@@ -114,33 +115,30 @@ struct Surface {
   std::set<std::int32_t> beams;       // rigid blocks beside the masonry, on the lattice
 };
 
-std::vector<Triangle> triangles_of(const VtuFile& blocks) {
-  const auto connectivity = blocks.read<std::int64_t>("connectivity"), offsets = blocks.read<std::int64_t>("offsets");
-  const auto types = blocks.read<std::uint8_t>("types");
+std::vector<Triangle> triangles_of(const VtuGrid& grid) {
   std::map<Triangle, std::pair<int, Triangle>> faces;  // of tetrahedra, by their sorted corners: how often, as it is
   std::vector<Triangle> result;
-  for (std::size_t c = 0; c < types.size(); ++c) {
-    const auto first = static_cast<std::size_t>(c == 0 ? 0 : offsets[c - 1]);
-    const auto corner = [&](int k) {
-      return static_cast<std::int32_t>(connectivity[first + static_cast<std::size_t>(k)]);
-    };
-    if (types[c] == kTetrahedron) {
-      for (const auto& f : {std::array{0, 2, 1}, std::array{0, 1, 3}, std::array{1, 2, 3}, std::array{0, 3, 2}}) {
+  for (std::size_t c = 0; c < grid.cells(); ++c) {
+    const std::size_t first = grid.first_corner(c);
+    const auto corner = [&](std::size_t k) { return static_cast<std::int32_t>(grid.corner[first + k]); };
+    if (grid.type[c] == kTetrahedron) {
+      constexpr std::size_t kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+      for (const auto& f : kFaces) {
         const Triangle face{corner(f[0]), corner(f[1]), corner(f[2])};
         Triangle sorted = face;
         std::sort(sorted.begin(), sorted.end());
         auto& seen = faces[sorted];
         ++seen.first, seen.second = face;
       }
-    } else if (types[c] == kHexahedron) {
-      constexpr int kQuads[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    } else if (grid.type[c] == kHexahedron) {
+      constexpr std::size_t kQuads[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                            {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
       for (const auto& q : kQuads) {
         result.push_back({corner(q[0]), corner(q[1]), corner(q[2])});
         result.push_back({corner(q[0]), corner(q[2]), corner(q[3])});
       }
-    } else if (types[c] == kPolygon) {
-      const int corners = static_cast<int>(offsets[c]) - static_cast<int>(first);
-      for (int k = 2; k < corners; ++k) result.push_back({corner(0), corner(k - 1), corner(k)});
+    } else if (grid.type[c] == kPolygon) {
+      for (std::size_t k = 2; k < grid.end[c] - first; ++k) result.push_back({corner(0), corner(k - 1), corner(k)});
     }
   }
   for (const auto& [sorted, seen] : faces) {
@@ -149,9 +147,11 @@ std::vector<Triangle> triangles_of(const VtuFile& blocks) {
   return result;
 }
 
-Surface surface_of(const VtuFile& blocks, const std::vector<float>& points) {
+Surface surface_of(const VtuFile& blocks) {
+  const VtuGrid& grid = blocks.grid();
+  const std::vector<float>& points = grid.position;
   Surface s;
-  s.triangle = triangles_of(blocks);
+  s.triangle = triangles_of(grid);
   std::vector<std::int32_t> number(points.size() / 3, -1);
   for (const Triangle& t : s.triangle) {
     for (const std::int32_t p : t) number[static_cast<std::size_t>(p)] = 0;
@@ -176,33 +176,27 @@ Surface surface_of(const VtuFile& blocks, const std::vector<float>& points) {
     s.edge.push_back(static_cast<std::uint32_t>(ends.second));
   }
   // Cells say which block they are of, and so which their corners are of.
-  const auto connectivity = blocks.read<std::int64_t>("connectivity"), offsets = blocks.read<std::int64_t>("offsets");
-  const auto block = blocks.read<std::int32_t>("block");
-  std::vector<std::int32_t> of_point(points.size() / 3, -1);
-  for (std::size_t c = 0, i = 0; c < offsets.size(); ++c) {
-    for (; i < static_cast<std::size_t>(offsets[c]); ++i)
-      of_point[static_cast<std::size_t>(connectivity[i])] = block[c];
+  const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
+  std::vector<std::int32_t> of_point(grid.points(), -1);
+  for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
+    for (; i < grid.end[c]; ++i) of_point[grid.corner[i]] = block[c];
   }
   for (const std::uint32_t p : s.vertex) s.block.push_back(of_point[p]);
-  const auto types = blocks.read<std::uint8_t>("types");
-  const auto unit = blocks.read<std::int32_t>("unit");
-  for (std::size_t c = 0; c < types.size(); ++c) {
-    if (types[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
+  const auto unit = blocks.read<std::int32_t>("unit", VtkRows::cell);
+  for (std::size_t c = 0; c < grid.cells(); ++c) {
+    if (grid.type[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
   }
   return s;
 }
 
 // By vertex of the surface: the file's point, where a run has gone over to large motion and numbers them anew.
 std::vector<std::uint32_t> points_of(const VtuFile& blocks, const Surface& surface, const std::vector<float>& start) {
-  const auto position = blocks.read<float>("position");
-  const auto connectivity = blocks.read<std::int64_t>("connectivity"), offsets = blocks.read<std::int64_t>("offsets");
-  const auto block = blocks.read<std::int32_t>("block");
+  const VtuGrid& grid = blocks.grid();
+  const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
   std::map<std::pair<std::int32_t, std::array<float, 3>>, std::uint32_t> found;
-  for (std::size_t c = 0, i = 0; c < offsets.size(); ++c) {
-    for (; i < static_cast<std::size_t>(offsets[c]); ++i) {
-      const auto p = static_cast<std::size_t>(connectivity[i]);
-      found[{block[c], at(position, p)}] = static_cast<std::uint32_t>(p);
-    }
+  for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
+    for (; i < grid.end[c]; ++i)
+      found[{block[c], at(grid.position, grid.corner[i])}] = static_cast<std::uint32_t>(grid.corner[i]);
   }
   std::vector<std::uint32_t> points;
   for (std::size_t v = 0; v < surface.vertex.size(); ++v) {
@@ -213,19 +207,19 @@ std::vector<std::uint32_t> points_of(const VtuFile& blocks, const Surface& surfa
 }
 
 // At these points, from cells: the smallest principal stress (compression < 0), the mean of those around.
-std::vector<float> stress_of(const VtuFile& blocks, const std::vector<std::uint32_t>& of_points, std::size_t points) {
-  const auto stress = blocks.read<float>("stress_Pa");
-  const auto connectivity = blocks.read<std::int64_t>("connectivity"), offsets = blocks.read<std::int64_t>("offsets");
-  std::vector<double> sum(points, 0.0), count(points, 0.0);
-  for (std::size_t c = 0, i = 0; c < offsets.size(); ++c) {
+std::vector<float> stress_of(const VtuFile& blocks, const std::vector<std::uint32_t>& of_points) {
+  const VtuGrid& grid = blocks.grid();
+  const auto stress = blocks.read<float>("stress_Pa", VtkRows::cell, 6);
+  std::vector<double> sum(grid.points(), 0.0), count(grid.points(), 0.0);
+  for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
     const float* t = stress.data() + 6 * c;  // xx yy zz xy yz zx
     Eigen::Matrix3d tensor;
     tensor << t[0], t[3], t[5], t[3], t[1], t[4], t[5], t[4], t[2];
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
     const double least = solver.computeDirect(tensor, Eigen::EigenvaluesOnly).eigenvalues()[0];
-    for (; i < static_cast<std::size_t>(offsets[c]); ++i) {
-      sum[static_cast<std::size_t>(connectivity[i])] += least;
-      count[static_cast<std::size_t>(connectivity[i])] += 1.0;
+    for (; i < grid.end[c]; ++i) {
+      sum[grid.corner[i]] += least;
+      count[grid.corner[i]] += 1.0;
     }
   }
   std::vector<float> result;
@@ -268,23 +262,36 @@ class VerticesOfBlocks {
   std::vector<std::vector<std::size_t>> of_block_;
 };
 
-JointValues joint_values(const VtuFile& joints, const VerticesOfBlocks& vertices, const std::vector<float>& positions) {
-  const auto place = joints.read<float>("position"), opening = joints.read<float>("opening_m"),
-             slip = joints.read<float>("slip_m"), tension = joints.read<float>("damage_tension"),
-             shear = joints.read<float>("damage_shear");
-  const auto block_a = joints.read<std::int32_t>("block_a"), block_b = joints.read<std::int32_t>("block_b");
+// A frame's joints as the page shows them.
+struct Joints {
+  std::vector<float> place, displacement, gap, opening, slip, tension, shear;  // by point; gap: empty on the lattice
+  std::vector<std::int32_t> block_a, block_b, crack;
+  std::vector<std::uint32_t> rim;  // pairs of points: where joints of the lattice come to the surface
+
+  std::size_t count() const { return crack.size(); }
+  // Where a point is on block b, a being where `place` is: apart from it where the blocks have come apart.
+  std::array<float, 3> place_on(bool on_b, std::size_t i) const {
+    std::array<float, 3> x = at(place, i);
+    for (std::size_t c = 0; on_b && !gap.empty() && c < 3; ++c) x[c] += gap[3 * i + c];
+    return x;
+  }
+  bool has_parted(std::size_t i) const { return !gap.empty() && at(gap, i) != std::array<float, 3>{}; }
+};
+
+JointValues joint_values(const Joints& joints, const VerticesOfBlocks& vertices, const std::vector<float>& positions) {
   JointValues values;
   for (auto* column : {&values.damage, &values.opening, &values.slip}) column->assign(positions.size() / 3, 0.0F);
-  for (std::size_t i = 0; i < opening.size(); ++i) {
-    for (const std::int32_t block : {block_a[i], block_b[i]}) {
-      const auto v = vertices.nearest(block, at(place, i), positions);
+  for (std::size_t i = 0; i < joints.count(); ++i) {
+    for (const bool on_b : {false, true}) {
+      const auto v =
+          vertices.nearest(on_b ? joints.block_b[i] : joints.block_a[i], joints.place_on(on_b, i), positions);
       if (!v) continue;
       const auto raise = [&](std::vector<float>& column, float value) {
         if (value > column[*v]) column[*v] = value;
       };
-      raise(values.damage, std::max(tension[i], shear[i]));
-      raise(values.opening, opening[i]);
-      raise(values.slip, std::abs(slip[i]));
+      raise(values.damage, std::max(joints.tension[i], joints.shear[i]));
+      raise(values.opening, joints.opening[i]);
+      raise(values.slip, std::abs(joints.slip[i]));
     }
   }
   return values;
@@ -299,16 +306,12 @@ std::vector<float> vectors_at(const std::vector<std::uint32_t>& points, const st
 }
 
 // Edges that only one quad has: where a joint comes to the surface.
-std::vector<std::uint32_t> rim_of(const VtuFile& joints) {
-  const auto connectivity = joints.read<std::int64_t>("connectivity"), offsets = joints.read<std::int64_t>("offsets");
-  std::map<std::pair<std::int64_t, std::int64_t>, int> edges;
-  for (std::size_t c = 0; c < offsets.size(); ++c) {
-    const std::size_t first = c == 0 ? 0 : static_cast<std::size_t>(offsets[c - 1]);
-    const auto corners = static_cast<std::size_t>(offsets[c]) - first;
-    for (std::size_t k = 0; k < corners && corners > 2; ++k) {
-      const std::int64_t a = connectivity[first + k], b = connectivity[first + (k + 1) % corners];
-      ++edges[std::minmax(a, b)];
-    }
+std::vector<std::uint32_t> rim_of(const VtuGrid& grid) {
+  std::map<std::pair<std::size_t, std::size_t>, int> edges;
+  for (std::size_t c = 0; c < grid.cells(); ++c) {
+    const std::size_t first = grid.first_corner(c), corners = grid.end[c] - first;
+    for (std::size_t k = 0; k < corners && grid.type[c] == kQuad; ++k)
+      ++edges[std::minmax(grid.corner[first + k], grid.corner[first + (k + 1) % corners])];
   }
   std::vector<std::uint32_t> rim;
   for (const auto& [ends, count] : edges) {
@@ -317,6 +320,20 @@ std::vector<std::uint32_t> rim_of(const VtuFile& joints) {
     rim.push_back(static_cast<std::uint32_t>(ends.second));
   }
   return rim;
+}
+
+Joints read_joints(const fs::path& path) {
+  constexpr auto kPoint = VtkRows::point;
+  const VtuFile file(path);
+  Joints j;
+  j.place = file.grid().position, j.rim = rim_of(file.grid());
+  j.displacement = file.read<float>("displacement_m", kPoint, 3);
+  if (file.has("gap_m")) j.gap = file.read<float>("gap_m", kPoint, 3);
+  j.opening = file.read<float>("opening_m", kPoint), j.slip = file.read<float>("slip_m", kPoint);
+  j.tension = file.read<float>("damage_tension", kPoint), j.shear = file.read<float>("damage_shear", kPoint);
+  j.block_a = file.read<std::int32_t>("block_a", kPoint), j.block_b = file.read<std::int32_t>("block_b", kPoint);
+  j.crack = file.read_indices("crack", kPoint, kCrackCount);
+  return j;
 }
 
 // history.csv: columns of numbers, by name.
@@ -340,9 +357,17 @@ Json read_history(const fs::path& path) {
   names = cells_of(line);
   Json columns = Json::object();
   for (const std::string& name : names) columns[name] = Json::array();
-  while (std::getline(text, line)) {
+  for (const char* needed :
+       {"time_s", "displacement_m", "horizontal_force_N", "vertical_displacement_m", "vertical_force_N"}) {
+    if (!columns.contains(needed))
+      throw Error(Exit::bad_input, fmt::format("{}: has no column '{}'; run the scene again", path.string(), needed));
+  }
+  for (int row = 2; std::getline(text, line); ++row) {
     const std::vector<std::string> cells = cells_of(line);
-    for (std::size_t c = 0; c < std::min(names.size(), cells.size()); ++c) {
+    if (cells.size() != names.size())
+      throw Error(Exit::bad_input, fmt::format("{}: line {} has {} cells, the first one {}; run the scene again",
+                                               path.string(), row, cells.size(), names.size()));
+    for (std::size_t c = 0; c < names.size(); ++c) {
       double value = 0.0;
       columns[names[c]].push_back(cells[c].empty()                ? Json(nullptr)
                                   : parse_number(cells[c], value) ? Json(value)
@@ -368,7 +393,7 @@ struct Part {
   std::string data;
 };
 
-Part part_of(const fs::path& folder, const OnFrame& on_frame) {
+void require_results(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder / "summary.json", error))
     throw Error(Exit::bad_input, fmt::format("{}: no results here (summary.json is missing); give the folder of a run "
@@ -378,86 +403,129 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
     throw Error(Exit::bad_input, fmt::format("{}: the run wrote no frames (blocks.pvd is missing); run it again with "
                                              "output.frames = 20",
                                              folder.string()));
+}
+
+Json read_summary(const fs::path& path) {
+  constexpr int kDeepest = 100;  // ours go down 5 levels
+  const Json summary = Json::parse(
+      read_input_file(path.string()),
+      [](int depth, Json::parse_event_t, Json&) {
+        if (depth > kDeepest) throw Error(Exit::bad_input, "summary.json: nested without an end");
+        return true;
+      },
+      false);
+  if (!summary.is_object())
+    throw Error(Exit::bad_input, path.string() + ": is damaged or cut off; run the scene again");
+  return summary;
+}
+
+// What the page shows of a frame.
+struct Frame {
+  std::vector<float> displacement, stress, rim, points, points_moved;
+  JointValues joints;
+  std::vector<std::uint8_t> crack, point_crack;
+};
+
+// The surface of the first frame, and where its joints come to it.
+struct Start {
+  std::vector<float> places;  // of the points of the file
+  Surface surface;
+  VerticesOfBlocks vertices;
+  std::vector<float> position;     // of vertices
+  std::vector<std::uint32_t> rim;  // points of joints on the lattice; empty until a frame has some
+  std::vector<float> rim_position;
+  explicit Start(const VtuFile& blocks)
+      : places(blocks.grid().position),
+        surface(surface_of(blocks)),
+        vertices(surface),
+        position(vectors_at(surface.vertex, places)) {}
+};
+
+// Joints of blocks of any shape are points, each beside a vertex of its block, with which it moves; where blocks have
+// come apart, beside one of each.
+void add_points(const Joints& joints, const Start& start, const std::vector<float>& standing, Frame* frame) {
+  for (std::size_t i = 0; i < joints.count(); ++i) {
+    if (joints.crack[i] == 0) continue;
+    const auto add = [&](bool on_b) {
+      const std::array<float, 3> place = joints.place_on(on_b, i);
+      const auto beside = start.vertices.nearest(on_b ? joints.block_b[i] : joints.block_a[i], place, standing);
+      if (!beside) return false;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float came = frame->displacement[3 * *beside + c];
+        frame->points.push_back(place[c] - came);
+        frame->points_moved.push_back(came);
+      }
+      frame->point_crack.push_back(static_cast<std::uint8_t>(joints.crack[i]));
+      return true;
+    };
+    if (!add(false) || joints.has_parted(i)) add(true);
+  }
+}
+
+Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
+  const fs::path path = frame_path(folder, "blocks", number);
+  const VtuFile blocks(path);
+  const Joints joints = read_joints(frame_path(folder, "joints", number));
+  if (blocks.grid().position.size() != start->places.size())
+    throw Error(Exit::bad_input, fmt::format("{}: has {} points, the first frame {}; run the scene again",
+                                             path.string(), blocks.grid().points(), start->places.size() / 3));
+  Frame frame;
+  const auto vertex = blocks.grid().position == start->places ? start->surface.vertex
+                                                              : points_of(blocks, start->surface, start->position);
+  frame.displacement = vectors_at(vertex, blocks.read<float>("displacement_m", VtkRows::point, 3));
+  frame.stress = stress_of(blocks, vertex);
+  // Joints of blocks of any shape are given where they stand: beside the vertices of now.
+  std::vector<float> standing = start->position;
+  for (std::size_t i = 0; joints.rim.empty() && i < standing.size(); ++i) standing[i] += frame.displacement[i];
+  frame.joints = joint_values(joints, start->vertices, standing);
+  if (joints.rim.empty()) {
+    add_points(joints, *start, standing, &frame);
+    return frame;
+  }
+  if (start->rim.empty()) start->rim = joints.rim, start->rim_position = vectors_at(joints.rim, joints.place);
+  for (const std::uint32_t p : start->rim) {
+    if (p >= joints.count()) throw Error(Exit::bad_input, folder.string() + ": frames of different joints");
+    for (const float x : at(joints.displacement, p)) frame.rim.push_back(x);
+    frame.crack.push_back(static_cast<std::uint8_t>(joints.crack[p]));
+  }
+  return frame;
+}
+
+// Kinds of cracks by their numbers, as in cracks.png.
+Json crack_styles() {
+  Json styles = Json::array();
+  for (const CrackStyle& style : kCrackStyles) styles.push_back({{"label", style.label}, {"colour", style.colour}});
+  return styles;
+}
+
+Part part_of(const fs::path& folder, const OnFrame& on_frame) {
+  require_results(folder);
   const std::vector<double> times = read_collection(folder, "blocks");
   if (times.empty()) throw Error(Exit::bad_input, fmt::format("{}: has no frames", (folder / "blocks.pvd").string()));
   Part part;
   part.head["name"] = fs::weakly_canonical(folder).filename().string();
-  part.head["summary"] = Json::parse(read_input_file((folder / "summary.json").string()));
+  part.head["summary"] = read_summary(folder / "summary.json");
   part.head["history"] = read_history(folder / "history.csv");
   part.head["times"] = times;
+  part.head["cracks"] = crack_styles();
 
-  const VtuFile first(frame_path(folder, "blocks", 0));
-  const auto points = first.read<float>("position");
-  const Surface surface = surface_of(first, points);
-  const std::vector<float> start = vectors_at(surface.vertex, points);
-  const VerticesOfBlocks vertices(surface);
-
-  struct Frame {
-    std::vector<float> displacement, stress, rim, points, points_moved;
-    JointValues joints;
-    std::vector<std::uint8_t> crack, point_crack;
-  };
+  Start start{VtuFile(frame_path(folder, "blocks", 0))};
   std::vector<Frame> frames;
-  std::vector<std::uint32_t> rim;
-  std::vector<float> rim_start;
   Quantised moved, rim_moved, stress, opening, slip, damage{0.0, 1.0};
   for (std::size_t f = 0; f < times.size(); ++f) {
     if (on_frame) on_frame(folder, f + 1, times.size());
-    const VtuFile blocks(frame_path(folder, "blocks", f)), joints(frame_path(folder, "joints", f));
-    Frame& frame = frames.emplace_back();
-    const auto displacement = blocks.read<float>("displacement_m");
-    if (displacement.size() != points.size())
-      throw Error(Exit::bad_input,
-                  fmt::format("{}: has {} points, the first frame {}; run the scene again",
-                              frame_path(folder, "blocks", f).string(), displacement.size() / 3, points.size() / 3));
-    const auto vertex = blocks.read<float>("position") == points ? surface.vertex : points_of(blocks, surface, start);
-    frame.displacement = vectors_at(vertex, displacement);
-    frame.stress = stress_of(blocks, vertex, points.size() / 3);
-    const std::vector<std::uint32_t> rim_now = rim_of(joints);
-    const auto place = joints.read<float>("position"), carried = joints.read<float>("displacement_m");
-    const auto crack = joints.read<std::int32_t>("crack"), block_a = joints.read<std::int32_t>("block_a"),
-               block_b = joints.read<std::int32_t>("block_b");
-    // Joints of blocks of any shape are points, given where they stand: beside the vertices of now.
-    std::vector<float> standing = start;
-    for (std::size_t i = 0; rim_now.empty() && i < standing.size(); ++i) standing[i] += frame.displacement[i];
-    frame.joints = joint_values(joints, vertices, standing);
-    if (!rim_now.empty()) {
-      if (f == 0 || rim.empty()) {
-        rim = rim_now;
-        for (const std::uint32_t p : rim) {
-          for (const float x : at(place, p)) rim_start.push_back(x);
-        }
-      }
-      for (const std::uint32_t p : rim) {
-        if (p >= crack.size()) throw Error(Exit::bad_input, folder.string() + ": frames of different joints");
-        for (const float x : at(carried, p)) frame.rim.push_back(x);
-        frame.crack.push_back(static_cast<std::uint8_t>(crack[p]));
-      }
-    } else {
-      for (std::size_t i = 0; i < crack.size(); ++i) {
-        if (crack[i] == 0) continue;
-        auto vertex_beside = vertices.nearest(block_a[i], at(place, i), standing);
-        if (!vertex_beside) vertex_beside = vertices.nearest(block_b[i], at(place, i), standing);
-        if (!vertex_beside) continue;
-        for (std::size_t c = 0; c < 3; ++c) {
-          const float came = frame.displacement[3 * *vertex_beside + c];
-          frame.points.push_back(at(place, i)[c] - came);
-          frame.points_moved.push_back(came);
-        }
-        frame.point_crack.push_back(static_cast<std::uint8_t>(crack[i]));
-      }
-    }
+    const Frame& frame = frames.emplace_back(read_frame(folder, f, &start));
     moved.see(frame.displacement), rim_moved.see(frame.rim), stress.see(frame.stress);
     opening.see(frame.joints.opening), slip.see(frame.joints.slip);
   }
 
   Blob blob;
-  blob.add("position", start);
+  blob.add("position", start.position);
   std::vector<std::uint32_t> corners;
-  for (const Triangle& t : surface.triangle) corners.insert(corners.end(), t.begin(), t.end());
+  for (const Triangle& t : start.surface.triangle) corners.insert(corners.end(), t.begin(), t.end());
   blob.add("triangle", corners);
-  blob.add("edge", surface.edge);
-  blob.add("rim", rim_start);
+  blob.add("edge", start.surface.edge);
+  blob.add("rim", start.rim_position);
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const auto name = [f](const char* what) { return fmt::format("{}{}", what, f); };
     const Frame& frame = frames[f];
@@ -466,7 +534,7 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
     blob.add(name("damage"), damage.bytes(frame.joints.damage));
     blob.add(name("opening"), opening.bytes(frame.joints.opening));
     blob.add(name("slip"), slip.bytes(frame.joints.slip));
-    if (frame.rim.size() == rim_start.size()) blob.add(name("rim_moved"), rim_moved.words(frame.rim));
+    if (frame.rim.size() == start.rim_position.size()) blob.add(name("rim_moved"), rim_moved.words(frame.rim));
     blob.add(name("crack"), frame.crack);
     blob.add(name("points"), frame.points);
     blob.add(name("points_moved"), frame.points_moved);
@@ -496,19 +564,26 @@ std::string json_in_page(const Json& json) {
   return text;
 }
 
-// three.js, and what turns the model by mouse.
-std::string three_js() {
+// Files of three.js, and of what turns the model by mouse.
+std::vector<fs::path> three_js_files() {
   const char* given = std::getenv("QUOIN_THREE_JS");
   const fs::path folder = given ? given : "/usr/share/javascript/three";
-  std::string text;
-  for (const char* name : {"three.min.js", "examples/js/controls/OrbitControls.js"}) {
+  std::vector<fs::path> files{folder / "three.min.js", folder / "examples/js/controls/OrbitControls.js"};
+  for (const fs::path& file : files) {
     std::error_code error;
-    if (!fs::exists(folder / name, error))
+    if (!fs::exists(file, error))
       throw Error(Exit::bad_input, fmt::format("{}: not found: a report needs three.js to draw; install it with "
                                                "`apt-get install libjs-three`, or set QUOIN_THREE_JS to its folder",
-                                               (folder / name).string()));
+                                               file.string()));
+  }
+  return files;
+}
+
+std::string three_js() {
+  std::string text;
+  for (const fs::path& file : three_js_files()) {
     constexpr std::string_view end = "</script";  // in a string of theirs: it would end ours
-    const std::string script = read_input_file((folder / name).string());
+    const std::string script = read_input_file(file.string());
     std::size_t from = 0;
     for (std::size_t at = 0; (at = script.find(end, from)) != std::string::npos; from = at + 1)
       text.append(script, from, at + 1 - from).append("\\");
@@ -518,6 +593,8 @@ std::string three_js() {
 }
 
 }  // namespace
+
+void require_report_library() { three_js_files(); }
 
 fs::path write_report(const std::vector<fs::path>& folders, const OnFrame& on_frame) {
   const std::string library = three_js();

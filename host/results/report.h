@@ -8,6 +8,9 @@
 
 namespace quoin {
 
+// What the page is drawn with is there. Throws Error(bad_input) as write_report.
+void require_report_library();
+
 // folders: of finished runs, one or two; the page goes to the first. Its path. Throws Error(bad_input): a folder
 // without results or frames, or three.js is not on this machine ($QUOIN_THREE_JS, or Debian's libjs-three).
 // on_frame: told before each frame of a folder is read, from 1 on, and how many there are.

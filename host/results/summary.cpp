@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
 #include "scene/generate.h"
@@ -223,7 +224,8 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["status"] = info.status;
   json["interrupted"] = info.status == "interrupted";
   if (!info.message.empty()) json["message"] = info.message;
-  json["peak_horizontal_force_N"] = peak.force;
+  json["peak_horizontal_force_N"] = is_vertical(scene) ? Json(nullptr) : Json(peak.force);
+  json["peak_vertical_force_N"] = is_vertical(scene) ? Json(peak.force) : Json(nullptr);
   json["displacement_at_peak_m"] = peak.displacement;
   json["vertical_stress_at_peak_Pa"] = area > 0 ? Json(peak.vertical_force / area) : Json(nullptr);
   json["bed_area_m2"] = area;
@@ -237,8 +239,11 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   json["threads"] = simulation.thread_count();
   if (!simulation.rank_traffic().empty()) json["ranks"] = ranks_of(simulation.rank_traffic());
   json["instruction_set"] = simulation.instruction_set();
-  const auto& bricks = simulation.assembly().bricks;
-  const auto beams = std::count_if(bricks.begin(), bricks.end(), [](const Brick& b) { return b.beam; });
+  const auto count_beams = [](const auto& blocks) {
+    return std::count_if(blocks.begin(), blocks.end(), [](const auto& b) { return b.beam; });
+  };
+  const blocks::Model* const riding = simulation.riding();
+  const auto beams = riding ? count_beams(riding->assembly().blocks) : count_beams(simulation.assembly().bricks);
   json["blocks"] = simulation.block_count() - beams;
   json["beams"] = beams;
   json["zones"] = simulation.zone_count();
@@ -276,7 +281,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
   json["motion"] = motion_of(simulation);
-  if (simulation.riding()) json.update(of_blocks(simulation, rows));
+  if (riding) json.update(of_blocks(simulation, rows));
   json["watch"] = watch_of(simulation);
   Json warnings = Json::array();
   for (const Warning& w : info.warnings)

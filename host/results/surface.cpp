@@ -115,43 +115,47 @@ std::span<const Surfaces::Quad> Surfaces::quads_of_joints(const Simulation& simu
   return {from(first), from(end)};
 }
 
+JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact, const LawView& law) {
+  JointPoint p{};
+  p.contact = contact;
+  if (!simulation.riding()) {
+    std::tie(p.side_a, p.side_b) = simulation.displacement_of_sides(contact.index);
+    for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
+  }
+  p.opening = std::max(0.0, contact.jump[0]);
+  p.slip = std::isfinite(law.slip) ? law.slip : std::hypot(contact.jump[1], contact.jump[2]);
+  // Where the law does not tell, its flags say whether damage has begun and whether it is complete.
+  const auto damage = [&](std::size_t mode, std::uint32_t begun, std::uint32_t complete) {
+    if (std::isfinite(law.damage[mode])) return law.damage[mode];
+    return (contact.flags & complete) != 0 ? 1.0 : (contact.flags & begun) != 0 ? 0.5 : 0.0;
+  };
+  p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
+  p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
+  p.closure = std::isfinite(law.closure) ? law.closure : 0.0;
+  // Points of blocks in large motion are placed anew: how far they have slid only their law can know.
+  const bool slip_known = std::isfinite(law.slip) || !simulation.riding();
+  if (contact.condition == Condition::crushed_out || contact.condition == Condition::crushing)
+    p.crack = Crack::crushed;
+  else if (simulation.assembly().families[static_cast<size_t>(contact.family)].initial_state == "dry")
+    p.crack = classify_dry(p, slip_known);
+  else
+    p.crack = classify(p);
+  return p;
+}
+
 std::vector<JointPoint> Surfaces::joint_points(const Simulation& simulation, const PointRange& range,
                                                bool own_alone) const {
   const auto contacts = simulation.contact_points(range, own_alone);
   if (contacts.empty()) return {};
-  const auto told = simulation.damage(range);
+  const auto damage = simulation.damage(range);
   const auto slip = simulation.state("slip", range), closure = simulation.state("w", range);
-  auto or_zero = [](double v) { return std::isfinite(v) ? v : 0.0; };
-
   std::vector<JointPoint> points;
   points.reserve(contacts.size());
   for (const ContactPoint& c : contacts) {
     const auto i = static_cast<size_t>(c.index - range.first);
-    JointPoint p{};
-    p.contact = c;
-    if (!simulation.riding()) {
-      std::tie(p.side_a, p.side_b) = simulation.displacement_of_sides(c.index);
-      for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
-    }
-    p.opening = std::max(0.0, c.jump[0]);
-    p.slip = std::isfinite(slip[i]) ? slip[i] : std::hypot(c.jump[1], c.jump[2]);
-    // Where the law does not tell, its flags say whether damage has begun and whether it is complete.
-    auto damage = [&](std::size_t mode, std::uint32_t begun, std::uint32_t complete) {
-      if (std::isfinite(told[mode][i])) return told[mode][i];
-      return (c.flags & complete) != 0 ? 1.0 : (c.flags & begun) != 0 ? 0.5 : 0.0;
-    };
-    p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
-    p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
-    p.closure = or_zero(closure[i]);
-    // Points of blocks in large motion are placed anew: how far they have slid only their law can know.
-    const bool slip_known = std::isfinite(slip[i]) || !simulation.riding();
-    if (c.condition == Condition::crushed_out || c.condition == Condition::crushing)
-      p.crack = Crack::crushed;
-    else if (simulation.assembly().families[static_cast<size_t>(c.family)].initial_state == "dry")
-      p.crack = classify_dry(p, slip_known);
-    else
-      p.crack = classify(p);
-    points.push_back(p);
+    LawView law{{}, slip[i], closure[i]};
+    for (std::size_t mode = 0; mode < law.damage.size(); ++mode) law.damage[mode] = damage[mode][i];
+    points.push_back(joint_point(simulation, c, law));
   }
   return points;
 }

@@ -26,7 +26,15 @@ struct JointPoint {
       damage_shear;  // share of tensile strength and cohesion lost; 0.5 begun, where nothing says more
   double closure;    // plastic closure by crushing, m
   Crack crack;
+  Vec3 gap{};  // where blocks have come apart in large motion: from its place on block a to that on block b, m; else 0
 };
+
+// What the law of a contact point says of it; NaN: nothing.
+struct LawView {
+  std::array<double, QUOIN_DAMAGE_COUNT> damage;
+  double slip, closure;  // m
+};
+JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact, const LawView& law);
 
 // Contact points of the lattice that this rank has, joint after joint.
 std::vector<std::int32_t> points_by_joint(const Simulation& simulation);

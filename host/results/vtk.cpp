@@ -11,6 +11,7 @@
 
 #include "base/attempt.h"
 #include "files/result_folder.h"
+#include "results/parted_joints.h"
 #include "results/vtk_file.h"
 
 namespace quoin {
@@ -53,6 +54,7 @@ class Rows {
   }
   std::uint64_t points() const { return bytes_[kPosition].size() / (3 * sizeof(float)); }
   std::uint64_t corners() const { return bytes_[kConnectivity].size() / sizeof(std::int64_t); }
+  std::size_t arrays() const { return bytes_.size(); }
 
   // In a file that has so many points and corners before them.
   void move_behind(std::uint64_t points_before, std::uint64_t corners_before) {
@@ -171,7 +173,7 @@ std::vector<std::string> state_ids(const Simulation& simulation) {
   return {ids.begin(), ids.end()};
 }
 
-std::vector<VtkArray> arrays_of_joints(const std::vector<std::string>& states) {
+std::vector<VtkArray> arrays_of_joints(const Simulation& simulation, const std::vector<std::string>& states) {
   std::vector<VtkArray> arrays = arrays_of_grid();
   const auto add = [&](const char* name, const char* type, int components = 1, const char* named = "") {
     arrays.push_back({"PointData", name, type, components, VtkRows::point, named});
@@ -185,33 +187,52 @@ std::vector<VtkArray> arrays_of_joints(const std::vector<std::string>& states) {
     add(name, kVtkType<float>);
   for (const char* name : {"family", "condition", "crack"}) add(name, kVtkType<std::int32_t>);
   for (const std::string& id : states) arrays.push_back({"PointData", "state_" + id, kVtkType<float>});
+  if (simulation.riding()) add("gap_m", kVtkType<float>, 3);  // the last one
   return arrays;
+}
+
+// All but the law's states.
+void add_point(const Simulation& simulation, const JointPoint& p, Rows& rows) {
+  const auto number = [&](std::size_t field, double value) { rows.add(field, static_cast<float>(value)); };
+  const auto code = [&](std::size_t field, auto value) { rows.add(field, static_cast<std::int32_t>(value)); };
+  if (simulation.riding()) rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
+  rows.add(kPosition, p.contact.position);
+  rows.add(kMeanDisplacement, p.displacement);
+  rows.add(kTraction, p.contact.traction);
+  rows.add(kNormal, p.contact.normal);
+  rows.add(kShearAxis, p.contact.s);
+  number(kArea, p.contact.area);
+  code(kBlockA, p.contact.block_a), code(kBlockB, p.contact.block_b);
+  number(kOpening, p.opening), number(kSlip, p.slip);
+  number(kDamageTension, p.damage_tension), number(kDamageShear, p.damage_shear);
+  number(kClosure, p.closure);
+  code(kFamily, p.contact.family), code(kCondition, p.contact.condition), code(kCrack, p.crack);
+  if (simulation.riding()) rows.add(rows.arrays() - 1, p.gap);
 }
 
 // Their quads come by themselves; where blocks move freely points stand alone.
 void add_points(const Simulation& simulation, const Surfaces& surfaces, const std::vector<std::string>& states,
                 const PointRange& range, bool own_alone, Rows& rows) {
-  const auto number = [&](std::size_t field, double value) { rows.add(field, static_cast<float>(value)); };
-  const auto code = [&](std::size_t field, auto value) { rows.add(field, static_cast<std::int32_t>(value)); };
   const std::vector<JointPoint> points = surfaces.joint_points(simulation, range, own_alone);
-  for (const JointPoint& p : points) {
-    if (simulation.riding()) rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
-    rows.add(kPosition, p.contact.position);
-    rows.add(kMeanDisplacement, p.displacement);
-    rows.add(kTraction, p.contact.traction);
-    rows.add(kNormal, p.contact.normal);
-    rows.add(kShearAxis, p.contact.s);
-    number(kArea, p.contact.area);
-    code(kBlockA, p.contact.block_a), code(kBlockB, p.contact.block_b);
-    number(kOpening, p.opening), number(kSlip, p.slip);
-    number(kDamageTension, p.damage_tension), number(kDamageShear, p.damage_shear);
-    number(kClosure, p.closure);
-    code(kFamily, p.contact.family), code(kCondition, p.contact.condition), code(kCrack, p.crack);
-  }
+  for (const JointPoint& p : points) add_point(simulation, p, rows);
   for (std::size_t k = 0; k < states.size() && !points.empty(); ++k) {
     const std::vector<double> column = simulation.state(states[k], range);
     for (const JointPoint& p : points)
-      number(kFirstState + k, column[static_cast<std::size_t>(p.contact.index - range.first)]);
+      rows.add(kFirstState + k, static_cast<float>(column[static_cast<std::size_t>(p.contact.index - range.first)]));
+  }
+}
+
+// Of joints that begin at these blocks, where no contact point is left.
+void add_parted_points(const Simulation& simulation, const std::vector<std::string>& states, const Simulation::Run& run,
+                       Rows& rows) {
+  for (const PartedPoint& p : parted_points(simulation, run.first, run.end)) {
+    add_point(simulation, p.joint, rows);
+    const Law& law = simulation.model().families[static_cast<std::size_t>(p.joint.contact.family)].material->law();
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const int state = law.state_index(states[k]);
+      rows.add(kFirstState + k,
+               state < 0 ? std::nanf("") : static_cast<float>(p.state[static_cast<std::size_t>(state)]));
+    }
   }
 }
 
@@ -291,7 +312,7 @@ void write_blocks(const Simulation& simulation, const Target& target, Attempt& a
 void write_joints(const Simulation& simulation, const Surfaces& surfaces, const Target& target, Attempt& attempt) {
   Sink sink(attempt);
   const std::vector<std::string> states = state_ids(simulation);
-  const std::size_t arrays = kFirstState + states.size();
+  const std::size_t arrays = arrays_of_joints(simulation, states).size();
   const bool quads = !simulation.riding();
   const auto points_of = [&](const Run& run) {
     Rows rows(arrays);
@@ -307,6 +328,17 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
     }
     return rows;
   };
+  const auto parted_of = [&](const Run& run) {
+    Rows rows(arrays);
+    add_parted_points(simulation, states, run, rows);
+    return rows;
+  };
+  const std::vector<Run> runs_of_blocks = quads ? std::vector<Run>{} : simulation.runs_of_blocks();
+  const auto count_parted = [&](const auto& is_here) {
+    std::uint64_t count = 0;
+    for (const Run& run : runs_of_blocks) count += is_here(run) ? parted_of(run).points() : 0;
+    return count;
+  };
   constexpr std::uint64_t kAbsolute = 0;  // corners of quads are points of the file
   const std::vector<Run> runs = simulation.runs_of_points();
   if (target.piece) {
@@ -319,10 +351,14 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
       const Surfaces::Quad& quad = surfaces.quads(simulation)[i];
       if (place[static_cast<std::size_t>(quad[0])] > 0) own.push_back(quad);
     }
-    const auto points = static_cast<std::uint64_t>(next);
-    sink.open(target.path, arrays_of_joints(states),
+    const auto is_own = [&](const Run& run) { return simulation.owns_block(run.first); };
+    const std::uint64_t points = static_cast<std::uint64_t>(next) + count_parted(is_own);
+    sink.open(target.path, arrays_of_joints(simulation, states),
               {points, quads ? own.size() : points, quads ? 4 * own.size() : points}, target.compressed);
     for (const Run& run : runs) sink.take(points_of(run));
+    for (const Run& run : runs_of_blocks) {
+      if (is_own(run)) sink.take(parted_of(run));
+    }
     sink.take(quads_of(own, [&](int point) { return std::int64_t{place[static_cast<std::size_t>(point)]} - 1; }),
               kAbsolute);
     sink.finish();
@@ -330,15 +366,20 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   }
   const std::vector<Run> of_joints = quads ? simulation.runs_of_joints() : std::vector<Run>{};
   const auto quads_in = [&](const Run& run) { return surfaces.quads_of_joints(simulation, run.first, run.end); };
-  double cells = quads ? 0.0 : static_cast<double>(simulation.point_count());
-  for (const Run& run : of_joints) cells += simulation.brings(run) ? static_cast<double>(quads_in(run).size()) : 0.0;
-  if (quads) cells = simulation.sum_of_ranks(cells);
+  double more = static_cast<double>(count_parted([&](const Run& run) { return simulation.brings(run); }));
+  for (const Run& run : of_joints) more += simulation.brings(run) ? static_cast<double>(quads_in(run).size()) : 0.0;
+  const auto parted_or_quads = static_cast<std::uint64_t>(simulation.sum_of_ranks(more));
   if (target.written) {
-    const auto count = static_cast<std::uint64_t>(cells), points = static_cast<std::uint64_t>(simulation.point_count());
-    sink.open(target.path, arrays_of_joints(states), {points, count, quads ? 4 * count : count}, target.compressed);
+    const auto alive = static_cast<std::uint64_t>(simulation.point_count()), points = alive + parted_or_quads;
+    sink.open(target.path, arrays_of_joints(simulation, states),
+              quads ? VtkSizes{alive, parted_or_quads, 4 * parted_or_quads} : VtkSizes{points, points, points},
+              target.compressed);
   }
   simulation.bring_to_first(
       runs, [&](const Run& run) { return points_of(run).packed(); },
+      [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
+  simulation.bring_to_first(
+      runs_of_blocks, [&](const Run& run) { return parted_of(run).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
   simulation.bring_to_first(
       of_joints, [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
@@ -370,7 +411,7 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
     of_joints.cells = static_cast<std::uint64_t>(share * static_cast<double>(surfaces.quads(simulation).size()));
     of_joints.corners = 4 * of_joints.cells;
   }
-  add(arrays_of_joints(state_ids(simulation)), of_joints);
+  add(arrays_of_joints(simulation, state_ids(simulation)), of_joints);
   return bytes;
 }
 
@@ -403,7 +444,7 @@ void VtkSeries::add(const Simulation& simulation, bool piece) {
     for (int r = 0; r < pieces_.count; ++r) all.push_back(piece_name(kind, frame, r));
     attempt([&] {
       write_vtk_index(folder_ / fmt::format("{}_{:04}.pvtu", kind, frame),
-                      blocks ? arrays_of_blocks() : arrays_of_joints(state_ids(simulation)), all);
+                      blocks ? arrays_of_blocks() : arrays_of_joints(simulation, state_ids(simulation)), all);
     });
   }
   attempt.rethrow();

@@ -31,6 +31,7 @@ struct Block {
   std::shared_ptr<const geometry::Zoning> zoning;  // deformable: zones made elsewhere, of the shape; null: none
   bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
   int unit = -1, course = -1;  // for pictures
+  bool beam = false;           // rigid, beside the masonry of a wall or building
 };
 
 // Where two blocks meet for the first time: what the joint family may depend on.

@@ -27,7 +27,7 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
     block.material = brick.material;
     block.position = geometry::vector(brick.origin);
     block.rigid = brick.rigid;
-    block.unit = brick.unit, block.course = brick.course;
+    block.unit = brick.unit, block.course = brick.course, block.beam = brick.beam;
     if (!brick.rigid) {
       block.divisions = brick.zones;
       block.parity = 1 - brick.parity % 2;  // the lattice's pattern 0 is the other one here

@@ -102,7 +102,16 @@ std::vector<std::string> WallSpec::bottom_beams() const {
 
 double bed_area(const WallSpec& wall) { return wall.units_per_course * wall.unit[0] * wall.unit[2]; }
 
-double bed_area(const Scene& scene) { return scene.wall && !scene.blocks ? bed_area(*scene.wall) : 0.0; }
+double bed_area(const BuildingSpec& building) {
+  double area = static_cast<double>(building.corners.size()) * building.thickness * building.thickness;
+  for (const BuildingSpec::Wall& wall : building.walls) area += wall.half_units * wall.half_unit * building.thickness;
+  return area;
+}
+
+double bed_area(const Scene& scene) {
+  if (scene.blocks) return 0.0;
+  return scene.wall ? bed_area(*scene.wall) : scene.building ? bed_area(*scene.building) : 0.0;
+}
 
 Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMaterial>& materials,
                        const std::map<std::string, JointFamily>& joints) {

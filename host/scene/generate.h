@@ -21,7 +21,9 @@ Assembly assemble(const Scene& scene);
 
 // Gross area of a bed joint, m2, over the whole thickness.
 double bed_area(const WallSpec& wall);
-// Of a scene that is a wall and nothing else; else 0.
+// Of all walls of a building and their corners, in plan.
+double bed_area(const BuildingSpec& building);
+// Of a scene that is a wall or building and nothing else; else 0.
 double bed_area(const Scene& scene);
 
 }  // namespace quoin

@@ -24,6 +24,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.array(m.contacts_);
   WorldFields::each(m, [&](const Field&, auto& array) { archive.array(array); });
   archive.value(m.unit_count_);
+  archive.array(m.kept_);
 
   archive.list(m.loads_, [](auto& a, auto& load) {
     a.value(load.block);
@@ -127,6 +128,7 @@ void Model::restore(ArchiveReader& reader) {
   });
   WorldFields::of_pairs(
       *this, [&](const Field& field, const auto& array) { require_items(field, array.size(), contacts_.size()); });
+  require(kept_.empty() || kept_.size() == start_point_.size() * kept_width());
   require(loaded_.size() == blocks_.size() && (applied_.empty() || applied_.size() == blocks_.size()));
   const auto is_block = [&](int i) { return i >= 0 && size_t(i) < blocks_.size(); };
   const auto is_facet = [&](int i, int block) {

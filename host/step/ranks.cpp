@@ -558,9 +558,14 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
 
 void Simulation::Impl::fetch_for_frame() {
   if (!in_parts && !scene.output.pieces) return gather(Part::all, Who::first);
-  if (!ranks || riding) return;
+  if (!ranks) return;
+  // What was a joint shows how far its blocks are apart, wherever they are.
+  if (!in_parts && riding && riding->has_placed_anew()) return gather(Part::all);
   const auto before = Clock::now();
-  hear_all_of_borders();
+  if (riding)
+    riding->tell_parted_blocks();
+  else
+    hear_all_of_borders();
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;

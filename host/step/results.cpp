@@ -366,7 +366,10 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
 // What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
-  if (!riding) hear_all_of_borders();
+  if (riding)
+    riding->tell_parted_blocks();
+  else
+    hear_all_of_borders();
   end_conditions = conditions_of_all();
   gather(Part::row);
   end_hash = hash_by_parts(false);

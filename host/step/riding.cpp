@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "law/at_rest.h"
 #include "model/time_step.h"
 #include "scene/generate_blocks.h"
 #include "step/law_swap.h"
@@ -491,28 +492,11 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointR
                                           const PointOutputs& outputs) const {
   for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), range)) {
     if (!(f.material->api().capabilities & capability)) continue;
-    const std::size_t n = end - first;
-    std::vector<double> zero(n, 0.0), unused((3 + f.state.size()) * n);
-    std::vector<quoin_in> old;
-    std::vector<quoin_out> fresh;
-    for (std::size_t k = 0; k < f.state.size(); ++k) {
-      old.push_back({f.state[k].data() + first, 1});
-      fresh.push_back({unused.data() + (3 + k) * n, 1});
-    }
-    quoin_batch batch{};
-    batch.struct_size = sizeof batch;
-    batch.count = n;
-    batch.normal_jump = {f.normal_jump.data() + first, 1};
-    for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
-    for (std::size_t k = 0; k < 3; ++k) {
-      batch.traction_old[k] = {f.traction[k].data() + first, 1};
-      batch.traction_new[k] = {unused.data() + k * n, 1};
-    }
-    batch.state_old = old.data(), batch.state_new = fresh.data();
-    const std::vector<quoin_property_column> properties = batch_columns(f.columns, *f.material, first);
-    batch.property_column_count = properties.size(), batch.property_columns = properties.data();
-    outputs(batch, before + first);
-    f.material->evaluate(&batch);
+    RestingPoints points{
+        end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
+    for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
+    for (const auto& column : f.state) points.state.push_back(column.data() + first);
+    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) { outputs(batch, before + first); });
   }
 }
 

@@ -215,7 +215,6 @@ const TimeStepReport& Simulation::time_step_report() const { return impl_->time_
 long Simulation::step() const { return impl_->step_count; }
 double Simulation::time() const { return impl_->now(); }
 const blocks::Model* Simulation::riding() const { return impl_->riding.get(); }
-geometry::Vector Simulation::riding_start(int block) const { return impl_->riding->start_position(block); }
 const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }

@@ -27,9 +27,6 @@
 namespace quoin::blocks {
 class Model;
 }
-namespace quoin::geometry {
-struct Vector;
-}
 
 namespace quoin {
 
@@ -155,6 +152,7 @@ struct Observer {
 enum class Condition : std::uint8_t { crushed_out, crushing, open, slipping, softening, elastic };
 inline constexpr int kConditionCount = 6;
 const char* condition_name(Condition condition);
+Condition condition_of(std::uint32_t flags);  // QUOIN_FLAG_...
 
 struct ContactPoint {
   std::int32_t index;  // of the point, for Simulation::state
@@ -221,8 +219,7 @@ class Simulation {
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
-  const blocks::Model* riding() const;             // blocks of any shape; null: none
-  geometry::Vector riding_start(int block) const;  // centre of mass at the start, m
+  const blocks::Model* riding() const;  // blocks of any shape; null: none
   const Outcome& outcome() const;
   long block_count() const;
   long zone_count() const;

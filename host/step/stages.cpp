@@ -95,7 +95,7 @@ long Simulation::Impl::chosen_record_interval() const {
     else if (!monitor.empty())
       speed = std::abs(ramps[static_cast<std::size_t>(monitor.front())].velocity_to[direction]);
     for (const Drive& drive : drives) {
-      if (!monitor_blocks.empty() && drive.block == monitor_blocks.front())
+      if (!settings.whiffletree && !monitor_blocks.empty() && drive.block == monitor_blocks.front())
         speed = std::abs(drive.velocity_to[settings.direction]);
     }
     if (speed > 0.0)

@@ -456,6 +456,4 @@ struct Simulation::Impl {
   std::vector<PhaseClock> clocks;  // by thread
 };
 
-Condition condition_of(std::uint32_t flags);
-
 }  // namespace quoin

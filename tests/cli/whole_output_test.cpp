@@ -60,7 +60,7 @@ class WholeOutput : public Cli {
   }
   template <class T>
   static std::string array_of(const quoin::VtuFile& file, const std::string& name) {
-    const std::vector<T> values = file.read<T>(name);
+    const std::vector<T> values = file.values_of<T>(name);
     double largest = 0.0, sum = 0.0;
     for (const T v : values) largest = std::max(largest, std::abs(static_cast<double>(v)));
     for (const T v : values) sum += std::abs(static_cast<double>(v));

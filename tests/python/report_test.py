@@ -143,6 +143,16 @@ class Report(Folder):
         self.assertEqual(done.stdout.strip(), "wall/report.html")
         self.assert_works(told_by(self.path("wall/report.html")), runs=2)
 
+    def test_without_frames_it_is_refused_before_the_run(self):
+        done = self.command("run", SMALL_WALL, "--out", "none", "--set", "output.frames=0", "--report")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("output.frames", done.stderr)
+        self.assertFalse(os.path.exists(self.path("none")))
+        wall = quoin.Scene.load(SMALL_WALL)
+        wall.output.frames = 0
+        with self.assertRaisesRegex(quoin.BadInput, "output.frames"):
+            quoin.run(wall, out=self.path("none"), report=True)
+
     def test_blocks_that_fall(self):
         arch = quoin.Scene.load(SCENES + "/arch.toml")
         arch.stage[1].collapse.rate = 0.2

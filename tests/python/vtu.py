@@ -27,6 +27,9 @@ class Vtu:
         values = np.frombuffer(self._bytes, kind, size // np.dtype(kind).itemsize, place + 8)
         return values.reshape(-1, columns) if columns > 1 else values
 
+    def __contains__(self, name):
+        return name in self._arrays
+
     def block_of_point(self):
         """Of the blocks of a frame: which block each point is of, by the cells around it."""
         block = np.full(len(self["position"]), -1)

@@ -1,6 +1,7 @@
 // Joints that have opened wider than contact points bridge, in large motion: they are cracks all the same.
 #include "results/parted_joints.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,8 @@
 
 #include "folder.h"
 #include "results/block_picture.h"
+#include "results/read_vtu.h"
+#include "results/vtk.h"
 #include "scene/read_scene.h"
 
 namespace quoin {
@@ -45,21 +48,24 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   Simulation simulation(read_scene_text(kScene, "parted.toml", {}), 1);
   const Surfaces surfaces;
   const Pairs start = touching(simulation);
-  EXPECT_TRUE(parted_joints(simulation).empty());
+  EXPECT_TRUE(parted_points(simulation).empty());
   Observer nobody;
   simulation.run(nobody);
 
   // Every joint of the start either touches still or has parted. The wall hangs on the beam: the opening is what that
   // has moved, and what the bricks still swing by.
-  Pairs all = touching(simulation);
-  const std::vector<PartedJoint> parted = parted_joints(simulation);
-  ASSERT_FALSE(parted.empty());
-  for (const PartedJoint& joint : parted) {
-    EXPECT_TRUE(all.insert(std::minmax(joint.block_a, joint.block_b)).second);
-    EXPECT_NEAR(joint.opening, kPulled, 0.05 * kPulled);
-    for (std::size_t i = 0; i < joint.side_a.size(); ++i)
-      EXPECT_NEAR(std::abs(joint.side_a[i][1] - joint.side_b[i][1]), joint.opening, 0.01 * kPulled);
+  Pairs all = touching(simulation), parted;
+  const std::vector<PartedPoint> points = parted_points(simulation);
+  ASSERT_FALSE(points.empty());
+  for (const PartedPoint& p : points) {
+    parted.insert(std::minmax(p.joint.contact.block_a, p.joint.contact.block_b));
+    EXPECT_NEAR(p.joint.opening, kPulled, 0.05 * kPulled);
+    EXPECT_NEAR(std::abs(p.joint.gap[1]), p.joint.opening, 0.01 * kPulled);
+    EXPECT_EQ(p.joint.crack, Crack::open);
+    EXPECT_EQ(p.joint.damage_tension, 1.0) << "the bed that held nothing from the start";
+    EXPECT_EQ(p.joint.contact.traction, Vec3{});
   }
+  all.merge(Pairs(parted));
   EXPECT_EQ(all, start);
 
   plot_block_cracks(folder_, simulation, surfaces, "");  // the script stays, also without gnuplot
@@ -72,6 +78,106 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   long gaps = 0;
   for (std::size_t i = 1; i < lines.size(); ++i) gaps += lines[i] == '\n' && lines[i - 1] == '\n';
   EXPECT_GE(gaps, static_cast<long>(2 * parted.size()));  // both sides of each
+}
+
+// Of a file of joints: how many points have lost more than 0.9 of what held them, the widest opening, and where each of
+// the joints of the start is.
+struct Damaged {
+  long points = 0;
+  double opening = 0.0, area = 0.0;  // m, m2
+};
+Damaged damaged_in(const std::filesystem::path& file) {
+  const VtuFile joints(file);
+  const auto tension = joints.read<float>("damage_tension", VtkRows::point),
+             shear = joints.read<float>("damage_shear", VtkRows::point),
+             opening = joints.read<float>("opening_m", VtkRows::point),
+             area = joints.read<float>("area_m2", VtkRows::point);
+  Damaged damaged;
+  for (std::size_t i = 0; i < tension.size(); ++i) {
+    if (std::max(tension[i], shear[i]) <= 0.9F) continue;
+    ++damaged.points;
+    damaged.area += double{area[i]};
+    damaged.opening = std::max(damaged.opening, double{opening[i]});
+  }
+  return damaged;
+}
+
+class Frames : public Observer {
+ public:
+  Frames(const std::filesystem::path& folder, std::vector<double> before = {}) : series_(folder, surfaces_, before) {}
+  void on_frame(const Simulation& simulation, int, int) override { series_.add_piece(simulation); }
+  void on_pause(const Simulation& simulation, bool last) override {
+    if (last) saved = simulation.save();
+  }
+  std::vector<std::uint8_t> saved;
+  const std::vector<double>& times() const { return series_.times(); }
+
+ private:
+  Surfaces surfaces_;
+  VtkSeries series_;
+};
+
+// 134 points of a stair crack were damaged in one frame, and 39 at the end: those whose blocks had come apart were
+// written no more, and the widest gap with them.
+TEST_F(PartedJoints, StayInFramesWithTheirDamageAndTheirGap) {
+  Simulation simulation(read_scene_text(kScene, "parted.toml", {"output.frames=5"}), 1);
+  Frames frames(folder_);
+  simulation.run(frames);
+  Damaged before;
+  for (int frame = 0; frame <= 5; ++frame) {
+    const Damaged now = damaged_in(folder_ / fmt::format("joints_000{}.vtu", frame));
+    EXPECT_GE(now.points, before.points) << frame;
+    EXPECT_GE(now.area, 0.999 * before.area) << frame;
+    EXPECT_GE(now.opening, before.opening) << frame;
+    before = now;
+  }
+  // The bed of 0.44 m x 0.1 m at least, as far as the wall is pulled.
+  EXPECT_GE(before.area, 0.044 - 1e-6);
+  EXPECT_NEAR(before.opening, kPulled, 0.05 * kPulled);
+}
+
+// What a run that goes on writes is what one run would have written, gaps of joints that had parted before included.
+TEST_F(PartedJoints, AreTheSameAfterARunGoesOn) {
+  const Scene scene = read_scene_text(kScene, "parted.toml", {"output.frames=5"});
+  std::filesystem::create_directories(folder_ / "whole");
+  Simulation whole(scene, 1);
+  Frames frames(folder_ / "whole");
+  whole.run(frames);
+
+  struct Stopped : Frames {
+    using Frames::Frames;
+    Simulation* simulation = nullptr;
+    void on_frame(const Simulation& now, int stage, int frame) override {
+      Frames::on_frame(now, stage, frame);
+      if (frame == 3) simulation->request_stop();
+    }
+  };
+  Simulation first(scene, 1);
+  Stopped stopped(folder_);
+  stopped.simulation = &first;
+  EXPECT_THROW(first.run(stopped), Error);
+  ASSERT_FALSE(parted_points(first).empty());
+  Simulation second(scene, 2);
+  second.restore(stopped.saved);
+  Frames rest(folder_, stopped.times());
+  second.run(rest);
+  for (const char* name : {"joints_0003.vtu", "joints_0004.vtu", "joints_0005.vtu"})
+    EXPECT_TRUE(read_all(folder_ / name) == read_all(folder_ / "whole" / name)) << name;
+}
+
+// A law that replaces another one takes over what has parted before by the names of its states.
+TEST_F(PartedJoints, KeepTheirDamageWhenTheLawIsReplaced) {
+  const std::string later =
+      kScene +
+      "[[stage]]\nname = \"hold\"\nkind = \"custom\"\nmonitor = \"top_beam\"\nduration = 1e-4\n"
+      "law = \"fracture_energy\"\n[[stage.control]]\nbody = \"bottom_beam\"\nvelocity = [0, 0, 0]\n"
+      "[[stage.control]]\nbody = \"top_beam\"\nvelocity = [0, 0, 0]\n";
+  Simulation simulation(read_scene_text(later, "parted.toml", {}), 1);
+  Observer nobody;
+  simulation.run(nobody);
+  const std::vector<PartedPoint> points = parted_points(simulation);
+  ASSERT_FALSE(points.empty());
+  for (const PartedPoint& p : points) EXPECT_EQ(p.joint.damage_tension, 1.0);
 }
 
 class BlockPicture : public InFolder {};

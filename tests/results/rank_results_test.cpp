@@ -1,7 +1,9 @@
 // What rank 0 writes of what other ranks bring: the bytes of one process, and no rank waits for ever where it cannot.
 // Ranks are threads here.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <fstream>
 #include <map>
@@ -12,6 +14,7 @@
 #include "folder.h"
 #include "results/crushed_out.h"
 #include "results/plots.h"
+#include "results/read_vtu.h"
 #include "results/vtk.h"
 #include "scene/read_scene.h"
 
@@ -32,6 +35,9 @@ const Case kRigid{QUOIN_SCENES "/cube_wall_10.toml", {"stage.1.displacement=0.00
 const Case kFree{QUOIN_SCENES "/mixed.toml",
                  {"wall.rigid_units=false", "wall.zones=[2, 2, 1]", "stage.weight.duration=0.004",
                   "stage.push.duration=0.004", "output.frames=2"}};
+
+// A wall whose joints part in large motion: 26 points end without a contact.
+const Case kParted{QUOIN_TESTS "/results/settling_wall.toml", {}};
 
 // Writes frames, as the first of several ranks or alone.
 class Writer : public Observer {
@@ -93,10 +99,11 @@ Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* r
 }
 
 TEST_F(RankResults, HaveTheBytesOfOneProcess) {
-  for (const Case* const one : {&kWall, &kRigid, &kFree}) {
+  for (const Case* const one : {&kWall, &kRigid, &kFree, &kParted}) {
     const Case& of = *one;
     const Written alone = written_by(of, folder_ / "1", nullptr);
-    ASSERT_GE(alone.bytes.size(), &of == &kFree ? 6u : 15u) << "two files a frame, nine of the picture";
+    ASSERT_GE(alone.bytes.size(), &of == &kFree || &of == &kParted ? 6u : 15u)
+        << "two files a frame, nine of the picture";
     ASSERT_GT(alone.bytes.at("joints_0001.vtu").size(), 5000u);
     for (const int count : {2, 3}) {
       Written first;
@@ -109,6 +116,42 @@ TEST_F(RankResults, HaveTheBytesOfOneProcess) {
     }
     std::filesystem::remove_all(folder_);
   }
+}
+
+// Each piece has the joints that begin at blocks of its rank, also those whose other block another rank has by now.
+TEST_F(RankResults, PiecesHaveTheJointsThatHaveParted) {
+  const auto parted_in = [](const std::filesystem::path& file) {
+    const VtuFile joints(file);
+    const auto gap = joints.read<float>("gap_m", VtkRows::point, 3);
+    std::map<std::array<float, 3>, int> parted;
+    for (std::size_t i = 0; i < gap.size(); i += 3) {
+      const std::array<float, 3> here{gap[i], gap[i + 1], gap[i + 2]};
+      if (here != std::array<float, 3>{}) ++parted[here];
+    }
+    return parted;
+  };
+  written_by(kParted, folder_ / "1", nullptr);
+  const auto whole = parted_in(folder_ / "1" / "joints_0002.vtu");
+  ASSERT_GT(whole.size(), 5u);
+  constexpr int kRanks = 3;
+  Case in_pieces = kParted;
+  in_pieces.overrides.emplace_back("output.pieces=true");
+  std::filesystem::create_directories(folder_ / "3");
+  on_ranks(kRanks, [&](Ranks& ranks) {
+    Simulation simulation(read_scene(in_pieces.scene, in_pieces.overrides), 1, &ranks);
+    struct Pieced : Observer {
+      Surfaces surfaces;
+      VtkSeries frames;
+      Pieced(const std::filesystem::path& folder, Pieces pieces) : frames(folder, surfaces, {}, false, pieces) {}
+      void on_frame(const Simulation& now, int, int) override { frames.add_piece(now); }
+    } pieced(folder_ / "3", {ranks.rank(), kRanks});
+    simulation.run(pieced);
+  });
+  std::map<std::array<float, 3>, int> all;
+  for (int r = 0; r < kRanks; ++r) {
+    for (const auto& [gap, count] : parted_in(folder_ / "3" / fmt::format("joints_0002_r{}.vtu", r))) all[gap] += count;
+  }
+  EXPECT_EQ(all, whole);
 }
 
 // A wall of so little strength that points are crushed out, on every rank.

@@ -10,7 +10,8 @@ from .simulation import Simulation, table
 class Frame:
     """A moment of the last stage. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by
     contact point, position, displacement, traction, opening, slip, damage_tension, damage_shear, crack, block_a, block_b,
-    joint."""
+    joint, gap: in large motion, where the blocks of a joint of the start have come apart, it stays with its last damage, and
+    gap (m) leads from its place on block_a to that on block_b; opening is the length of it."""
 
     def __init__(self, of_session):
         self.time, self.displacement = of_session["time"], of_session["displacement"]
@@ -40,8 +41,9 @@ class Run:
 
     @property
     def peak(self):
-        """Largest horizontal force, N, and the displacement there, m."""
-        return self.summary["peak_horizontal_force_N"], self.summary["displacement_at_peak_m"]
+        """Largest horizontal force, or vertical one where the last stage is driven upright, N, and the displacement there, m."""
+        upright = self.summary["peak_vertical_force_N"]
+        return self.summary["peak_horizontal_force_N"] if upright is None else upright, self.summary["displacement_at_peak_m"]
 
     def __repr__(self):
         return (f"<run {self.summary['status']}: {len(self.history)} rows, {len(self.frames)} frames, peak "
@@ -74,6 +76,8 @@ def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False
         raise BadInput("report: the page is made from the files of a run; give the folder for them, out=...")
     simulation = Simulation(scene, threads=threads, frames=frames, out=out, isolate_law=isolate_law,
                             law_seconds=law_seconds)
+    if report:
+        simulation._session.require_report()  # now, and not after hours
     show, end = bar_of(progress)
     simulation._session.set_progress(show)
     try:

@@ -1,9 +1,6 @@
 'use strict';
 // The page of a run: three.js draws what report.cpp has gathered. One slider moves all runs of the page.
 
-// Kinds of cracks, as surface.h numbers them: intact ones are not drawn.
-const CRACKS = [null, ['sliding begun', 0xe8a33d], ['opening begun', 0x5aa9e6], ['slipped', 0xd1495b],
-  ['open', 0x1d3557], ['crushed', 0x111111]];
 const COLD = [59, 76, 192], MIDDLE = [224, 217, 205], WARM = [180, 4, 38];
 const UNITS = {damage: ['', 1], opening: ['mm', 1e3], slip: ['mm', 1e3], stress: ['MPa', 1e-6], displacement: ['mm', 1e3]};
 const ENERGIES = [['kinetic_energy_J', 'kinetic'], ['strain_energy_J', 'strain'], ['contact_energy_J', 'joints'],
@@ -96,8 +93,11 @@ class Run {
     this.model = element(box, 'div', {className: 'model'});
     this.build();
     const curves = element(box, 'div', {className: 'curves'}), h = head.history;
-    this.curve = new Curve(curves, h.displacement_m.map(u => u * 1e3), [{values: h.horizontal_force_N.map(f => f / 1e3)}],
-      'displacement [mm]', 'horizontal force [kN]');
+    this.curve = typeof head.summary.peak_vertical_force_N === 'number'
+      ? new Curve(curves, h.vertical_displacement_m.map(u => u * 1e3), [{values: h.vertical_force_N.map(f => f / 1e3)}],
+        'displacement up [mm]', 'vertical force, compression positive [kN]')
+      : new Curve(curves, h.displacement_m.map(u => u * 1e3), [{values: h.horizontal_force_N.map(f => f / 1e3)}],
+        'displacement [mm]', 'horizontal force [kN]');
     const energies = ENERGIES.filter(([key]) => h[key]).map(([key, name]) => ({name, values: h[key]}));
     this.energies = new Curve(curves, h.time_s, energies, 'time [s]', 'energy [J]');
     this.tell(box);
@@ -181,20 +181,20 @@ class Run {
     element(this.legend, 'div', {className: 'scale'}).style.background =
       `linear-gradient(to right, ${css(low / most)}, ${css(0)} ${100 * -low / (high - low || 1)}%, ${css(high / most)})`;
     element(this.legend, 'div', {textContent: `${(low * factor).toPrecision(3)} to ${(high * factor).toPrecision(3)} ${unit}`});
-    if (cracks) for (const [name, colour] of CRACKS.slice(1)) {
-      element(this.legend, 'div', {textContent: '\u25a0 ' + name}).style.color = '#' + colour.toString(16).padStart(6, '0');
+    if (cracks) for (const {label, colour} of this.head.cracks.slice(1)) {
+      element(this.legend, 'div', {textContent: '\u25a0 ' + label}).style.color = colour;
     }
     const row = rowAt(this.head.history, this.head.times[frame]);
     this.curve.draw(row); this.energies.draw(row);
     this.paint();
   }
-  // On the lattice lines where joints come to the surface; elsewhere points.
+  // Intact places are not drawn. On the lattice lines where joints come to the surface; elsewhere points.
   drawCracks(frame, magnified, cracks) {
     const rim = this.array('rim'), moved = this.array('rim_moved' + frame), kind = this.array('crack' + frame);
     const step = this.head.range.rim_moved / 32767, at = [], paint = [];
     for (let s = 0; cracks && moved.length === rim.length && s < kind.length; s += 2) {
       if (kind[s] === 0 || kind[s + 1] === 0) continue;
-      const colour = new THREE.Color(CRACKS[Math.max(kind[s], kind[s + 1])][1]);
+      const colour = new THREE.Color(this.head.cracks[Math.max(kind[s], kind[s + 1])].colour);
       for (let i = 3 * s; i < 3 * s + 6; ++i) at.push(rim[i] + magnified * step * moved[i]);
       for (let end = 0; end < 2; ++end) paint.push(colour.r, colour.g, colour.b);
     }
@@ -202,7 +202,7 @@ class Run {
     const points = this.array('points' + frame), moved_points = this.array('points_moved' + frame);
     const kinds = this.array('point_crack' + frame), dots = [], stand = [];
     if (cracks) points.forEach((x, i) => stand.push(x + magnified * moved_points[i]));
-    for (const k of cracks ? kinds : []) { const c = new THREE.Color(CRACKS[k][1]); dots.push(c.r, c.g, c.b); }
+    for (const k of cracks ? kinds : []) { const c = new THREE.Color(this.head.cracks[k].colour); dots.push(c.r, c.g, c.b); }
     this.fill(this.dots.geometry, stand, dots);
     this.cracked = at.length / 6 + dots.length / 3;
   }
@@ -222,7 +222,7 @@ class Run {
       element(r, 'td', {textContent: name}); element(r, 'td', {textContent: value});
     };
     row('law', s.law);
-    row('peak', `${(s.peak_horizontal_force_N / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`);
+    row('peak', `${((s.peak_vertical_force_N ?? s.peak_horizontal_force_N) / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`);
     if (s.collapse_multiplier) row('collapse multiplier', s.collapse_multiplier.toFixed(4));
     row('known error', q.expected_error ?
       `quality ${q.name}: peak ${(100 * q.expected_error.peak).toFixed(1)} %, curve ${(100 * q.expected_error.curve).toFixed(1)} %` :

@@ -1,0 +1,30 @@
+#include "law/at_rest.h"
+
+namespace quoin {
+
+void evaluate_at_rest(const Material& material, const RestingPoints& points,
+                      const std::function<void(quoin_batch&)>& ask) {
+  const std::size_t n = points.count;
+  std::vector<double> zero(n, 0.0), unused((3 + points.state.size()) * n);
+  std::vector<quoin_in> old;
+  std::vector<quoin_out> fresh;
+  for (std::size_t k = 0; k < points.state.size(); ++k) {
+    old.push_back({points.state[k], 1});
+    fresh.push_back({unused.data() + (3 + k) * n, 1});
+  }
+  quoin_batch batch{};
+  batch.struct_size = sizeof batch;
+  batch.count = n;
+  batch.normal_jump = {points.normal_jump, 1};
+  for (auto& increment : batch.slip_increment) increment = {zero.data(), 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    batch.traction_old[k] = {points.traction[k], 1};
+    batch.traction_new[k] = {unused.data() + k * n, 1};
+  }
+  batch.state_old = old.data(), batch.state_new = fresh.data();
+  batch.property_column_count = points.properties.size(), batch.property_columns = points.properties.data();
+  ask(batch);
+  material.evaluate(&batch);
+}
+
+}  // namespace quoin

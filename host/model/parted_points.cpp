@@ -1,0 +1,172 @@
+// Joints of the start whose blocks come apart: contact points go, and with them what the joint had come to. So each
+// place that a joint had at the start keeps its last contact point: law columns and axes.
+//
+// A place of a joint moves along with both blocks. It is in contact while a contact point of the pair lies beside one
+// of its two sides, nearer than half of the distance between the points of the start.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+namespace {
+
+// One row of World::kept_: states, then properties that scatter, follow the head.
+struct Head {
+  double owner;  // 1: the normal points from the first block of the pair, 2: from the second; 0: still as at the start
+  double normal_jump, traction[3];
+  Vector n, s;  // as they would stand had block a not moved since the start
+};
+constexpr size_t kHead = sizeof(Head) / sizeof(double);
+static_assert(kHead * sizeof(double) == sizeof(Head));
+
+Head head_of(const double* row) {
+  std::array<double, kHead> numbers;
+  std::copy_n(row, kHead, numbers.begin());
+  return std::bit_cast<Head>(numbers);
+}
+
+// What a block's motion since the start does to it.
+struct Motion {
+  Pose start, now;
+  Vector place(const Vector& at) const { return now.x + now.r * transposed_times(start.r, at - start.x); }
+  Vector turned(const Vector& v) const { return now.r * transposed_times(start.r, v); }
+  Vector back(const Vector& v) const { return start.r * transposed_times(now.r, v); }
+};
+
+// The nearest of these places to one of the two sides of a joint.
+struct Nearest {
+  size_t index = 0;
+  double squared = HUGE_VAL;  // of the distance, m2
+};
+Nearest nearest_of(const std::vector<Vector>& places, const Vector& side_a, const Vector& side_b) {
+  Nearest nearest;
+  for (size_t i = 0; i < places.size(); ++i) {
+    for (const Vector& side : {side_a, side_b}) {
+      const Vector d = places[i] - side;
+      if (dot(d, d) < nearest.squared) nearest = {i, dot(d, d)};
+    }
+  }
+  return nearest;
+}
+
+// Half of the mean distance between points of a joint, squared, m2.
+double squared_reach(std::span<const StartPoint> points) {
+  double area = 0.0;
+  for (const StartPoint& p : points) area += p.area;
+  return 0.25 * area / double(points.size());
+}
+
+}  // namespace
+
+size_t World::kept_width() const {
+  size_t most = 0;
+  for (const Family& f : families_) most = std::max(most, f.state.size() + f.columns.size());
+  return kHead + most;
+}
+
+// Before the points of a joint go or are placed anew: `count` of `old` from `first` on.
+void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
+                          uint32_t count) {
+  const auto joint = std::ranges::lower_bound(start_joints_, c.pair, {}, &StartJoint::pair);
+  const auto points = std::span(start_point_).subspan(joint->first, joint->count);
+  Motion a{start_[size_t(c.pair.a)], {}}, b{start_[size_t(c.pair.b)], {}};
+  pose(c.pair.a, a.now.x, a.now.r), pose(c.pair.b, b.now.x, b.now.r);
+  std::vector<Vector> places;
+  for (uint32_t i = first; i < first + count; ++i) places.push_back(locate(old.point[i], facets).at);
+  const double reach = squared_reach(points);
+  const size_t width = kept_width();
+  for (size_t k = 0; k < points.size(); ++k) {
+    double* const row = &kept_[(joint->first + k) * width];
+    const Nearest nearest = nearest_of(places, a.place(points[k].at), b.place(points[k].at));
+    if (nearest.squared > reach && head_of(row).owner != 0.0) continue;  // it keeps what it has
+    const size_t i = first + nearest.index;
+    const Point& p = old.point[i];
+    const bool from_a = p.a == c.pair.a;
+    const Motion& owner = from_a ? a : b;
+    const Head head{from_a ? 1.0 : 2.0,
+                    old.normal_jump[i],
+                    {old.traction[0][i], old.traction[1][i], old.traction[2][i]},
+                    owner.back(in_space(p, p.n)),
+                    owner.back(in_space(p, p.s))};
+    double* next = std::ranges::copy(std::bit_cast<std::array<double, kHead>>(head), row).out;
+    for (const auto& column : old.state) *next++ = column[i];
+    for (const PropertyColumn& column : old.columns) *next++ = column.values[i];
+  }
+}
+
+std::vector<Vector> World::places_of(const Contact& c) const {
+  std::vector<Vector> places;
+  for (uint32_t i = c.first; i < c.first + c.count; ++i)
+    places.push_back(place_of(families_[size_t(c.family)].point[i]));
+  return places;
+}
+
+std::vector<PartedPoint> World::parted_points(int first_block, int end_block) const {
+  std::vector<PartedPoint> parted;
+  if (!has_placed_anew()) return parted;
+  const size_t width = kept_width();
+  auto joint =
+      std::ranges::lower_bound(start_joints_, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
+  for (; joint != start_joints_.end() && joint->pair.a < end_block; ++joint) {
+    if (head_of(&kept_[joint->first * width]).owner == 0.0) continue;
+    const auto contact = std::ranges::lower_bound(contacts_, joint->pair, {}, &Contact::pair);
+    const bool touches = contact != contacts_.end() && contact->pair == joint->pair && contact->count > 0;
+    const std::vector<Vector> places = touches ? places_of(*contact) : std::vector<Vector>{};
+    const auto points = std::span(start_point_).subspan(joint->first, joint->count);
+    const double reach = squared_reach(points);
+    Motion a{start_[size_t(joint->pair.a)], {}}, b{start_[size_t(joint->pair.b)], {}};
+    pose(joint->pair.a, a.now.x, a.now.r), pose(joint->pair.b, b.now.x, b.now.r);
+    const Family& f = families_[size_t(joint->family)];
+    for (size_t k = 0; k < points.size(); ++k) {
+      const Vector on_a = a.place(points[k].at), on_b = b.place(points[k].at);
+      if (nearest_of(places, on_a, on_b).squared <= reach) continue;
+      const double* const row = &kept_[(joint->first + k) * width];
+      const Head head = head_of(row);
+      const bool from_a = head.owner == 1.0;
+      const Motion& owner = from_a ? a : b;
+      PartedPoint& p = parted.emplace_back();
+      p.a = from_a ? joint->pair.a : joint->pair.b, p.b = from_a ? joint->pair.b : joint->pair.a;
+      p.family = joint->family;
+      p.side_a = from_a ? on_a : on_b, p.side_b = from_a ? on_b : on_a;
+      p.n = owner.turned(head.n), p.s = owner.turned(head.s);
+      p.area = points[k].area, p.normal_jump = head.normal_jump;
+      std::ranges::copy(head.traction, p.traction);
+      const double* const states = row + kHead;
+      p.state.assign(states, states + f.state.size());
+      p.properties.assign(states + f.state.size(), states + f.state.size() + f.columns.size());
+    }
+  }
+  return parted;
+}
+
+// States go over by their names, as those of points in contact do; others begin as those of a dry joint.
+void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width) {
+  if (!has_placed_anew()) return;
+  const Family& f = families_[size_t(family)];
+  const quoin_law& law = f.material->api();
+  const size_t width = kept_width();
+  LaneVector<double> next(start_point_.size() * width);
+  for (const StartJoint& joint : start_joints_) {
+    for (size_t point = joint.first; point < size_t(joint.first) + joint.count; ++point) {
+      const double* const from = &kept_[point * old_width];
+      double* const to = &next[point * width];
+      if (head_of(from).owner == 0.0) continue;
+      std::copy_n(from, std::min(width, old_width), to);
+      if (joint.family != family) continue;
+      for (size_t s = 0; s < law.state_count; ++s) {
+        size_t same = 0;
+        while (same < old.state_count && std::strcmp(old.states[same]->id, law.states[s]->id) != 0) ++same;
+        to[kHead + s] = same < old.state_count ? from[kHead + same] : f.dry[s];
+      }
+      std::copy_n(from + kHead + old.state_count, f.columns.size(), to + kHead + law.state_count);
+    }
+  }
+  kept_ = std::move(next);
+}
+
+}  // namespace quoin::blocks
