@@ -19,15 +19,14 @@ struct TimeSeries {
     return value[i - 1] + f * (value[i] - value[i - 1]);
   }
 
-  // From time[0] to t: ground velocity from ground acceleration. Exact.
+  // From time[0] to t of a record, which is 0 outside its times: ground velocity from ground acceleration. Exact.
   double integral(double t) const {
-    if (time.empty()) return t;
     double sum = 0.0;
     for (std::size_t i = 1; i < time.size() && time[i - 1] < t; ++i) {
       const double end = std::min(t, time[i]);
       sum += (end - time[i - 1]) * 0.5 * (value[i - 1] + at(end));
     }
-    return t > time.back() ? sum + (t - time.back()) * value.back() : sum;
+    return sum;
   }
 };
 

@@ -11,8 +11,10 @@
 #include "base/duration_text.h"
 #include "cli/prepare.h"
 #include "files/memory.h"
+#include "law/material_point.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "scene/damping_text.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "step/large_motion.h"
@@ -50,10 +52,15 @@ void print_motion(const Model& model) {
 }
 
 // What ends each stage, and how many steps that takes where it can be told. Returns the steps of these stages.
-double print_stages(const Scene& scene, double time_step) {
+double print_stages(const Scene& scene, const TimeStepReport& report) {
   double steps = 0.0;
   fmt::print("stages\n");
-  for (const Stage& stage : scene.stages) {
+  for (size_t i = 0; i < scene.stages.size(); ++i) {
+    const Stage& stage = scene.stages[i];
+    const std::string own = own_solver_text(scene, i);
+    const double time_step =
+        own.empty() ? report.time_step
+                    : blocks::step_over_critical(scene.solver_in(i), report.critical.value) * report.critical.value;
     double seconds = stage.duration.value_or(0.0);
     if (stage.displacement) {
       for (const BodyControl& c : stage.controls) {
@@ -68,6 +75,12 @@ double print_stages(const Scene& scene, double time_step) {
     steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
+    if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground));
+    if (!own.empty())
+      fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max\n", own, time_step,
+                 time_step / report.critical.value);
+    if (const std::string warning = ground_damping_warning(scene, i); !warning.empty())
+      fmt::print("      warning: {}\n", warning);
   }
   return steps;
 }
@@ -127,6 +140,52 @@ void print_family(const JointFamily& family, const Material& material, long poin
   print_scatter(family, columns);
 }
 
+// Whether joints of this kind carry tension at the start: bonded or elastic ones.
+bool carries_tension(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
+  constexpr double kOpening = 1e-9;  // m
+  try {
+    return MaterialPoint(material, initial_state).move_to(kOpening, 0.0, 0.0).traction[0] > 0.0;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// Points at the corners alone have the second moment A h^2/4 of a joint, whose faces have A h^2/12. Dry joints turn
+// about their edges, where corners are right.
+void print_corner_points(const JointFamily& family, const std::shared_ptr<const Material>& material, long joints,
+                         const char* remedy) {
+  if (joints == 0 || !carries_tension(material, family.initial_state)) return;
+  fmt::print(
+      "    warning: {} joints of rigid blocks that carry tension have contact points at their corners alone, which "
+      "makes them 3 times too stiff and too strong in bending: {}\n",
+      joints, remedy);
+}
+
+long corner_joints(const blocks::Model& m, int family) {
+  const blocks::ContactSettings& settings = m.assembly().contact;
+  if (settings.cubic_points) return 0;
+  const auto is_rigid = [&](int block) { return m.block(block).body >= 0; };
+  return std::count_if(m.contacts().begin(), m.contacts().end(), [&](const blocks::Contact& c) {
+    return c.initial && c.family == family && is_rigid(c.pair.a) && is_rigid(c.pair.b) && c.count >= 3 &&
+           (settings.point_spacing == 0.0 || c.count <= 4);
+  });
+}
+
+long corner_joints(const Assembly& assembly, int family) {
+  const auto is_rigid = [&](int brick) { return assembly.bricks[static_cast<size_t>(brick)].rigid; };
+  return std::count_if(assembly.joints.begin(), assembly.joints.end(), [&](const Joint& joint) {
+    return joint.family == family && is_rigid(joint.block_a) && is_rigid(joint.block_b);
+  });
+}
+
+// Where points may be asked for: blocks have [contact], walls have not.
+const char* more_points(const Scene& scene) {
+  return scene.blocks ? "set contact.cubic_points = true (exact; the lattice has corners alone), or "
+                        "contact.point_spacing to a tenth of the joint's width"
+                      : "give the units zones in place of rigid_units, or make them [[dry_wall]] or [[block]] with "
+                        "contact.cubic_points = true";
+}
+
 void print_notes(const TimeStepReport& report) {
   if (!report.warning().empty()) fmt::print("  warning: {}\n", report.warning());
   if (report.added_mass != 0.0)
@@ -152,9 +211,12 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
   const auto& families = simulation.riding()->families();
-  for (std::size_t f = 0; f < families.size(); ++f)
+  for (std::size_t f = 0; f < families.size(); ++f) {
     print_family(simulation.riding()->assembly().families[f], *families[f].material,
                  static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
+    print_corner_points(simulation.riding()->assembly().families[f], families[f].material,
+                        corner_joints(*simulation.riding(), static_cast<int>(f)), more_points(scene));
+  }
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
   const auto count_of = [&](Kind kind) { return simulation.riding()->count_of(kind); };
@@ -169,7 +231,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              step.time_step / step.critical.value, step.critical.value);
   print_what_sets_step(*simulation.riding());
   print_notes(step);
-  print_time(simulation, print_stages(scene, step.time_step), options.force);
+  print_time(simulation, print_stages(scene, step), options.force);
 }
 
 void check(const SceneOptions& options) {
@@ -192,6 +254,8 @@ void check(const SceneOptions& options) {
     const ContactFamily& family = model.families[f];
     print_family(model.assembly.families[f], *family.material, family.point_count, family.normal_stiffness,
                  family.shear_stiffness, family.columns);
+    print_corner_points(model.assembly.families[f], family.material, corner_joints(model.assembly, static_cast<int>(f)),
+                        more_points(scene));
   }
   if (!model.assembly.apart.empty()) fmt::print("  {} joints without mortar\n", model.assembly.apart.size());
   print_memory(scene_size);
@@ -204,7 +268,7 @@ void check(const SceneOptions& options) {
              report.time_step / report.critical.value);
   print_notes(report);
   Simulation simulation(scene, 0);
-  print_time(simulation, print_stages(scene, report.time_step), options.force);
+  print_time(simulation, print_stages(scene, report), options.force);
 }
 
 }  // namespace

@@ -33,6 +33,7 @@
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
+#include "scene/damping_text.h"
 #include "scene/quality.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -126,9 +127,15 @@ class Recorder : public Observer {
         identity_(std::move(identity)),
         clock_(checkpoint_every) {}
 
-  void on_stage_begin(const Simulation&, int stage) override {
+  void on_stage_begin(const Simulation& simulation, int stage) override {
     const Stage& s = scene_.stages[static_cast<size_t>(stage)];
-    progress_.message(fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end_of(s)));
+    std::string text = fmt::format("stage {}/{} {}: until {}", stage + 1, scene_.stages.size(), s.name, end_of(s));
+    if (s.ground) text += "; ground motion, " + ground_text(*s.ground);
+    const TimeStepReport& step = simulation.time_step_report();
+    if (const std::string own = own_solver_text(scene_, static_cast<size_t>(stage)); !own.empty())
+      text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
+                          step.time_step / step.critical.value);
+    progress_.message(text);
   }
   void on_law_swap(const LawSwap& swap) override {
     progress_.message(

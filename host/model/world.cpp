@@ -69,12 +69,12 @@ double area_at_corners(const ModelBlock& b, const LaneVector<Vector>& x) {
 World::World(const Assembly& assembly, const SolverSettings& solver,
              std::vector<std::shared_ptr<const Material>> materials, Ranks* ranks)
     : assembly_(assembly), ranks_(ranks) {
-  set_damping(solver);
+  set_solver(solver);
   number(std::move(materials));
   if (!ranks_) begin({});
 }
 
-void World::set_damping(const SolverSettings& solver) {
+void World::set_solver(const SolverSettings& solver) {
   const SolverSettings before = solver_;
   solver_ = solver;
   if (critical_dt_ > 0) {  // inertia is of the whole run
@@ -99,7 +99,7 @@ void World::set_damping(const SolverSettings& solver) {
     std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
   bind_columns();
-  if (critical_dt_ > 0) find_time_step();
+  if (critical_dt_ > 0) find_time_step(true);
 }
 
 // What every process knows: settings, how many gridpoints, zones and corners each block has, and where they begin.
@@ -239,7 +239,7 @@ void World::begin(std::vector<int> rank_of_block) {
   tell_by_block(block_mass_);
   detect_contacts(true);
   draw_columns();
-  set_damping(SolverSettings(solver_));
+  set_solver(SolverSettings(solver_));
   find_time_step();
 }
 
@@ -626,11 +626,6 @@ void World::add(Pressure pressure) {
   }
   loaded_[size_t(pressure.block)] = 1;
   pressures_.push_back(std::move(pressure));
-}
-
-void World::add(GroundMotion motion) {
-  motion.direction = normalized(motion.direction);
-  motions_.push_back(std::move(motion));
 }
 
 void World::apply_force(int block, const Vector& force) {

@@ -376,11 +376,6 @@ struct Pressure {
   Vector arm, push;                               // rigid: centroid and -normal * area in the body frame
   double scale = 1.0;
 };
-struct GroundMotion {
-  std::vector<int> blocks;
-  Vector direction;         // unit
-  TimeSeries acceleration;  // m/s2; integrated exactly (trapezoid) to the velocity prescribed
-};
 
 // One block in the model.
 struct ModelBlock {
@@ -411,6 +406,9 @@ struct StepLimit {
   double height = 0.0, shortest_edge = 0.0;  // of the zone, m; 0: a rigid block
 };
 
+// The time step with these settings over the critical one, s, without damping.
+double step_over_critical(const SolverSettings& solver, double critical);
+
 class World {
  public:
   // Discretises blocks and finds the initial joints. materials: one a family, or empty to load the laws by their names.
@@ -429,17 +427,16 @@ class World {
   void set_velocity(int block, const Vector& velocity, const Vector& omega = {});  // initial velocity of a free block
   void add(Load load);
   void add(Pressure pressure);
-  void add(GroundMotion motion);
   std::vector<Load>& loads() { return loads_; }
   std::vector<Pressure>& pressures() { return pressures_; }
   // Force on the centre of mass of a block, on a deformable one shared by mass, N. Stays until changed.
   void apply_force(int block, const Vector& force);
   void clear_loads() {
-    loads_.clear(), pressures_.clear(), motions_.clear(), applied_.clear();
+    loads_.clear(), pressures_.clear(), applied_.clear();
     loaded_.assign(blocks_.size(), 0);
   }
-  // Of a stage: what the settings say of inertia stays as it was at the start.
-  void set_damping(const SolverSettings& solver);
+  // Of a stage: what the settings say of inertia stays as it was at the start. The time step is chosen anew.
+  void set_solver(const SolverSettings& solver);
   // Damping of stages that run to equilibrium, or of others.
   void settle(bool on) { settling_ = on; }
   // The law alone, for a state that is about to be restored.
@@ -548,6 +545,8 @@ class World {
   const Energies& energies() const { return energies_; }
   double kinetic_energy() const;  // of the velocities half a step ago, J
   double kinetic_energy_of(int block) const;
+  // On a block, of its free components, in the last step, without damping, N; of own blocks.
+  Vector net_force_on(int block) const { return block_sums_[size_t(block)].net; }
   Vector net_force() const { return net_; }  // on all that is free to move, of the last step, N
   double strain_energy() const;
   Vector linear_momentum() const;
@@ -649,7 +648,7 @@ class World {
   std::shared_ptr<const geometry::Zoning> zoning_of(int block);
   geometry::Zoning make_zoning(int block) const;
   void forget_blocks(size_t first, size_t end);
-  void find_time_step();
+  void find_time_step(bool may_grow = false);  // beside that in use
 
   // What processes tell each other; one alone knows it all.
   int rank_of(const Contact& c) const { return rank_of_block_[size_t(c.pair.a)]; }
@@ -812,7 +811,6 @@ class World {
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it
   std::vector<Vector> applied_;  // by block, N
-  std::vector<GroundMotion> motions_;
   Vector gravity_;
   TimeSeries gravity_factor_;
 

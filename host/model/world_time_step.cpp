@@ -301,7 +301,14 @@ void World::hold_by_springs(double eigenvalue) {
   find_time_step();
 }
 
-void World::find_time_step() {
+double step_over_critical(const SolverSettings& solver, double critical) {
+  double xi = 0.0;                                                                       // damping ratio at omega_max
+  if (solver.damping == DampingKind::viscous) xi = solver.stiffness_damping / critical;  // beta omega / 2
+  if (solver.damping == DampingKind::block) xi = solver.deformation_damping;
+  return solver.time_step_fraction * (std::sqrt(1 + xi * xi) - xi);
+}
+
+void World::find_time_step(bool may_grow) {
   const double omega = highest_frequency();
   if (!std::isfinite(omega))
     throw Error(Exit::bad_input, "the highest frequency of the model is not a number; check stiffnesses and densities");
@@ -325,22 +332,13 @@ void World::find_time_step() {
     // The eigenvalue of a sum of springs is at most the sum of theirs.
     critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
   }
-  double fraction = solver_.time_step_fraction;
-  if (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0) {
-    const double xi = solver_.stiffness_damping / critical_dt_;  // damping ratio at omega_max: beta omega / 2
-    fraction *= std::sqrt(1 + xi * xi) - xi;
-  }
-  if (solver_.damping == DampingKind::block) {
-    const double xi = solver_.deformation_damping;
-    fraction *= std::sqrt(1 + xi * xi) - xi;
-  }
-  const double dt = fraction * critical_dt_;
+  const double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
   if (!std::isfinite(dt) || dt <= 0) {
     throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
                                              "densities and stiffness_damping",
                                              dt));
   }
-  dt_ = dt_ > 0 && step_count_ > 0 ? std::min(dt_, dt) : dt;
+  dt_ = dt_ > 0 && step_count_ > 0 && !may_grow ? std::min(dt_, dt) : dt;
 }
 
 }  // namespace quoin::blocks

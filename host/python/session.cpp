@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "results/crushed_out.h"
 #include "results/parted_joints.h"
@@ -17,6 +18,7 @@
 #include "results/summary.h"
 #include "results/warnings.h"
 #include "scene/generate_blocks.h"
+#include "scene/read_scene.h"
 #include "step/large_motion.h"
 
 namespace quoin::python {
@@ -177,13 +179,18 @@ bool Session::step(long count, bool stop_at_stage_end) {
     bool& stepping;
     ~Done() { stepping = false; }  // with the interpreter's lock, which is taken again before
   } const done{stepping_};
-  const py::gil_scoped_release release;
-  const Isolated isolated(isolation_);
-  const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
   bool more = true;
-  while (more && simulation.step() < end) {
-    more = simulation.run_stage(*this, end - simulation.step());
-    if (stop_at_stage_end && simulation.step() < end) break;
+  {
+    const py::gil_scoped_release release;
+    const Isolated isolated(isolation_);
+    const long end = simulation.step() + std::min(count, std::numeric_limits<long>::max() - simulation.step());
+    while (more && simulation.step() < end) {
+      more = simulation.run_stage(*this, end - simulation.step());
+      if (stop_at_stage_end && simulation.step() < end) break;
+    }
+  }
+  for (const std::string& text : std::exchange(warnings_, {})) {
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
   return more;
 }
@@ -406,14 +413,17 @@ int Session::block_named(const py::object& block) const {
     // On the lattice only what stages move has kept its name.
     std::optional<blocks::Assembly> as_read;
     if (!simulation.riding() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
+    std::vector<std::string> names;
     for (int b = 0; b < count; ++b) {
       const auto i = static_cast<std::size_t>(b);
       const std::string& is = simulation.riding() ? simulation.riding()->assembly().blocks[i].name
                               : as_read           ? as_read->blocks[i].name
                                                   : simulation.assembly().bricks[i].body;
       if (is == name) return b;
+      names.push_back(is);
     }
-    throw py::key_error(fmt::format("block: nothing is called '{}'; give a number from 0 to {}", name, count - 1));
+    throw py::key_error(fmt::format("block: nothing is called '{}'{}; give a number from 0 to {}", name,
+                                    did_you_mean(name, names), count - 1));
   }
   if (!py::isinstance<py::int_>(block) || py::isinstance<py::bool_>(block))
     throw py::type_error("block: a number or a name is needed");

@@ -76,6 +76,7 @@ class Session : private Observer {
  private:
   void on_stage_begin(const Simulation& simulation, int stage) override;
   void on_promotion(const Simulation& simulation) override;
+  void on_warning(const Warning& warning) override { warnings_.push_back(warning.text); }
   void on_row(const HistoryRow& row) override;
   void on_pause(const Simulation& simulation, bool last) override;
   void on_progress(const Progress& progress) override;
@@ -100,6 +101,7 @@ class Session : private Observer {
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
+  std::vector<std::string> warnings_;  // that Python has not been given yet
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // that the scene takes in and its laws, as they were at the start
   std::optional<Provenance> provenance_;  // of a run that keeps its end

@@ -17,7 +17,9 @@
 #include "base/sha256.h"
 #include "files/file.h"
 #include "files/file_bytes.h"
+#include "scene/damping_text.h"
 #include "scene/scatter_text.h"
+#include "step/large_motion.h"
 
 namespace quoin {
 
@@ -222,7 +224,7 @@ void refuse_another(const Identity& identity, const Identity& expected, const Fa
   }
 }
 
-constexpr const char* kStageCount = "number of first stages";
+constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy";
 
 // Materials, joints and what is drawn for them. Geometry and settings are told apart by the state itself.
 std::string masonry_hash(const Scene& scene) {
@@ -240,15 +242,89 @@ std::string masonry_hash(const Scene& scene) {
   return hash.end();
 }
 
-std::string stages_hash(const Scene& scene, std::size_t stages) {
+// What a stage does, but for its name and for what is recorded of it.
+std::string text_of(const Scene& scene, std::size_t index) {
+  const Stage& s = scene.stages[index];
+  std::string text = fmt::format(
+      "{}, gravity {:g}, ramp_time {:g}, displacement {:g}, duration {:g}, equilibrium_ratio "
+      "{:g}, max_steps {}, {}",
+      s.kind, fmt::join(s.gravity, " "), s.ramp_time, s.displacement.value_or(0.0), s.duration.value_or(0.0),
+      s.equilibrium_ratio.value_or(0.0), s.max_steps,
+      solver_text(scene.solver_in(index), s.equilibrium_ratio.has_value()));
+  const auto add = [&](const std::string& more) { text += ", " + more; };
+  if (s.displacement) add(fmt::format("monitor {} along {}", s.monitor, "xyz"[s.direction]));
+  for (const BodyControl& c : s.controls) {
+    add(fmt::format("{}:", c.body));
+    for (std::size_t k = 0; k < 3; ++k)
+      text += c.kind[k] == DofKind::free ? fmt::format(" {} N", c.force[k]) : fmt::format(" {} m/s", c.velocity[k]);
+    text += fmt::format("{} {}", c.may_turn ? " may turn" : "", fmt::join(c.omega, " "));
+  }
+  if (s.cycles)
+    add(fmt::format("{} at {} m/s, {}", text_of(*s.cycles), s.cycles->velocity,
+                    s.cycles->stop_at_force_loss.value_or(0.0)));
+  if (s.whiffletree) add(fmt::format("whiffletree {} N/m, {} m/s", s.whiffletree->stiffness, s.whiffletree->velocity));
+  for (const PointForce& f : s.forces)
+    add(fmt::format("{} N at {} of {}", fmt::join(f.force, " "), fmt::join(f.point, " "), f.block));
+  for (const FacePressure& p : s.pressures)
+    add(fmt::format("{} Pa on {} of {}", p.pressure, fmt::join(p.normal, " "), p.block));
+  if (s.ground) {
+    Sha256 record;
+    for (const auto* column : {&s.ground->acceleration.time, &s.ground->acceleration.value})
+      record.add(column->data(), column->size() * sizeof(double));
+    add(fmt::format("ground motion along {}, record {}", fmt::join(s.ground->direction, " "), record.end()));
+  }
+  if (s.collapse)
+    add(fmt::format("collapse along {}, {} to {} at {} 1/s, {} m", fmt::join(s.collapse->direction, " "),
+                    s.collapse->start, s.collapse->limit, s.collapse->rate, s.collapse->displacement));
+  for (const auto& [family, law] : s.law_swaps) add(fmt::format("law of {}: {}", family, law));
+  return text;
+}
+
+// Settings of [solver] on which the bits of a run depend.
+std::vector<Identity::Part> parts_of(const SolverSettings& s) {
+  std::vector<Identity::Part> parts;
+  const auto add = [&](const char* key, double value) {
+    parts.push_back({fmt::format("solver.{}", key), fmt::format("{}", value)});
+  };
+  parts.push_back({"solver.damping", name_of(s.damping)});
+  add("local_damping", s.local_damping);
+  add("settling_damping", s.settling_damping.value_or(s.local_damping));
+  add("deformation_damping", s.deformation_damping);
+  add("mass_damping", s.mass_damping);
+  add("stiffness_damping", s.stiffness_damping);
+  add("time_step_fraction", s.time_step_fraction);
+  add("mass_scaling", s.mass_scaling);
+  add("selective_time_step", s.selective_time_step);
+  add("deformation_inertia", s.deformation_inertia);
+  add("unit_inertia", s.unit_inertia);
+  add("internal_forces", static_cast<double>(s.internal_forces));
+  add("large_motion", static_cast<double>(s.large_motion));
+  add("rotation_bound", s.motion_bound.rotation);
+  add("sliding_bound", s.motion_bound.sliding);
+  return parts;
+}
+
+// Places and sizes of blocks at the start, which a lattice and the same blocks in large motion have alike but for
+// rounding; and what they are.
+std::string geometry_hash(const Simulation& simulation) {
   Sha256 hash;
-  for (std::size_t i = 0; i < std::min(stages, scene.stages.size()); ++i) {
-    const Stage& s = scene.stages[i];
-    hash.add_text(fmt::format("{} {} {} {} {}", s.kind, fmt::join(s.gravity, " "), s.displacement.value_or(0.0),
-                              s.duration.value_or(0.0), s.ramp_time));
-    for (const BodyControl& c : s.controls)
-      hash.add_text(fmt::format("{} {} {} {}", c.body, fmt::join(c.velocity, " "), fmt::join(c.force, " "),
-                                fmt::join(c.omega, " ")));
+  const auto add = [&](const geometry::Vector& lower, const geometry::Vector& upper, bool rigid) {
+    hash.add_text(fmt::format("{:.8g} {:.8g} {:.8g} {:.8g} {:.8g} {:.8g} {}", lower.x, lower.y, lower.z, upper.x,
+                              upper.y, upper.z, rigid));
+  };
+  for (const Brick& brick : simulation.assembly().bricks) {
+    const geometry::Vector lower = geometry::vector(brick.origin);
+    add(lower, lower + geometry::vector(brick.size), brick.rigid);
+  }
+  if (!simulation.riding()) return hash.end();
+  const blocks::Assembly& assembly = simulation.riding()->assembly();
+  for (const blocks::Block& block : assembly.blocks) {
+    geometry::Vector lower{1e300, 1e300, 1e300}, upper = -1.0 * lower;
+    for (const geometry::Vector& corner : assembly.shapes[static_cast<std::size_t>(block.shape)].vertices) {
+      const geometry::Vector at = block.position + matrix(block.orientation) * corner;
+      lower = min(lower, at), upper = max(upper, at);
+    }
+    add(lower, upper, block.rigid);
   }
   return hash.end();
 }
@@ -263,7 +339,12 @@ Identity end_identity(const Simulation& simulation, const Provenance& provenance
       part.value += fmt::format("{}'{}'", i > 0 ? ", " : "", simulation.scene().stages[i].name);
   }
   identity.parts.push_back({"set of materials, joints and samples of them", masonry_hash(simulation.scene())});
-  identity.parts.push_back({"version of what the first stages do", stages_hash(simulation.scene(), stages)});
+  identity.parts.push_back({"arrangement of blocks", geometry_hash(simulation)});
+  for (Identity::Part& part : parts_of(simulation.scene().solver)) identity.parts.push_back(std::move(part));
+  for (std::size_t i = 0; i < std::min(stages, simulation.scene().stages.size()); ++i)
+    identity.parts.push_back(
+        {fmt::format("version of stage '{}'", simulation.scene().stages[i].name), text_of(simulation.scene(), i)});
+  identity.parts.push_back({kEnergy, simulation.scene().output.energy ? "true" : "false"});
   identity.parts.push_back({kStageCount, std::to_string(stages)});
   return identity;
 }
@@ -329,7 +410,10 @@ void take_start(Simulation* simulation) {
   };
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) throw fault("does not exist");
-  const Stored stored = read_stored(path, fault);
+  Stored stored = read_stored(path, fault);
+  for (Identity::Part& part : stored.identity.parts) {
+    if (part.what == kEnergy && !scene.output.energy) part.value = "false";  // more than is asked for
+  }
   const auto& parts = stored.identity.parts;
   const bool known = !parts.empty() && parts.back().what == kStageCount;
   const std::size_t stages = known ? std::strtoul(parts.back().value.c_str(), nullptr, 10) : 0;

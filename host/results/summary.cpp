@@ -8,6 +8,7 @@
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
+#include "scene/damping_text.h"
 #include "scene/generate.h"
 #include "scene/measured.h"
 #include "scene/quality.h"
@@ -39,8 +40,19 @@ Json laws_of(const Simulation& simulation) {
 Json settings_of(const Scene& scene, const RunInfo& info) {
   const SolverSettings& s = scene.solver;
   Json stages = Json::array();
-  for (const Stage& stage : scene.stages) {
-    Json j = {{"name", stage.name}, {"ramp_time_s", stage.ramp_time}};
+  for (size_t i = 0; i < scene.stages.size(); ++i) {
+    const Stage& stage = scene.stages[i];
+    const SolverSettings& used = scene.solver_in(i);
+    Json j = {{"name", stage.name},
+              {"ramp_time_s", stage.ramp_time},
+              {"damping", name_of(used.damping)},
+              {"local_damping", local_damping_in(scene, i)},
+              {"mass_damping_per_s", used.damping == DampingKind::viscous ? used.mass_damping : 0.0},
+              {"stiffness_damping_s", used.damping == DampingKind::viscous ? used.stiffness_damping : 0.0},
+              {"time_step_fraction", used.time_step_fraction}};
+    if (stage.ground)
+      j["ground_motion"] = {{"direction", stage.ground->direction},
+                            {"end_velocity_m_per_s", end_velocity(*stage.ground)}};
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;
     if (stage.duration) j["duration_s"] = *stage.duration;
@@ -54,17 +66,13 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     Json controls = Json::array();
     for (const BodyControl& c : stage.controls) {
       Json velocity = Json::array();
-      for (size_t i = 0; i < 3; ++i)
-        velocity.push_back(c.kind[i] == DofKind::free ? Json("free") : Json(c.velocity[i]));
+      for (size_t k = 0; k < 3; ++k)
+        velocity.push_back(c.kind[k] == DofKind::free ? Json("free") : Json(c.velocity[k]));
       controls.push_back({{"body", c.body}, {"velocity_m_per_s", velocity}, {"force_N", c.force}});
     }
     j["controls"] = controls;
     stages.push_back(j);
   }
-  const char* damping = s.damping == DampingKind::none      ? "none"
-                        : s.damping == DampingKind::local   ? "local"
-                        : s.damping == DampingKind::viscous ? "viscous"
-                                                            : "block";
   return {{"set", info.provenance.request.overrides},
           {"time_step_fraction", s.time_step_fraction},
           {"critical_time_step", s.critical_time_step == CriticalTimeStep::nodal ? "nodal" : "assembled"},
@@ -73,7 +81,7 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
           {"deformation_inertia", s.deformation_inertia},
           {"unit_inertia", s.unit_inertia},
           {"deformation_damping", s.deformation_damping},
-          {"damping", damping},
+          {"damping", name_of(s.damping)},
           {"local_damping", s.local_damping},
           {"settling_damping", s.settling_damping.value_or(s.local_damping)},
           {"mass_damping_per_s", s.mass_damping},

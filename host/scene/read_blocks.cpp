@@ -279,13 +279,8 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   s.source = {t.where()};
   s.name = "stage";
   read_stage_basics(t, s, previous);
-  if (const auto* table = t.table("solver", "a table: damping of this stage")) {
-    s.damping = read_solver({t.context(), *table, t.path("solver")}, nullptr, true);
-    if (s.damping->damping == DampingKind::local && scene.solver.deformation_inertia != 1.0)
-      t.refuse("solver",
-               "damping other than \"local\" with solver.deformation_inertia above 1: slow vibrations of blocks "
-               "would brake their motion");
-  }
+  if (const auto* table = t.table("solver", "a table: damping and time_step_fraction from this stage on"))
+    s.solver = read_solver_of_stage({t.context(), *table, t.path("solver")}, scene.solver_in(scene.stages.size()));
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
     read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
@@ -334,7 +329,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     s.collapse = collapse;
   }
   s.kind = "custom";
-  t.choice("kind", s.kind, {"cycles", "custom"});
+  if (t.choice("kind", s.kind, {"cycles", "custom"}) && !t.has("name")) s.name = s.kind;
   if (s.kind == "cycles") {
     read_cycles(t, s, "cycle_velocity");
     read_cycled_body(t, "block", nullptr, s);

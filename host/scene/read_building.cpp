@@ -127,15 +127,22 @@ void add_floor_controls(Stage& stage, const BuildingSpec& building) {
   BodyControl bottom;
   bottom.body = "bottom_beam";
   stage.controls.push_back(bottom);
+  add_floor_loads(stage, building);
+}
+
+void add_floor_loads(Stage& stage, const BuildingSpec& building) {
   for (const BuildingSpec::Floor& floor : building.floors) {
     const auto bodies = floor.bodies();
     for (const std::string& body : bodies) {
-      BodyControl c;
-      c.body = body;
-      c.kind = {DofKind::free, DofKind::free, DofKind::free};
-      c.force = {0.0, -floor.load / static_cast<double>(bodies.size()), 0.0};
-      c.may_turn = true;
-      stage.controls.push_back(c);
+      auto control = std::find_if(stage.controls.begin(), stage.controls.end(),
+                                  [&](const BodyControl& c) { return c.body == body; });
+      if (control == stage.controls.end()) {
+        control = stage.controls.emplace(control);
+        control->body = body;
+        control->kind.fill(DofKind::free);
+        control->may_turn = true;
+      }
+      if (control->kind[1] == DofKind::free) control->force[1] -= floor.load / static_cast<double>(bodies.size());
     }
   }
 }

@@ -13,5 +13,7 @@ void read_push(reader::Table& t, Stage& stage, const BuildingSpec& building);
 void read_whiffletree(reader::Table& t, Stage& stage, const BuildingSpec& building);
 // The bottom beam held, every floor beam free under its share of the load.
 void add_floor_controls(Stage& stage, const BuildingSpec& building);
+// Every floor beam under its share of the load, as far as the stage leaves it free to go down.
+void add_floor_loads(Stage& stage, const BuildingSpec& building);
 
 }  // namespace quoin

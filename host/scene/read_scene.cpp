@@ -84,16 +84,12 @@ void read_kernels(Table& t, SolverSettings* s) {
 
 }  // namespace
 
-SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
-  SolverSettings s;
-  const DampingKind usual = quality ? quality->solver.damping : s.damping;
-  const DampingKind damping = read_damping(t, usual);
-  // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
-  if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
-  s.damping = damping;
+namespace {
 
+// What a stage may change: damping and the fraction of the time step.
+void read_damping_keys(Table& t, SolverSettings& s) {
   const auto only_with = [&](const char* key, std::initializer_list<DampingKind> allowed, const char* text) {
-    if (std::find(allowed.begin(), allowed.end(), damping) == allowed.end())
+    if (std::find(allowed.begin(), allowed.end(), s.damping) == allowed.end())
       t.refuse(key, fmt::format("only with damping = {}; remove it, or change damping", text));
   };
   if (t.number("local_damping", s.local_damping, between(0, 0.99), "(gamma of eq. 1)"))
@@ -107,50 +103,75 @@ SolverSettings read_solver(Table t, const Quality* quality, bool of_stage) {
     only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
-  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
-           "of the critical time step (0.6 of 2/omega_max is sound)");
-  const auto of_inertia = [&](const char* key, double& value, const Range& range, const char* text) {
-    if (t.number(key, value, range, text) && of_stage)
-      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
-  };
-  of_inertia("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
-  of_inertia("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
-  of_inertia("deformation_inertia", s.deformation_inertia, between(1, 1e6),
-             "times the true inertia against deformation");
-  of_inertia("unit_inertia", s.unit_inertia, between(1, 1e6),
-             "times the true inertia against motion of the halves of a unit on each other");
   if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
     only_with("deformation_damping", {DampingKind::block}, "\"block\"");
+  t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
+           "of the critical time step (0.6 of 2/omega_max is sound)");
+}
+
+void read_inertia(Table& t, SolverSettings& s) {
+  t.number("mass_scaling", s.mass_scaling, between(1, 1e9), "times the true inertia");
+  t.number("selective_time_step", s.selective_time_step, kNotNegative, "s (0: none)");
+  t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia against deformation");
+  t.number("unit_inertia", s.unit_inertia, between(1, 1e6),
+           "times the true inertia against motion of the halves of a unit on each other");
   for (const auto& [key, factor] :
        {std::pair{"deformation_inertia", s.deformation_inertia}, std::pair{"unit_inertia", s.unit_inertia}}) {
     if (factor == 1.0) continue;
     if (s.selective_time_step > 0.0)
       t.refuse(key, "1 with selective_time_step, which has its own way to raise the step; use one");
-    if (damping == DampingKind::local)
+    if (s.damping == DampingKind::local)
       t.refuse(key,
                "1 with damping = \"local\": slow vibrations inside units would brake their motion (a wall came out "
                "15 % too strong); use damping = \"block\"");
   }
-  if (!of_stage) {
-    read_large_motion(t, &s);
-    read_kernels(t, &s);
-    std::string critical = "assembled";
-    t.choice("critical_time_step", critical, {"assembled", "nodal"});
-    if (critical == "nodal") {
-      s.critical_time_step = CriticalTimeStep::nodal;
-      if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
-        t.refuse("critical_time_step",
-                 "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
-                 "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
-    }
-    const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
-                                                        {"assembled", InternalForces::assembled},
-                                                        {"zones", InternalForces::zones}};
-    std::string way = "automatic";
-    t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
-    if (ways.contains(way)) s.internal_forces = ways.at(way);
-    t.boolean("skip_resting_bodies", s.skip_resting_bodies);
+}
+
+}  // namespace
+
+SolverSettings read_solver(Table t, const Quality* quality) {
+  SolverSettings s;
+  const DampingKind usual = quality ? quality->solver.damping : s.damping;
+  const DampingKind damping = read_damping(t, usual);
+  // The settings of a quality go together; with another damping, or another way to raise the step, they prove nothing.
+  if (quality && damping == usual && !t.has("selective_time_step")) s = quality->solver;
+  s.damping = damping;
+  read_damping_keys(t, s);
+  read_inertia(t, s);
+  read_large_motion(t, &s);
+  read_kernels(t, &s);
+  std::string critical = "assembled";
+  t.choice("critical_time_step", critical, {"assembled", "nodal"});
+  if (critical == "nodal") {
+    s.critical_time_step = CriticalTimeStep::nodal;
+    if (s.selective_time_step > 0.0 || s.deformation_inertia != 1.0 || s.unit_inertia != 1.0)
+      t.refuse("critical_time_step",
+               "\"assembled\" where inertia is raised, of which eq. 3 knows nothing; for \"nodal\" take damping = "
+               "\"local\", or deformation_inertia = 1 and unit_inertia = 1, and no selective_time_step");
   }
+  const std::map<std::string, InternalForces> ways = {{"automatic", InternalForces::automatic},
+                                                      {"assembled", InternalForces::assembled},
+                                                      {"zones", InternalForces::zones}};
+  std::string way = "automatic";
+  t.choice("internal_forces", way, {"automatic", "assembled", "zones"});
+  if (ways.contains(way)) s.internal_forces = ways.at(way);
+  t.boolean("skip_resting_bodies", s.skip_resting_bodies);
+  t.finish();
+  return s;
+}
+
+SolverSettings read_solver_of_stage(Table t, const SolverSettings& before) {
+  SolverSettings s = before;
+  s.damping = read_damping(t, before.damping);
+  read_damping_keys(t, s);
+  for (const char* key : {"mass_scaling", "selective_time_step", "deformation_inertia", "unit_inertia"}) {
+    t.accept(key);
+    if (t.has(key)) t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+  }
+  if (s.damping == DampingKind::local && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
+    t.refuse("damping",
+             "damping other than \"local\" with solver.deformation_inertia or unit_inertia above 1: slow vibrations of "
+             "blocks would brake their motion");
   t.finish();
   return s;
 }
@@ -261,6 +282,32 @@ void read_law_swaps(Table& t, const Scene& scene, Stage& stage) {
   }
 }
 
+namespace {
+
+// What an element of a list answers to: its name; a stage without one has that of its kind, others that of their list.
+std::string called(const toml::node& element, const std::string& list) {
+  const toml::table* table = element.as_table();
+  if (!table) return "";
+  if (const auto name = (*table)["name"].value<std::string>()) return *name;
+  if (list == "stage") return (*table)["kind"].value_or(std::string("stage"));
+  return list == "dry_wall" ? "wall" : list == "arch" ? "arch" : "";
+}
+
+bool is_called(const toml::node& element, const std::string& list, const std::string& name) {
+  return called(element, list) == name;
+}
+
+std::string names_in(const toml::array& elements, const std::string& list) {
+  std::string names;
+  for (const toml::node& element : elements) {
+    if (const std::string name = called(element, list); !name.empty())
+      names += fmt::format("{}'{}'", names.empty() ? " (" : ", ", name);
+  }
+  return names.empty() ? "" : names + ")";
+}
+
+}  // namespace
+
 void apply_override(toml::table& root, const std::string& setting, Context& context) {
   const size_t equals = setting.find('=');
   const std::string path = setting.substr(0, equals);
@@ -281,8 +328,7 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
     if (toml::array* list = node->as_array()) {
       size_t index = list->size();
       for (size_t j = 0; j < list->size(); ++j) {
-        const toml::table* element = list->get(j)->as_table();
-        const bool named = element && (*element)["name"].value<std::string>() == keys[i];
+        const bool named = is_called(*list->get(j), keys[i - 1], keys[i]);
         if (std::to_string(j + 1) != keys[i] && !named) continue;
         if (index < list->size())
           fail(fmt::format("'{}' fits elements {} and {} of the list {}; use the number", keys[i], index + 1, j + 1,
@@ -290,8 +336,9 @@ void apply_override(toml::table& root, const std::string& setting, Context& cont
         index = j;
       }
       if (index == list->size() || last)
-        fail(fmt::format("'{}' is no element of the list {}, which has {}; count from 1 or use its name, and add a key",
-                         keys[i], resolved, list->size()));
+        fail(fmt::format(
+            "'{}' is no element of the list {}, which has {}{}; count from 1 or use its name, and add a key", keys[i],
+            resolved, list->size(), names_in(*list, keys[i - 1])));
       resolved += "." + std::to_string(index + 1);
       node = list->get(index);
       continue;
@@ -541,6 +588,12 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
 }  // namespace
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
+  // The last part of a path, as Foundation of bridge/Foundation.
+  for (const std::string& candidate : candidates) {
+    if (!word.empty() && candidate.size() > word.size() && candidate.ends_with(word) &&
+        candidate[candidate.size() - word.size() - 1] == '/')
+      return fmt::format(", did you mean '{}'?", candidate);
+  }
   const std::string* best = nullptr;
   size_t best_distance = std::max<size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : candidates) {
@@ -552,6 +605,42 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
   }
   return best ? fmt::format(", did you mean '{}'?", *best) : "";
 }
+
+namespace {
+
+// Names under the keys material, unit_material and lintel_material of a table and what it holds, as deep as scenes go.
+void add_materials(const toml::node& node, std::set<std::string>& names, int depth = 0) {
+  constexpr int kDeepest = 6;
+  if (depth > kDeepest) return;
+  if (const toml::table* table = node.as_table()) {
+    for (auto&& [key, value] : *table) {
+      const toml::node& below = value;
+      const auto name = below.value<std::string>();
+      if (name && key.str().ends_with("material")) names.insert(*name);
+      add_materials(below, names, depth + 1);
+    }
+  } else if (const toml::array* list = node.as_array()) {
+    for (const toml::node& element : *list) add_materials(element, names, depth + 1);
+  }
+}
+
+// Materials of deformable blocks: rigid ones need no stiffness.
+std::set<std::string> zoned_materials(const toml::table& root) {
+  std::set<std::string> names;
+  if (const toml::node* building = root.get("building")) add_materials(*building, names);
+  if (const toml::node* wall = root.get("wall"); wall && !root["wall"]["rigid_units"].value_or(false))
+    add_materials(*wall, names);
+  for (const char* kind : {"block", "dry_wall", "arch"}) {
+    const toml::array* list = root[kind].as_array();
+    for (std::size_t i = 0; list && i < list->size(); ++i) {
+      const toml::table* table = list->get(i)->as_table();
+      if (table && !(*table)["rigid"].value_or(true)) add_materials(*table, names);
+    }
+  }
+  return names;
+}
+
+}  // namespace
 
 Scene read_scene(const std::string& path, const std::vector<std::string>& overrides) {
   return read_scene_text(read_input_file(path), path, overrides);
@@ -612,9 +701,10 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     }
     outer.finish();
   };
-  const bool rigid = root["wall"]["rigid_units"].value_or(false);
-  each("materials", true,
-       [&](const std::string& name, Table m) { scene.materials[name] = read_material(name, m, rigid); });
+  const std::set<std::string> zoned = zoned_materials(root);
+  each("materials", true, [&](const std::string& name, Table m) {
+    scene.materials[name] = read_material(name, m, !zoned.contains(name));
+  });
   each("joints", true, [&](const std::string& name, Table j) { scene.joints[name] = read_joint(name, j); });
   if (const auto* table = t.table("random", "a table [random]"))
     scene.random = read_random({context, *table, "random"});
@@ -642,6 +732,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     Table stage_table(context, *table, fmt::format("stage.{}", ++index));
     Stage stage = of_blocks ? read_block_stage(std::move(stage_table), scene, previous, folder)
                             : read_stage(std::move(stage_table), scene, previous, pressure);
+    if (of_blocks && scene.building) add_floor_loads(stage, *scene.building);
     scene.stages.push_back(std::move(stage));
   }
   if (const auto* table = t.table("output", "a table [output]")) {

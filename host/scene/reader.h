@@ -279,7 +279,9 @@ class Table {
 
 // Tables that every kind of scene has.
 // quality: whose settings are the defaults; null: a scene with blocks of any shape that names none.
-SolverSettings read_solver(Table t, const Quality* quality, bool of_stage = false);
+SolverSettings read_solver(Table t, const Quality* quality);
+// before: of the stage before, whose settings stay where the table gives no other.
+SolverSettings read_solver_of_stage(Table t, const SolverSettings& before);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
 

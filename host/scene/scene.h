@@ -208,7 +208,8 @@ struct Stage {
   std::vector<FacePressure> pressures;
   std::optional<GroundMotion> ground;
   std::optional<Collapse> collapse;
-  std::optional<SolverSettings> damping;  // of this stage on, in place of that of the scene
+  // Of a stage with a solver table: what holds from it on. What the table leaves out is that of the stage before.
+  std::optional<SolverSettings> solver;
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
@@ -421,6 +422,14 @@ struct Scene {
   std::string start;  // folder of the run whose end is where this one begins; empty: at rest
   std::vector<Stage> stages;
   OutputSettings output;
+
+  // In use in a stage; past the last one, in those to come.
+  const SolverSettings& solver_in(std::size_t stage) const {
+    for (std::size_t i = std::min(stage + 1, stages.size()); i > 0; --i) {
+      if (stages[i - 1].solver) return *stages[i - 1].solver;
+    }
+    return solver;
+  }
 };
 
 }  // namespace quoin

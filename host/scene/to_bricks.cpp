@@ -179,14 +179,19 @@ class StageWriter {
     const auto refuse = [&](const std::string& what) { unfit("stage '{}' {}", given.name, what); };
     if (given.ground) refuse("moves the ground");
     if (given.collapse) refuse("pushes until collapse");
-    if (given.damping) refuse("has damping of its own");
+    if (given.solver) refuse("has damping of its own");
     Stage stage = given;
     stage.forces.clear(), stage.pressures.clear();
     if (stage.monitor.empty()) stage.monitor = watched_;
     if (!stage.monitor.empty()) rigid(stage.monitor, given, "watches", ": monitor");
     std::set<std::string> controlled;
     for (const BodyControl& control : stage.controls) {
-      rigid(control.body, given, "moves");
+      const bool loads =
+          std::all_of(control.kind.begin(), control.kind.end(), [](DofKind kind) { return kind == DofKind::free; });
+      if (loads)
+        find_blocks(assembly_, control.body, given.source.text);  // deformable ones can be loaded, too
+      else
+        rigid(control.body, given, "moves");
       controlled.insert(control.body);
       if (control.omega != Vec3{}) refuse(fmt::format("turns '{}'", control.body));
     }
@@ -257,7 +262,6 @@ void name_bodies(const Assembly& assembly, std::vector<Brick>* bricks) {
   for (const Block& block : assembly.blocks) ++count[block.name];
   for (size_t i = 0; i < bricks->size(); ++i) {
     const Block& block = assembly.blocks[i];
-    if (!block.rigid) continue;
     (*bricks)[i].body = !block.name.empty() && count[block.name] == 1 ? block.name
                         : block.fixed                                 ? label(assembly, int(i))
                                                                       : "";
@@ -285,8 +289,8 @@ void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
   }
   std::map<std::string, std::vector<std::string>> alike;
   for (const Brick& brick : *bricks) {
-    if (const auto found = controls.find(brick.body); brick.rigid && found != controls.end())
-      alike[found->second].push_back(brick.body);
+    const auto found = controls.find(brick.body);
+    if (found != controls.end()) alike[(brick.rigid ? "rigid " : "loaded ") + found->second].push_back(brick.body);
   }
   std::map<std::string, std::string> shared;
   for (const auto& [control, bodies] : alike) {

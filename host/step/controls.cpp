@@ -97,7 +97,8 @@ void Simulation::Impl::follow_ramps() {
     apply_load(i);
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
-  controls_settled = s >= 1.0 && !(cycles && whiffletree.empty());
+  const bool shakes = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].ground.has_value();
+  controls_settled = s >= 1.0 && !(cycles && whiffletree.empty()) && !shakes;
   if (riding) drive_blocks(s);
 }
 
@@ -159,6 +160,8 @@ void Simulation::Impl::control_bodies(const Stage& settings) {
       const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
       const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
       energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
+      body.prescribed_velocity[c][lane] = ramps[b].velocity_from[c];
+      body.applied_force[c][lane] = ramps[b].force_from[c];
       body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
       body.prescribed[c + 3][lane] = held ? 1.0 : 0.0;
     }
@@ -188,10 +191,6 @@ void Simulation::Impl::bind_controls() {
     const BodyRamp& ramp = ramps[b];
     if (ramp.velocity_from != ramp.velocity_to || ramp.force_from != ramp.force_to || ramp.in_cycles != Vec3{})
       ramped_bodies.push_back(static_cast<int>(b));
-    for (std::size_t c = 0; c < 3; ++c) {
-      lanes.prescribed_velocity[c][lane] = ramp.velocity_from[c];
-      lanes.applied_force[c][lane] = ramp.force_from[c];
-    }
   }
   find_bodies_at_rest();
   rest_known = false;  // the end of the ramps may bring others to rest

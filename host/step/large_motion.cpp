@@ -50,7 +50,6 @@ RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int la
 
 void Model::step() {
   if (pool_ && shared_division_ != divisions_) share_work();
-  begin_step();
   auto contacts = [&](int, int chunk) { advance_contacts(chunk); };
   auto blocks = [&](int, int piece) { advance_piece(piece); };
   if (pool_) {
@@ -151,13 +150,6 @@ void Model::share_work() {
   for (int p = 0; p < piece_count(); ++p) weight.push_back(piece_work(p));
   piece_end_ = shares(weight, pool_->thread_count());
   shared_division_ = divisions_;
-}
-
-void Model::apply_ground_motion() {
-  for (const GroundMotion& m : motions_) {
-    const Vector v = m.acceleration.integral(time_ + 0.5 * dt_) * m.direction;
-    for (int block : m.blocks) prescribe(block, v);
-  }
 }
 
 // ---- Contacts ------------------------------------------------------------------------------------------------------

@@ -39,10 +39,8 @@ class Model : public World {
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
-  // end_step() says that blocks have moved enough, find_contacts.
-  void begin_step() { apply_ground_motion(); }
-  // clock: of the thread, started; null: not timed.
+  // The same piece by piece, for a host that has more to do in a step: all chunks, all pieces, end; then, when
+  // end_step() says that blocks have moved enough, find_contacts. clock: of the thread, started; null: not timed.
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();
@@ -78,7 +76,6 @@ class Model : public World {
  private:
   bool has_deformed_too_much(int block) const;
   // phases of the step: contacts chunk by chunk, then blocks piece by piece
-  void apply_ground_motion();
   void contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames);
   void contact_law(Family& f, Chunk& chunk);
   void contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames);

@@ -48,11 +48,6 @@ void Model::transfer_state(Archive& archive, Self& m) {
     a.value(pressure.push);
     a.value(pressure.scale);
   });
-  archive.list(m.motions_, [](auto& a, auto& motion) {
-    a.array(motion.blocks);
-    a.value(motion.direction);
-    transfer(a, motion.acceleration);
-  });
   archive.array(m.loaded_);
   archive.array(m.applied_);
   archive.value(m.gravity_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "law/at_rest.h"
 #include "model/time_step.h"
@@ -89,7 +90,9 @@ std::vector<int> Simulation::Impl::rank_of_riding_blocks() const {
 // What every rank follows through a stage, whoever advances it.
 std::vector<int> Simulation::Impl::followed_blocks() const {
   std::vector<int> followed = monitor_blocks;
-  for (const Drive& drive : drives) followed.push_back(drive.block);
+  for (const Drive& drive : drives) {
+    if (!drive.of_ground) followed.push_back(drive.block);  // the ground moves as its record says
+  }
   for (const blocks::Load& given : riding->loads()) followed.push_back(given.block);
   for (const blocks::Pressure& given : riding->pressures()) followed.push_back(given.block);
   for (const Floor& floor : whiffletree) followed.insert(followed.end(), floor.riding.begin(), floor.riding.end());
@@ -104,6 +107,12 @@ void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* 
     told.insert(told.end(), named.begin(), named.end());
   };
   for (const BodyControl& control : settings.controls) add(control.body);
+  for (const Drive& drive : drives) {
+    if (drive.of_ground) told.push_back(drive.block);
+  }
+  for (int block = 0; settings.ground && block < riding->block_count(); ++block) {
+    if (riding->assembly().blocks[static_cast<std::size_t>(block)].fixed) told.push_back(block);
+  }
   for (const Stage* stage_of_loads : {&settings, previous}) {
     if (!stage_of_loads) continue;
     for (const PointForce& given : stage_of_loads->forces) add(given.block);
@@ -141,14 +150,14 @@ void Simulation::Impl::watch_blocks(const Stage& settings) {
 
 void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
   blocks::Model& m = *riding;
-  const auto& assembly = m.assembly();
+  bind_drives(settings, previous);
   riding_stage_start = m.time();
   multiplier = 0.0;
-  if (settings.damping) m.set_damping(*settings.damping);
+  if (settings.solver) m.set_solver(*settings.solver);
+  follow_time_step();
   watch_blocks(settings);
   monitor_start = riding_displacement(monitor_blocks);
 
-  bind_drives(settings);
   // Loads of before fade while those of this stage grow.
   m.clear_loads();
   fading_loads = fading_pressures = 0;
@@ -157,22 +166,6 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
     fading_loads = m.loads().size(), fading_pressures = m.pressures().size();
   }
   add_loads(settings);
-
-  const auto of_fixed_blocks = [&](auto&& act) {
-    for (int i = 0; i < m.block_count(); ++i) {
-      if (assembly.blocks[static_cast<std::size_t>(i)].fixed) act(i);
-    }
-  };
-  if (settings.ground) {
-    blocks::GroundMotion motion;
-    of_fixed_blocks([&](int i) { motion.blocks.push_back(i); });
-    motion.direction = geometry::vector(settings.ground->direction);
-    motion.acceleration = {settings.ground->acceleration.time, settings.ground->acceleration.value};
-    for (double& t : motion.acceleration.time) t += m.time();
-    m.add(motion);
-  } else if (previous && previous->ground) {
-    of_fixed_blocks([&](int i) { m.prescribe(i, {}); });
-  }
 }
 
 void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const Material> material) {
@@ -193,12 +186,23 @@ void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const 
   follow_time_step();
 }
 
+Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time) const {
+  if (!of_stage.ground) return {};
+  return of_stage.ground->acceleration.integral(time - riding_stage_start) *
+         normalized(geometry::vector(of_stage.ground->direction));
+}
+
 // Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
-// components that are let go from what their support has carried.
-void Simulation::Impl::bind_drives(const Stage& settings) {
+// components that are let go from what their support has carried. previous: null: there was no stage.
+void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous) {
   blocks::Model& m = *riding;
   std::vector<Drive> before = std::move(drives);
   drives.clear();
+  // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
+  constexpr double kRest = 1e-12;  // m/s, rounding of a record that ends at rest
+  Vector record, left_of_ground;
+  if (previous)
+    record = record_velocity(*previous, m.time()) - record_velocity(*previous, m.time() - 0.5 * m.time_step());
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
@@ -206,6 +210,10 @@ void Simulation::Impl::bind_drives(const Stage& settings) {
     drive.omega_from = m.angular_velocity(block);
     const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     if (old == before.end()) return drive;
+    for (int c = 0; c < 3; ++c) {
+      if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
+      if (std::abs(drive.velocity_from[c]) <= kRest && old->of_ground) drive.velocity_from[c] = 0.0;
+    }
     const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
     return drive;
@@ -230,13 +238,45 @@ void Simulation::Impl::bind_drives(const Stage& settings) {
     }
   }
   for (const Drive& old : before) {
+    if (old.of_ground) left_of_ground = start(old.block).velocity_from;
     if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
     Drive released = start(old.block);
     if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
       released.held = 0x3f;
       released.force_from = {};
+      released.of_ground = old.of_ground;
     }
     drives.push_back(released);
+  }
+  bind_ground(settings, left_of_ground);
+}
+
+// The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
+// on, or fades over the ramp of the stage if it has one.
+void Simulation::Impl::bind_ground(const Stage& settings, const Vector& left_over) {
+  std::vector<std::int32_t> drive_of(static_cast<std::size_t>(riding->block_count()), -1);
+  for (std::size_t d = 0; d < drives.size(); ++d)
+    drive_of[static_cast<std::size_t>(drives[d].block)] = static_cast<std::int32_t>(d);
+  std::set<int> controlled;
+  for (const BodyControl& control : settings.controls) {
+    for (const int block : blocks_named(control.body, settings.source.text)) controlled.insert(block);
+  }
+  for (int block = 0; block < riding->block_count(); ++block) {
+    if (!riding->assembly().blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
+    std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
+    if (index < 0 && !settings.ground) continue;
+    if (index < 0) {
+      Drive drive;
+      drive.block = block;
+      drive.held = 0x3f;
+      drive.velocity_from = riding->velocity(block);
+      index = static_cast<std::int32_t>(drives.size());
+      drives.push_back(drive);
+    }
+    Drive& drive = drives[static_cast<std::size_t>(index)];
+    if (!settings.ground && !drive.of_ground) continue;  // has been driven by itself, and comes to rest
+    drive.of_ground = 7;
+    drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : left_over;
   }
 }
 
@@ -270,10 +310,12 @@ void Simulation::Impl::add_loads(const Stage& settings) {
 void Simulation::Impl::drive_blocks(double s) {
   blocks::Model& m = *riding;
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  const Vector record = record_velocity(settings, m.time() + 0.5 * m.time_step());
   for (Drive& d : drives) {
     Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
     for (int c = 0; c < 3; ++c) {
       if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);
+      if (d.of_ground >> c & 1) driven[c] += record[c];
     }
     m.prescribe(d.block, driven, d.omega_from + s * (d.omega_to - d.omega_from), d.held);
     d.force_now = d.force_from + s * (d.force_to - d.force_from);

@@ -92,6 +92,9 @@ struct Drive {
   int block = -1;
   std::uint8_t held = 0;       // bits 0..2: velocity along x, y, z prescribed; 3..5: rotation
   std::uint8_t in_cycles = 0;  // bits 0..2: this component follows the cycles of the stage
+  // bits 0..2: this component is of the ground, which adds its record to the velocities below: what is left of earlier
+  // records.
+  std::uint8_t of_ground = 0;
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
@@ -171,6 +174,8 @@ struct Simulation::Impl {
   double allowed_overlap() const;
   void look_at_points();
   void look_at_stiffness();
+  std::string damped_motion() const;  // what of it damping falsifies; all ranks ask together
+  std::string motion_left_to_ground() const;
   std::optional<WrongAnswer> wrong_law() const;  // as the laws have answered last
   // When a row is written, after its step. Returns what is to be told, which outcome has too.
   std::vector<Warning> look(const std::string& past_motion_bound);
@@ -211,7 +216,9 @@ struct Simulation::Impl {
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
   void follow_time_step();  // of the riding model, which may have chosen a new one
-  void bind_drives(const Stage& settings);
+  void bind_drives(const Stage& settings, const Stage* previous);
+  void bind_ground(const Stage& settings, const geometry::Vector& left_over);  // m/s, of earlier records
+  geometry::Vector record_velocity(const Stage& of_stage, double time) const;  // of its ground motion, m/s
   void add_loads(const Stage& settings);
   void drive_blocks(double ramp);
   void pull_block(int block, double pull);

@@ -130,6 +130,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
       if (velocities) {
         drive->velocity_from[c] = drive->velocity_to[c] = value[k];
         drive->in_cycles = static_cast<std::uint8_t>(drive->in_cycles & ~(1 << c));
+        drive->of_ground = static_cast<std::uint8_t>(drive->of_ground & ~(1 << c));
       } else {
         drive->force_from[c] = drive->force_to[c] = value[k];
       }

@@ -7,10 +7,13 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/damping_text.h"
 #include "step/large_motion.h"
 #include "step/state.h"
 
 namespace quoin {
+
+using geometry::Vector;
 
 bool Simulation::Impl::begin_look() const {
   if (riding || want_energy || watch.pending || step_count < watch.next_energies) return false;
@@ -140,6 +143,52 @@ std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
   return std::nullopt;
 }
 
+// A block that is as fast as after a fall of some of its least extent, and whose forces are not balanced, moves by
+// inertia: it falls, slides or topples.
+std::string Simulation::Impl::damped_motion() const {
+  constexpr double kFall = 0.05, kUnbalanced = 0.05;  // of the least extent; of the weight
+  const auto now_in = static_cast<std::size_t>(stage);
+  if (std::string of_ground = ground_damping_warning(scene, now_in); !of_ground.empty()) return of_ground;
+  const std::string damping = damping_in_space(scene, now_in);
+  if (!riding || damping.empty()) return "";
+  const double weight = norm(geometry::vector(data.gravity)), g = weight > 0.0 ? weight : 9.81;
+  std::vector<bool> driven;
+  for (const blocks::Block& b : riding->assembly().blocks) driven.push_back(b.fixed);
+  for (const Drive& drive : drives) driven[static_cast<std::size_t>(drive.block)] = (drive.held & 7) != 0;
+  double most = 1.0, block = -1.0;
+  for (int i = 0; i < riding->block_count(); ++i) {
+    if (!riding->owns(i) || driven[static_cast<std::size_t>(i)] ||
+        !(norm(riding->net_force_on(i)) > kUnbalanced * g * riding->mass_of(i)))
+      continue;
+    const Vector v = riding->velocity(i);
+    const double fall = dot(v, v) / (2.0 * g * kFall * riding->block(i).least_extent);
+    if (fall > most) most = fall, block = i;
+  }
+  if (in_parts) block = largest_of_ranks(most == largest_of_ranks(most) ? block : -1.0);
+  if (block < 0.0) return "";
+  return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
+                     blocks::label(riding->assembly(), static_cast<int>(block)), damping, scene.stages[now_in].name,
+                     local_damping_in(scene, now_in) > 0.0
+                         ? "what is not balanced moves it with 1 - gamma of the acceleration that it has without"
+                         : "without it such motion is not braked",
+                     kDampingForMotion);
+}
+
+std::string Simulation::Impl::motion_left_to_ground() const {
+  constexpr double kSlow = 1e-4;  // m/s
+  double left_over = 0.0;
+  for (const Drive& drive : drives) {
+    if (drive.of_ground) left_over = std::max(left_over, norm(drive.velocity_from));
+  }
+  if (left_over <= kSlow) return "";
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  const std::string so = settings.ramp_time > 0.0
+                             ? fmt::format("comes to rest over its ramp_time of {:g} s", settings.ramp_time)
+                             : "goes on so, as the stage has no ramp_time over which it could come to rest";
+  return fmt::format("the ground still moves at {:.3g} m/s when stage '{}' begins, and {}", left_over, settings.name,
+                     so);
+}
+
 std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound) {
   look_at_points();
   std::optional<WrongAnswer> wrong;
@@ -165,9 +214,12 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   }
 
   std::vector<Warning> fresh;
+  const auto was_told = [&](const char* about) {
+    return std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
+                       [&](const Warning& w) { return w.about == about; });
+  };
   const auto warn = [&](bool has_left, const char* about, const auto& words) {
-    const auto told = [&](const Warning& w) { return w.about == about; };
-    if (!has_left || std::any_of(outcome.warnings.begin(), outcome.warnings.end(), told)) return;
+    if (!has_left || was_told(about)) return;
     fresh.push_back({about, words(), stage, step_count, now()});
     outcome.warnings.push_back(fresh.back());
   };
@@ -176,6 +228,12 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
            ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows large "
            "motion";
   });
+  if (!was_told("damping")) {
+    const std::string damped = damped_motion();
+    warn(!damped.empty(), "damping", [&] { return damped; });
+  }
+  const std::string moving = motion_left_to_ground();
+  warn(!moving.empty(), "ground_motion", [&] { return moving; });
   warn(watch.overlap > allowed_overlap(), "interpenetration", [&] {
     const Vec3& x = watch.overlap_at;
     return fmt::format(

@@ -1,0 +1,35 @@
+// What damping does in a stage, in words: for the screen, check, the summary and warnings.
+#pragma once
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace quoin {
+
+const char* name_of(DampingKind kind);  // as scenes have it
+
+// gamma of eq. 1 in this stage; 0: it has none.
+double local_damping_in(const Scene& scene, std::size_t stage);
+
+// "damping local 0.8, time_step_fraction 0.6". settling: of stages that run to equilibrium.
+std::string solver_text(const SolverSettings& solver, bool settling);
+// Of stages with a solver table of their own, and of those after them; else empty.
+std::string own_solver_text(const Scene& scene, std::size_t stage);
+
+// What of the damping of a stage acts on motion in space, whole blocks included, and so falsifies what slides, rocks
+// or falls: "local damping (gamma 0.8)", "mass damping (0.5 1/s)". Empty: none does.
+std::string damping_in_space(const Scene& scene, std::size_t stage);
+// What to write in its place.
+inline constexpr const char* kDampingForMotion =
+    "take damping = \"viscous\" with stiffness_damping = 2 zeta/omega of the contacts and no mass_damping, or damping "
+    "= "
+    "\"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
+// Of a stage that moves the ground, whose damping is of that kind; else empty.
+std::string ground_damping_warning(const Scene& scene, std::size_t stage);
+
+// What the record of a stage with ground motion leaves: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".
+std::string ground_text(const GroundMotion& ground);
+double end_velocity(const GroundMotion& ground);  // m/s, along its direction
+
+}  // namespace quoin

@@ -1,0 +1,243 @@
+// Stages that move the ground, against closed forms, with damping chosen for motion; what is told where it is not.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kGravity = 9.81;
+
+class GroundMotion : public Cli {
+ protected:
+  // A block of 0.4 x 0.1 x 0.4 m on a fixed slab, friction 0.3, and these stages. monitor: whose motion is recorded.
+  std::string scene(const std::string& stages, const std::string& monitor, const std::string& solver) const {
+    const std::string path = (folder_ / "scene.toml").string();
+    std::ofstream(path) << solver
+                        << fmt::format(R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = {}
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = {{ lower = [-3, -0.2, -1], size = [6, 0.2, 2] }}
+[[block]]
+name = "block"
+material = "stone"
+box = {{ lower = [-0.2, 0, -0.2], size = [0.4, 0.1, 0.4] }}
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.1
+duration = 0.2
+{}
+[output]
+monitor = "{}"
+frames = 0
+plots = false
+)",
+                                       std::atan(0.3) * 180.0 / std::numbers::pi, stages, monitor);
+    return path;
+  }
+  // Time, s, and displacement of the monitor, m, of the rows of a stage; time since the end of the first stage.
+  struct Row {
+    double time, moved;
+  };
+  std::vector<Row> rows(const std::string& stage, const char* displacement = "monitor_dx_m") const {
+    std::stringstream stream(read_all(folder_ / "out" / "history.csv"));
+    std::vector<std::string> columns;
+    const auto parts = [](const std::string& line) {
+      std::stringstream of_line(line);
+      std::vector<std::string> all;
+      for (std::string part; std::getline(of_line, part, ',');) all.push_back(part);
+      return all;
+    };
+    std::string line;
+    std::getline(stream, line);
+    columns = parts(line);
+    const auto column = [&](const char* name) {
+      return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), name) - columns.begin());
+    };
+    const std::size_t time = column("time_s"), moved = column(displacement);
+    std::vector<Row> found;
+    double start = 0.0;
+    while (std::getline(stream, line)) {
+      const auto values = parts(line);
+      if (values[0] == "1") start = std::stod(values[time]);
+      if (values[1] == "\"" + stage + "\"")
+        found.push_back({std::stod(values[time]) - start, std::stod(values[moved])});
+    }
+    return found;
+  }
+  int run(const std::string& stages, const std::string& monitor, const std::string& solver = kForMotion) {
+    return quoin({"run", scene(stages, monitor, solver), "--out", out(), "--threads", "1"});
+  }
+  // What the summary warns of, by what it is about.
+  std::map<std::string, std::string> warnings() const {
+    std::map<std::string, std::string> found;
+    const nlohmann::json all = summary();
+    for (const auto& warning : all["warnings"]) found[warning["about"]] = warning["text"];
+    return found;
+  }
+
+  // Stiffness-proportional damping of contacts alone.
+  static constexpr const char* kForMotion =
+      "[solver]\ndamping = \"viscous\"\nstiffness_damping = 2e-4\ntime_step_fraction = 0.3\n";
+  // 0.6 g for 0.4 s: 2.3544 m/s at its end.
+  static constexpr double kPulse = 0.6 * kGravity, kEnd = 0.4, kVelocity = kPulse * kEnd;
+  static constexpr const char* kShake = R"([[stage]]
+name = "shake"
+duration = 1.2
+ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886, 5.886] }
+)";
+};
+
+// Newmark's block: on a rectangular pulse A of length T it is left behind by A T^2/2 (A/(mu g) - 1) = 0.47088 m, and
+// then moves with the ground. 0.5 %: what the ramp of friction (mu g / ks over the block's weight, 2e-6 m) and the
+// steps leave.
+TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
+  ASSERT_EQ(run(kShake, "block"), 0) << error_;
+  const Row last = rows("shake").back();
+  const double ground = 0.5 * kPulse * kEnd * kEnd + kVelocity * (last.time - kEnd);
+  const double expected = 0.5 * kPulse * kEnd * kEnd * (kPulse / (0.3 * kGravity) - 1.0);
+  EXPECT_NEAR(expected, 0.47088, 1e-9);
+  EXPECT_NEAR(ground - last.moved, expected, 0.005 * expected);
+  EXPECT_THAT(error_, Not(HasSubstr("warning")));
+  EXPECT_THAT(error_, HasSubstr("record of 0.4 s along (1, 0, 0), which ends at 2.35 m/s"));
+  EXPECT_NEAR(summary()["settings"]["stages"][1]["ground_motion"]["end_velocity_m_per_s"], kVelocity, 1e-12);
+}
+
+// A record that leaves the ground moving: it goes on in a stage without a ramp, and comes to rest over a ramp, on the
+// mean of smooth_step half as far as at its velocity. Until 2026-11-23 it stopped dead.
+TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
+  const std::string after = "[[stage]]\nname = \"after\"\nduration = 0.3\n";
+  ASSERT_EQ(run(kShake + after, "ground"), 0) << error_;
+  auto of_stage = rows("after");
+  EXPECT_NEAR(of_stage.back().moved - of_stage.front().moved,
+              kVelocity * (of_stage.back().time - of_stage.front().time), 1e-6);
+  EXPECT_THAT(warnings()["ground_motion"], AllOf(HasSubstr("2.35 m/s"), HasSubstr("'after'"), HasSubstr("goes on so")));
+  EXPECT_THAT(error_, HasSubstr("goes on so"));
+
+  ASSERT_EQ(run(kShake + after + "ramp_time = 0.1\n", "ground"), 0) << error_;
+  of_stage = rows("after");
+  EXPECT_NEAR(of_stage.back().moved - rows("shake").back().moved, kVelocity * 0.1 / 2, 1e-3);  // a step of 1e-4 s
+  EXPECT_THAT(warnings()["ground_motion"], HasSubstr("comes to rest over its ramp_time of 0.1 s"));
+
+  // The next record comes on top: here it brakes the ground, whose place is then 2.3544 m/s times half of its 0.4 s on.
+  ASSERT_EQ(
+      run(std::string(kShake) + "[[stage]]\nname = \"after\"\nduration = 0.6\nground_motion = { direction = [1, 0, "
+                                "0], time = [0, 0.4], acceleration = [-5.886, -5.886] }\n",
+          "ground"),
+      0)
+      << error_;
+  of_stage = rows("after");
+  EXPECT_NEAR(of_stage.back().moved - rows("shake").back().moved, kVelocity * 0.4 / 2, 1e-3);
+}
+
+// A fixed block that the stage gives a velocity moves with that, in space, and not with the ground: it was dropped.
+TEST_F(GroundMotion, AFixedBlockWithAVelocityOfItsOwnFollowsThat) {
+  const std::string own = std::string(kShake) +
+                          "[[stage.velocity]]\nblock = \"ground\"\nvelocity = [0.5, 0, 0]\n[[stage]]\nname = "
+                          "\"after\"\nduration = 0.2\n";
+  ASSERT_EQ(run(own, "ground"), 0) << error_;
+  EXPECT_NEAR(rows("shake").back().moved, 0.5 * rows("shake").back().time, 1e-9);
+  EXPECT_NEAR(rows("after").back().moved, rows("shake").back().moved, 1e-9);  // no ramp: at rest at once
+}
+
+// A mode on the ground: the block on an elastic joint, up and down, w^2 = kn A/m. Relative amplitude over a0/w_n^2:
+// 1/sqrt((1 - r^2)^2 + (2 zeta r)^2); zeta 0.05: 1.3304, 10.000, 0.33260 at r = 0.5, 1, 2. 1 %: a hundred points a
+// cycle of the record, and exp(-2 pi zeta 24) = 5e-4 of what the start has set in motion.
+TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
+  constexpr double kSize = 0.3;  // m/s2: so little that the weight keeps the joint closed, whose damping never pulls
+  constexpr double kZeta = 0.05, kMass = 32.0, kStiffness = 1e6 * 0.16;
+  const double own = std::sqrt(kStiffness / kMass);
+  // Of a sine in straight pieces, a hundred a cycle: its first harmonic, sinc^2.
+  const double kept = std::pow(std::sin(std::numbers::pi / 100) * 100 / std::numbers::pi, 2);
+  for (const double r : {0.5, 1.0, 2.0}) {
+    const double w = r * own, end = 30.0 * 2.0 * std::numbers::pi / own, period = 2.0 * std::numbers::pi / w;
+    const std::string record = (folder_ / "record.csv").string();
+    std::ofstream file(record);
+    for (int i = 0; i * period / 100 < end; ++i)
+      file << fmt::format("{},{}\n", i * period / 100, std::sin(w * i * period / 100));
+    file.close();
+    const std::string stage = fmt::format(
+        "[[stage]]\nname = \"shake\"\nduration = {}\nrecord_interval = 1\nground_motion = {{ direction = [0, 1, 0], "
+        "file = \"record.csv\", scale = {} }}\n",
+        end, kSize);
+    const std::string solver = fmt::format(
+        "[solver]\ndamping = \"viscous\"\nstiffness_damping = {}\ntime_step_fraction = 0.03\n", 2.0 * kZeta / own);
+    ASSERT_EQ(quoin({"run", scene(stage, "block", solver), "--out", out(), "--threads", "1", "--law", "elastic",
+                     "--set", "joints.dry.normal_stiffness=1e6", "--set", "joints.dry.shear_stiffness=1e6", "--set",
+                     "stage.1.duration=1.5"}),
+              0)
+        << error_;
+    double lowest = 1.0, highest = -1.0;
+    for (const Row& row : rows("shake", "monitor_dy_m")) {
+      const double ground = kSize * kept * (row.time / w - std::sin(w * row.time) / (w * w));
+      if (row.time < 0.8 * end) continue;
+      lowest = std::min(lowest, row.moved - ground), highest = std::max(highest, row.moved - ground);
+    }
+    const double expected = 1.0 / std::hypot(1.0 - r * r, 2.0 * kZeta * r);
+    EXPECT_NEAR(0.5 * (highest - lowest) * own * own / kSize, expected, 0.01 * expected) << r;
+  }
+}
+
+// Local damping and mass damping act on motion in space: told on the screen, in the summary and by check.
+TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
+  for (const char* solver :
+       {"", "[solver]\ndamping = \"viscous\"\nmass_damping = 1.0\n", "[solver]\nlocal_damping = 0.1\n"}) {
+    ASSERT_EQ(run(kShake, "block", solver), 0) << error_;
+    EXPECT_THAT(warnings()["damping"],
+                AllOf(HasSubstr("stage 'shake' moves the ground"), HasSubstr("stiffness_damping")))
+        << solver;
+    EXPECT_THAT(error_, HasSubstr("quoin: warning: stage 'shake' moves the ground")) << solver;
+    ASSERT_EQ(quoin({"check", scene(kShake, "block", solver)}), 0) << error_;
+    EXPECT_THAT(out_, HasSubstr("warning: stage 'shake' moves the ground")) << solver;
+  }
+  for (const char* solver : {kForMotion, "[solver]\ndamping = \"none\"\n", "[solver]\nlocal_damping = 0\n"}) {
+    ASSERT_EQ(run(kShake, "block", solver), 0) << error_;
+    EXPECT_EQ(warnings().count("damping"), 0u) << solver;
+    ASSERT_EQ(quoin({"check", scene(kShake, "block", solver)}), 0) << error_;
+    EXPECT_THAT(out_, Not(HasSubstr("moves the ground,"))) << solver;
+  }
+}
+
+// Where nothing moves the ground: a slab that is let go falls with 1 - gamma of g.
+TEST_F(GroundMotion, DampingOfAFallIsToldOf) {
+  const std::string fall = R"([[stage]]
+name = "fall"
+duration = 0.5
+[[stage.velocity]]
+block = "ground"
+velocity = ["free", "free", "free"]
+)";
+  for (const bool damped : {true, false}) {
+    ASSERT_EQ(run(fall, "ground", damped ? "[solver]\nkernels = \"general\"\n" : kForMotion), 0) << error_;
+    EXPECT_EQ(warnings().count("damping"), damped ? 1u : 0u);
+    if (!damped) continue;
+    EXPECT_THAT(warnings()["damping"], AllOf(HasSubstr("falls, slides or topples"), HasSubstr("gamma 0.8"),
+                                             HasSubstr("stage 'fall'"), HasSubstr("\"none\"")));
+  }
+  // At rest, or nearly so, nobody is warned.
+  ASSERT_EQ(run("", "block", ""), 0) << error_;
+  EXPECT_EQ(warnings().count("damping"), 0u);
+}
+
+}  // namespace

@@ -1,0 +1,199 @@
+// What stages take over from those before, what acts in them, and what is said of it.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Stages : public Cli {
+ protected:
+  std::string write(const std::string& text, const char* name = "scene.toml") const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  int run(const std::string& scene, std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"run", scene, "--out", out(), "--threads", "1", "--set", "output.plots=false"});
+    return quoin(more);
+  }
+  // Of the last row of the history.
+  double last(const std::string& column) const {
+    std::stringstream stream(read_all(folder_ / "out" / "history.csv"));
+    std::string head, line, next;
+    std::getline(stream, head);
+    while (std::getline(stream, next)) line = next;
+    std::stringstream names(head), values(line);
+    for (std::string name, value; std::getline(names, name, ',') && std::getline(values, value, ',');)
+      if (name == column) return std::stod(value);
+    ADD_FAILURE() << "no column " << column;
+    return 0.0;
+  }
+  static constexpr const char* kBlocks = R"(
+[materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 30.0
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-3, -0.2, -1], size = [6, 0.2, 2] }
+[[block]]
+name = "bridge/Foundation"
+material = "stone"
+box = { lower = [-0.2, 0, -0.2], size = [0.4, 0.1, 0.4] }
+[output]
+frames = 0
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+duration = 0.02
+)";
+};
+
+// A stage keeps what its solver table leaves out: the fraction of the time step went back to 0.6.
+TEST_F(Stages, SolverTablesKeepWhatTheyDoNotSay) {
+  const std::string scene = write(std::string("[solver]\ntime_step_fraction = 0.1\ndamping = \"viscous\"\n"
+                                              "stiffness_damping = 1e-6\n") +
+                                  kBlocks + R"(solver = { mass_damping = 0.5 }
+[[stage]]
+name = "on"
+duration = 0.02
+[[stage]]
+name = "faster"
+duration = 0.02
+solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
+)");
+  ASSERT_EQ(run(scene, {"--set", "stage.faster.duration=1e-6"}), 0) << error_;
+  nlohmann::json all = summary();
+  const double critical = all["critical_time_step_s"];
+  EXPECT_NEAR(all["time_step_s"], 0.4 * critical, 1e-12 * critical);  // grows, too, where a stage asks for it
+  const auto& stages = all["settings"]["stages"];
+  for (const int i : {0, 1}) {  // what a stage sets holds in those after it
+    EXPECT_EQ(stages[i]["damping"], "viscous") << i;
+    EXPECT_EQ(stages[i]["mass_damping_per_s"], 0.5) << i;
+    EXPECT_EQ(stages[i]["stiffness_damping_s"], 1e-6) << i;
+    EXPECT_EQ(stages[i]["time_step_fraction"], 0.1) << i;
+  }
+  EXPECT_EQ(stages[2]["damping"], "local");
+  EXPECT_EQ(stages[2]["local_damping"], 0.2);
+  EXPECT_EQ(stages[2]["time_step_fraction"], 0.4);
+  EXPECT_THAT(error_, AllOf(HasSubstr("damping viscous, mass 0.5 1/s, stiffness 1e-06 s, time_step_fraction 0.1: time "
+                                      "step"),
+                            HasSubstr("damping local 0.2, time_step_fraction 0.4: time step"),
+                            HasSubstr("(0.40 of 2/omega_max)")));
+
+  ASSERT_EQ(quoin({"check", scene}), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("stiffness 1e-06 s, time_step_fraction 0.1: time step"),
+                          HasSubstr(", 0.40 of 2/omega_max")));
+
+  // The first stage alone: the step that is used is the one that is told.
+  const std::string first =
+      write(std::string("[solver]\ntime_step_fraction = 0.1\n") + kBlocks + "solver = { damping = \"none\" }\n",
+            "first.toml");
+  ASSERT_EQ(run(first), 0) << error_;
+  all = summary();
+  EXPECT_NEAR(all["time_step_s"], 0.1 * all["critical_time_step_s"].get<double>(), 1e-12 * critical);
+  EXPECT_NEAR(all["simulated_time_s"].get<double>() / all["steps"].get<double>(), all["time_step_s"], 1e-9 * critical);
+
+  EXPECT_EQ(run(scene, {"--set", "stage.on.solver={deformation_damping=0.1}"}), 3);
+  EXPECT_THAT(error_, HasSubstr("only with damping = \"block\""));
+}
+
+// Loads of floors act beside blocks of any shape: the base carries them, 20 kN, without weights.
+TEST_F(Stages, LoadsOfFloorsActBesideBlocks) {
+  std::string text = read_all(QUOIN_TESTS "/host/small_building.toml");
+  text = text.substr(0, text.find("[[stage]]")) + R"(
+[[joint_rule]]
+family = "mortar"
+[[block]]
+name = "apart"
+material = "masonry"
+box = { lower = [9, 0, 9], size = [1, 1, 1] }
+fixed = true
+[[stage]]
+name = "load"
+gravity = [0, 0, 0]
+ramp_time = 0.02
+equilibrium_ratio = 1e-3
+max_steps = 20000
+[output]
+monitor = "bottom_beam"
+frames = 0
+)";
+  const std::string scene = write(text);
+  for (const char* kernels : {"automatic", "general"}) {
+    for (const char* rigid : {"true", "false"}) {
+      ASSERT_EQ(run(scene, {"--set", std::string("solver.kernels=") + kernels, "--set",
+                            std::string("building.floor.floor_1.rigid_beams=") + rigid}),
+                0)
+          << error_;
+      EXPECT_NEAR(last("monitor_fy_N"), -20e3, 20.0) << kernels << " " << rigid;
+    }
+  }
+  EXPECT_EQ(quoin({"check", scene, "--set", "building.floor.floor_1.rigid_beams=false"}), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("on the lattice"), Not(HasSubstr("not on the lattice"))));
+}
+
+// --set finds a stage by its kind, from which it has its name.
+TEST_F(Stages, AStageWithoutANameIsCalledByItsKind) {
+  std::string text = read_all(small_);
+  text.erase(text.find("name = \"shear\"\n"), std::string("name = \"shear\"\n").size());
+  const std::string scene = write(text);
+  ASSERT_EQ(run(scene, {"--set", "stage.shear.displacement=0.00001"}), 0) << error_;
+  EXPECT_EQ(summary()["settings"]["stages"][1]["displacement_m"], 1e-5);
+  EXPECT_EQ(run(scene, {"--set", "stage.push.displacement=0.0001"}), 3);
+  EXPECT_THAT(error_, HasSubstr("which has 2 ('precompression', 'shear')"));
+}
+
+TEST_F(Stages, ABlockIsFoundByTheLastPartOfItsName) {
+  const std::string scene = write(kBlocks);
+  EXPECT_EQ(run(scene, {"--set", "output.monitor=Foundation"}), 3);
+  EXPECT_THAT(error_, HasSubstr("no block is called 'Foundation', did you mean 'bridge/Foundation'?"));
+}
+
+// Stiffness is asked for where blocks deform, and there alone.
+TEST_F(Stages, RigidBlocksNeedNoStiffness) {
+  ASSERT_EQ(run(write(kBlocks)), 0) << error_;  // its stone has a density and nothing else
+  const std::string zoned =
+      write(std::string(kBlocks) +
+            "[[block]]\nmaterial = \"stone\"\nrigid = false\ndivisions = [1, 1, 1]\nbox = { lower "
+            "= [1, 0, 0], size = [1, 1, 1] }\n");
+  EXPECT_EQ(run(zoned), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("scene.toml:2: materials.stone.young_modulus: missing"),
+                            HasSubstr("materials.stone.poisson_ratio: missing")));
+  // Units that deform, beams of steel that do not.
+  EXPECT_EQ(quoin({"check", small_, "--set", "wall.rigid_units=true", "--set", "wall.zones=[1,1,1]"}), 3);
+}
+
+// Corners alone make joints that carry tension too stiff in bending; dry ones turn about them.
+TEST_F(Stages, CheckTellsOfJointsWithCornersAlone) {
+  const std::string bonded =
+      "[[joint_rule]]\nfamily = \"dry\"\n[[dry_wall]]\nname = \"wall\"\nmaterial = \"stone\"\ncourses = 3\n"
+      "units_per_course = 1\nunit = [0.4, 0.2, 0.2]\norigin = [1, 0, 0]\n";
+  const std::string scene = write(kBlocks + bonded);
+  ASSERT_EQ(quoin({"check", scene}), 0) << error_;
+  EXPECT_THAT(out_, Not(HasSubstr("at their corners alone")));
+  ASSERT_EQ(quoin({"check", scene, "--law", "elastic"}), 0) << error_;
+  EXPECT_THAT(out_, AllOf(HasSubstr("warning: 7 joints of rigid blocks"), HasSubstr("contact.cubic_points = true")));
+  for (const char* remedy : {"contact.cubic_points=true", "contact.point_spacing=0.04"}) {
+    ASSERT_EQ(quoin({"check", scene, "--law", "elastic", "--set", remedy}), 0) << error_;
+    EXPECT_THAT(out_, Not(HasSubstr("at their corners alone"))) << remedy;
+  }
+  ASSERT_EQ(quoin({"check", QUOIN_SCENES "/cube_wall_10.toml"}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("warning: 180 joints of rigid blocks"));
+  ASSERT_EQ(quoin({"check", QUOIN_SCENES "/solid_wall_030.toml"}), 0) << error_;
+  EXPECT_THAT(out_, Not(HasSubstr("at their corners alone")));
+}
+
+}  // namespace
