@@ -41,11 +41,14 @@ class Model : public World {
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
   // end_step() says that blocks have moved enough, find_contacts.
-  void begin_step() { apply_ground_motion(); }
+  // measured: the energies of the step are wanted.
+  void begin_step(bool measured = false) { measured_ = measured || energy_, apply_ground_motion(); }
   // clock: of the thread, started; null: not timed.
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();
+  // At the time of the forces of the last step, which was measured, J.
+  double measured_kinetic_energy() const { return measured_kinetic_; }
   void startle() { startled_ = true; }  // as if a block had been: one of another process
   void find_contacts();
   void run(double duration);  // s
@@ -112,6 +115,8 @@ class Model : public World {
   template <class Archive, class Self>
   static void transfer_state(Archive& archive, Self& m);
 
+  bool measured_ = false;  // this step
+  double measured_kinetic_ = 0.0;
   ThreadPool* pool_ = nullptr;
   std::vector<int> chunk_end_, piece_end_;  // shares of the threads
   long shared_division_ = -1;               // that they are of

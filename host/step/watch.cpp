@@ -140,7 +140,7 @@ std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
   return std::nullopt;
 }
 
-std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound) {
+std::vector<Warning> Simulation::Impl::look() {
   look_at_points();
   std::optional<WrongAnswer> wrong;
   if (step_count >= watch.next_stiffness) {
@@ -166,16 +166,8 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
 
   std::vector<Warning> fresh;
   const auto warn = [&](bool has_left, const char* about, const auto& words) {
-    const auto told = [&](const Warning& w) { return w.about == about; };
-    if (!has_left || std::any_of(outcome.warnings.begin(), outcome.warnings.end(), told)) return;
-    fresh.push_back({about, words(), stage, step_count, now()});
-    outcome.warnings.push_back(fresh.back());
+    if (has_left) warn_once(about, words(), &fresh);
   };
-  warn(!past_motion_bound.empty() && scene.solver.large_motion == LargeMotion::never, "small_displacements", [&] {
-    return past_motion_bound +
-           ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows large "
-           "motion";
-  });
   warn(watch.overlap > allowed_overlap(), "interpenetration", [&] {
     const Vec3& x = watch.overlap_at;
     return fmt::format(
