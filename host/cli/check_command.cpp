@@ -1,6 +1,7 @@
 #include "cli/check_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -83,6 +84,31 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
       fmt::print("      warning: {}\n", warning);
   }
   return steps;
+}
+
+// What stages hold, and what none of it ties down; stages that are alike share a line.
+void print_supports(const Simulation& simulation) {
+  constexpr std::size_t kNamed = 5;
+  std::vector<std::pair<std::string, std::string>> lines;  // text, stages
+  for (std::size_t i = 0; i < simulation.scene().stages.size(); ++i) {
+    const Simulation::Supports supports = simulation.supports(static_cast<int>(i));
+    std::string text = supports.held.empty() ? "nothing is held" : fmt::format("{}", fmt::join(supports.held, "; "));
+    if (!supports.loose.empty()) {
+      text += fmt::format("\n  {:<16} warning: {} of {} blocks may fall, as no joint ties them to what is held:", "",
+                          supports.loose.size(), simulation.block_count());
+      for (std::size_t k = 0; k < std::min(kNamed, supports.loose.size()); ++k)
+        text += (k == 0 ? " " : ", ") + simulation.block_label(supports.loose[k]);
+      if (supports.loose.size() > kNamed) text += ", ...";
+    }
+    const std::string& name = simulation.scene().stages[i].name;
+    const auto alike = std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return line.first == text; });
+    if (alike == lines.end())
+      lines.emplace_back(text, name);
+    else
+      alike->second += ", " + name;
+  }
+  fmt::print("supports, and the axes that they hold or move\n");
+  for (const auto& [text, stages] : lines) fmt::print("  {:<16} {}\n", stages, text);
 }
 
 // What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where nobody would wait.
@@ -231,6 +257,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
              step.time_step / step.critical.value, step.critical.value);
   print_what_sets_step(*simulation.riding());
   print_notes(step);
+  print_supports(simulation);
   print_time(simulation, print_stages(scene, step), options.force);
 }
 
@@ -268,6 +295,7 @@ void check(const SceneOptions& options) {
              report.time_step / report.critical.value);
   print_notes(report);
   Simulation simulation(scene, 0);
+  print_supports(simulation);
   print_time(simulation, print_stages(scene, report), options.force);
 }
 

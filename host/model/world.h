@@ -566,6 +566,7 @@ class World {
     return {c.family, c.first, c.count};
   }
   size_t point_count() const;
+  double extent() const;  // diagonal of the box around all blocks at the start, m
   double mass() const;
   double mass_of(int block) const;  // that has weight, kg
   // parts: hands the bytes of an array on to a function, in pieces if need be; empty: all of it is here.

@@ -126,9 +126,18 @@ double World::strain_energy() const {
   return sum;
 }
 
+double World::extent() const {
+  Box around;
+  for (size_t i = 0; i < blocks_.size(); ++i) {
+    const double r = blocks_[i].radius;
+    around.include(rough_place_[i] - Vector{r, r, r}), around.include(rough_place_[i] + Vector{r, r, r});
+  }
+  return norm(around.upper - around.lower);
+}
+
 double World::kinetic_energy() const {
   double sum = 0.0;
-  for (int i = 0; i < block_count(); ++i) sum += ranks_ ? block_sums_[size_t(i)].kinetic : kinetic_energy_of(i);
+  for (int i = 0; i < block_count(); ++i) sum += kinetic_energy_of(i);
   return sum;
 }
 

@@ -133,6 +133,8 @@ Json motion_of(const Simulation& simulation) {
           {"small_displacements", !large},
           {"largest_rotation_rad", seen.rotation},
           {"largest_sliding_over_length", simulation.riding() ? Json(nullptr) : Json(seen.sliding)},
+          {"largest_opening_over_side", simulation.riding() ? Json(nullptr) : Json(seen.opening)},
+          {"largest_translation_over_model", simulation.riding() ? Json(nullptr) : Json(seen.translation)},
           {"rotation_bound_rad", solver.motion_bound.rotation},
           {"sliding_bound", solver.motion_bound.sliding},
           {"within_bound", large ? Json(nullptr) : Json(past.empty())},

@@ -46,6 +46,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.row_interval);
   archive.value(s.in_stage);
   archive.value(s.motion_seen);
+  archive.value(s.next_motion_look);
   archive.value(s.watch);
   archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
     a.array(warning.about);
@@ -62,6 +63,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.fading_pressures);
   archive.value(s.riding_stage_start);
   archive.value(s.multiplier);
+  archive.value(s.first_load);
   archive.array(s.monitor_blocks);
   archive.value(s.monitor_stands_below);
   archive.value(s.outcome.collapse_multiplier);

@@ -50,6 +50,7 @@ RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int la
 
 void Model::step() {
   if (pool_ && shared_division_ != divisions_) share_work();
+  begin_step();
   auto contacts = [&](int, int chunk) { advance_contacts(chunk); };
   auto blocks = [&](int, int piece) { advance_piece(piece); };
   if (pool_) {
@@ -484,8 +485,8 @@ void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* ga
   const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
   const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
   RigidLanes lanes;
-  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, dt_}, gains, energy_ ? &lanes : nullptr);
-  if (!energy_) return;
+  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, dt_}, gains, measured_ ? &lanes : nullptr);
+  if (!measured_) return;
   const double alpha = viscous_alpha(solver_);
   const int count = piece.halves ? 2 : 1, units = int(piece.count) / count;
   for (int u = 0; u < units; ++u) {
@@ -529,7 +530,7 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
-  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, energy_};
+  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, measured_};
   advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -555,12 +556,13 @@ void Model::leave_frames() {
 }
 
 void Model::sum_up() {
-  unbalanced_ = 0.0;
+  unbalanced_ = measured_kinetic_ = 0.0;
   net_ = {};
   for (int i = 0; i < block_count(); ++i) {
     const BlockSums& sums = block_sums_[size_t(i)];
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
+    measured_kinetic_ += sums.kinetic;
     startled_ |= sums.startled && owns(i);
   }
   if (!energy_) return;

@@ -39,11 +39,15 @@ class Model : public World {
   std::string batch_text(const quoin_batch& batch) const;  // as Simulation's
   // Threads for the steps from now on; null: the caller alone. The pool must outlive them.
   void use(ThreadPool* pool) { pool_ = pool, shared_division_ = -1; }
-  // The same piece by piece, for a host that has more to do in a step: all chunks, all pieces, end; then, when
+  // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
   // end_step() says that blocks have moved enough, find_contacts. clock: of the thread, started; null: not timed.
+  // measured: the energies of the step are wanted.
+  void begin_step(bool measured = false) { measured_ = measured || energy_; }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();
+  // At the time of the forces of the last step, which was measured, J.
+  double measured_kinetic_energy() const { return measured_kinetic_; }
   void startle() { startled_ = true; }  // as if a block had been: one of another process
   void find_contacts();
   void run(double duration);  // s
@@ -109,6 +113,8 @@ class Model : public World {
   template <class Archive, class Self>
   static void transfer_state(Archive& archive, Self& m);
 
+  bool measured_ = false;  // this step
+  double measured_kinetic_ = 0.0;
   ThreadPool* pool_ = nullptr;
   std::vector<int> chunk_end_, piece_end_;  // shares of the threads
   long shared_division_ = -1;               // that they are of

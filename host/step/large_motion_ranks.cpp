@@ -29,7 +29,6 @@ bool Model::leaves_frame(std::span<const int> pieces) const {
   return false;
 }
 
-// Kinetic energies are those of the step, where it has found them.
 void Model::look_for_row(std::span<const int> chunks, std::span<const int> pieces) {
   for (const int c : chunks) {
     Chunk& chunk = chunks_[size_t(c)];
@@ -39,7 +38,6 @@ void Model::look_for_row(std::span<const int> chunks, std::span<const int> piece
   for (const int p : pieces) {
     for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
       BlockSums& sums = block_sums_[size_t(b)];
-      if (!energy_) sums.kinetic = kinetic_energy_of(b);
       sums.moved = moved_by_now(b), sums.turned = turned_by_now(b);
     }
   }

@@ -93,39 +93,6 @@ HistoryRow Simulation::Impl::measure() const {
   return row;
 }
 
-// Lattice blocks by their corner gridpoints, rigid bodies by their own rotation.
-WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
-  const Model::BlockPlace& where = model.place[brick];
-  if (where.body >= 0)
-    return {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation)};
-  const BlockGroup& group = model.groups[static_cast<std::size_t>(where.group)];
-  const BrickTemplate& shape = model.templates[static_cast<std::size_t>(group.brick_template)];
-  std::array<Vec3, 8> corner;
-  for (int k = 0; k < 8; ++k) {
-    const int node =
-        shape.node_index(k & 1 ? shape.zones[0] : 0, k & 2 ? shape.zones[1] : 0, k & 4 ? shape.zones[2] : 0);
-    const double* u = displacement.data() + static_cast<std::size_t>(group.first_line + node) * kLine + where.lane;
-    corner[static_cast<std::size_t>(k)] = {u[0], u[kLanes], u[2 * kLanes]};
-  }
-  return whole_motion(shape.size, corner);
-}
-
-void Simulation::Impl::look_at_motion() {
-  if (riding) return look_at_riding_motion();
-  if (has_all()) {  // else each rank has given those of its own blocks
-    whole_motions.resize(model.assembly.bricks.size());
-    for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
-  }
-  joint_sliding.look(whole_motions, &motion_seen);
-}
-
-std::string Simulation::Impl::past_motion_bound() const {
-  if (!riding) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
-  // Blocks of any shape leave small displacements by themselves.
-  if (scene.solver.large_motion != LargeMotion::never || riding->small_displacement()) return "";
-  return "blocks have moved further than small displacements allow (contact.small_displacement)";
-}
-
 // What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
 void Simulation::Impl::require_finite(const HistoryRow& row) {
   const std::pair<const char*, double> values[] = {

@@ -4,21 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace quoin {
 namespace {
 
 constexpr std::size_t kNext[3] = {1, 2, 0}, kLast[3] = {2, 0, 1};
-
-Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {
-  Vec3 u = m.translation;
-  for (std::size_t c = 0; c < 3; ++c)
-    u[c] += m.rotation[kNext[c]] * arm[kLast[c]] - m.rotation[kLast[c]] * arm[kNext[c]];
-  return u;
-}
-
-// Not a number is kept: what is nowhere is past every bound.
-bool exceeds(double value, double largest) { return !(value <= largest); }
 
 std::string describe(const Assembly& assembly, int block) {
   const Brick& brick = assembly.bricks[static_cast<std::size_t>(block)];
@@ -27,7 +18,26 @@ std::string describe(const Assembly& assembly, int block) {
                      brick.body.empty() ? "" : fmt::format(" '{}'", brick.body), at[0], at[1], at[2]);
 }
 
+double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
 }  // namespace
+
+Vec3 at_arm(const WholeMotion& m, const Vec3& arm) {
+  Vec3 u = m.translation;
+  for (std::size_t c = 0; c < 3; ++c)
+    u[c] += m.rotation[kNext[c]] * arm[kLast[c]] - m.rotation[kLast[c]] * arm[kNext[c]];
+  return u;
+}
+
+double diagonal_of(const std::vector<Brick>& bricks) {
+  double squares = 0.0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    double from = std::numeric_limits<double>::infinity(), to = -from;
+    for (const Brick& b : bricks) from = std::min(from, b.origin[c]), to = std::max(to, b.origin[c] + b.size[c]);
+    squares += (to - from) * (to - from);
+  }
+  return std::sqrt(squares);
+}
 
 Vec3 centre_of(const Brick& brick) {
   Vec3 centre;
@@ -51,7 +61,8 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
   return m;
 }
 
-JointSliding::JointSliding(const Assembly& assembly, Places places) : assembly_(&assembly) {
+JointSliding::JointSliding(const Assembly& assembly, Places places)
+    : assembly_(&assembly), diagonal_(diagonal_of(assembly.bricks)) {
   if (places == Places::found_anew) return;
   for (const Joint& joint : assembly.joints) kept_.push_back(place_of(joint));
 }
@@ -62,6 +73,7 @@ JointSliding::Place JointSliding::place_of(const Joint& joint) const {
   const Brick& a = assembly_->bricks[static_cast<std::size_t>(joint.block_a)];
   const Brick& b = assembly_->bricks[static_cast<std::size_t>(joint.block_b)];
   const auto normal = static_cast<std::size_t>(joint.face_a / 2);
+  place.normal = static_cast<int>(normal), place.towards_b = joint.face_a % 2 == 1 ? 1.0 : -1.0;
   place.centre[normal] = a.origin[normal] + (joint.face_a % 2 == 1 ? a.size[normal] : 0.0);
   int i = 0;
   for (const std::size_t c : {kNext[normal], kLast[normal]}) {
@@ -81,9 +93,9 @@ JointSliding::Place JointSliding::place_of(const Joint& joint) const {
 
 void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen) const {
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    const Vec3& r = motion[i].rotation;
-    const double angle = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+    const double angle = norm_of(motion[i].rotation), moved = norm_of(motion[i].translation) / diagonal_;
     if (exceeds(angle, seen->rotation)) seen->rotation = angle, seen->turned_block = static_cast<int>(i);
+    if (exceeds(moved, seen->translation)) seen->translation = moved, seen->moved_block = static_cast<int>(i);
   }
   for (std::size_t j = 0; assembly_ && j < assembly_->joints.size(); ++j) {
     Place found;
@@ -96,6 +108,9 @@ void JointSliding::look(const std::vector<WholeMotion>& motion, MotionSeen* seen
       const double sliding = std::abs(b[c] - a[c]) / p.length[k];
       if (exceeds(sliding, seen->sliding)) seen->sliding = sliding, seen->slid_joint = static_cast<int>(j);
     }
+    const auto n = static_cast<std::size_t>(p.normal);
+    const double opening = p.towards_b * (b[n] - a[n]) / std::min(p.length[0], p.length[1]);
+    if (exceeds(opening, seen->opening)) seen->opening = opening, seen->opened_joint = static_cast<int>(j);
   }
 }
 
@@ -112,6 +127,26 @@ std::string past_bound(const MotionSeen& seen, const MotionBound& bound, const A
         "{} and {} have slid on each other by {:.3g} of the length of their joint, more than "
         "solver.sliding_bound = {:g}: displacements are no longer small",
         describe(assembly, joint.block_a), describe(assembly, joint.block_b), seen.sliding, bound.sliding);
+  }
+  if (exceeds(seen.opening, kOpeningBound)) {
+    const Joint& joint = assembly.joints[static_cast<std::size_t>(seen.opened_joint)];
+    return fmt::format(
+        "{} and {} have parted by {:.3g} of the shorter side of their joint, more than {:g}: displacements are no "
+        "longer "
+        "small",
+        describe(assembly, joint.block_a), describe(assembly, joint.block_b), seen.opening, kOpeningBound);
+  }
+  if (exceeds(seen.nearness, kNearnessBound)) {
+    return fmt::format("{} and {}, which no joint joins, {}: small displacements have no contact between them",
+                       describe(assembly, seen.near_block[0]), describe(assembly, seen.near_block[1]),
+                       seen.gap > 0.0 ? fmt::format("have come as near to each other as {:.3g} m", seen.gap)
+                                      : fmt::format("overlap by {:.3g} m", -seen.gap));
+  }
+  if (exceeds(seen.translation, kTranslationBound)) {
+    return fmt::format(
+        "{} has moved by {:.3g} times the diagonal of the model, more than {:g}: displacements are no "
+        "longer small",
+        describe(assembly, seen.moved_block), seen.translation, kTranslationBound);
   }
   return "";
 }

@@ -9,27 +9,46 @@
 
 namespace quoin {
 
-// The largest so far, and where.
+// The largest so far, and where. Indices into the assembly.
 struct MotionSeen {
-  double rotation = 0.0;  // of a block since the start, rad
-  double sliding = 0.0;   // of two joined blocks on each other over the length of their joint along the sliding
-  int turned_block = -1;  // index into the assembly
-  int slid_joint = -1;
+  double rotation = 0.0;     // of a block since the start, rad
+  double sliding = 0.0;      // of two joined blocks on each other over the length of their joint along the sliding
+  double opening = 0.0;      // of a joint over its shorter side
+  double translation = 0.0;  // of a block since the start over the diagonal of the model
+  double nearness = 0.0;     // of two blocks without a joint: the least distance that they may have over that of now
+  double gap = 0.0;          // of these two, m; < 0: depth of their overlap
+  int turned_block = -1, moved_block = -1;
+  int slid_joint = -1, opened_joint = -1;
+  int near_block[2] = {-1, -1};
 };
+
+// Largest MotionSeen of what has no setting. A joint that has opened by its shorter side lets a block that turns by the
+// default rotation_bound pass across by 1.3 % of that side, less than sliding_bound allows. What has moved further than
+// the model is large has left all that could hold it.
+inline constexpr double kOpeningBound = 1.0, kTranslationBound = 1.0, kNearnessBound = 1.0;
 
 Vec3 centre_of(const Brick& brick);  // m
 
 // Small motion of a block as a whole, about its centre.
 struct WholeMotion {
   Vec3 translation{}, rotation{};  // m, rad
+  double speed = 0.0;              // of its fastest corner at most, m/s
 };
+
+// Displacement at an arm from the centre, m.
+Vec3 at_arm(const WholeMotion& motion, const Vec3& arm);
+
+// False where the value is within the bound; true where it is no number.
+inline bool exceeds(double value, double bound) { return !(value <= bound); }
+
+double diagonal_of(const std::vector<Brick>& bricks);  // of the box around them, m
 
 // Of a box from the displacements of its 8 corners (x fastest, then y, then z), m: means over opposite faces, so that
 // deformation that is the same all over the block is no rotation.
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_displacement);
 
-// The joints of an assembly, which must outlive it, with what their sliding is measured by: kept, which is 0.3 kB a
-// block, or found anew at each look.
+// The joints of an assembly, which must outlive it, with what their sliding and opening are measured by: kept, which is
+// 0.3 kB a block, or found anew at each look.
 class JointSliding {
  public:
   enum class Places { kept, found_anew };
@@ -44,12 +63,15 @@ class JointSliding {
     int a, b;
     Vec3 arm_a, arm_b;  // of the joint's centre from those of the blocks, m
     Vec3 centre;        // m
+    int normal;         // axis
+    double towards_b;   // along it: 1 or -1
     std::array<int, 2> along;
     std::array<double, 2> length;  // of the overlap, m
   };
   Place place_of(const Joint& joint) const;
 
   const Assembly* assembly_ = nullptr;
+  double diagonal_ = 0.0;    // of the model, m
   std::vector<Place> kept_;  // or empty
 };
 

@@ -36,6 +36,8 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   }
   riding->track_energy(want_energy);
   find_blocks_on_base();
+  require_moving_ground();
+  if (!left) extent = riding->extent();
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
     for (const BodyControl& control : s.controls) blocks_named(control.body, s.source.text);
@@ -153,6 +155,7 @@ void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* pr
   bind_drives(settings, previous);
   riding_stage_start = m.time();
   multiplier = 0.0;
+  first_load = {};
   if (settings.solver) m.set_solver(*settings.solver);
   follow_time_step();
   watch_blocks(settings);
@@ -342,16 +345,41 @@ void Simulation::Impl::pull_block(int block, double pull) {
   riding->apply_force(block, applied);
 }
 
-bool Simulation::Impl::collapse_ended() {
+bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   if (!settings.collapse) return false;
   gather(Part::row);
   watch_uplift();
-  if (largest_displacement() > settings.collapse->displacement) {
+  const Collapse& c = *settings.collapse;
+  const double moved = largest_displacement();
+  if (!(moved > c.displacement)) {
+    if (stage_time() >= settings.ramp_time)
+      first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
+    return multiplier > c.limit;
+  }
+  if (c.start <= 0.0 || first_load.carried) {
     outcome.collapse_multiplier = multiplier;
     return true;
   }
-  return multiplier > settings.collapse->limit;
+  warn_once(
+      "collapse_multiplier",
+      fmt::format("stage '{}': blocks have moved by {:g} m at the multiplier {:.4g} before they came to rest under "
+                  "collapse.start = {:g}: the ramp has brought them there, and the collapse multiplier is not "
+                  "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
+                  "({:g} s)",
+                  settings.name, c.displacement, multiplier, c.start, settings.ramp_time),
+      told);
+  return true;
+}
+
+double FirstLoad::time_of(const Collapse& c, const Vec3& gravity) {
+  return std::max(0.01 * c.start / c.rate, 4.0 * std::sqrt(2.0 * c.displacement / norm(geometry::vector(gravity))));
+}
+
+void FirstLoad::look(double time, double moved, double allowed, double needed) {
+  lowest = std::min(lowest, moved), highest = std::max(highest, moved);
+  if (since < 0.0 || highest - lowest > allowed) since = time, lowest = highest = moved;
+  carried = carried || time - since >= needed;
 }
 
 void Simulation::Impl::watch_uplift() {
@@ -409,7 +437,7 @@ void Simulation::Impl::measure_riding_step() {
   if (in_parts) gather(Part::row);
   unbalanced_ratio = riding->unbalanced_ratio();
   const blocks::Energies& e = riding->energies();
-  kinetic = want_energy ? e.kinetic : riding->kinetic_energy();
+  kinetic = riding->measured_kinetic_energy();
   if (!want_energy) return;
   // On top of what the lattice has spent before a promotion.
   const double jump = outcome.promotion ? outcome.promotion->energy_jump : 0.0;

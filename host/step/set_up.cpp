@@ -53,6 +53,9 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
   joint_sliding =
       JointSliding(model.assembly, in_parts ? JointSliding::Places::found_anew : JointSliding::Places::kept);
+  unjoined = UnjoinedBlocks(model.assembly);
+  if (!model.assembly.bricks.empty()) extent = diagonal_of(model.assembly.bricks);
+  meeting_family = {};
   normal_shift.clear();
   body_lanes.clear(), body_place.clear(), group_inertia.clear(), ramps.clear();
   loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();

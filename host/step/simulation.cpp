@@ -94,8 +94,15 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int stage_count = static_cast<int>(s.scene.stages.size());
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
   if (index >= stage_count) return false;
-  if (!s.in_stage) s.begin_stage(index);
+  const bool begins = !s.in_stage;
+  if (begins) s.begin_stage(index);
   observer.on_stage_begin(*this, index);
+  std::vector<Warning> warnings;
+  const auto warn = [&] {
+    for (const Warning& warning : warnings) observer.on_warning(warning);
+    warnings.clear();
+  };
+  if (begins) s.warn_of_loose_blocks(&warnings), warn();
   for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
   const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
   const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
@@ -117,16 +124,23 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
 
     done = check && s.equilibrium_reached(settings);
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
-    if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended()) done = true;
-    if (done && !frame) s.step_once(true, true);  // so that the last row and what follows it are complete
+    if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended(&warnings)) done = true;
+    if (done) s.step_once(true, true);  // so that the last row and what follows it are complete
     bool show = frame;
     const auto show_frame = [&] {
       if (show) s.fetch_for_frame(), tell([&] { observer.on_frame(*this, index, s.next_frame++); });
       show = false;
     };
+    bool gone_over = false;
+    const auto follow_motion = [&] {
+      gone_over = s.follow_motion(done, &warnings);
+      if (gone_over) observer.on_promotion(*this);
+      warn();
+    };
     // Before a row that only the stop asks for: who goes on from here has a history without it.
-    if (stop && !due && !done) show_frame(), pause(true);
-    if (row || done) {
+    const bool stop_between_rows = stop && !due && !done;
+    if (stop_between_rows) follow_motion(), show_frame(), pause(true);
+    if ((row && !gone_over) || done) {
       s.gather(Part::row);
       const auto before = Clock::now();
       const HistoryRow now = s.measure();
@@ -134,27 +148,17 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       s.require_finite(now);
       tell([&] { observer.on_row(now); });
       const auto watched = Clock::now();
-      s.look_at_motion();
-      const std::string past = s.past_motion_bound();
+      if (s.riding) s.look_at_riding_motion();
       if (done) s.watch.next_stiffness = std::min(s.watch.next_stiffness, s.step_count);  // what ends a stage is seen
-      const std::vector<Warning> warnings = s.look(past);
+      const std::vector<Warning> of_watch = s.look();
+      warnings.insert(warnings.end(), of_watch.begin(), of_watch.end());
       s.times[Phase::watch] += seconds_since(watched);
-      const SolverSettings& solver = s.scene.solver;
-      if (!past.empty() && solver.large_motion == LargeMotion::never && solver.motion_bound.stop) {
-        throw Error(Exit::numerical,
-                    fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, "
-                                "or solver.past_motion_bound = \"warn\" to go on all the same",
-                                s.stage_step, settings.name, past));
-      }
-      if (!past.empty() && !s.riding && !s.outcome.promotion && solver.large_motion == LargeMotion::automatic) {
-        s.gather(Part::all);
-        s.promote(past);
-        observer.on_promotion(*this);
-      }
-      for (const Warning& warning : warnings) observer.on_warning(warning);
+      warn();
       if (s.next_row < s.stage_step)
         s.next_row += (s.stage_step - s.next_row + s.row_interval - 1) / s.row_interval * s.row_interval;
     }
+    if (!stop_between_rows) follow_motion();
+    if (check || row || done) s.look_for_falling_block(&warnings), warn();
     show_frame();
     if (stop && due && !done) pause(true);
     if (stop)

@@ -231,13 +231,22 @@ class Simulation {
   const char* instruction_set() const;    // chosen at run time: "AVX2"
   std::uint64_t hash() const;             // of gridpoints, bodies, tractions and states: equal hashes, equal bits
   HistoryRow measure() const;             // as it stands
-  const MotionSeen& motion_seen() const;  // looked at whenever run() writes a row
-  const Watch& watch() const;             // the same
+  const MotionSeen& motion_seen() const;  // at the last look of run()
+  const Watch& watch() const;             // at the last row
   double allowed_overlap() const;         // m
   // Which contact points a law is asked about, for messages, from any thread: "contact points 0 to 255 of joint family
   // 'mortar', from (0.100, 0.000, 0.050) m on".
   std::string batch_text(const quoin_batch& batch) const;
   std::string past_motion_bound() const;  // what is exceeded, where; empty: nothing
+
+  // What a stage holds or drives, "base: x y z" each, and the blocks that no joint of the start ties to anything that
+  // is held against gravity.
+  struct Supports {
+    std::vector<std::string> held;
+    std::vector<int> loose;
+  };
+  Supports supports(int stage) const;
+  std::string block_label(int block) const;  // as messages call it
 
   // Results by block. Cold.
   struct BlockMesh {

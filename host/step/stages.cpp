@@ -53,6 +53,7 @@ void Simulation::Impl::begin_stage(int index) {
   calm_checks = 0;
   next_frame = 0;
   next_row = 0;
+  next_motion_look = step_count;  // what drives blocks is new
   force_loss = {};
   watch.pending = false;  // what a stage changes at once is in no balance of steps
   swaps.clear();

@@ -20,6 +20,7 @@
 #include "step/rank_balance.h"
 #include "step/rank_share.h"
 #include "step/simulation.h"
+#include "step/unjoined_blocks.h"
 
 namespace quoin {
 
@@ -58,6 +59,17 @@ struct BodyRamp {
 struct LoadedBlock {
   int block = -1;
   double mass = 0.0;  // kg, without scaling
+};
+
+// Whether the first multiplier of a collapse stage is carried: whether after its ramp the blocks have stood for as long
+// as the multiplier takes to grow by a hundredth, and four times as long as a fall by what counts as collapse. Else
+// what moves them later may be what the ramp has set in motion.
+struct FirstLoad {
+  double since = -1.0;                 // s, in the stage; < 0: not looked at yet
+  double lowest = 0.0, highest = 0.0;  // largest displacement of a block since then, m
+  bool carried = false;
+  void look(double time, double moved, double allowed, double needed);   // s, m, m, s
+  static double time_of(const Collapse& collapse, const Vec3& gravity);  // s
 };
 
 // Steps of this rank since the last look at how even the ranks are.
@@ -161,11 +173,29 @@ struct Simulation::Impl {
   void swap_law(const std::string& family, const std::string& law);
   void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
-  double largest_displacement() const;  // of any block that is not fixed, m
-  WholeMotion whole_motion_of(std::size_t brick) const;
-  void look_at_motion();
-  std::string past_motion_bound() const;
+  double largest_displacement() const;         // of any block that is not fixed, m
   void require_finite(const HistoryRow& row);  // throws Error(numerical)
+
+  // --- what holds blocks (supports.cpp) -----------------------------------------------------------------------------
+  std::vector<std::uint8_t> held_in(const Stage& settings) const;  // by block; bits 0..2: x, y, z are imposed
+  std::vector<int> groups_of_joined_blocks() const;                // by block: the first one of its group
+  std::vector<int> loose_blocks(const Stage& settings) const;
+  void require_moving_ground() const;  // Error(bad_input): a stage moves the ground, and no block is fixed
+  void warn_of_loose_blocks(std::vector<Warning>* told);
+  // Warns of a block that has left all supports. Throws Error(numerical) where the stage can only end at rest.
+  void look_for_falling_block(std::vector<Warning>* told);
+  std::string block_label(int block) const;
+
+  // --- small displacements, and what ends them (small_motion.cpp) ----------------------------------------------------
+  WholeMotion whole_motion_of(std::size_t brick) const;
+  bool have_contact(int a, int b, int axis);  // two blocks that no joint joins, where they meet across this axis
+  void look_at_motion();                      // and when to do so again: no output has a say in that
+  std::string past_motion_bound() const;
+  // After a step: goes over to large motion where blocks have moved too far, or warns, or throws Error(numerical).
+  // Whether it has gone over.
+  bool follow_motion(bool stage_ends, std::vector<Warning>* told);
+  bool was_told(const char* about) const;
+  void warn_once(const char* about, const std::string& text, std::vector<Warning>* told);
 
   // --- the watch (watch.cpp) ----------------------------------------------------------------------------------------
   // Whether the energies of this step, before a row, are to be held against those of the next.
@@ -178,7 +208,7 @@ struct Simulation::Impl {
   std::string motion_left_to_ground() const;
   std::optional<WrongAnswer> wrong_law() const;  // as the laws have answered last
   // When a row is written, after its step. Returns what is to be told, which outcome has too.
-  std::vector<Warning> look(const std::string& past_motion_bound);
+  std::vector<Warning> look();
 
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
   Vec3 joint_force(int body) const;  // of the contact points at the last law evaluation, N
@@ -223,7 +253,7 @@ struct Simulation::Impl {
   void drive_blocks(double ramp);
   void pull_block(int block, double pull);
   bool stands_below(const std::vector<int>& blocks) const;
-  bool collapse_ended();
+  bool collapse_ended(std::vector<Warning>* told);
   void watch_uplift();
   Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
   Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
@@ -373,6 +403,7 @@ struct Simulation::Impl {
   long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
   MotionSeen motion_seen;
+  long next_motion_look = 0;  // step
   Watch watch;
   ForceLoss force_loss;  // in cycles
 
@@ -383,6 +414,7 @@ struct Simulation::Impl {
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
   double riding_stage_start = 0.0;                     // s
   double multiplier = 0.0;                             // of the body force of a collapse stage
+  FirstLoad first_load;
   std::vector<int> monitor_blocks;
   bool monitor_stands_below = false;  // at the start of the stage: what these blocks touch is above them
   Outcome outcome;
@@ -406,7 +438,11 @@ struct Simulation::Impl {
   double kinetic = 0.0;
   std::vector<int> monitor;  // bodies that the history shows
   JointSliding joint_sliding;
-  std::vector<WholeMotion> whole_motions;  // by brick
+  UnjoinedBlocks unjoined;
+  std::vector<std::uint8_t> held_blocks;                      // held_in of the stage
+  double extent = 0.0;                                        // diagonal of the model at the start, m
+  std::function<int(const blocks::Meeting&)> meeting_family;  // of blocks that meet; empty: not asked yet
+  std::vector<WholeMotion> whole_motions;                     // by brick
   struct Floor {
     std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
     std::vector<int> riding;          // blocks in large motion, in place of both

@@ -30,6 +30,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   data.energies = want_energy || sample_energy;
   gathered = gathered_by_first = ranks == nullptr;
   has_row = false;
+  if (riding) riding->begin_step(measure_step);
   const bool timed = time_every_step || step_count % kTimedSteps == 0;
   const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
   const auto clock_of = [&](int thread) -> PhaseClock* {

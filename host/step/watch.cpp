@@ -189,7 +189,7 @@ std::string Simulation::Impl::motion_left_to_ground() const {
                      so);
 }
 
-std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound) {
+std::vector<Warning> Simulation::Impl::look() {
   look_at_points();
   std::optional<WrongAnswer> wrong;
   if (step_count >= watch.next_stiffness) {
@@ -214,20 +214,9 @@ std::vector<Warning> Simulation::Impl::look(const std::string& past_motion_bound
   }
 
   std::vector<Warning> fresh;
-  const auto was_told = [&](const char* about) {
-    return std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
-                       [&](const Warning& w) { return w.about == about; });
-  };
   const auto warn = [&](bool has_left, const char* about, const auto& words) {
-    if (!has_left || was_told(about)) return;
-    fresh.push_back({about, words(), stage, step_count, now()});
-    outcome.warnings.push_back(fresh.back());
+    if (has_left) warn_once(about, words(), &fresh);
   };
-  warn(!past_motion_bound.empty() && scene.solver.large_motion == LargeMotion::never, "small_displacements", [&] {
-    return past_motion_bound +
-           ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows large "
-           "motion";
-  });
   if (!was_told("damping")) {
     const std::string damped = damped_motion();
     warn(!damped.empty(), "damping", [&] { return damped; });

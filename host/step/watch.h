@@ -11,7 +11,7 @@ namespace quoin {
 // An assumption that a run has left, told once.
 struct Warning {
   std::string about;  // as in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
-                      // time_step, law_states, damping, ground_motion
+                      // time_step, law_states, damping, ground_motion, free_fall, collapse_multiplier
   std::string text;   // what, where, how much, what is allowed, what to do
   int stage = 0;
   long step = 0;

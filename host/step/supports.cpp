@@ -1,0 +1,176 @@
+// What holds blocks in a stage, what nothing holds, and what is said of blocks that fall for ever.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "step/large_motion.h"
+#include "step/state.h"
+
+namespace quoin {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr std::size_t kNamed = 5;  // blocks that a message names, of many
+
+std::uint8_t imposed_by(const BodyControl& control) {
+  unsigned bits = 0;
+  for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
+  return static_cast<std::uint8_t>(bits);
+}
+
+// Only rest, of which there is none in free fall, or so many steps end the stage.
+bool ends_at_rest_alone(const Stage& stage) {
+  return stage.equilibrium_ratio && !stage.duration && !stage.displacement && !stage.collapse;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const {
+  std::vector<std::uint8_t> held;
+  if (!riding) {
+    for (const Brick& brick : model.assembly.bricks) {
+      const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
+        return brick.rigid && !c.body.empty() && c.body == brick.body;
+      });
+      held.push_back(control == settings.controls.end() ? std::uint8_t{0} : imposed_by(*control));
+    }
+    return held;
+  }
+  for (const blocks::Block& block : riding->assembly().blocks) held.push_back(block.fixed ? 7 : 0);
+  for (const BodyControl& control : settings.controls) {
+    for (const int block : blocks_named(control.body, settings.source.text)) held[at(block)] = imposed_by(control);
+  }
+  return held;
+}
+
+std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
+  std::vector<int> first(riding ? at(riding->block_count()) : model.assembly.bricks.size());
+  std::iota(first.begin(), first.end(), 0);
+  const auto find = [&](int i) {
+    while (first[at(i)] != i) i = first[at(i)] = first[at(first[at(i)])];
+    return i;
+  };
+  const auto join = [&](int a, int b) {
+    const int of_a = find(a), of_b = find(b);
+    first[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
+  };
+  for (const Joint& j : model.assembly.joints) join(j.block_a, j.block_b);
+  for (std::size_t i = 0; riding && i < riding->contacts().size(); ++i) {
+    const blocks::Contact& c = riding->contacts()[i];
+    if (c.count > 0) join(c.pair.a, c.pair.b);
+  }
+  for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
+  return first;
+}
+
+std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
+  const std::vector<std::uint8_t> held = held_in(settings);
+  const std::vector<int> group = groups_of_joined_blocks();
+  unsigned along = 0;
+  for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
+  std::map<int, unsigned> imposed;
+  for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
+  std::vector<int> loose;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    if ((imposed[group[i]] & along) != along) loose.push_back(static_cast<int>(i));
+  }
+  return loose;
+}
+
+void Simulation::Impl::require_moving_ground() const {
+  const auto& blocks = riding->assembly().blocks;
+  if (std::any_of(blocks.begin(), blocks.end(), [](const blocks::Block& b) { return b.fixed; })) return;
+  for (const Stage& each : scene.stages) {
+    if (!each.ground) continue;
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: stage '{}' has ground_motion, which moves the fixed blocks, and none is fixed; give the "
+                    "ground fixed = true",
+                    each.source.text, each.name));
+  }
+}
+
+// That only some blocks are loose is no fault: they may fall onto others. `quoin check` names them.
+void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* told) {
+  const Stage& settings = scene.stages[at(stage)];
+  held_blocks = held_in(settings);
+  if (settings.gravity == Vec3{} || loose_blocks(settings).size() < held_blocks.size()) return;
+  warn_once(
+      "free_fall",
+      fmt::format("stage '{}' holds nothing against gravity: all blocks fall freely; give a block fixed = true, or "
+                  "a body of the stage a velocity (0 holds it)",
+                  settings.name),
+      told);
+}
+
+// What has moved further than the model is large, and than any support, has left everything that could hold it.
+void Simulation::Impl::look_for_falling_block(std::vector<Warning>* told) {
+  const Stage& settings = scene.stages[at(stage)];
+  if (held_blocks.empty()) held_blocks = held_in(settings);
+  const auto moved = [&](std::size_t i) {
+    if (riding) return riding->moved(static_cast<int>(i));
+    return i < whole_motions.size() ? norm(geometry::vector(whole_motions[i].translation)) : 0.0;
+  };
+  double of_supports = 0.0, farthest = 0.0;
+  int falling = -1;
+  for (std::size_t i = 0; i < held_blocks.size(); ++i) {
+    double& largest = held_blocks[i] != 0 ? of_supports : farthest;
+    const double way = moved(i);
+    if (way <= largest) continue;
+    largest = way;
+    if (held_blocks[i] == 0) falling = static_cast<int>(i);
+  }
+  if (falling < 0 || farthest <= of_supports + extent) return;
+  const std::string what =
+      fmt::format("block {} has moved by {:.3g} m, farther than the model is large ({:.3g} m): nothing holds it",
+                  block_label(falling), farthest, extent);
+  warn_once("free_fall", what + "; quoin check lists what holds blocks in each stage", told);
+  if (!ends_at_rest_alone(settings)) return;
+  throw Error(
+      Exit::numerical,
+      fmt::format("stage '{}' ends when all is at rest, and cannot: {}. Give a block below fixed = true, hold a "
+                  "body by velocity = 0, or give the stage a duration",
+                  settings.name, what));
+}
+
+std::string Simulation::Impl::block_label(int block) const {
+  if (riding) return blocks::label(riding->assembly(), block);
+  const std::string& body = model.assembly.bricks[at(block)].body;
+  return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
+}
+
+std::string Simulation::block_label(int block) const { return impl_->block_label(block); }
+
+Simulation::Supports Simulation::supports(int stage) const {
+  const Impl& s = *impl_;
+  const Stage& settings = s.scene.stages[at(stage)];
+  Supports supports;
+  std::map<unsigned, std::vector<std::string>> names;  // by what is held
+  const std::vector<std::uint8_t> held = s.held_in(settings);
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    if (held[i] == 0) continue;
+    std::vector<std::string>& alike = names[held[i]];
+    std::string name = s.riding ? s.riding->assembly().blocks[i].name : s.model.assembly.bricks[i].body;
+    if (name.empty()) name = block_label(static_cast<int>(i));
+    if (alike.empty() || alike.back() != name) alike.push_back(std::move(name));
+  }
+  for (auto& [bits, alike] : names) {
+    const std::size_t more = alike.size() > kNamed ? alike.size() - kNamed : 0;
+    alike.resize(alike.size() - more);
+    std::string axes;
+    for (unsigned c = 0; c < 3; ++c) axes += (bits >> c & 1u) != 0 ? std::string(" ") + "xyz"[c] : "";
+    supports.held.push_back(
+        fmt::format("{}{}:{}", fmt::join(alike, ", "), more > 0 ? fmt::format(" and {} more", more) : "", axes));
+  }
+  if (settings.gravity != Vec3{}) supports.loose = s.loose_blocks(settings);
+  return supports;
+}
+
+}  // namespace quoin

@@ -1,0 +1,48 @@
+// Blocks of small displacements that no joint joins: whether two of them come so near that they may touch, which the
+// contacts of the start do not have.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "geometry/broad_phase.h"
+#include "scene/assembly.h"
+#include "step/motion_bound.h"
+
+namespace quoin {
+
+// Two blocks at the distance g0 at the start may come as near as min(g0, h)/2, h half of the least extent of a block.
+// Two that touch at an edge or a corner then may overlap by sliding_bound of the smaller one's least extent, as their
+// neighbours may slide.
+class UnjoinedBlocks {
+ public:
+  UnjoinedBlocks() = default;
+  explicit UnjoinedBlocks(const Assembly& assembly);  // which must outlive it
+
+  // Whether two blocks that meet across this axis have contact by the rules of the scene.
+  using HaveContact = std::function<bool(int a, int b, int axis)>;
+  // Adds the motion of now. motion: one a brick. Returns the time until which no two blocks come from farther than they
+  // may be to half of that, s, if none speeds up by more than kAcceleration: when to look again.
+  double look(const std::vector<WholeMotion>& motion, double sliding_bound, const HaveContact& have_contact,
+              MotionSeen* seen);
+
+  static constexpr double kAcceleration = 20.0;  // m/s2
+
+ private:
+  struct Near {
+    double gap;        // m; < 0: depth of an overlap
+    double least_gap;  // that they may have, m
+    int axis;          // along which they are farthest apart
+  };
+  void find_pairs(const std::vector<WholeMotion>& motion);
+  bool has_moved(const std::vector<WholeMotion>& motion) const;  // enough for other pairs to be near
+  Near nearness(const geometry::Pair& pair, const std::vector<WholeMotion>& motion, double sliding_bound) const;
+
+  const Assembly* assembly_ = nullptr;
+  double reach_ = 0.0;                  // h, m
+  std::vector<geometry::Pair> joined_;  // sorted
+  std::vector<geometry::Pair> pairs_;   // closer than 3/2 h at the last broad phase
+  std::vector<Vec3> there_;             // translations of blocks then, m
+};
+
+}  // namespace quoin

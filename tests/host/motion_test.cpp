@@ -1,0 +1,333 @@
+// Blocks of small displacements that meet others, part, or fall: whether a run notices in time, whatever it writes.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "results/summary.h"
+#include "scene/read_scene.h"
+#include "step/large_motion.h"
+#include "step/simulation.h"
+
+namespace quoin {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A base of 1 x 0.2 x 0.2 m, blocks of 0.2 m on it and above, dry. Nothing brakes a fall.
+std::string stones(const std::string& blocks, const std::string& stages, bool fixed = true) {
+  return fmt::format(
+      "[solver]\ndamping = \"viscous\"\nmass_damping = 0\nstiffness_damping = 2e-4\n"
+      "[materials.stone]\nyoung_modulus = 10e9\npoisson_ratio = 0.2\ndensity = 2000.0\n"
+      "[joints.dry]\nlaw = \"coulomb_slip\"\ninitial_state = \"dry\"\nnormal_stiffness = 1e8\nshear_stiffness = 5e7\n"
+      "friction_angle = 35\n"
+      "[[block]]\nname = \"base\"\nmaterial = \"stone\"\nfixed = {}\n"
+      "box = {{ lower = [-0.4, -0.2, 0], size = [1.0, 0.2, 0.2] }}\n{}{}[output]\nframes = 0\n",
+      fixed, blocks, stages);
+}
+
+std::string block(const std::string& name, double bottom, const std::string& more = "") {
+  return fmt::format(
+      "[[block]]\nname = \"{}\"\nmaterial = \"stone\"\nbox = {{ lower = [0, {}, 0], size = [0.2, 0.2, 0.2] }}\n{}\n",
+      name, bottom, more);
+}
+
+std::string falls(const std::string& more = "duration = 0.3") {
+  return "[[stage]]\nname = \"fall\"\ngravity = [0, -9.81, 0]\n" + more + "\n";
+}
+
+struct Seen : Observer {
+  std::vector<HistoryRow> rows;
+  std::map<std::string, std::string> warnings;
+  int promotions = 0;
+  void on_row(const HistoryRow& row) override { rows.push_back(row); }
+  void on_warning(const Warning& w) override { warnings[w.about] = w.text; }
+  void on_promotion(const Simulation&) override { ++promotions; }
+};
+
+Scene scene_of(const std::string& text, const std::vector<std::string>& more = {}) {
+  return read_scene_text(text, "stones.toml", more);
+}
+
+std::string fault_of(const std::string& text, const std::vector<std::string>& more, Exit* code) {
+  try {
+    Simulation simulation(scene_of(text, more), 1);
+    Seen seen;
+    simulation.run(seen);
+  } catch (const Error& error) {
+    *code = error.exit_code;
+    return error.what();
+  }
+  return "";
+}
+
+// A third block 0.1 m above the second falls: free for sqrt(2 * 0.1 / 9.81) = 0.143 s, then it lies there. In small
+// displacements it went through both. Overlap: it lands at 1.4 m/s, sqrt(m/k) = sqrt(16 / (1e8 * 0.04)) = 2 ms: 3 mm.
+TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
+  const std::string text = stones(block("a", 0.0) + block("c", 0.3), falls());
+  for (const char* kernels : {"automatic", "general"}) {
+    Simulation simulation(scene_of(text, {std::string("solver.kernels=") + kernels, "output.monitor=c"}), 1);
+    EXPECT_EQ(simulation.riding() == nullptr, kernels == std::string("automatic"));
+    Seen seen;
+    simulation.run(seen);
+    EXPECT_EQ(seen.promotions, kernels == std::string("automatic"));
+    double lowest = 0.0, at_landing = 0.0;
+    for (const HistoryRow& row : seen.rows) {
+      const double down = row.monitor_displacement[1];
+      lowest = std::min(lowest, down);
+      if (row.time <= 0.143) at_landing = down;
+    }
+    EXPECT_NEAR(at_landing, -0.1, 2e-3) << kernels;  // 1.4 mm a step
+    EXPECT_GT(lowest, -0.104) << kernels;
+  }
+  Exit code{};
+  EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code),
+              HasSubstr("which no joint joins, have come as near to each other as 0.0"));
+  EXPECT_EQ(code, Exit::numerical);
+  Simulation warns(scene_of(text, {"solver.large_motion=never", "solver.past_motion_bound=warn"}), 1);
+  Seen seen;
+  warns.run(seen);
+  EXPECT_THAT(seen.warnings["small_displacements"], HasSubstr("which no joint joins"));
+  EXPECT_THAT(summary_text(warns, seen.rows, {}), HasSubstr("\"within_bound\": false"));
+}
+
+// A block that is driven up into a fixed one 0.1 m above: 0.1195 m at 0.1 m/s.
+TEST(SmallMotion, ABlockThatRisesMeetsTheFixedOneAbove) {
+  const std::string text =
+      stones(block("a", 0.0) + block("lid", 0.3, "fixed = true"),
+             "[[stage]]\nname = \"rise\"\nmonitor = \"lid\"\ndirection = \"y\"\nduration = 1.2\nramp_time = 0.01\n"
+             "[[stage.velocity]]\nblock = \"a\"\nvelocity = [0, 0.1, 0]\n");
+  Simulation simulation(scene_of(text), 1);
+  Seen seen;
+  simulation.run(seen);
+  EXPECT_EQ(seen.promotions, 1);
+  // 19.5 mm of overlap at the end; 0.1 mm is a step of the last ones.
+  EXPECT_NEAR(seen.rows.back().joint_force[1], 1e8 * 0.04 * 0.0195, 0.02 * 1e8 * 0.04 * 0.0195);
+  Exit code{};
+  EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code), HasSubstr("'lid'"));
+}
+
+// Neighbours at an edge without a joint may overlap as far as others may slide, and no farther: two blocks that stand
+// corner to corner on a base, of which the upper one is driven down beside the lower and into it.
+TEST(SmallMotion, BlocksThatTouchAtAnEdgeMayNotPassThroughEachOther) {
+  const std::string upper =
+      "[[block]]\nname = \"b\"\nmaterial = \"stone\"\nbox = { lower = [0.2, 0.2, 0], size = [0.2, 0.2, 0.2] }\n";
+  const auto stage = [](const char* velocity) {
+    return fmt::format("[[stage]]\nname = \"push\"\nduration = 0.2\n[[stage.velocity]]\nblock = \"b\"\nvelocity = {}\n",
+                       velocity);
+  };
+  Exit code{};
+  // 20 mm along both: 0.03 * 0.2 = 6 mm are allowed.
+  EXPECT_THAT(fault_of(stones(block("a", 0.0) + upper, stage("[-0.1, -0.1, 0]")), {"solver.large_motion=never"}, &code),
+              HasSubstr("overlap by 0.006"));
+  // Along the faces alone there is no overlap.
+  EXPECT_EQ(fault_of(stones(block("a", 0.0) + upper, stage("[0, -0.1, 0]")), {"solver.large_motion=never"}, &code), "");
+}
+
+// Joint rules that say "none" hold here as there.
+TEST(SmallMotion, BlocksWithoutContactMayPassThroughEachOther) {
+  const std::string text = stones(block("a", 0.0) + block("c", 0.3), falls("duration = 0.3") +
+                                                                         "[[joint_rule]]\nfamily = \"none\"\n"
+                                                                         "between = [\"a\", \"c\"]\n");
+  Exit code{};
+  const std::string fault = fault_of(text, {"solver.large_motion=never"}, &code);
+  EXPECT_THAT(fault, HasSubstr("'base'")) << "through a, but not through the base";
+}
+
+// A wall that is lifted off its bed without turning or sliding.
+TEST(SmallMotion, AJointThatOpensFarIsPastTheBound) {
+  const std::string text = stones(block("a", 0.0),
+                                  "[[stage]]\nname = \"lift\"\nduration = 0.5\n"
+                                  "[[stage.velocity]]\nblock = \"a\"\nvelocity = [0, 1, 0]\n");
+  Exit code{};
+  EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code), HasSubstr("have parted by 1"));
+  Simulation simulation(scene_of(text), 1);
+  Seen seen;
+  simulation.run(seen);
+  EXPECT_EQ(seen.promotions, 1);
+}
+
+// Of one joint of 0.1 x 0.05 m across each axis: opening by 0.03 m is 0.6 of its shorter side, closing none.
+TEST(SmallMotion, OpeningIsOverTheShorterSideOfTheJoint) {
+  const Vec3 size{0.2, 0.1, 0.05};
+  for (std::size_t normal = 0; normal < 3; ++normal) {
+    for (const int face : {static_cast<int>(2 * normal), static_cast<int>(2 * normal + 1)}) {
+      Assembly assembly;
+      assembly.bricks.resize(2);
+      for (Brick& brick : assembly.bricks) brick.size = size;
+      const bool first_below = face % 2 == 1;
+      assembly.bricks[first_below ? 1 : 0].origin[normal] = size[normal];
+      assembly.joints.push_back({0, 1, face, 0});
+      const double shorter = std::min(size[(normal + 1) % 3], size[(normal + 2) % 3]);
+      std::vector<WholeMotion> motion(2);
+      motion[1].translation[normal] = first_below ? 0.03 : -0.03;
+      MotionSeen parted, pressed;
+      JointSliding(assembly).look(motion, &parted);
+      EXPECT_NEAR(parted.opening, 0.03 / shorter, 1e-14) << face;
+      motion[1].translation[normal] *= -1.0;
+      JointSliding(assembly).look(motion, &pressed);
+      EXPECT_EQ(pressed.opening, 0.0) << face;
+      EXPECT_NEAR(pressed.translation, 0.03 / diagonal_of(assembly.bricks), 1e-14);
+    }
+  }
+}
+
+// What is written has no say in when a run goes over to large motion: 0.03, 0.043 and 0.089 of the joint before.
+TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
+  const std::string text = stones(block("a", 0.0) + block("b", 0.2),
+                                  "[[stage]]\nname = \"slide\"\ngravity = [0, -9.81, 0]\nduration = 0.1\n"
+                                  "[[stage.velocity]]\nblock = \"b\"\nvelocity = [0.3, \"free\", 0]\n");
+  std::optional<std::pair<long, std::uint64_t>> first;
+  for (const std::vector<std::string>& output : {std::vector<std::string>{},
+                                                 {"output.record_interval=1e-6"},
+                                                 {"output.record_interval=0.03"},
+                                                 {"output.record_interval=10", "output.frames=7"},
+                                                 {"stage.slide.record_interval=777", "output.energy=true"}}) {
+    Simulation simulation(scene_of(text, output), 1);
+    Seen seen;
+    simulation.run(seen);
+    ASSERT_EQ(seen.promotions, 1);
+    const std::pair<long, std::uint64_t> found{simulation.outcome().promotion->step, simulation.hash()};
+    if (!first) first = found;
+    EXPECT_EQ(found, *first) << (output.empty() ? "" : output[0]);
+    // Of 0.03 * 0.2 m: not before, and less than a sixteenth after.
+    const double slid = simulation.motion_seen().sliding;
+    EXPECT_GE(slid, 0.03);
+    EXPECT_LT(slid, 0.032);
+  }
+}
+
+// The energies of every row with and without output.energy, whose kinetic energy is that of the velocities at the time
+// of the forces: a rigid block and a deformable one that are thrown, on the lattice until one has slid too far.
+TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
+  for (const char* damping : {"viscous", "block"}) {
+    const std::string soft =
+        "[[block]]\nname = \"s\"\nmaterial = \"stone\"\nrigid = false\ndivisions = [1, 1, 1]\n"
+        "box = { lower = [0.3, 0, 0], size = [0.2, 0.2, 0.2] }\n";
+    std::string text = stones(block("a", 0.0) + soft,
+                              "[[stage]]\nname = \"throw\"\ngravity = [0, -9.81, 0]\nduration = 0.03\n"
+                              "[[stage.velocity]]\nblock = \"a\"\nvelocity = [0.5, \"free\", 0]\n");
+    if (damping == std::string("block"))
+      text.replace(text.find("damping = \"viscous\""), text.find("[materials") - text.find("damping = \"viscous\""),
+                   "damping = \"block\"\ndeformation_inertia = 16\n");
+    std::vector<double> kinetic[2];
+    for (const int with : {0, 1}) {
+      Simulation simulation(scene_of(text, {fmt::format("output.energy={}", with == 1)}), 1);
+      Seen seen;
+      simulation.run(seen);
+      EXPECT_NE(simulation.riding(), nullptr);
+      for (const HistoryRow& row : seen.rows) kinetic[with].push_back(row.kinetic_energy);
+    }
+    EXPECT_EQ(kinetic[0], kinetic[1]) << damping;
+    EXPECT_GT(*std::max_element(kinetic[0].begin(), kinetic[0].end()), 0.0);
+  }
+}
+
+// Nothing is fixed: all falls, at once and for ever, which a stage that can only end at rest does not wait for.
+TEST(Supports, AModelThatNothingHoldsSaysSo) {
+  const std::string rest = falls("equilibrium_ratio = 1e-3");
+  for (const char* kernels : {"automatic", "general"}) {
+    const std::string of_kernels = std::string("solver.kernels=") + kernels;
+    Simulation simulation(scene_of(stones(block("a", 0.0), rest, false), {of_kernels}), 1);
+    Seen seen;
+    try {
+      simulation.run(seen);
+      FAIL() << "came to rest";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code, Exit::numerical);
+      EXPECT_THAT(error.what(), HasSubstr("nothing holds it"));
+    }
+    EXPECT_THAT(seen.warnings["free_fall"], HasSubstr("stage 'fall' holds nothing against gravity"));
+    EXPECT_LT(simulation.time(), 0.7);  // 1.04 m, the diagonal, take 0.46 s; 1.7 m around spheres 0.59 s
+    RunInfo info;
+    info.warnings = simulation.outcome().warnings;
+    EXPECT_THAT(summary_text(simulation, seen.rows, info), HasSubstr("\"free_fall\""));
+    const Simulation::Supports supports = simulation.supports(0);
+    EXPECT_TRUE(supports.held.empty());
+    EXPECT_EQ(supports.loose, (std::vector<int>{0, 1}));
+
+    // One that falls past the base.
+    Exit code{};
+    const std::string beside =
+        "[[block]]\nname = \"c\"\nmaterial = \"stone\"\nbox = { lower = [0.8, 0.1, 0], size = [0.2, 0.2, 0.2] }\n";
+    EXPECT_THAT(fault_of(stones(block("a", 0.0) + beside, rest), {of_kernels}, &code), HasSubstr("block #2"));
+    EXPECT_EQ(code, Exit::numerical);
+    EXPECT_EQ(fault_of(stones(block("a", 0.0), rest), {of_kernels, "solver.mass_damping=50"}, &code), "");
+    Simulation held(scene_of(stones(block("a", 0.0) + beside, rest), {of_kernels}), 1);
+    EXPECT_EQ(held.supports(0).held, std::vector<std::string>{"base: x y z"});
+    EXPECT_EQ(held.supports(0).loose, std::vector<int>{2});
+  }
+}
+
+// A wall whose bottom beam no control holds.
+TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
+  const std::string wall =
+      "[materials.brick]\nyoung_modulus = 16.7e9\npoisson_ratio = 0.15\ndensity = 1900.0\n"
+      "[joints.mortar]\nlaw = \"coulomb_slip\"\nnormal_stiffness = 82e9\nshear_stiffness = 36e9\nfriction_angle = 35\n"
+      "[wall]\ncourses = 2\nunits_per_course = 1.5\nunit = [0.22, 0.0625, 0.1]\nzones = [1, 1, 1]\n"
+      "mid_unit_joints = false\nunit_material = \"brick\"\nbed_joint = \"mortar\"\nhead_joint = \"mortar\"\n"
+      "beam_joint = \"mortar\"\n[output]\nframes = 0\n"
+      "[[stage]]\nname = \"own\"\nkind = \"custom\"\ngravity = [0, -9.81, 0]\nduration = 0.0005\n";
+  const std::string held = "[[stage.control]]\nbody = \"bottom_beam\"\nvelocity = [0, 0, 0]\n";
+  for (const bool with : {false, true}) {
+    for (const char* kernels : {"lattice", "general"}) {
+      Simulation simulation(
+          read_scene_text(wall + (with ? held : ""), "wall.toml", {std::string("solver.kernels=") + kernels}), 1);
+      Seen seen;
+      simulation.run(seen);
+      EXPECT_EQ(seen.warnings.contains("free_fall"), !with) << kernels;
+      EXPECT_EQ(simulation.supports(0).held.size(), with ? 1u : 0u);
+      EXPECT_EQ(simulation.supports(0).loose.empty(), with);
+    }
+  }
+}
+
+// A block of 0.2 x 0.4 m tips at the multiplier 0.2/0.4. Where the first multiplier is not carried, what moves the
+// block at the end is the ramp: no multiplier then, whether the ramp itself goes past the answer or, short, throws the
+// block over from below it.
+TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
+  const std::string tall =
+      "[[block]]\nname = \"t\"\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.2, 0.4, 0.2] }\n";
+  const auto stages = [](double start, double ramp) {
+    return fmt::format(
+        "[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nramp_time = 0.1\nduration = 0.3\n"
+        "[[stage]]\nname = \"tilt\"\nramp_time = {}\n"
+        "collapse = {{ direction = [1, 0, 0], start = {}, rate = 0.05, displacement = 0.01, limit = 1.0 }}\n",
+        ramp, start);
+  };
+  const auto run = [&](double start, double ramp, Seen* seen) {
+    Simulation simulation(scene_of(stones(tall, stages(start, ramp)),
+                                   {"joints.dry.friction_angle=45", "joints.dry.normal_stiffness=1e9"}),
+                          1);
+    simulation.run(*seen);
+    return simulation.outcome().collapse_multiplier;
+  };
+  for (const double start : {0.0, 0.2, 0.4, 0.499}) {
+    Seen seen;
+    const std::optional<double> multiplier = run(start, 0.5, &seen);
+    ASSERT_TRUE(multiplier) << start;
+    std::printf("from %g: %.4f\n", start, *multiplier);
+    EXPECT_NEAR(*multiplier, 0.5, 0.03) << start;
+    EXPECT_FALSE(seen.warnings.contains("collapse_multiplier"));
+  }
+  for (const auto& [start, ramp] : {std::pair{0.8, 0.5}, {0.6, 2.0}, {0.49, 0.01}}) {
+    Seen seen;
+    EXPECT_EQ(run(start, ramp, &seen), std::nullopt) << start;
+    EXPECT_THAT(seen.warnings["collapse_multiplier"], HasSubstr("before they came to rest under collapse.start"));
+  }
+}
+
+TEST(Supports, GroundThatMovesNeedsAFixedBlock) {
+  const std::string quake =
+      "[[stage]]\nname = \"quake\"\ngravity = [0, -9.81, 0]\nduration = 0.01\n"
+      "ground_motion = { direction = [1, 0, 0], time = [0, 0.01], acceleration = [1, 1] }\n";
+  Exit code{};
+  EXPECT_THAT(fault_of(stones(block("a", 0.0), quake, false), {}, &code), HasSubstr("none is fixed"));
+  EXPECT_EQ(code, Exit::bad_input);
+  EXPECT_EQ(fault_of(stones(block("a", 0.0), quake), {}, &code), "");
+}
+
+}  // namespace
+}  // namespace quoin
