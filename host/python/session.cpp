@@ -213,11 +213,6 @@ void Session::on_pause(const Simulation&, bool) {
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
 }
 
-void Session::on_warning(const Warning& warning) {
-  const py::gil_scoped_acquire acquire;
-  if (PyErr_WarnEx(PyExc_UserWarning, warning.text.c_str(), 1) != 0) throw py::error_already_set();
-}
-
 void Session::on_progress(const Progress& progress) {
   const py::gil_scoped_acquire acquire;
   if (!progress_.is_none()) progress_(progress.stage, progress.stage_count, progress.settings->name, progress.fraction);

@@ -80,7 +80,6 @@ class Session : private Observer {
   void on_row(const HistoryRow& row) override;
   void on_pause(const Simulation& simulation, bool last) override;
   void on_progress(const Progress& progress) override;
-  void on_warning(const Warning& warning) override;
   void on_frame(const Simulation& simulation, int stage, int frame) override;
   [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds);
   py::array array_of(const Simulation::View& view, bool writeable) const;
