@@ -566,7 +566,7 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointR
         end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
     for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data() + first;
     for (const auto& column : f.state) points.state.push_back(column.data() + first);
-    evaluate_at_rest(*f.material, points, [&](quoin_batch& batch) { outputs(batch, before + first); });
+    evaluate_at_rest(*f.material, points, [&, at = before + first](quoin_batch& batch) { outputs(batch, at); });
   }
 }
 

@@ -217,12 +217,11 @@ std::vector<Warning> Simulation::Impl::look() {
   const auto warn = [&](bool has_left, const char* about, const auto& words) {
     if (has_left) warn_once(about, words(), &fresh);
   };
-  if (!was_told("damping")) {
-    const std::string damped = damped_motion();
-    warn(!damped.empty(), "damping", [&] { return damped; });
-  }
-  const std::string moving = motion_left_to_ground();
-  warn(!moving.empty(), "ground_motion", [&] { return moving; });
+  const auto warn_where_said = [&](const char* about, const std::string& words) {
+    if (!words.empty()) warn_once(about, words, &fresh);
+  };
+  if (!was_told("damping")) warn_where_said("damping", damped_motion());
+  warn_where_said("ground_motion", motion_left_to_ground());
   warn(watch.overlap > allowed_overlap(), "interpenetration", [&] {
     const Vec3& x = watch.overlap_at;
     return fmt::format(
