@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "records/read_record.h"
 #include "records/response_spectrum.h"
 
 namespace quoin {
@@ -53,6 +54,15 @@ TEST(SyntheticRecord, SeedAndNumberDecideEveryBit) {
   const auto first = synthetic_record(target, settings).record.components[0].value;
   EXPECT_EQ(first, synthetic_record(target, settings).record.components[0].value);
   EXPECT_NE(first, synthetic_record(target, other).record.components[0].value);
+}
+
+// The record that ships is the first of its suite, in six decimals.
+TEST(SyntheticRecord, TheOneThatShipsIsTheFirstOfItsSuite) {
+  const GroundRecord shipped = read_record(QUOIN_SCENES "/synthetic_record.csv");
+  const GroundRecord made = synthetic_record({2.0, 'B', 1, 0.05}, {}).record;
+  ASSERT_EQ(shipped.components[0].value.size(), made.components[0].value.size());
+  for (std::size_t i = 0; i < made.time.size(); ++i)
+    EXPECT_NEAR(shipped.components[0].value[i], made.components[0].value[i], 6e-7);
 }
 
 TEST(SyntheticRecord, RefusesWhatItCannotMake) {
