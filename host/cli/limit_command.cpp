@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -79,7 +80,7 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
                 fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
                             "choose coulomb_slip, fracture_energy or cyclic_joint (--law)",
                             file, family.name, family.law));
-  constexpr double degree = 3.14159265358979323846 / 180.0;
+  constexpr double degree = std::numbers::pi / 180.0;
   Strength s;
   s.friction = std::tan(degree * material.number("friction_angle"));
   const bool dry = family.initial_state == "dry";
@@ -125,13 +126,9 @@ Assembled assemble(const Simulation& simulation, const Loads& loads) {
   }
   std::map<std::string, Strength> strengths;
   for (const auto& [name, family] : scene.joints) strengths[name] = strength_of(family, scene.file);
-  std::vector<std::string> family_names;
-  if (shapes)
-    for (const JointFamily& family : shapes->assembly().families) family_names.push_back(family.name);
-  else
-    for (const JointFamily& family : simulation.assembly().families) family_names.push_back(family.name);
+  const std::vector<JointFamily>& families = shapes ? shapes->assembly().families : simulation.assembly().families;
   for (const ContactPoint& p : simulation.contact_points()) {
-    const Strength& s = strengths.at(family_names[static_cast<std::size_t>(p.family)]);
+    const Strength& s = strengths.at(families[static_cast<std::size_t>(p.family)].name);
     result.problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area});
@@ -219,7 +216,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_limit_command(CLI::App& app, int&) {
+void add_limit_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("limit", "Load multiplier at collapse by limit analysis, without a run");
   const auto options = std::make_shared<Options>();
   command->add_option("scene", options->scene.scene, "Scene file")->type_name("SCENE.toml")->required();

@@ -6,6 +6,6 @@
 namespace quoin {
 
 // Registers the command. Its callback throws Error.
-void add_limit_command(CLI::App& app, int& exit_code);
+void add_limit_command(CLI::App& app);
 
 }  // namespace quoin

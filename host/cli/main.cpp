@@ -105,7 +105,7 @@ int run_command(int argc, char** argv) {
   quoin::add_sensitivity_command(app, exit_code);
   quoin::add_spectrum_command(app);
 #ifdef QUOIN_LIMIT
-  quoin::add_limit_command(app, exit_code);
+  quoin::add_limit_command(app);
 #endif
 
   try {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "files/csv_text.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -150,14 +151,14 @@ void run(Options options) {
   for (const std::string& assumption : record.assumptions) notice(fmt::format("quoin: assumed: {}", assumption));
   const std::vector<ComponentSpectrum> spectra = spectra_of(record, options);
 
-  fmt::print("{}: {} samples, {:g} s, recorded in {}\n", record.source, record.time.size(),
+  fmt::print("{}: {} samples, {:g} s, recorded in {}\n", printable(record.source), record.time.size(),
              record.time.back() - record.time.front(), motion_unit(record.kind));
   fmt::print("{:<16} {:>9} {:>9} {:>9} {:>12} {:>12} {:>9} {:>9}\n", "component", "PGA m/s2", "PGV m/s", "PGD m",
              "v at end m/s", "u at end m", "Arias m/s", "D5-95 s");
   for (const ComponentSpectrum& c : spectra) {
     const RecordMeasures& m = c.measures;
-    fmt::print("{:<16} {:>9.4g} {:>9.4g} {:>9.4g} {:>12.3g} {:>12.3g} {:>9.3g} {:>9.3g}\n", c.name, m.pga, m.pgv, m.pgd,
-               m.end_velocity, m.end_displacement, m.arias, m.significant_duration);
+    fmt::print("{:<16} {:>9.4g} {:>9.4g} {:>9.4g} {:>12.3g} {:>12.3g} {:>9.3g} {:>9.3g}\n", printable(c.name), m.pga,
+               m.pgv, m.pgd, m.end_velocity, m.end_displacement, m.arias, m.significant_duration);
   }
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;
