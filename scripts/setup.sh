@@ -3,7 +3,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # What the program and the laws are built with, and what draws their pictures.
-program="g++ cmake ninja-build pkg-config libhwy-dev libssl-dev coinor-libclp-dev libtomlplusplus-dev libcli11-dev libfmt-dev libeigen3-dev
+program="g++ cmake ninja-build pkg-config libhwy-dev libssl-dev coinor-libclp-dev libtomlplusplus-dev libcli11-dev libfmt-dev libeigen3-dev libopenblas-serial-dev
   nlohmann-json3-dev libboost-dev librandom123-dev zlib1g-dev gnuplot-nox"
 
 # Those of the packages that are missing; as root or with sudo.

@@ -22,6 +22,9 @@
 #ifdef QUOIN_LIMIT
 #include "cli/limit_command.h"
 #endif
+#ifdef QUOIN_MODES
+#include "cli/modes_command.h"
+#endif
 #include "cli/models_command.h"
 #include "cli/path_command.h"
 #include "cli/report_command.h"
@@ -106,6 +109,9 @@ int run_command(int argc, char** argv) {
   quoin::add_spectrum_command(app);
 #ifdef QUOIN_LIMIT
   quoin::add_limit_command(app);
+#endif
+#ifdef QUOIN_MODES
+  quoin::add_modes_command(app);
 #endif
 
   try {

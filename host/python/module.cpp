@@ -8,6 +8,11 @@
 #include <map>
 #include <variant>
 
+#ifdef QUOIN_MODES
+#include <nlohmann/json.hpp>
+
+#include "analysis/modes.h"
+#endif
 #include "base/error.h"
 #include "base/input_file.h"
 #include "cli/prepare.h"
@@ -107,6 +112,17 @@ PYBIND11_MODULE(_quoin, m) {
     return hashes_of(scene_of(source, path, files));
   });
 
+#ifdef QUOIN_MODES
+  m.def("modes",
+        [](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files, int count,
+           const std::string& stage, const std::array<double, 2>& ratios, const std::array<double, 2>& at) {
+          const quoin::Scene scene = scene_of(source, path, files);
+          const py::gil_scoped_release others_go_on;
+          const quoin::Vibrating v = quoin::vibrating(scene, quoin::stage_named(scene, stage));
+          const quoin::Modes modes = quoin::find_modes(v, {count, ratios, at});
+          return std::pair(quoin::json_of(scene.file, v, modes).dump(), quoin::shapes_of(v, modes));
+        });
+#endif
   m.def("read_mesh", &mesh_of);
   m.def("report", [](const std::string& folder) { return quoin::write_report({folder}).string(); });
 #ifdef QUOIN_VORO

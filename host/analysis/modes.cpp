@@ -1,0 +1,281 @@
+#include "analysis/modes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+
+#include "base/error.h"
+
+namespace quoin {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using geometry::Vector;
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+// Unknowns up to which all eigenvalues are found at once.
+constexpr Index kFew = 300;
+// Part of the largest eigenvalue below which one is rounding of zero.
+constexpr double kZero = 1e-13;
+// Shift, as a part of the largest ratio of stiffness to mass: what moves freely can be factorised with it.
+constexpr double kShift = 1e-10;
+
+struct Eigenpairs {
+  VectorXd value;   // omega^2, 1/s2, ascending
+  MatrixXd vector;  // in unknowns times the square root of mass, orthonormal
+  double entries = 0.0;
+};
+
+// K over the square roots of mass, lower triangle.
+Eigen::SparseMatrix<double> scaled_stiffness(const Vibrating& v, const VectorXd& over_root) {
+  Eigen::SparseMatrix<double> scaled = v.stiffness;
+  for (Index column = 0; column < scaled.cols(); ++column) {
+    for (Eigen::SparseMatrix<double>::InnerIterator entry(scaled, column); entry; ++entry)
+      entry.valueRef() *= over_root(entry.row()) * over_root(column);
+  }
+  return scaled;
+}
+
+Eigenpairs all_of(const Eigen::SparseMatrix<double>& scaled, Index count) {
+  const MatrixXd full = scaled;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(full);  // reads the lower triangle
+  count = std::min(count, full.rows());
+  return {eigen.eigenvalues().head(count), eigen.eigenvectors().leftCols(count)};
+}
+
+// Columns orthogonal to `basis` and to each other, of length 1; how they were made of them. Twice is enough.
+MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block) {
+  for (int pass = 0; pass < 2 && basis.cols() > 0; ++pass) {
+    const MatrixXd inside = basis.transpose() * *block;
+    block->noalias() -= basis * inside;
+  }
+  const Eigen::HouseholderQR<MatrixXd> qr(*block);
+  const MatrixXd r = qr.matrixQR().topRows(block->cols()).triangularView<Eigen::Upper>();
+  *block = qr.householderQ() * MatrixXd::Identity(block->rows(), block->cols());
+  return r;
+}
+
+// Lanczos's method with blocks of vectors, all kept orthogonal, on (K + shift)^-1: blocks find frequencies that are
+// equal, and read the factor once for all their columns.
+Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
+                     Index count) {
+  constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six ways in which one loose body moves
+  // Of a residual over its eigenvalue: frequencies are exact to its square.
+  constexpr double kSettled = 1e-7;
+  const Index n = scaled.rows();
+  Eigen::SparseMatrix<double> shifted = scaled;
+  for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += shift;
+  const SparseCholesky factor(shifted, groups);
+
+  std::mt19937_64 random(1);  // the same start in every run
+  MatrixXd next(n, kBlock);
+  for (Index c = 0; c < kBlock; ++c)
+    for (Index i = 0; i < n; ++i) next(i, c) = static_cast<double>(random() >> 11) / 9007199254740992.0 - 0.5;
+  MatrixXd basis(n, 0);
+  orthonormalize(basis, &next);
+  MatrixXd projected(0, 0);
+  for (Index k = 1; k <= kMostBlocks; ++k) {
+    const Index before = basis.cols();
+    basis.conservativeResize(Eigen::NoChange, before + kBlock);
+    basis.rightCols(kBlock) = next;
+    factor.solve(next);
+    projected.conservativeResize(before + kBlock, before + kBlock);
+    const MatrixXd column = basis.transpose() * next;
+    projected.rightCols(kBlock) = column;
+    projected.bottomRows(kBlock) = column.transpose();
+    const MatrixXd rest = orthonormalize(basis, &next);
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(projected);
+    const Index wanted = std::min(count, projected.rows());
+    bool settled = projected.rows() >= count + kBlock;
+    for (Index i = 0; settled && i < wanted; ++i) {
+      const Index at = projected.rows() - 1 - i;
+      const double residual = (rest * eigen.eigenvectors().col(at).tail(kBlock)).norm();
+      settled = residual <= kSettled * eigen.eigenvalues()(at);
+    }
+    if (!settled) continue;
+    Eigenpairs pairs{VectorXd(wanted), MatrixXd(n, wanted), factor.entries()};
+    for (Index i = 0; i < wanted; ++i) {
+      const Index at = projected.rows() - 1 - i;
+      pairs.value(i) = 1.0 / eigen.eigenvalues()(at) - shift;
+      pairs.vector.col(i).noalias() = basis * eigen.eigenvectors().col(at);
+    }
+    return pairs;
+  }
+  throw Error(Exit::numerical, fmt::format("modes: not settled after {} vectors", kMostBlocks * kBlock));
+}
+
+void require(const ModesSettings& s) {
+  if (s.count < 1) throw Error(Exit::bad_input, fmt::format("modes: {} modes; allowed: 1 or more", s.count));
+  for (const double ratio : s.ratios) {
+    if (!(ratio >= 0.0 && ratio < 1.0))
+      throw Error(Exit::bad_input, fmt::format("modes: a damping ratio of {}; allowed: 0 to below 1", ratio));
+  }
+  for (const double f : s.at_frequencies) {
+    if (!(f >= 0.0) || !std::isfinite(f))
+      throw Error(Exit::bad_input, fmt::format("modes: damping at {} Hz; allowed: above 0", f));
+  }
+}
+
+// Blocks with more than a trace of the motion without stiffness.
+std::vector<int> loose_blocks(const Vibrating& v, const MatrixXd& shapes) {
+  constexpr double kTrace = 1e-6;  // of the largest displacement, squared
+  std::vector<double> motion(v.drawn.size(), 0.0);
+  for (Index mode = 0; mode < shapes.cols(); ++mode) {
+    for (Index i = 0; i < shapes.rows(); ++i)
+      motion[static_cast<std::size_t>(v.unknown[static_cast<std::size_t>(i)].block)] +=
+          v.mass[static_cast<std::size_t>(i)] * shapes(i, mode) * shapes(i, mode);
+  }
+  const double most = *std::max_element(motion.begin(), motion.end());
+  std::vector<int> loose;
+  for (std::size_t b = 0; b < motion.size(); ++b) {
+    if (motion[b] > kTrace * most) loose.push_back(static_cast<int>(b));
+  }
+  return loose;
+}
+
+// Shapes to a largest displacement of 1, and what ground motion does to them.
+void finish(const Vibrating& v, Modes* modes) {
+  for (std::size_t m = 0; m < modes->mode.size(); ++m) {
+    auto column = modes->shape.col(static_cast<Index>(m));
+    double largest = 0.0;
+    for (std::size_t b = 0; b < v.drawn.size(); ++b) {
+      for (const Vector& u : shape_of_block(v, *modes, static_cast<int>(b), static_cast<int>(m)))
+        largest = std::max(largest, norm(u));
+    }
+    if (largest > 0.0) column /= largest;
+    double generalized = 0.0;
+    std::array<double, 3> excited{};
+    for (Index i = 0; i < column.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      generalized += v.mass[k] * column(i) * column(i);
+      for (int c = 0; c < 3; ++c)
+        excited[static_cast<std::size_t>(c)] += v.mass[k] * column(i) * v.unknown[k].translation[c];
+    }
+    Mode& mode = modes->mode[m];
+    for (std::size_t c = 0; c < 3; ++c) {
+      mode.participation[c] = excited[c] / generalized;
+      mode.effective_mass[c] = v.symmetry_factor * excited[c] * excited[c] / generalized;
+    }
+  }
+}
+
+}  // namespace
+
+Rayleigh rayleigh(const std::array<double, 2>& frequencies, const std::array<double, 2>& ratios) {
+  Rayleigh r{0.0, 0.0, frequencies, ratios};
+  const double low = kTwoPi * frequencies[0], high = kTwoPi * frequencies[1];
+  if (!(low > 0.0)) return r;
+  if (high <= low * (1.0 + 1e-9)) {  // one frequency: half of its damping each
+    r.mass_damping = ratios[0] * low, r.stiffness_damping = ratios[0] / low;
+    return r;
+  }
+  const double over = 2.0 / (high * high - low * low);
+  r.mass_damping = over * low * high * (ratios[0] * high - ratios[1] * low);
+  r.stiffness_damping = over * (ratios[1] * high - ratios[0] * low);
+  return r;
+}
+
+std::vector<Vector> shape_of_block(const Vibrating& v, const Modes& modes, int block, int mode) {
+  // Unknowns of a block are in a row.
+  const auto [first, end] = std::equal_range(v.unknown.begin(), v.unknown.end(), Unknown{block},
+                                             [](const Unknown& a, const Unknown& b) { return a.block < b.block; });
+  const std::vector<Vector>& points = v.drawn[static_cast<std::size_t>(block)].point;
+  std::vector<Vector> shape(points.size());
+  for (auto u = first; u != end; ++u) {
+    const double amplitude = modes.shape(static_cast<Index>(u - v.unknown.begin()), mode);
+    if (u->gridpoint >= 0) {
+      shape[static_cast<std::size_t>(u->gridpoint)] += amplitude * u->translation;
+      continue;
+    }
+    for (std::size_t p = 0; p < points.size(); ++p) shape[p] += amplitude * u->at(points[p]);
+  }
+  return shape;
+}
+
+std::vector<std::vector<std::vector<std::array<double, 3>>>> shapes_of(const Vibrating& v, const Modes& modes) {
+  std::vector<std::vector<std::vector<std::array<double, 3>>>> shapes(modes.mode.size());
+  for (std::size_t m = 0; m < shapes.size(); ++m) {
+    for (std::size_t b = 0; b < v.drawn.size(); ++b) {
+      auto& rows = shapes[m].emplace_back();
+      for (const Vector& u : shape_of_block(v, modes, static_cast<int>(b), static_cast<int>(m)))
+        rows.push_back(array(u));
+    }
+  }
+  return shapes;
+}
+
+Modes find_modes(const Vibrating& v, const ModesSettings& settings) {
+  require(settings);
+  const auto n = static_cast<Index>(v.unknown.size());
+  VectorXd over_root(n);
+  for (Index i = 0; i < n; ++i) over_root(i) = 1.0 / std::sqrt(v.mass[static_cast<std::size_t>(i)]);
+  const Eigen::SparseMatrix<double> scaled = scaled_stiffness(v, over_root);
+  const double stiffest = scaled.diagonal().maxCoeff();
+  if (!std::isfinite(stiffest)) throw Error(Exit::bad_input, "modes: a stiffness or mass is not a finite number");
+  const double shift = stiffest > 0.0 ? kShift * stiffest : 1.0;
+  Eigenpairs pairs = n <= kFew ? all_of(scaled, settings.count) : lowest_of(scaled, v.groups, shift, settings.count);
+
+  Modes modes;
+  modes.factor_entries = pairs.entries;
+  modes.shape = over_root.asDiagonal() * pairs.vector;
+  for (Index i = 0; i < pairs.value.size(); ++i) {
+    const bool is_zero = pairs.value(i) <= kZero * stiffest;
+    modes.zero += is_zero ? 1 : 0;
+    modes.mode.push_back({is_zero ? 0.0 : std::sqrt(pairs.value(i)) / kTwoPi});
+  }
+  if (modes.zero > 0) modes.loose = loose_blocks(v, modes.shape.leftCols(modes.zero));
+  finish(v, &modes);
+  for (int c = 0; c < 3; ++c) modes.free_mass[static_cast<std::size_t>(c)] = v.free_mass(c);
+  std::array<double, 2> at = settings.at_frequencies;
+  if (static_cast<std::size_t>(modes.zero) < modes.mode.size()) {
+    if (at[0] == 0.0) at[0] = modes.mode[static_cast<std::size_t>(modes.zero)].frequency;
+    if (at[1] == 0.0) at[1] = modes.mode.back().frequency;
+  }
+  modes.rayleigh = rayleigh(at, settings.ratios);
+  return modes;
+}
+
+nlohmann::ordered_json json_of(const std::string& scene, const Vibrating& v, const Modes& modes) {
+  nlohmann::ordered_json json;
+  json["scene"] = scene;
+  for (const char* key : {"frequencies_Hz", "periods_s", "participation", "effective_mass_kg", "effective_mass_ratio"})
+    json[key] = nlohmann::ordered_json::array();
+  std::array<double, 3> sum{};
+  for (const Mode& mode : modes.mode) {
+    json["frequencies_Hz"].push_back(mode.frequency);
+    if (mode.frequency > 0.0)
+      json["periods_s"].push_back(1.0 / mode.frequency);
+    else
+      json["periods_s"].push_back(nullptr);
+    json["participation"].push_back(mode.participation);
+    json["effective_mass_kg"].push_back(mode.effective_mass);
+    std::array<double, 3> ratio{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      sum[c] += mode.effective_mass[c];
+      ratio[c] = modes.free_mass[c] > 0.0 ? mode.effective_mass[c] / modes.free_mass[c] : 0.0;
+    }
+    json["effective_mass_ratio"].push_back(ratio);
+  }
+  json["effective_mass_sum_kg"] = sum, json["free_mass_kg"] = modes.free_mass;
+  json["zero_modes"] = modes.zero;
+  json["loose_blocks"] = nlohmann::ordered_json::array();
+  for (const int b : modes.loose) json["loose_blocks"].push_back(v.label[static_cast<std::size_t>(b)]);
+  const Rayleigh& r = modes.rayleigh;
+  json["rayleigh"] = {{"ratios", r.ratios},
+                      {"frequencies_Hz", r.frequencies},
+                      {"alpha_per_s", r.mass_damping},
+                      {"beta_s", r.stiffness_damping}};
+  json["supports"] = v.held;
+  json["symmetric_modes_only"] = v.symmetry_factor != 1.0;
+  json["blocks"] = v.drawn.size(), json["zones"] = v.zones, json["contact_points"] = v.points;
+  json["degrees_of_freedom"] = v.unknown.size();
+  return json;
+}
+
+}  // namespace quoin

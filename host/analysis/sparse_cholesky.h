@@ -1,0 +1,46 @@
+// Cholesky factors of sparse stiffness matrices, for many solutions with one matrix.
+//
+// Multifrontal (Duff and Reid 1983), with dense fronts by BLAS. Unknowns are ordered by nested dissection in space
+// (George 1973): masonry is cut along planes, and what lies on a cut is eliminated after both sides of it.
+#pragma once
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "geometry/vector.h"
+
+namespace quoin {
+
+// Unknowns that are eliminated together: those of a gridpoint or a rigid block.
+struct UnknownGroups {
+  std::vector<int> begin;               // of each group, and the end of the last; in the order of unknowns
+  std::vector<geometry::Vector> place;  // m
+  int size() const { return static_cast<int>(place.size()); }
+};
+
+class SparseCholesky {
+ public:
+  // lower: triangle of a symmetric matrix. Throws Error(numerical) where it is not positive definite.
+  SparseCholesky(const Eigen::SparseMatrix<double>& lower, const UnknownGroups& groups);
+  void solve(Eigen::MatrixXd& x) const;  // columns, in place
+  double entries() const;                // of the factor
+
+ private:
+  struct Front {
+    int first = 0, own = 0;     // of its unknowns, in the order of elimination
+    std::vector<int> border;    // later unknowns that it touches, ascending
+    std::vector<int> children;  // fronts
+    Eigen::MatrixXd factor;     // own columns; rows: own, then border
+  };
+
+  class Dissection;
+  void find_borders(const Eigen::SparseMatrix<double>& permuted);
+  void factorize(const Eigen::SparseMatrix<double>& permuted);
+  void eliminate(Front& front, Eigen::MatrixXd& full) const;
+
+  std::vector<int> new_of_old_;
+  std::vector<Front> fronts_;  // children before parents
+};
+
+}  // namespace quoin

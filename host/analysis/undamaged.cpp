@@ -1,0 +1,311 @@
+#include "analysis/undamaged.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "law/material_point.h"
+#include "model/world.h"
+#include "scene/from_bricks.h"
+#include "scene/generate.h"
+#include "scene/generate_blocks.h"
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+using Triplet = Eigen::Triplet<double>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct JointStiffness {
+  double normal, shear;  // Pa/m
+};
+
+// Of a closed point, by small differences: compression first, so that what has no bond can be sheared.
+JointStiffness stiffness_of(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
+  // Far below any strength, and far above the rounding of tractions.
+  constexpr double kCompression = 1e3, kShear = 1.0;  // Pa
+  const quoin_stiffness_bounds& bounds = material->stiffness_bounds();
+  MaterialPoint point(material, initial_state);
+  JointStiffness k{};
+  const double closure = kCompression / bounds.normal;
+  k.normal = -point.move_to(-closure, 0.0, 0.0).traction[0] / closure;
+  if (bounds.shear > 0.0) {
+    const double slip = kShear / bounds.shear;
+    k.shear = point.move_to(-closure, slip, 0.0).traction[1] / slip;
+  }
+  return k;
+}
+
+// One side of a contact point: unknowns, and what a unit of each moves the point by.
+struct Share {
+  int unknown;
+  Vector moves;
+};
+
+// A world at its start that gives away its stiffness. Its solver settings are those that scale no inertia.
+class World : public blocks::World {
+ public:
+  explicit World(const blocks::Assembly& assembly) : blocks::World(assembly, SolverSettings{}) {}
+
+  void hold(const Stage& stage, std::vector<std::string>* told);
+  void fill(Vibrating* v);
+
+ private:
+  void number(Vibrating* v);
+  void number_body(int block, Vibrating* v);
+  void draw(Vibrating* v) const;
+  void add_zones(std::vector<Triplet>* entries) const;
+  void add_points(Vibrating* v, std::vector<Triplet>* entries) const;
+  void add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
+                std::vector<Share>* shares) const;
+
+  std::vector<std::uint8_t> held_;                  // by block: bits 0..2 translations, 3..5 rotations
+  std::vector<int> first_of_body_, count_of_body_;  // unknowns, by block
+  std::vector<std::array<int, 3>> of_gridpoint_;    // -1: held
+};
+
+std::string axes_text(std::uint8_t bits) {
+  std::string text;
+  for (unsigned c = 0; c < 3; ++c) text += (bits >> c & 1u) != 0 ? std::string(" ") + "xyz"[c] : "";
+  if ((bits >> 3) == 7) text += ", no rotation";
+  return text;
+}
+
+// As Simulation::supports: what is fixed, and what the stage imposes on it in its place.
+void World::hold(const Stage& stage, std::vector<std::string>* told) {
+  const std::vector<blocks::Block>& blocks = assembly().blocks;
+  held_.assign(blocks.size(), 0);
+  for (std::size_t i = 0; i < blocks.size(); ++i) held_[i] = blocks[i].fixed ? 0x3f : 0;
+  for (const BodyControl& control : stage.controls) {
+    unsigned bits = control.may_turn ? 0u : 0x38u;
+    for (unsigned c = 0; c < 3; ++c) bits |= control.kind[c] == DofKind::velocity ? 1u << c : 0u;
+    for (const int block : blocks::find_blocks(assembly(), control.body, stage.source.text)) {
+      const bool rigid = blocks[at(block)].rigid;
+      held_[at(block)] = static_cast<std::uint8_t>(rigid ? bits : 0u);
+    }
+  }
+  std::map<std::string, std::uint8_t> names;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (held_[i] == 0) continue;
+    names[blocks[i].name.empty() ? blocks::label(assembly(), static_cast<int>(i)) : blocks[i].name] = held_[i];
+  }
+  for (const auto& [name, bits] : names) told->push_back(name + ":" + axes_text(bits));
+}
+
+void World::number_body(int block, Vibrating* v) {
+  const blocks::Body& body = bodies()[at(this->block(block).body)];
+  const unsigned held = held_[at(block)] | body.support;
+  first_of_body_[at(block)] = static_cast<int>(v->unknown.size());
+  for (int c = 0; c < 3; ++c) {
+    if ((held >> c & 1u) != 0) continue;
+    Unknown u{block, -1, {}, {}, body.x};
+    u.translation[c] = 1.0;
+    v->unknown.push_back(u), v->mass.push_back(body.mass);
+  }
+  // Rotations that are free: about the principal axes of their inertia, so that mass is diagonal.
+  std::vector<int> axes;
+  for (int c = 0; c < 3; ++c) {
+    if ((held >> (3 + c) & 1u) == 0) axes.push_back(c);
+  }
+  const auto count = static_cast<Eigen::Index>(axes.size());
+  Eigen::MatrixXd inertia(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j) {
+      const Vector a = body.r.row[axes[static_cast<std::size_t>(i)]], b = body.r.row[axes[static_cast<std::size_t>(j)]];
+      inertia(i, j) = a.x * b.x * body.inertia.x + a.y * b.y * body.inertia.y + a.z * b.z * body.inertia.z;
+    }
+  }
+  if (count > 0) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inertia);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      Unknown u{block, -1, {}, {}, body.x};
+      for (Eigen::Index i = 0; i < count; ++i) u.spin[axes[static_cast<std::size_t>(i)]] = eigen.eigenvectors()(i, k);
+      v->unknown.push_back(u), v->mass.push_back(eigen.eigenvalues()(k));
+    }
+  }
+  count_of_body_[at(block)] = static_cast<int>(v->unknown.size()) - first_of_body_[at(block)];
+}
+
+void World::number(Vibrating* v) {
+  first_of_body_.assign(at(block_count()), 0), count_of_body_.assign(at(block_count()), 0);
+  of_gridpoint_.assign(node_positions().size(), {-1, -1, -1});
+  const auto close_group = [&](const Vector& place) {
+    const auto end = static_cast<int>(v->unknown.size());
+    if (end == v->groups.begin.back()) return;
+    v->groups.begin.push_back(end), v->groups.place.push_back(place);
+  };
+  v->groups.begin = {0};
+  for (int i = 0; i < block_count(); ++i) {
+    const blocks::ModelBlock& b = block(i);
+    if (b.body >= 0) {
+      number_body(i, v), close_group(position(i));
+      continue;
+    }
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) {
+      const unsigned held = held_[at(i)] | node_support_[at(n)];
+      for (int c = 0; c < 3; ++c) {
+        if ((held >> c & 1u) != 0) continue;
+        of_gridpoint_[at(n)][at(c)] = static_cast<int>(v->unknown.size());
+        Unknown u{i, n - b.first_node};
+        u.translation[c] = 1.0;
+        v->unknown.push_back(u), v->mass.push_back(node_mass()[at(n)]);
+      }
+      close_group(node_reference()[at(n)]);
+    }
+  }
+}
+
+void World::draw(Vibrating* v) const {
+  for (int i = 0; i < block_count(); ++i) {
+    const blocks::ModelBlock& b = block(i);
+    DrawnBlock& drawn = v->drawn.emplace_back();
+    drawn.held = (held_[at(i)] & 7u) == 7u;
+    v->label.push_back(blocks::label(assembly(), i));
+    if (b.body >= 0) {
+      for (std::size_t k = 0; k < b.shape->vertices.size(); ++k) drawn.point.push_back(corner(i, static_cast<int>(k)));
+      drawn.face = b.shape->faces;
+      continue;
+    }
+    for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(node_reference()[at(n)]);
+    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+      auto& zone = drawn.zone.emplace_back();
+      for (std::size_t k = 0; k < 4; ++k) zone[k] = zones()[at(z)].node[k] - b.first_node;
+    }
+    v->zones += b.zone_count;
+  }
+}
+
+// Linear elasticity, constant strain: gradients g of the shape functions give the nodes i and j
+// V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
+void World::add_zones(std::vector<Triplet>* entries) const {
+  for (const blocks::Zone& zone : zones()) {
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        const Vector &gi = zone.gradient[i], &gj = zone.gradient[j];
+        const double along = zone.mu * dot(gi, gj);
+        for (int c = 0; c < 3; ++c) {
+          const int row = of_gridpoint_[at(zone.node[i])][at(c)];
+          for (int d = 0; row >= 0 && d < 3; ++d) {
+            const int column = of_gridpoint_[at(zone.node[j])][at(d)];
+            if (column < 0 || column > row) continue;
+            const double k = zone.lambda * gi[c] * gj[d] + zone.mu * gj[c] * gi[d] + (c == d ? along : 0.0);
+            entries->emplace_back(row, column, zone.volume * k);
+          }
+        }
+      }
+    }
+  }
+}
+
+void World::add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
+                     std::vector<Share>* shares) const {
+  if (facet < 0) {
+    for (int k = 0; k < count_of_body_[at(block)]; ++k) {
+      const int unknown = first_of_body_[at(block)] + k;
+      shares->push_back({unknown, sign * v.unknown[at(unknown)].at(place)});
+    }
+    return;
+  }
+  const blocks::Facet& f = facets_[at(facet)];
+  for (int i = 0; i < 3; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const int unknown = of_gridpoint_[at(f.node[i])][at(c)];
+      if (unknown < 0 || f.weight[i] == 0.0) continue;
+      Vector moves;
+      moves[c] = sign * f.weight[i];
+      shares->push_back({unknown, moves});
+    }
+  }
+}
+
+void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
+  std::vector<Share> shares;
+  for (std::size_t k = 0; k < families().size(); ++k) {
+    const blocks::Family& family = families()[k];
+    const JointStiffness mean = stiffness_of(family.material, assembly().families[k].initial_state);
+    const auto scattered = [&](const char* id, std::size_t i) {
+      for (const PropertyColumn& column : family.columns) {
+        if (std::string(column.id) == id && i < column.values.size()) return column.values[i] / column.usual;
+      }
+      return 1.0;
+    };
+    for (std::size_t i = 0; i < family.size(); ++i) {
+      const blocks::Point& p = family.point[i];
+      const Location here = locate(p, facets_);
+      if (here.jump > joint_tolerance_) continue;  // close to each other, and apart
+      shares.clear();
+      add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
+      add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
+      const Vector n = frame_of(p).row[0];
+      const double shear = p.area * mean.shear * scattered("shear_stiffness", i);
+      const double normal = p.area * mean.normal * scattered("normal_stiffness", i);
+      for (const Share& row : shares) {
+        const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
+        for (const Share& column : shares) {
+          if (column.unknown <= row.unknown)
+            entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
+        }
+      }
+      ++v->points;
+    }
+  }
+}
+
+void World::fill(Vibrating* v) {
+  number(v);
+  draw(v);
+  const auto count = static_cast<Eigen::Index>(v->unknown.size());
+  v->stiffness.resize(count, count);
+  std::vector<Triplet> entries;
+  add_zones(&entries);
+  add_points(v, &entries);
+  v->stiffness.setFromTriplets(entries.begin(), entries.end());
+}
+
+}  // namespace
+
+SceneBlocks blocks_of(const Scene& scene) {
+  if (scene.blocks) return {blocks::assemble(scene)};
+  const Assembly bricks = assemble(scene);
+  return {blocks::from_bricks(bricks), bricks.symmetry_factor};
+}
+
+double Vibrating::free_mass(int axis) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < unknown.size(); ++i) sum += mass[i] * unknown[i].translation[axis];
+  return symmetry_factor * sum;
+}
+
+int stage_named(const Scene& scene, const std::string& name) {
+  if (name.empty()) return 0;
+  std::vector<std::string> names;
+  for (const Stage& stage : scene.stages) names.push_back(stage.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw Error(Exit::bad_input, fmt::format("{}: stage '{}': no such stage; the scene has: {}", scene.file, name,
+                                             fmt::join(names, ", ")));
+  return static_cast<int>(found - names.begin());
+}
+
+Vibrating vibrating(const Scene& scene, int stage) {
+  const SceneBlocks given = blocks_of(scene);
+  World world(given.assembly);
+  Vibrating v;
+  v.symmetry_factor = given.symmetry_factor;
+  world.hold(scene.stages.empty() ? Stage{} : scene.stages[at(stage)], &v.held);
+  world.fill(&v);
+  if (v.unknown.empty())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: modes: all blocks are held, so nothing can vibrate; leave some block free", scene.file));
+  return v;
+}
+
+}  // namespace quoin

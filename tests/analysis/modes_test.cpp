@@ -1,0 +1,250 @@
+// Natural frequencies against closed forms: a cube on a joint, Timoshenko's beam, a free block; and the sparse solver
+// against a full one.
+#include "analysis/modes.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "base/error.h"
+#include "scene/read_scene.h"
+
+namespace quoin {
+namespace {
+
+using std::numbers::pi;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr const char* kMaterials =
+    "title = \"t\"\n[materials.stone]\nyoung_modulus = 3e9\npoisson_ratio = 0.2\ndensity = 1800.0\n"
+    "[joints.bond]\nlaw = \"elastic\"\nnormal_stiffness = 1e9\nshear_stiffness = 4e8\n"
+    "[joints.dry]\nlaw = \"coulomb_slip\"\ninitial_state = \"dry\"\nnormal_stiffness = 1e9\nshear_stiffness = 4e8\n"
+    "friction_angle = 35.0\n";
+constexpr const char* kStage = "[[stage]]\nname = \"weight\"\ngravity = [0.0, -9.81, 0.0]\nduration = 0.1\n";
+
+std::string box(const std::string& name, double y, const char* size, const char* more = "") {
+  return fmt::format(
+      "[[block]]\nname = \"{}\"\nmaterial = \"stone\"\nbox = {{ lower = [0.0, {}, 0.0], size = {} }}\n{}", name, y,
+      size, more);
+}
+
+struct Found {
+  Vibrating v;
+  Modes modes;
+};
+Found modes_of(const std::string& text, const ModesSettings& settings = {}) {
+  Found found{vibrating(read_scene_text(text, "test.toml")), {}};
+  found.modes = find_modes(found.v, settings);
+  return found;
+}
+
+std::string cube(const char* joint) {
+  return std::string(kMaterials) +
+         fmt::format("[contact]\ncubic_points = true\n[[joint_rule]]\nfamily = \"{}\"\n", joint) +
+         box("base", -1.0, "[1.0, 1.0, 1.0]", "fixed = true\n") + box("cube", 0.0, "[1.0, 1.0, 1.0]") + kStage;
+}
+
+// REFERENCE_DYNAMICS.md 7. Sway and rocking are coupled: the roots of a 2 x 2 problem; the other two stand alone. A dry
+// joint is closed at the start, and vibrates as a bonded one.
+TEST(Modes, RigidCubeOnAJoint) {
+  const double kn = 1e9, ks = 4e8, m = 1800.0, inertia = m / 6.0;
+  // Unknowns: u at the centre, rotation; shear springs half a metre below, rotational stiffness kn/12.
+  const double a = ks / m, b = (kn / 12.0 + ks / 4.0) / inertia, c = -0.5 * ks / std::sqrt(m * inertia);
+  const double mean = (a + b) / 2.0, spread = std::hypot((a - b) / 2.0, c);
+  const double sway = std::sqrt(mean - spread) / (2.0 * pi), rock = std::sqrt(mean + spread) / (2.0 * pi);
+  const double twist = std::sqrt(ks / 6.0 / inertia) / (2.0 * pi), bounce = std::sqrt(kn / m) / (2.0 * pi);
+  EXPECT_NEAR(sway, 45.624, 1e-3);
+  EXPECT_NEAR(rock, 137.938, 1e-3);
+  for (const char* joint : {"bond", "dry"}) {
+    const Modes modes = modes_of(cube(joint)).modes;
+    ASSERT_EQ(modes.mode.size(), 6u);
+    const double expected[] = {sway, sway, twist, bounce, rock, rock};
+    for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(modes.mode[i].frequency, expected[i], 1e-6 * expected[i]) << i;
+    // Effective masses add up to the mass, in each direction.
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double sum = 0.0;
+      for (const Mode& mode : modes.mode) sum += mode.effective_mass[axis];
+      EXPECT_NEAR(sum, m, 1e-6 * m);
+    }
+    EXPECT_NEAR(modes.mode[3].effective_mass[1], m, 1e-6 * m);
+    EXPECT_NEAR(std::abs(modes.mode[3].participation[1]), 1.0, 1e-6);
+    EXPECT_EQ(modes.zero, 0);
+  }
+}
+
+TEST(Modes, RayleighGivesBothRatios) {
+  const Rayleigh r = rayleigh({2.0, 9.0}, {0.05, 0.02});
+  for (const auto& [f, ratio] : {std::pair(2.0, 0.05), std::pair(9.0, 0.02)}) {
+    const double w = 2.0 * pi * f;
+    EXPECT_NEAR(0.5 * (r.mass_damping / w + r.stiffness_damping * w), ratio, 1e-12);
+  }
+}
+
+TEST(Modes, AFreeBlockMovesInSixWaysWithoutStiffness) {
+  const Found rigid = modes_of(std::string(kMaterials) + "[[joint_rule]]\nfamily = \"dry\"\n" +
+                               box("ground", -5.0, "[1.0, 1.0, 1.0]", "fixed = true\n") +
+                               box("alone", 0.0, "[1.0, 1.0, 1.0]") + kStage);
+  EXPECT_EQ(rigid.modes.mode.size(), 6u);
+  EXPECT_EQ(rigid.modes.zero, 6);
+  EXPECT_THAT(rigid.modes.loose, ElementsAre(1));
+  const nlohmann::ordered_json json = json_of("s", rigid.v, rigid.modes);
+  EXPECT_EQ(json["zero_modes"], 6);
+  EXPECT_THAT(json["loose_blocks"][0].get<std::string>(), HasSubstr("alone"));
+  EXPECT_EQ(json["frequencies_Hz"][5], 0.0);
+
+  // Deformable, and too large for a full matrix.
+  ModesSettings settings;
+  settings.count = 8;
+  const Found soft =
+      modes_of(std::string(kMaterials) + "[[joint_rule]]\nfamily = \"dry\"\n" +
+                   box("ground", -5.0, "[1.0, 1.0, 1.0]", "fixed = true\n") +
+                   box("alone", 0.0, "[1.0, 1.0, 1.0]", "rigid = false\ndivisions = [5, 5, 5]\n") + kStage,
+               settings);
+  EXPECT_GT(soft.modes.factor_entries, 0.0);
+  EXPECT_EQ(soft.modes.zero, 6);
+  EXPECT_GT(soft.modes.mode[6].frequency, 100.0);
+}
+
+TEST(Modes, NothingThatMovesIsRefused) {
+  const std::string text = std::string(kMaterials) + "[[joint_rule]]\nfamily = \"dry\"\n" +
+                           box("ground", -5.0, "[1.0, 1.0, 1.0]", "fixed = true\n") + kStage;
+  EXPECT_THROW(modes_of(text), Error);
+  ModesSettings settings;
+  settings.ratios = {1.5, 0.0};
+  EXPECT_THROW(modes_of(cube("bond"), settings), Error);
+}
+
+// Cantilevers by Timoshenko (1921), with rotary inertia: roots of the determinant of clamped and free end.
+// bending EI, N m2; shear kappa GA, N; mass m, kg/m; rotary inertia j, kg m; length.
+struct Beam {
+  double bending, shear, mass, rotary, length;
+};
+double determinant(const Beam& beam, double w) {
+  // u = shape, t = rotation: shear (u' - t)' + mass w2 u = 0, bending t'' + shear (u' - t) + rotary w2 t = 0,
+  // integrated from the clamped end for two starts by Runge and Kutta's fourth order.
+  using State = std::array<double, 4>;  // u, t, bending moment, shear force
+  const auto slope = [&](const State& y) {
+    return State{y[3] / beam.shear + y[1], y[2] / beam.bending, -y[3] - beam.rotary * w * w * y[1],
+                 -beam.mass * w * w * y[0]};
+  };
+  const auto at_tip = [&](State y) {
+    constexpr int kSteps = 400;
+    const double h = beam.length / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+      State k[4], at = y;
+      for (int s = 0; s < 4; ++s) {
+        k[s] = slope(at);
+        for (std::size_t c = 0; c < 4; ++c) at[c] = y[c] + (s < 2 ? 0.5 : 1.0) * h * k[s][c];
+      }
+      for (std::size_t c = 0; c < 4; ++c) y[c] += h / 6.0 * (k[0][c] + 2.0 * k[1][c] + 2.0 * k[2][c] + k[3][c]);
+    }
+    return y;
+  };
+  const State by_moment = at_tip({0.0, 0.0, 1.0, 0.0}), by_force = at_tip({0.0, 0.0, 0.0, 1.0});
+  return by_moment[2] * by_force[3] - by_moment[3] * by_force[2];
+}
+std::vector<double> frequencies_of(const Beam& beam, int count) {
+  std::vector<double> found;
+  const double scale = std::sqrt(beam.bending / beam.mass) / (beam.length * beam.length);
+  double low = 0.05 * scale, at_low = determinant(beam, low);
+  for (double high = low; static_cast<int>(found.size()) < count; low = high, at_low = determinant(beam, low)) {
+    high = low + 0.1 * scale;
+    if ((determinant(beam, high) > 0.0) == (at_low > 0.0)) continue;
+    double a = low, b = high;
+    for (int i = 0; i < 60; ++i) ((determinant(beam, 0.5 * (a + b)) > 0.0) == (at_low > 0.0) ? a : b) = 0.5 * (a + b);
+    found.push_back(a / (2.0 * pi));
+  }
+  return found;
+}
+
+TEST(Modes, TheTestsBeamIsEulersWhereItIsSlender) {
+  const Beam slender{1.0, 1e9, 1.0, 0.0, 1.0};
+  EXPECT_NEAR(2.0 * pi * frequencies_of(slender, 2)[0], 3.51602, 1e-4);
+  EXPECT_NEAR(2.0 * pi * frequencies_of(slender, 2)[1], 22.0345, 1e-3);
+}
+
+// A pillar of 40 rigid blocks of 0.5 x 0.1 x 0.3 m, joints exact in bending: a beam with EI = kn h I, kappa GA = ks h
+// A. 1 %: 40 blocks for a continuum.
+TEST(Modes, PillarOfRigidBlocksIsTimoshenkosBeam) {
+  constexpr int kBlocks = 40;
+  constexpr double h = 0.1, kn = 1e9, ks = 4e8, density = 1800.0;
+  std::string text = std::string(kMaterials) +
+                     "[contact]\ncubic_points = true\n[joints.foot]\nlaw = \"elastic\"\nnormal_stiffness = 2e9\n"
+                     "shear_stiffness = 8e8\n[[joint_rule]]\nfamily = \"foot\"\nbetween = [\"base\", \"\"]\n"
+                     "[[joint_rule]]\nfamily = \"bond\"\n" +
+                     box("base", -h, "[0.5, 0.1, 0.3]", "fixed = true\n");
+  for (int i = 0; i < kBlocks; ++i) text += box(fmt::format("b{}", i), i * h, "[0.5, 0.1, 0.3]");
+  const Modes modes = modes_of(text + kStage).modes;
+  // About x and about z.
+  std::vector<double> expected;
+  for (const auto& [width, depth] : {std::pair(0.5, 0.3), std::pair(0.3, 0.5)}) {
+    const double area = width * depth, second = depth * width * width * width / 12.0;
+    const Beam beam{kn * h * second, ks * h * area, density * area, density * (second + area * h * h / 12.0),
+                    kBlocks * h};
+    for (const double f : frequencies_of(beam, 3)) expected.push_back(f);
+  }
+  std::sort(expected.begin(), expected.end());
+  // Bending modes are those that a ground motion along x or z excites.
+  std::vector<double> bending;
+  for (const Mode& mode : modes.mode)
+    if (mode.effective_mass[0] + mode.effective_mass[2] > 1.0) bending.push_back(mode.frequency);
+  ASSERT_GE(bending.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(bending[i], expected[i], 0.002 * expected[i]) << i;
+}
+
+// A wall in running bond, 0.8 x 4 m, of deformable half units, along its plane. Joints are in series with units:
+// 1/E' = 1/E + 1/(kn h), 1/G' = 1/G + 1/(ks h) + 1/(ks l) with half units of l (shear goes through head joints, too).
+// 2 %: zones of constant strain, and Timoshenko's shear coefficient.
+TEST(Modes, SolidWallIsTimoshenkosBeam) {
+  constexpr double E = 3e9, G = 1.25e9, kn = 20e9, ks = 8e9, h = 0.1, l = 0.2, width = 0.8, depth = 0.2,
+                   density = 1800.0;
+  const std::string text =
+      "title = \"t\"\n[materials.stone]\nyoung_modulus = 3e9\npoisson_ratio = 0.2\ndensity = "
+      "1800.0\n[joints.bond]\nlaw = "
+      "\"elastic\"\nnormal_stiffness = 20e9\nshear_stiffness = 8e9\n[wall]\nbond = \"running\"\ncourses = 40\n"
+      "units_per_course = 2\nunit = [0.4, 0.1, 0.2]\nzones = [3, 2, 2]\nunit_material = \"stone\"\nbed_joint = "
+      "\"bond\"\n"
+      "head_joint = \"bond\"\nunit_joint = \"bond\"\nbeam_joint = \"bond\"\ntop_beam = false\n"
+      "[[stage]]\nname = \"weight\"\nkind = \"custom\"\ngravity = [0.0, -9.81, 0.0]\nduration = 0.1\n"
+      "[[stage.control]]\nbody = \"bottom_beam\"\n";
+  const Modes modes = modes_of(text).modes;
+  const double area = width * depth, second = depth * width * width * width / 12.0;
+  const double young = 1.0 / (1.0 / E + 1.0 / (kn * h)), shear = 1.0 / (1.0 / G + 1.0 / (ks * h) + 1.0 / (ks * l));
+  const Beam beam{young * second, 5.0 / 6.0 * shear * area, density * area, density * second, 4.0};
+  const double expected = frequencies_of(beam, 1)[0];
+  const auto in_plane = std::find_if(modes.mode.begin(), modes.mode.end(),
+                                     [](const Mode& mode) { return mode.effective_mass[0] > 0.3 * density * 0.64; });
+  ASSERT_NE(in_plane, modes.mode.end());
+  EXPECT_NEAR(in_plane->frequency, expected, 0.02 * expected);
+}
+
+// Every eigenvalue of the same matrices by a full solver: the sparse one misses none, and is exact to rounding of the
+// highest frequency, 1e-16 of its square. A plate with equal sides has equal frequencies.
+TEST(Modes, SparseSolverAgreesWithAFullOne) {
+  std::string text = std::string(kMaterials) + "[[joint_rule]]\nfamily = \"bond\"\n";
+  for (int i = 0; i < 4; ++i)
+    text += box(fmt::format("b{}", i), 0.5 * i, "[0.5, 0.5, 0.5]",
+                i == 0 ? "fixed = true\n" : "rigid = false\ndivisions = [4, 4, 4]\n");
+  ModesSettings settings;
+  settings.count = 20;
+  const Found found = modes_of(text + kStage, settings);
+  const Eigen::MatrixXd lower = found.v.stiffness;
+  const Eigen::MatrixXd full = lower.selfadjointView<Eigen::Lower>();
+  const Eigen::Map<const Eigen::VectorXd> mass(found.v.mass.data(), full.rows());
+  const Eigen::VectorXd scale = mass.cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * full * scale.asDiagonal(),
+                                                             Eigen::EigenvaluesOnly);
+  ASSERT_GT(full.rows(), 1000);
+  for (int i = 0; i < settings.count; ++i) {
+    const double expected = std::sqrt(eigen.eigenvalues()(i)) / (2.0 * pi);
+    EXPECT_NEAR(found.modes.mode[static_cast<std::size_t>(i)].frequency, expected, 1e-7 * expected) << i;
+  }
+}
+
+}  // namespace
+}  // namespace quoin

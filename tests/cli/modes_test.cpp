@@ -1,0 +1,50 @@
+// `quoin modes` as a user calls it.
+#include <gmock/gmock.h>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class Modes : public Cli {
+ protected:
+  nlohmann::json modes(const std::string& scene) {
+    EXPECT_EQ(quoin({"modes", QUOIN_SCENES "/" + scene, "--out", out()}), 0) << error_;
+    return nlohmann::json::parse(read_all(fs::path(out()) / "modes.json"));
+  }
+};
+
+// Walls of bricks and the same wall of blocks are one masonry.
+TEST_F(Modes, WallsOfBricksAndOfBlocksHaveTheSameFrequencies) {
+  const nlohmann::json bricks = modes("solid_wall_030.toml"), blocks = modes("solid_wall_030_blocks.toml");
+  ASSERT_EQ(bricks["frequencies_Hz"].size(), 10u);
+  for (std::size_t i = 0; i < 10; ++i) {
+    const double f = bricks["frequencies_Hz"][i];
+    EXPECT_NEAR(blocks["frequencies_Hz"][i], f, 1e-6 * f);
+    if (i > 0) {
+      EXPECT_GE(f, bricks["frequencies_Hz"][i - 1]);
+    }
+  }
+  EXPECT_EQ(bricks["zero_modes"], 0);
+}
+
+TEST_F(Modes, EveryKindOfSceneHasThem) {
+  for (const char* scene : {"arch.toml", "mixed.toml", "cube_wall_10.toml", "ispra_isp1.toml"}) {
+    const nlohmann::json found = modes(scene);
+    EXPECT_EQ(found["frequencies_Hz"].size(), 10u) << scene;
+    EXPECT_GT(found["frequencies_Hz"][0], 0.0) << scene;
+    EXPECT_GT(found["rayleigh"]["alpha_per_s"], 0.0) << scene;
+  }
+}
+
+TEST_F(Modes, WhatIsWrongIsSaid) {
+  const std::string arch = QUOIN_SCENES "/arch.toml";
+  EXPECT_EQ(quoin({"modes", arch, "--stage", "nowhere"}), 3);
+  EXPECT_THAT(error_, HasSubstr("no such stage; the scene has: weight, push"));
+  EXPECT_EQ(quoin({"modes", arch, "--ratios", "2", "0"}), 3);
+  EXPECT_THAT(error_, HasSubstr("damping ratio"));
+  EXPECT_EQ(quoin({"modes", arch, "--count", "0"}), 3);
+}
+
+}  // namespace
