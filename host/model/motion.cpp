@@ -36,6 +36,28 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
   }
 }
 
+// Stages of walls and buildings that the lattice does not have: what rests on the lower beam rests on the ground then.
+// A run goes over to large motion when the first of them begins.
+void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
+  const auto beyond = std::find_if(scene.stages.begin(), scene.stages.end(),
+                                   [](const Stage& s) { return !s.beyond_lattice().empty(); });
+  if (beyond == scene.stages.end()) return;
+  const SolverSettings& s = scene.solver;
+  const char* const against = s.kernels == Kernels::lattice          ? "kernels = \"lattice\""
+                              : s.large_motion == LargeMotion::never ? "large_motion = \"never\""
+                              : s.selective_time_step > 0.0          ? "selective_time_step"
+                                                                     : nullptr;
+  if (against)
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: stage '{}' {}, which takes blocks in large motion and is not to be had with solver.{}; "
+                    "remove that setting",
+                    beyond->source.text, beyond->name, beyond->beyond_lattice(), against));
+  const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
+  const bool on_beam = std::any_of(bricks.bricks.begin(), bricks.bricks.end(), stands_on);
+  for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? stands_on(brick) : brick.body == "bottom_course";
+}
+
 Motion as_blocks(Scene scene, blocks::Assembly shapes) {
   Motion motion{std::move(scene), {}, std::move(shapes), {}};
   motion.bricks.materials = motion.shapes->materials;
@@ -47,11 +69,16 @@ Motion as_blocks(Scene scene, blocks::Assembly shapes) {
 
 Motion choose_motion(Scene scene, Assembly bricks) {
   if (scene.blocks) refuse(scene, "bricks given in place of blocks of any shape");
-  const bool at_once = scene.solver.large_motion == LargeMotion::always;
+  prepare_for_free_blocks(scene, bricks);
+  const bool begins_free = !scene.stages.empty() && !scene.stages.front().beyond_lattice().empty();
+  const bool at_once = scene.solver.large_motion == LargeMotion::always || begins_free;
   if (!at_once && scene.solver.kernels != Kernels::general) return {std::move(scene), std::move(bricks), {}, {}};
   blocks::Assembly shapes = blocks::from_bricks(bricks);
-  refuse_settings_of_the_lattice(scene, shapes,
-                                 at_once ? "solver.large_motion = \"always\"" : "solver.kernels = \"general\"");
+  refuse_settings_of_the_lattice(
+      scene, shapes,
+      begins_free ? fmt::format("stage '{}' {}", scene.stages.front().name, scene.stages.front().beyond_lattice())
+      : at_once   ? "solver.large_motion = \"always\""
+                  : "solver.kernels = \"general\"");
   if (!at_once) shapes.contact.small_displacement = blocks::ContactSettings{}.small_displacement;
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.bricks.symmetry_factor = bricks.symmetry_factor;

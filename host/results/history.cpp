@@ -58,7 +58,7 @@ bool is_vertical(const Stage& stage) {
       driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
   }
   return stage.direction == 0 && driven == std::array{false, true, false} && !stage.whiffletree && !stage.cycles &&
-         !stage.collapse && !stage.ground && stage.forces.empty() && stage.pressures.empty();
+         stage.beyond_lattice().empty();
 }
 
 bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(scene.stages.back()); }

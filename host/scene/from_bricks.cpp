@@ -27,6 +27,7 @@ void add_bricks(const quoin::Assembly& bricks, Assembly* assembly) {
     block.material = brick.material;
     block.position = geometry::vector(brick.origin);
     block.rigid = brick.rigid;
+    block.fixed = brick.fixed;
     block.unit = brick.unit, block.course = brick.course, block.beam = brick.beam;
     if (!brick.rigid) {
       block.divisions = brick.zones;

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
+#include "scene/read_actions.h"
 #include "scene/read_cycles.h"
-#include "scene/series_file.h"
 
 namespace quoin {
 
@@ -72,13 +71,6 @@ std::vector<std::array<int, 4>> read_tetrahedra(Table& t, const std::string& key
     std::copy(corners.begin(), corners.end(), tetrahedra.emplace_back().begin());
   }
   return tetrahedra;
-}
-
-void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
-  constexpr double least = 1e-6;
-  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
-  if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
-    t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }
 
 void read_kind(Table& t, const Scene& scene, std::string& material, bool& rigid, double& zone_edge) {
@@ -228,38 +220,6 @@ JointRule read_rule(Table t, const Scene& scene) {
   return r;
 }
 
-TimeSeries read_series(Table& t, const std::string& folder) {
-  TimeSeries s;
-  std::string file;
-  double scale = 1.0;
-  t.number("scale", scale, kAny, "(m/s2 in one unit of the series)");
-  if (t.text("file", file, "a file of lines: time, acceleration")) {
-    for (const char* key : {"time", "acceleration"}) {
-      t.accept(key);
-      if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
-    }
-    try {
-      t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
-      s = read_series_file(t.context().inputs.back());
-    } catch (const Error& error) {
-      t.context().fault(fmt::format("{} = '{}':\n{}", t.where("file"), file, error.what()));
-    }
-  } else {
-    const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
-    if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
-      t.refuse("time", "times that increase, s");
-    const bool given = t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
-    if (timed && given && s.time.size() != s.value.size()) {
-      t.context().fault(fmt::format("{}: {} times and {} accelerations; give as many of both", t.where(), s.time.size(),
-                                    s.value.size()));
-    }
-  }
-  for (double& v : s.value) v *= scale;
-  if (!std::all_of(s.value.begin(), s.value.end(), [](double v) { return std::isfinite(v); }))
-    t.refuse("scale", "a number that keeps every acceleration finite");
-  return s;
-}
-
 void read_drive(Table v, Stage& stage) {
   BodyControl c;
   v.text("block", c.body, "the name of a block", true);
@@ -284,50 +244,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
     read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
-  index = 0;
-  for (const toml::table* table : t.tables("force", "tables [[stage.force]]")) {
-    Table f(t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index));
-    PointForce c{};
-    f.text("block", c.block, "the name of a block", true);
-    f.numbers("point", c.point, kPlace, "m, where it acts at the start; it moves with the block", true);
-    f.numbers("force", c.force, kAny, "N", true);
-    f.finish();
-    s.forces.push_back(c);
-  }
-  index = 0;
-  for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]")) {
-    Table p(t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index));
-    FacePressure c{};
-    p.text("block", c.block, "the name of a block", true);
-    read_direction(p, "normal", c.normal, "outward, of the face that is meant", true);
-    p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
-    p.finish();
-    s.pressures.push_back(c);
-  }
-  if (const auto* table =
-          t.table("ground_motion", "a table { direction, time, acceleration } or { direction, file }")) {
-    Table g(t.context(), *table, t.path("ground_motion"));
-    GroundMotion ground{};
-    read_direction(g, "direction", ground.direction, "of the motion", true);
-    ground.acceleration = read_series(g, folder);
-    g.finish();
-    s.ground = ground;
-  }
-  if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }")) {
-    Table c(t.context(), *table, t.path("collapse"));
-    Collapse collapse;
-    read_direction(c, "direction", collapse.direction, "of the body force", false);
-    c.number("start", collapse.start, kNotNegative, "times the weight");
-    c.number("rate", collapse.rate, kPositive, "times the weight, 1/s");
-    c.number("displacement", collapse.displacement, kPositive, "m");
-    c.number("limit", collapse.limit, kPositive, "times the weight");
-    if (collapse.limit <= collapse.start) {
-      c.refuse(c.has("limit") ? "limit" : "start",
-               fmt::format("a limit ({}) of more than start ({})", collapse.limit, collapse.start));
-    }
-    c.finish();
-    s.collapse = collapse;
-  }
+  read_actions(t, s, folder, {});
   s.kind = "custom";
   if (t.choice("kind", s.kind, {"cycles", "custom"}) && !t.has("name")) s.name = s.kind;
   if (s.kind == "cycles") {

@@ -13,6 +13,7 @@
 #include "base/toml_text.h"
 #include "scene/generate.h"
 #include "scene/quality.h"
+#include "scene/read_actions.h"
 #include "scene/read_blocks.h"
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
@@ -512,7 +513,46 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
   stage.controls.push_back(top);
 }
 
-Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure) {
+// What holds and loads the bodies of a stage with forces, pressures, ground motion or collapse that no table of it
+// controls: the lower beam is the ground, the upper one is free under the pressure of the stages before, floors have
+// their loads.
+void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
+  const auto controlled = [&](const std::string& body) {
+    return std::any_of(stage.controls.begin(), stage.controls.end(),
+                       [&](const BodyControl& c) { return c.body == body; });
+  };
+  const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
+  if (top && top_force > 0.0 && !controlled("top_beam")) {
+    BodyControl& control = stage.controls.emplace_back();
+    control.body = "top_beam";
+    control.kind.fill(DofKind::free);
+    control.may_turn = true;
+    control.force[1] = -top_force;
+  }
+  if (scene.building) add_floor_loads(stage, *scene.building);
+}
+
+// A custom stage: controls and actions.
+void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::string> bodies, double top_force,
+                 const std::string& folder) {
+  read_controls(t, stage, bodies, scene);
+  const std::vector<std::string> held = bodies, loaded = loaded_names(scene);
+  bodies.insert(bodies.end(), loaded.begin(), loaded.end());
+  read_actions(t, stage, folder, bodies);
+  const bool acts = !stage.beyond_lattice().empty();
+  if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty())
+    stage.monitor = scene.building->floors.back().bodies().front();
+  read_monitor(t, stage, acts ? &bodies : &held);
+  if (acts) add_loads_of_before(stage, scene, held, top_force);
+  if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&
+      !t.has("equilibrium_ratio") && !t.has("displacement") && !t.has("duration") && !t.has("collapse"))
+    t.context().fault(t.where() +
+                      ": the stage never ends; give equilibrium_ratio, displacement (m), duration (s) or collapse");
+  if (stage.displacement && stage.monitor.empty())
+    t.refuse("displacement", "only with a monitor body to measure; give monitor");
+}
+
+Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure, const std::string& folder) {
   const Quality& quality = quality_named(scene.quality);
   Stage stage;
   stage.source = {t.where()};
@@ -521,7 +561,8 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
   const std::vector<std::string> kinds = scene.building
                                              ? std::vector<std::string>{"weight", "push", "cycles", "custom"}
                                              : std::vector<std::string>{"pressure", "shear", "cycles", "custom"};
-  const bool kind_known = t.choice("kind", kind, kinds, true);
+  const bool acts = has_actions(t) && !t.has("kind");
+  const bool kind_known = t.choice("kind", kind, kinds, !acts) || acts;
   stage.name = stage.kind = kind;
   read_stage_basics(t, stage, previous);
 
@@ -569,13 +610,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure)
     add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", stage.cycles->velocity);
     stage.controls.back().in_cycles = 0;
   } else if (kind_known) {
-    read_controls(t, stage, bodies, scene);
-    read_monitor(t, stage, &bodies);
-    if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !t.has("equilibrium_ratio") &&
-        !t.has("displacement") && !t.has("duration"))
-      t.context().fault(t.where() + ": the stage never ends; give equilibrium_ratio, displacement (m) or duration (s)");
-    if (stage.displacement && stage.monitor.empty())
-      t.refuse("displacement", "only with a monitor body to measure; give monitor");
+    read_custom(t, stage, scene, bodies, pressure * area, folder);
   }
 
   if (stage.cycles) scene.quality_as_is = scene.quality_as_is && std::abs(stage.cycles->velocity) == quality.velocity;
@@ -731,7 +766,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     const Stage* previous = scene.stages.empty() ? nullptr : &scene.stages.back();
     Table stage_table(context, *table, fmt::format("stage.{}", ++index));
     Stage stage = of_blocks ? read_block_stage(std::move(stage_table), scene, previous, folder)
-                            : read_stage(std::move(stage_table), scene, previous, pressure);
+                            : read_stage(std::move(stage_table), scene, previous, pressure, folder);
     if (of_blocks && scene.building) add_floor_loads(stage, *scene.building);
     scene.stages.push_back(std::move(stage));
   }

@@ -142,8 +142,7 @@ struct BodyControl {
   int in_cycles = -1;            // component that follows Stage::cycles, whose velocity it has; -1: none
 };
 
-// A force at a point of a block that moves along with it; its direction stays. Blocks of any shape only, as are
-// pressures, ground motion and collapse.
+// A force at a point of a block that moves along with it; its direction stays.
 struct PointForce {
   std::string block;
   Vec3 point, force;  // m, where it acts at the start of the stage's block; N
@@ -213,6 +212,15 @@ struct Stage {
 
   std::map<std::string, std::string> law_swaps;  // joint family -> law, at the start of the stage
   Source source;
+
+  // Whether something acts in it that bricks on the lattice do not have: what has it, in the words of messages.
+  std::string beyond_lattice() const {
+    return ground               ? "moves the ground"
+           : collapse           ? "pushes until collapse"
+           : !forces.empty()    ? "has forces at points"
+           : !pressures.empty() ? "has pressures on faces"
+                                : "";
+  }
 };
 
 // Wall of rectangular units, generated in the plane z = 0 .. thickness, lower left corner at the origin.

@@ -95,7 +95,9 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
   if (index >= stage_count) return false;
   const bool begins = !s.in_stage;
+  const bool on_lattice = !s.riding;
   if (begins) s.begin_stage(index);
+  if (on_lattice && s.riding) observer.on_promotion(*this);
   observer.on_stage_begin(*this, index);
   std::vector<Warning> warnings;
   const auto warn = [&] {

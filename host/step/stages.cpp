@@ -21,6 +21,10 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
+  if (const std::string beyond = settings.beyond_lattice(); !riding && !beyond.empty()) {
+    gather(Part::all);
+    promote(fmt::format("stage '{}' {}", settings.name, beyond));
+  }
   gather(Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();
   if (!in_parts || (riding && swaps_laws))

@@ -92,7 +92,7 @@ void Simulation::Impl::require_moving_ground() const {
     throw Error(
         Exit::bad_input,
         fmt::format("{}: stage '{}' has ground_motion, which moves the fixed blocks, and none is fixed; give the "
-                    "ground fixed = true",
+                    "ground fixed = true, a wall its bottom_beam",
                     each.source.text, each.name));
   }
 }
