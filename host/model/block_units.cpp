@@ -60,20 +60,21 @@ double World::rigid_kinetic_energy(const Unit& unit) const {
   return rigid_energy(inertia, {solver_.deformation_inertia, solver_.unit_inertia}, velocity);
 }
 
-std::vector<UnitInertia> World::inertia_of_units() const {
+std::vector<UnitInertia> World::inertia_of_units(std::span<const int> blocks) const {
   std::vector<UnitInertia> inertia(blocks_.size());
-  for (int i = 0; i < block_count(); ++i) {
-    if (owns(i) && blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
+  for (const int i : blocks) {
+    if (blocks_[size_t(i)].body < 0 && unit_of(i).block[0] == i) inertia[size_t(i)] = inertia_of(unit_of(i));
   }
   return inertia;
 }
 
 // M'^-1/2 M^1/2 on velocities of gridpoints, or M^1/2 M'^-1/2 on forces, which is its transpose.
-void World::scale_motion(const std::vector<UnitInertia>& inertias, LaneVector<Vector>& y, bool of_forces) const {
+void World::scale_motion(std::span<const int> blocks, const std::vector<UnitInertia>& inertias, LaneVector<Vector>& y,
+                         bool of_forces) const {
   const double of_deformation = 1 / std::sqrt(solver_.deformation_inertia);
-  for (int i = 0; i < block_count(); ++i) {
+  for (const int i : blocks) {
     const Unit unit = unit_of(i);
-    if (!owns(i) || blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
+    if (blocks_[size_t(i)].body >= 0 || unit.block[0] != i) continue;
     const double of_unit = unit.count == 1 ? 1.0 : 1 / std::sqrt(solver_.unit_inertia);
     const UnitInertia& inertia = inertias[size_t(i)];
     Rigid sum[2];
@@ -133,8 +134,10 @@ void World::part_units() {
   }
   if (!any(changed)) return;
   tell_by_block(freed);
+  std::vector<int> here;
   for (int a = 0; a < block_count(); ++a) {
     if (std::isnan(freed[size_t(a)])) continue;
+    if (owns(a)) here.insert(here.end(), {a, other_half_[size_t(a)]});
     const bool part = !apart_[size_t(a)];
     apart_[size_t(a)] = apart_[size_t(other_half_[size_t(a)])] = part;
     unit_count_ += part ? -1 : 1;
@@ -143,7 +146,7 @@ void World::part_units() {
   fetch_();
   take_back_facets();
   divide_work();
-  if (solver_.unit_inertia != 1.0) find_time_step();
+  if (solver_.unit_inertia != 1.0 && any(shorten_step(here))) find_time_step();
 }
 
 }  // namespace quoin::blocks

@@ -1,6 +1,8 @@
 // Contact detection: which blocks are close, where they touch, and what history a new contact point inherits.
 #include <fmt/format.h>
 
+#include <set>
+
 #include "base/error.h"
 #include "geometry/overlap.h"
 #include "model/fields.h"
@@ -396,7 +398,20 @@ void World::place_points(Detection& found) {
   pair_look_ = std::move(found.looks);
   if (found.at_start) note_start_joints();
   divide_work();
-  if (!found.at_start && local_stiffness_bound() > 1.01 * stiffness_bound_) find_time_step();
+  if (found.at_start) return;
+  const double bound = local_stiffness_bound();
+  if (bound <= 1.01 * stiffness_bound_) return;
+  std::set<int> changed;
+  for (size_t i = 0; i < contacts_.size(); ++i) {
+    if (!found.findings[i].fresh) continue;
+    for (const int block : {contacts_[i].pair.a, contacts_[i].pair.b}) {
+      if (owns(block)) changed.insert(unit_of(block).block[0]);
+    }
+  }
+  if (any(shorten_step(std::vector<int>(changed.begin(), changed.end()))))
+    find_time_step();
+  else
+    stiffness_bound_ = bound;
 }
 
 void World::note_start_joints() {

@@ -328,6 +328,7 @@ struct Unit {
   int block[2] = {-1, -1};
   int count = 1;
   std::span<const int> blocks() const { return {block, size_t(count)}; }
+  bool has(int i) const { return i == block[0] || (count == 2 && i == block[1]); }
 };
 
 // Those of one block.
@@ -636,9 +637,12 @@ class World {
   void find_units();
   void part_units();
   bool are_together(int a, int b) const;
-  std::vector<UnitInertia> inertia_of_units() const;  // by the first half or single block; others: nothing
-  void scale_motion(const std::vector<UnitInertia>& inertia, LaneVector<Vector>& y, bool of_forces) const;
-  void add_zone_forces(const LaneVector<Vector>& velocity, LaneVector<Vector>& force) const;
+  // By the first half or single block; others: nothing.
+  std::vector<UnitInertia> inertia_of_units(std::span<const int> blocks) const;
+  void scale_motion(std::span<const int> blocks, const std::vector<UnitInertia>& inertia, LaneVector<Vector>& y,
+                    bool of_forces) const;
+  void add_zone_forces(std::span<const int> blocks, const LaneVector<Vector>& velocity,
+                       LaneVector<Vector>& force) const;
   bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
 
   void number(std::vector<std::shared_ptr<const Material>> materials);
@@ -677,16 +681,18 @@ class World {
   int facets_a_point(const Contact& c) const {
     return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
   }
-  double highest_frequency(LaneVector<double>* mode = nullptr) const;  // rad/s; mode: by 6 of bodies, 3 of gridpoints
+  // rad/s; mode: by 6 of bodies, 3 of gridpoints. alone: of this unit on springs twice as stiff to all others, held.
+  double highest_frequency(LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) const;
+  bool shorten_step(std::span<const int> changed) const;  // these own blocks
   double local_stiffness_bound() const;
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
   double turned_by_now(int block) const;
   double force_sum_of(const Chunk& chunk) const;
   Deepest deepest_of(const Chunk& chunk) const;
-  // Points of own blocks that can close before part_units looks again, in the order of all points: visit(family,
-  // point).
+  // Points of own blocks, or of this unit, that can close before part_units looks again, in the order of all points:
+  // visit(family, point).
   template <class Visit>
-  void each_own_point(Visit visit) const;
+  void each_own_point(Visit visit, const Unit* alone = nullptr) const;
   struct FrequencyHalo;
   void place_blocks();
   geometry::Placed placed(int block) const;

@@ -14,11 +14,12 @@ namespace quoin::blocks {
 using namespace geometry;
 
 template <class Visit>
-void World::each_own_point(Visit visit) const {
+void World::each_own_point(Visit visit, const Unit* alone) const {
   for (size_t k = 0; k < families_.size(); ++k) {
     const Family& f = families_[k];
     for (const uint32_t i : contacts_of_family_[k]) {
       const Contact& c = contacts_[i];
+      if (alone && !alone->has(c.pair.a) && !alone->has(c.pair.b)) continue;
       if (!owns(c) || (apart_[size_t(c.pair.a)] && other_half_[size_t(c.pair.a)] == c.pair.b)) continue;
       for (uint32_t p = c.first; p < c.first + c.count; ++p) visit(f, f.point[p]);
     }
@@ -64,11 +65,12 @@ double World::local_stiffness_bound() const {
 
 // K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
 // undeformed shape, turned along; of others zone by zone.
-void World::add_zone_forces(const LaneVector<Vector>& velocity, LaneVector<Vector>& force) const {
+void World::add_zone_forces(std::span<const int> blocks, const LaneVector<Vector>& velocity,
+                            LaneVector<Vector>& force) const {
   std::vector<double> rows, product;  // four doubles a gridpoint
-  for (int i = 0; i < block_count(); ++i) {
+  for (const int i : blocks) {
     const ModelBlock& b = blocks_[size_t(i)];
-    if (b.body >= 0 || !owns(i)) continue;
+    if (b.body >= 0) continue;
     if (by_zone_[size_t(i)]) {
       for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
         const Zone& zone = zones_[size_t(z)];
@@ -100,9 +102,9 @@ struct World::FrequencyHalo {
   Halo halo;
   // of_body(body, visit): its numbers; gridpoints have those of `nodes`.
   template <class OfBody>
-  FrequencyHalo(const World& world, LaneVector<Vector>& nodes, const OfBody& of_body) {
-    if (!world.ranks_) return;
-    const int here = world.ranks_->rank();
+  FrequencyHalo(const World& world, Ranks* ranks, LaneVector<Vector>& nodes, const OfBody& of_body) {
+    if (!ranks) return;
+    const int here = ranks->rank();
     using Side = std::pair<bool, int>;  // whether of a gridpoint, and which; else which body
     std::map<int, std::set<Side>> to, from;
     world.each_own_point([&](const Family&, const Point& p) {
@@ -122,7 +124,7 @@ struct World::FrequencyHalo {
       else
         of_body(side.second, visit);
     };
-    for (int r = 0; r < world.ranks_->count(); ++r) {
+    for (int r = 0; r < ranks->count(); ++r) {
       Border border{r, {}, {}, {}, {}};
       for (const Side& side : to[r]) add(side, border.send);
       for (const Side& side : from[r]) add(side, border.receive);
@@ -134,20 +136,25 @@ struct World::FrequencyHalo {
   }
 };
 
-double World::highest_frequency(LaneVector<double>* mode) const {
+double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
+  std::vector<int> blocks;
+  const auto has = [&](int block) { return alone ? alone->has(block) : owns(block); };
+  for (int i = 0; i < block_count(); ++i) {
+    if (has(i)) blocks.push_back(i);
+  }
+  Ranks* const ranks = alone ? nullptr : ranks_;
   std::unique_ptr<ToldSums> shared;
-  if (ranks_) {
-    shared = std::make_unique<ToldSums>(*ranks_);
+  if (ranks) {
+    shared = std::make_unique<ToldSums>(*ranks);
     for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], blocks_[i].body >= 0 ? 6 : 0);
     for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], 3 * size_t(blocks_[i].node_count));
   }
   std::vector<int> own_bodies;
   std::vector<VectorRow> own_nodes;
-  for (int i = 0; i < block_count(); ++i) {
+  for (const int i : blocks) {
     const ModelBlock& b = blocks_[size_t(i)];
-    if (!owns(i)) continue;
     const VectorRow of_block{size_t(b.first_node), size_t(b.first_node + b.node_count)};
     if (b.body >= 0)
       own_bodies.push_back(b.body);
@@ -176,11 +183,22 @@ double World::highest_frequency(LaneVector<double>* mode) const {
     for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
   });
   LaneVector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
-  FrequencyHalo halo(*this, nv, [&](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); });
-  std::vector<Vector> place, normals;  // of own contact points
+  FrequencyHalo halo(*this, ranks, nv,
+                     [&](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); });
+  struct Spring {
+    const Family* family;
+    const Point* point;
+    Vector at, normal;
+    double area;  // m2, twice where it is bound to what stands still
+  };
+  std::vector<Spring> springs;
   each_own_point(
-      [&](const Family&, const Point& p) { place.push_back(place_of(p)), normals.push_back(frame_of(p).row[0]); });
-  const std::vector<UnitInertia> inertia = splits_motion() ? inertia_of_units() : std::vector<UnitInertia>{};
+      [&](const Family& family, const Point& p) {
+        const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
+        springs.push_back({&family, &p, place_of(p), frame_of(p).row[0], factor * p.area});
+      },
+      alone);
+  const std::vector<UnitInertia> inertia = splits_motion() ? inertia_of_units(blocks) : std::vector<UnitInertia>{};
   const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
     LaneVector<double>& y = *result;
     each_body([&](size_t i) {
@@ -194,13 +212,12 @@ double World::highest_frequency(LaneVector<double>* mode) const {
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
     });
-    if (splits_motion()) scale_motion(inertia, nv, false);
-    halo.exchange(ranks_);
-    add_zone_forces(nv, nf);
-    size_t next = 0;
-    each_own_point([&](const Family& family, const Point& p) {
-      const Vector at = place[next], normal = normals[next];
-      ++next;
+    if (splits_motion()) scale_motion(blocks, inertia, nv, false);
+    halo.exchange(ranks);
+    add_zone_forces(blocks, nv, nf);
+    for (const auto& [of_family, of_point, at, normal, area] : springs) {
+      const Family& family = *of_family;
+      const Point& p = *of_point;
       Vector va, vb;
       if (p.facet_a >= 0) {
         for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
@@ -215,7 +232,7 @@ double World::highest_frequency(LaneVector<double>* mode) const {
         vb = v[i] + cross(w[i], at - bodies_[i].x);
       }
       const Vector d = vb - va;
-      const Vector force = p.area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
+      const Vector force = area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
       if (p.facet_a >= 0) {
         for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
       } else {
@@ -228,8 +245,8 @@ double World::highest_frequency(LaneVector<double>* mode) const {
         const int i = blocks_[p.b].body;
         f[i] += force, m[i] += cross(at - bodies_[i].x, force);
       }
-    });
-    if (splits_motion()) scale_motion(inertia, nf, true);
+    }
+    if (splits_motion()) scale_motion(blocks, inertia, nf, true);
     each_body([&](size_t i) {
       const Vector torque = transposed_times(bodies_[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
@@ -262,6 +279,16 @@ double World::highest_frequency(LaneVector<double>* mode) const {
   if (mode) *mode = std::move(largest.vector);
   const double value = largest.value;
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+}
+
+// Whether the stiffness or the inertia that these own blocks have got may ask for a shorter step. Of each unit the
+// highest frequency with all others held still and the springs to them doubled: k (u_a - u_b)^2 <= 2 k u_a^2 + 2 k
+// u_b^2, so that it bounds modes in which the unit and its neighbours take part. The same on any number of ranks.
+bool World::shorten_step(std::span<const int> changed) const {
+  return std::any_of(changed.begin(), changed.end(), [&](int block) {
+    const Unit unit = unit_of(block);
+    return !(highest_frequency(nullptr, &unit) * critical_dt_ <= 2.0);
+  });
 }
 
 StepLimit World::what_sets_time_step() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -423,18 +424,34 @@ void LaneColumns::resize(int nodes) {
   rows = from;
 }
 
+namespace {
+
+// Eight gridpoints at a time.
+bool some_held(const LaneBlock& b) {
+  constexpr int kAtOnce = sizeof(std::uint64_t);
+  int n = 0;
+  for (; n + kAtOnce <= b.node_count; n += kAtOnce) {
+    std::uint64_t eight;
+    std::memcpy(&eight, b.held + n, sizeof eight);
+    if (eight) return true;
+  }
+  return std::any_of(b.held + n, b.held + b.node_count, [](std::uint8_t held) { return held != 0; });
+}
+
+}  // namespace
+
 void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns) {
   int most = 0, fewest = std::numeric_limits<int>::max();
-  std::uint8_t held = 0;
+  bool held = false;
   for (const LaneBlock& b : blocks) {
     most = std::max(most, b.node_count), fewest = std::min(fewest, b.node_count);
-    for (int n = 0; n < b.node_count; ++n) held |= b.held[n];
+    held |= some_held(b);
   }
   columns->resize(most);
   columns->fewest = fewest;
   columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
   columns->place = fixed.place, columns->anchor = fixed.anchor;
-  columns->some_held = held != 0;
+  columns->some_held = held;
   if (held) {
     std::fill(columns->held, columns->held + most * kLine, 0.0);
     for (std::size_t l = 0; l < blocks.size(); ++l) {
