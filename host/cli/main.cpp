@@ -32,6 +32,7 @@
 #include "cli/run_command.h"
 #include "cli/shipped.h"
 #include "cli/spectrum_command.h"
+#include "cli/validate_command.h"
 #include "files/notice.h"
 #include "law/law_watch.h"
 
@@ -107,6 +108,7 @@ int run_command(int argc, char** argv) {
   quoin::add_ensemble_command(app, exit_code);
   quoin::add_sensitivity_command(app, exit_code);
   quoin::add_spectrum_command(app);
+  quoin::add_validate_command(app, exit_code);
 #ifdef QUOIN_LIMIT
   quoin::add_limit_command(app);
 #endif

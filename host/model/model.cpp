@@ -174,6 +174,7 @@ class ModelBuilder {
         body.name = brick.body;
         const auto& [lx, ly, lz] = brick.size;
         body.centre = {brick.origin[0] + 0.5 * lx, brick.origin[1] + 0.5 * ly, brick.origin[2] + 0.5 * lz};
+        if (brick.load_height) body.centre[1] = *brick.load_height;
         body.mass = m.assembly.materials[at(brick.material)].density * lx * ly * lz;
         body.inertia = {body.mass * (ly * ly + lz * lz) / 12.0, body.mass * (lz * lz + lx * lx) / 12.0,
                         body.mass * (lx * lx + ly * ly) / 12.0};

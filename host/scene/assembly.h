@@ -19,6 +19,7 @@ struct Brick {
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
   bool beam = false;   // a rigid body beside the masonry
+  std::optional<double> load_height{};  // y of the point where loads act on a rigid one, its centre of mass too, m
   bool fixed = false;  // a support that was given as a fixed block: pictures show what stands on it
   std::string body;    // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. What
                        // is deformable can be loaded and its displacement followed, but not be held

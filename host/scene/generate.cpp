@@ -183,6 +183,7 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
     first = end;
   }
   const int top = wall.top_beam ? add_beam("top_beam", 0, grid.columns(), wall.courses * height) : -1;
+  if (top >= 0) assembly.bricks[static_cast<size_t>(top)].load_height = wall.load_height;
 
   // Joints: within a course (head joints, and unit joints in the middle of a unit), then beds from the bottom up.
   for (int course = 0; course < wall.courses; ++course) {

@@ -402,6 +402,13 @@ WallSpec read_wall(Table t, const Scene& scene) {
   t.boolean("bottom_beam", w.bottom_beam);
   t.boolean("top_beam", w.top_beam);
   t.number("beam_height", w.beam_height, kPositive, "m");
+  t.number("load_height", w.load_height, kNotNegative, "m above the foot of the wall");
+  if (w.load_height && !w.top_beam) t.refuse("load_height", "only with top_beam = true, on which it acts");
+  if (w.load_height &&
+      (scene.solver.large_motion != LargeMotion::never || scene.solver.kernels == Kernels::general || scene.blocks))
+    t.refuse("load_height",
+             "only in small displacements, without blocks of other shapes: solver.large_motion = \"never\", "
+             "solver.kernels = \"automatic\"");
   t.number("beam_density", w.beam_density, kPositive, "kg/m3");
 
   // Names of materials and families must exist.
@@ -473,6 +480,9 @@ BodyControl read_control(Table t, std::vector<std::string> bodies, const std::ve
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   t.choice("body", c.body, bodies, true);
   t.velocity(c, false);
+  bool held = true;
+  t.boolean("rotation_held", held);
+  c.may_turn = !held;
   if (t.numbers("force", c.force, kAny, "N")) {
     for (size_t i = 0; i < 3; ++i) {
       if (c.force[i] != 0.0 && c.kind[i] == DofKind::velocity)

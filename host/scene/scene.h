@@ -261,6 +261,9 @@ struct WallSpec {
   };
   std::vector<Changed> changed;
   double beam_height = 0.1, beam_density = 7850.0;  // rigid beams below and above
+  // Height above the foot of the wall where loads and motions act on the top beam, m: that of an actuator on a stiff
+  // frame. None: the middle of the beam.
+  std::optional<double> load_height;
   bool bottom_beam = true, top_beam = true;
   std::vector<int> bottom_beam_cuts;  // half units from the left, growing: parts that move by themselves
   // "bottom_beam", or "bottom_beam_1", "bottom_beam_2", ... of the parts.

@@ -66,7 +66,10 @@ HistoryRow Simulation::Impl::measure() const {
   for (const int b : monitor) {
     const Vec3 joints = joint_force(b);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
-    for (const Vec3& arm : model.bodies[static_cast<std::size_t>(b)].arm) arms += arm[1];
+    const RigidBody& body = model.bodies[static_cast<std::size_t>(b)];
+    const Brick& brick = model.assembly.bricks[static_cast<std::size_t>(body.block)];
+    const double middle = brick.origin[1] + 0.5 * brick.size[1];
+    for (const Vec3& arm : body.arm) arms += body.centre[1] + arm[1] - middle;
   }
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];

@@ -137,7 +137,8 @@ class WholeOutput : public Cli {
 TEST_F(WholeOutput, Help) {
   std::string text = said({"--help"});
   for (const char* command :
-       {"run", "check", "models", "path", "fit", "reproduce", "report", "ensemble", "sensitivity", "spectrum", "limit", "modes"})
+       {"run", "check", "models", "path", "fit", "reproduce", "report", "ensemble", "sensitivity", "spectrum", "validate",
+        "limit", "modes"})
     text += said({command, "--help"});
   expect("help", text + said({"reproduce", "--list"}));
 }

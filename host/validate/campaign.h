@@ -1,0 +1,48 @@
+// A campaign: all walls of a table, predicted and held against what was measured.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "validate/outcome.h"
+
+namespace quoin::validate {
+
+struct CampaignSettings {
+  std::filesystem::path out;
+  bool cyclic = false;
+  int jobs = 1;
+  std::vector<std::string> overrides;  // laid over every scene; for trials
+};
+
+struct Prediction {
+  WallRow row;
+  TestScene scene;
+  Outcome outcome;
+  double ratio() const { return outcome.peak / row.peak(); }
+  bool mode_known() const { return !row.failure_mode.empty(); }
+  bool mode_met() const { return leading_mode(outcome.mode) == leading_mode(row.failure_mode); }
+  // Measured over what a rigid wall without tension can carry: more than 15 % above it and no model without tension or
+  // another boundary meets the test.
+  double beyond_equilibrium() const { return row.peak() / rocking_force_with_weight(row); }
+  bool within_equilibrium() const { return beyond_equilibrium() <= 1.15; }
+};
+
+struct Statistics {
+  std::size_t count = 0;
+  double mean = 0.0, median = 0.0, variation = 0.0;  // of ratios; standard deviation over mean, n - 1
+};
+Statistics statistics_of(const std::vector<double>& ratios);
+
+struct Campaign {
+  std::vector<Prediction> done;
+  std::vector<std::string> faults;  // rows left out, and runs that did not end
+};
+
+// Scenes go to OUT/scenes, runs to OUT/runs. What is done is not computed again.
+Campaign run_campaign(const WallTable& table, const CampaignSettings& settings);
+
+std::string validation_csv(const Campaign& campaign);
+
+}  // namespace quoin::validate

@@ -1,0 +1,136 @@
+#include "validate/outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "reproduce/loops.h"
+#include "results/read_vtu.h"
+#include "results/surface.h"
+
+namespace quoin::validate {
+
+namespace {
+
+namespace fs = std::filesystem;
+using reproduce::Curve;
+
+// Parts of the displacement of the top. Below the first they leave no trace in the name of the mode, above the second
+// they lead it [assumed; one pair for all walls].
+constexpr double kSeen = 0.08, kLeading = 0.25, kSlides = 0.5;
+constexpr double kSeenSliding = 0.2;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Points of joints that lie in one bed, or in one course, by height in units of 0.1 mm.
+long level_of(float y) { return std::lround(y * 1e4); }
+
+double secant(const Curve& curve, double force) {
+  for (std::size_t i = 0; i < curve.size(); ++i) {
+    if (curve.force[i] >= force && curve.displacement[i] > 0.0) return curve.force[i] / curve.displacement[i];
+  }
+  return 0.0;
+}
+
+// Points of a bed joint along its length, and what they say of it.
+struct Bed {
+  double area = 0.0, crushed = 0.0, least_slip = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+std::string mode_of(const Motion& m) {
+  if (m.top <= 0.0) return "F";
+  const double spread = m.spread / m.top, sliding = m.sliding / m.top;
+  const std::string with_sliding = sliding > kSeenSliding ? "SL" : "";
+  if (sliding > kSlides) return spread > kLeading ? "H-SLS" : "SL";
+  if (spread > kLeading) return with_sliding.empty() ? "S" : "H-SSL";
+  if (spread > kSeen) return "H-FS" + with_sliding;
+  return with_sliding.empty() ? "F" : "H-FSL";
+}
+
+std::string leading_mode(const std::string& code) {
+  const std::string bare = code.starts_with("H-") ? code.substr(2) : code;
+  if (code.starts_with("H-")) return bare.substr(0, 1);
+  return bare.starts_with("SL") ? "SL" : bare.substr(0, 1);
+}
+
+Motion read_motion(const fs::path& run_folder, double top_displacement) {
+  Motion motion;
+  motion.top = top_displacement;
+  // The last frame of two: as the run begins, as it ends.
+  const VtuFile file(run_folder / "joints_0001.vtu");
+  const std::size_t points = file.grid().points();
+  const auto normal = file.read<float>("normal", VtkRows::point, 3);
+  const auto area = file.read<float>("area_m2", VtkRows::point),
+             opening = file.read<float>("opening_m", VtkRows::point);
+  const auto slip = file.read<float>("slip_m", VtkRows::point);
+  const auto crack = file.read<std::int32_t>("crack", VtkRows::point);
+  const auto a = file.read<std::int32_t>("block_a", VtkRows::point),
+             b = file.read<std::int32_t>("block_b", VtkRows::point);
+  struct Joint {
+    double area = 0.0, opening = 0.0;
+    float height = 0.0f;
+    int points = 0;
+  };
+  std::map<std::pair<int, int>, Joint> heads;
+  std::map<long, Bed> beds;
+  for (std::size_t i = 0; i < points; ++i) {
+    const float y = file.grid().position[3 * i + 1];
+    if (std::abs(normal[3 * i + 1]) > 0.5f) {
+      Bed& bed = beds[level_of(y)];
+      bed.area += area[i];
+      bed.crushed += crack[i] == static_cast<int>(Crack::crushed) ? area[i] : 0.0;
+      bed.least_slip = std::min(bed.least_slip, static_cast<double>(slip[i]));
+    } else if (std::abs(normal[3 * i]) > 0.5f) {
+      Joint& joint = heads[{a[i], b[i]}];
+      joint.area += area[i], joint.opening += area[i] * std::max(0.0f, opening[i]);
+      joint.height += y, ++joint.points;
+    }
+  }
+  std::map<long, double> courses;
+  for (const auto& [blocks, joint] : heads)
+    courses[level_of(joint.height / static_cast<float>(joint.points))] += joint.opening / joint.area;
+  std::vector<double> spreads;
+  for (const auto& [height, spread] : courses) spreads.push_back(spread);
+  motion.spread = median(spreads);
+  for (const auto& [height, bed] : beds) {
+    motion.sliding = std::max(motion.sliding, bed.least_slip);
+    motion.crushed = std::max(motion.crushed, bed.crushed / bed.area);
+  }
+  return motion;
+}
+
+Outcome outcome_of(const WallRow& row, const TestScene& scene, reproduce::RunResult run) {
+  Outcome o;
+  for (double& d : run.curve.displacement) d *= scene.top_displacement;
+  const Curve& curve = run.curve;
+  const double height = 1e3 * row.height;  // mm
+  o.peak = curve.peak();
+  if (run.cycles) {
+    const Curve envelope = reproduce::envelope_of(curve, *run.cycles);
+    const auto [lowest, highest] = std::minmax_element(envelope.force.begin(), envelope.force.end());
+    if (!envelope.empty()) o.peak = (*highest - *lowest) / 2;
+  }
+  o.drift_at_peak = 100.0 * curve.peak_displacement() / height;
+  if (!run.cycles) {
+    const double lost = curve.displacement_after_peak(0.8);
+    if (lost > 0.0) o.ultimate_drift = 100.0 * lost / height;
+  }
+  o.initial_stiffness = secant(curve, 0.1 * curve.peak());
+  o.effective_stiffness = secant(curve, 0.7 * curve.peak());
+  double farthest = 0.0;
+  for (const double d : curve.displacement) farthest = std::max(farthest, std::abs(d));
+  o.motion = read_motion(run.folder, 1e-3 * farthest);
+  o.mode = mode_of(o.motion);
+  o.run = std::move(run);
+  return o;
+}
+
+}  // namespace quoin::validate

@@ -1,0 +1,39 @@
+// What a run of a wall test says: peak, drifts, stiffness, how it failed.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "reproduce/study.h"
+#include "validate/wall_scene.h"
+
+namespace quoin::validate {
+
+// Parts of the displacement of the top at the end of a run, by what cracks and slips show.
+struct Motion {
+  double spread = 0.0;   // horizontal opening of head joints and units, median of the courses: a diagonal crack
+  double sliding = 0.0;  // least slip along the bed joint that slid most
+  double crushed = 0.0;  // share of the length of the worst bed joint that is crushed
+  double top = 0.0;      // m
+};
+
+struct Outcome {
+  reproduce::RunResult run;
+  double peak = 0.0;                                          // kN; of cycles the mean of both sides
+  double drift_at_peak = 0.0;                                 // %
+  std::optional<double> ultimate_drift;                       // % at 20 % loss; nothing: it never lost so much
+  double initial_stiffness = 0.0, effective_stiffness = 0.0;  // kN/mm to 10 %, and secant to 70 % of the peak
+  std::string mode;                                           // code of brick_walls.csv
+  Motion motion;
+};
+
+// Codes by rule from the parts of motion: S diagonal, F rocking, SL sliding, H- hybrids with the larger part first.
+std::string mode_of(const Motion& motion);
+// What decides: S, F, SL or G; of a hybrid its first letter after H-.
+std::string leading_mode(const std::string& code);
+
+Motion read_motion(const std::filesystem::path& run_folder, double top_displacement);
+Outcome outcome_of(const WallRow& row, const TestScene& scene, reproduce::RunResult run);
+
+}  // namespace quoin::validate

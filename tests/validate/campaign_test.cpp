@@ -1,0 +1,69 @@
+// `quoin validate` as its users meet it: files, columns, exit codes, what is not computed twice.
+#include "validate/campaign.h"
+
+#include <gmock/gmock.h>
+
+#include "program.h"
+#include "walls.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Validate : public Cli {
+ protected:
+  int validate(const std::vector<std::map<std::string, std::string>>& rows, std::vector<std::string> more = {}) {
+    write_walls(folder_ / "walls.csv", rows);
+    more.insert(more.begin(), {"validate", "--walls", (folder_ / "walls.csv").string(), "--out", out()});
+    return quoin(more);
+  }
+  std::string csv() const { return read_all(folder_ / "out" / "validation.csv"); }
+};
+
+TEST_F(Validate, WritesWhatItPromisesAndComputesNothingTwice) {
+  auto first = dry_wall(), second = dry_wall(), bad = dry_wall();
+  second["number"] = "2", second["axial_stress_MPa"] = "0.1", second["campaign"] = "a; b";
+  bad["number"] = "3", bad["length_m"] = "";
+  ASSERT_EQ(validate({first, second, bad}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("walls.csv:4: length_m"));
+  const std::string csv_text = csv();
+  EXPECT_THAT(csv_text, StartsWith("number,campaign,specimen,predicted_peak_kN,measured_peak_kN,ratio,predicted_mode,"
+                                   "measured_mode\n1,test,dry,"));
+  EXPECT_THAT(csv_text, HasSubstr("\n2,a; b,dry,"));
+  EXPECT_THAT(csv_text, Not(HasSubstr("\n3,")));
+  const std::string page = read_all(folder_ / "out" / "index.html");
+  EXPECT_THAT(page, HasSubstr("<svg"));
+  EXPECT_THAT(page, HasSubstr("cracks.png"));
+  EXPECT_THAT(page, HasSubstr("length_m"));
+
+  ASSERT_EQ(validate({first, second, bad}), 0) << error_;
+  EXPECT_THAT(error_, Not(HasSubstr("[1/")));
+  EXPECT_EQ(csv(), csv_text);
+  // The scene that it leaves runs as it is.
+  EXPECT_EQ(quoin({"check", (folder_ / "out" / "scenes" / "1_test_dry.toml").string()}), 0) << error_;
+}
+
+TEST_F(Validate, NoRowThatRanIsBadInput) {
+  auto bad = dry_wall();
+  bad["axial_stress_MPa"] = "";
+  EXPECT_EQ(validate({bad}), 3);
+  EXPECT_THAT(error_, HasSubstr("walls.csv:2: axial_stress_MPa"));
+  EXPECT_EQ(quoin({"validate", "--walls", (folder_ / "none.csv").string(), "--out", out()}), 3);
+}
+
+TEST_F(Validate, InCyclesBothSidesCount) {
+  ASSERT_EQ(validate({dry_wall()}, {"--cyclic"}), 0) << error_;
+  EXPECT_THAT(read_all(folder_ / "out" / "scenes" / "1_test_dry_cyclic.toml"), HasSubstr("cyclic_joint"));
+  EXPECT_THAT(csv(), HasSubstr("\n1,test,dry,1"));  // 16 kN: rigid 16.0 and the weight
+}
+
+TEST(Statistics, AreThoseOfHand) {
+  const auto s = quoin::validate::statistics_of({0.8, 1.0, 1.2});
+  EXPECT_NEAR(s.mean, 1.0, 1e-12);
+  EXPECT_NEAR(s.median, 1.0, 1e-12);
+  EXPECT_NEAR(s.variation, 0.2, 1e-12);
+}
+
+}  // namespace
