@@ -562,6 +562,7 @@ void World::prescribe(int block, const Vector& velocity, const Vector& omega, ui
     hold(node_held_[i], uint8_t((held & 7) | node_support_[i]), node_mass_[i], node_v_[i]);
     node_held_v_[i] = velocity;
   }
+  held_blocks_changed_.push_back(block);
 }
 
 void World::release(int block) { prescribe(block, {}, {}, 0); }

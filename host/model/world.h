@@ -224,24 +224,32 @@ struct Piece {
   bool halves;
   enum class Kind : uint8_t { rigid, alike, unlike, by_zone } kind;
   int32_t alike = -1;  // into World::alike_, of those alike
-  size_t columns = 0;  // where its FixedColumns begin in World::piece_columns_
+  static constexpr size_t kNoColumns = size_t(-1);
+  size_t columns = kNoColumns;  // where its FixedColumns begin in World::piece_columns_
+  bool some_held = false;
   bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
 };
 
-// What steps do not change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
+// What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
 // numbers a lane of vectors, one of others. Gridpoints that a block does not have are without mass and stand where its
 // first one does; lanes without a block repeat the last one.
 template <class Number>
 struct FixedColumns {
   Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
   Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
-  FixedColumns(Number* from, int node_count, bool unlike) {
-    const auto lines = size_t(node_count);
-    mass = from, over_mass = mass + lines * kLanes;
-    place = unlike ? over_mass + lines * kLanes : nullptr, anchor = unlike ? place + lines * kLine : nullptr;
+  Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
+  FixedColumns(Number* from, int node_count, bool unlike, bool some_held) {
+    const auto take = [&](bool wanted, int numbers) {
+      Number* const column = wanted ? from : nullptr;
+      if (wanted) from += size_t(node_count) * size_t(numbers);
+      return column;
+    };
+    mass = take(true, kLanes), over_mass = take(true, kLanes);
+    place = take(unlike, kLine), anchor = take(unlike, kLine);
+    held = take(some_held, kLine), held_v = take(some_held, kLine);
   }
-  static size_t size(int node_count, bool unlike) {
-    return size_t(node_count) * size_t(2 * kLanes + (unlike ? 2 * kLine : 0));
+  static size_t size(int node_count, bool unlike, bool some_held) {
+    return size_t(node_count) * size_t(2 * kLanes + (unlike ? 2 * kLine : 0) + (some_held ? 2 * kLine : 0));
   }
 };
 
@@ -541,8 +549,8 @@ class World {
   const LaneVector<Body>& bodies() const { return bodies_; }
   Body& body(int block) { return bodies_[blocks_[block].body]; }
   // Holds gridpoints of deformable blocks: bits 0..2 of `held`.
-  void hold_node(int node, uint8_t held) { node_held_[node] = held; }
-  void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v; }  // m/s
+  void hold_node(int node, uint8_t held) { node_held_[node] = held, held_changed_ = true; }
+  void hold_velocity(int node, const Vector& v) { node_held_v_[node] = v, held_changed_ = true; }  // m/s
   const Energies& energies() const { return energies_; }
   double kinetic_energy() const;  // of the velocities half a step ago, J
   double kinetic_energy_of(int block) const;
@@ -606,6 +614,7 @@ class World {
   void divide_blocks();
   int most_gridpoints(const Piece& piece) const;  // of one of its blocks
   void fill_columns(Piece& piece);
+  void follow_held();  // in the columns of pieces, before a step
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
@@ -811,7 +820,10 @@ class World {
   std::vector<Piece> pieces_;
   std::vector<int32_t> piece_blocks_;
   LaneVector<double> piece_columns_;
-  long divisions_ = 0;  // how often the work has been divided anew
+  std::vector<int32_t> piece_of_block_;
+  std::vector<int> held_blocks_changed_;  // deformable, since the last step
+  bool held_changed_ = false;             // of any gridpoints
+  long divisions_ = 0;                    // how often the work has been divided anew
   std::function<void()> fetch_ = [] {};
 
   std::vector<Load> loads_;

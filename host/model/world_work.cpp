@@ -2,6 +2,7 @@
 // both cost.
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "model/world.h"
 
@@ -80,10 +81,29 @@ void World::bind_work() {
   }
   bind_columns();
   divide_sides();
-  piece_columns_.clear();
+  piece_columns_.clear(), held_blocks_changed_.clear();
+  held_changed_ = false;
+  piece_of_block_.assign(blocks_.size(), -1);
   for (Piece& piece : pieces_) {
-    if (piece.kind != Piece::Kind::rigid && owns(blocks_of(piece).front())) fill_columns(piece);
+    piece.columns = Piece::kNoColumns;
+    if (piece.kind == Piece::Kind::rigid || !owns(blocks_of(piece).front())) continue;
+    fill_columns(piece);
+    for (const int32_t block : blocks_of(piece)) piece_of_block_[size_t(block)] = int32_t(&piece - pieces_.data());
   }
+}
+
+void World::follow_held() {
+  if (!held_changed_ && held_blocks_changed_.empty()) return;
+  if (held_changed_) {
+    for (int i = 0; i < block_count(); ++i) held_blocks_changed_.push_back(i);
+  }
+  std::set<int32_t> changed;
+  for (const int block : held_blocks_changed_) {
+    if (const int32_t piece = piece_of_block_[size_t(block)]; piece >= 0) changed.insert(piece);
+  }
+  for (const int32_t piece : changed) fill_columns(pieces_[size_t(piece)]);
+  held_blocks_changed_.clear();
+  held_changed_ = false;
 }
 
 void World::pack(const Chunk& chunk) {
@@ -290,19 +310,27 @@ void World::fill_columns(Piece& piece) {
   const std::span<const int32_t> blocks = blocks_of(piece);
   const bool unlike = piece.kind == Piece::Kind::unlike;
   const int most = most_gridpoints(piece);
-  piece.columns = piece_columns_.size();
-  piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, unlike));
-  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, unlike);
+  const bool some_held = std::any_of(blocks.begin(), blocks.end(), [&](int32_t block) {
+    const ModelBlock& b = blocks_[size_t(block)];
+    const auto held = std::span(node_held_).subspan(size_t(b.first_node), size_t(b.node_count));
+    return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
+  });
+  if (some_held != piece.some_held || piece.columns == Piece::kNoColumns) {  // else they stay where they are
+    piece.some_held = some_held;
+    piece.columns = piece_columns_.size();
+    piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, unlike, some_held));
+  }
+  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, unlike, some_held);
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
       const size_t node = size_t(b.first_node) + n;
       to.mass[n * kLanes + l] = node_mass_[node], to.over_mass[n * kLanes + l] = 1.0 / node_mass_[node];
-      if (!unlike) continue;
       const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
       for (int c = 0; c < 3; ++c) {
         const size_t at = n * kLine + size_t(c) * kLanes + l;
-        to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+        if (unlike) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+        if (some_held) to.held[at] = node_held_[node] >> c & 1, to.held_v[at] = node_held_v_[node][c];
       }
     }
   }

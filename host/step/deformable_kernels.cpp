@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -337,17 +336,12 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
     if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
     Lanes3 held_v;
-    if (columns.some_held) {
-      held_v = load_vectors([&](int l) {
-        const auto lane = static_cast<std::size_t>(first + l);
-        return lane < blocks.size() && n < blocks[lane].node_count ? &blocks[lane].held_v[n].x : &kNothing[0].x;
-      });
-    }
+    if (columns.held) held_v = load_line(columns.held_v + at);
     Lanes3 next;
     V free = zero;
     for (int k = 0; k < 3; ++k) {
-      const auto hold = columns.some_held ? hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero)
-                                          : hn::FirstN(d, 0);
+      const auto hold =
+          columns.held ? hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero) : hn::FirstN(d, 0);
       V change = driven[k];
       V brake = zero;
       if (step.gamma > 0.0) {
@@ -416,7 +410,7 @@ HWY_EXPORT(AdvanceGridpoints);
 
 void LaneColumns::resize(int nodes) {
   node_count = nodes;
-  double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic, &held};
+  double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic};
   const auto size = static_cast<std::size_t>(nodes) * kLine;
   memory_.resize(std::max(memory_.size(), std::size(columns) * size + size / 3));
   double* from = memory_.data();
@@ -424,43 +418,14 @@ void LaneColumns::resize(int nodes) {
   rows = from;
 }
 
-namespace {
-
-// Eight gridpoints at a time.
-bool some_held(const LaneBlock& b) {
-  constexpr int kAtOnce = sizeof(std::uint64_t);
-  int n = 0;
-  for (; n + kAtOnce <= b.node_count; n += kAtOnce) {
-    std::uint64_t eight;
-    std::memcpy(&eight, b.held + n, sizeof eight);
-    if (eight) return true;
-  }
-  return std::any_of(b.held + n, b.held + b.node_count, [](std::uint8_t held) { return held != 0; });
-}
-
-}  // namespace
-
 void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns) {
   int most = 0, fewest = std::numeric_limits<int>::max();
-  bool held = false;
-  for (const LaneBlock& b : blocks) {
-    most = std::max(most, b.node_count), fewest = std::min(fewest, b.node_count);
-    held |= some_held(b);
-  }
+  for (const LaneBlock& b : blocks) most = std::max(most, b.node_count), fewest = std::min(fewest, b.node_count);
   columns->resize(most);
   columns->fewest = fewest;
   columns->mass = fixed.mass, columns->over_mass = fixed.over_mass;
   columns->place = fixed.place, columns->anchor = fixed.anchor;
-  columns->some_held = held;
-  if (held) {
-    std::fill(columns->held, columns->held + most * kLine, 0.0);
-    for (std::size_t l = 0; l < blocks.size(); ++l) {
-      for (int n = 0; n < blocks[l].node_count; ++n) {
-        for (int k = 0; k < 3; ++k)
-          columns->held[static_cast<std::size_t>(n * kLine + k * kLanes) + l] = blocks[l].held[n] >> k & 1;
-      }
-    }
-  }
+  columns->held = fixed.held, columns->held_v = fixed.held_v;
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
 }
 

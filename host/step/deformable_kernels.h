@@ -25,12 +25,10 @@ namespace quoin::blocks {
 
 // A block as the kernels read and write it, by gridpoint.
 struct LaneBlock {
-  Vector *x, *v;             // m, m/s at half steps
-  const double* force;       // N, four doubles a gridpoint, the last of no meaning
-  const double* viscous;     // the viscous part of it, alike; null where it is not wanted, or not yet known
-  Vector acceleration;       // of weight and what is shared by mass, by the mass of inertia, m/s2
-  const std::uint8_t* held;  // bits 0..2
-  const Vector* held_v;      // m/s
+  Vector *x, *v;          // m, m/s at half steps
+  const double* force;    // N, four doubles a gridpoint, the last of no meaning
+  const double* viscous;  // the viscous part of it, alike; null where it is not wanted, or not yet known
+  Vector acceleration;    // of weight and what is shared by mass, by the mass of inertia, m/s2
   int node_count;
   std::span<const ZoneLanes> zones;  // of unlike_forces; the shape stands as it did at the start
 };
@@ -38,15 +36,13 @@ struct LaneBlock {
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
 // where its first one is; lanes without a block hold numbers of no meaning. Scratch of a thread.
 struct LaneColumns {
-  int node_count = 0, fewest = 0;  // most and fewest of a block
-  bool some_held = false;
+  int node_count = 0, fewest = 0;            // most and fewest of a block
   bool viscous = false;                      // viscous_force is wanted: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
   double *u, *weighted, *product, *elastic;  // of alike_forces and unlike_forces
   double* rows;                              // of unlike_forces: of one block
-  double* held;                              // not 0: held; where some are
-  // FixedColumns, the last two of unlike_forces.
-  const double *mass, *over_mass, *place, *anchor;
+  // FixedColumns; place and anchor of unlike_forces.
+  const double *mass, *over_mass, *place, *anchor, *held, *held_v;
 
   void resize(int nodes);
 

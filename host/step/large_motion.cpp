@@ -305,18 +305,12 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
     lap(clock, Phase::motion);
     if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
     const size_t first = size_t(b.first_node);
-    lanes[l] = {&node_x_[first],
-                &node_v_[first],
-                force,
-                columns.viscous ? viscous : nullptr,
-                acceleration,
-                &node_held_[first],
-                &node_held_v_[first],
-                b.node_count,
-                zones_in_lanes(b)};
+    lanes[l] = {&node_x_[first], &node_v_[first],  force, columns.viscous ? viscous : nullptr, acceleration,
+                b.node_count,    zones_in_lanes(b)};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
-  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), unlike);
+  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), unlike,
+                                         piece.some_held);
   load_blocks({lanes, count}, fixed, &columns);
   if (piece.in_frame()) {
     const ZoneStep step{zone_damping(), dt_, energy_};

@@ -42,7 +42,10 @@ class Model : public World {
   // The same piece by piece, for a host that has more to do in a step: begin, all chunks, all pieces, end; then, when
   // end_step() says that blocks have moved enough, find_contacts. clock: of the thread, started; null: not timed.
   // measured: the energies of the step are wanted.
-  void begin_step(bool measured = false) { measured_ = measured || energy_; }
+  void begin_step(bool measured = false) {
+    measured_ = measured || energy_;
+    follow_held();
+  }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();

@@ -56,7 +56,7 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
                  hn::MulAdd(m_r.z, r.z, square[0].z)};
     square[1] = {hn::MulAdd(m_r.x, r.y, square[1].x), hn::MulAdd(m_r.y, r.z, square[1].y),
                  hn::MulAdd(m_r.z, r.x, square[1].z)};
-    if (!c.some_held) continue;
+    if (!c.held) continue;
     const Lanes3 h = load_line(c.held + at);
     for (int k = 0; k < 3; ++k) held[k] = hn::Max(held[k], h[k]);
   }
@@ -311,9 +311,9 @@ void SplitMotion(const LaneColumns& columns, int count, bool halves, const Rigid
   const int units = halves ? count / 2 : count;
   for (int first = (units - 1) / kWidth * kWidth; first >= 0; first -= kWidth) {
     if (halves)
-      step_of<2>(sums, columns.some_held, {first, units + first}, step, gains, lanes);
+      step_of<2>(sums, columns.held != nullptr, {first, units + first}, step, gains, lanes);
     else
-      step_of<1>(sums, columns.some_held, {first}, step, gains, lanes);
+      step_of<1>(sums, columns.held != nullptr, {first}, step, gains, lanes);
   }
   if (!lanes) return;
   lanes->mass = sums.mass;
