@@ -38,10 +38,11 @@ void add_report_command(CLI::App& app) {
       ->required()
       ->expected(1, 2);
   command->footer(
-      "Writes DIR/report.html: one file, opened from the disk, without network. It shows the model, turned by mouse "
-      "and\n"
-      "coloured by damage, opening, slip, stress or displacement; the curve; energies; settings, warnings, known "
-      "error.\n"
+      "Writes DIR/report.html: one file, opened from the disk, without network. It shows the model from the front, "
+      "side,\n"
+      "top or obliquely, coloured by damage, opening, slip, stress or displacement; numbers of what is under the "
+      "pointer;\n"
+      "the curve that goes with the stage; energies; settings, warnings, known error. It saves what it shows as PNG.\n"
       "Examples:\n"
       "  quoin report out/solid_wall_030\n"
       "  quoin report out/solid_wall_030 /tmp/brittle        two runs side by side\n"

@@ -9,7 +9,7 @@
 #include "files/gnuplot.h"
 #include "geometry/overlap.h"
 #include "geometry/vector.h"
-#include "results/crack_styles.h"
+#include "results/colours.h"
 #include "results/parted_joints.h"
 
 namespace quoin {
@@ -205,9 +205,9 @@ std::string plot_mechanism(const std::filesystem::path& folder, const Simulation
   return draw_picture(folder, "mechanism",
                       scene_of(simulation.scene(), view, blocks, faces, "", "rgb '#333333' linewidth 1.5") + label +
                           fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
-                                      "set palette defined (0 '#e9e2d0', 1 '#c0392b')\n"
+                                      "set palette defined (0 '{}', 1 '{}')\n"
                                       "plot NaN with lines linecolor palette cb 0\n",
-                                      largest * 1e3));
+                                      largest * 1e3, kQuantityColours.middle, kQuantityColours.warm));
 }
 
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,

@@ -50,13 +50,30 @@ Response response(const HistoryRow& row, const Stage& stage) {
   return {row.monitor_displacement[axis], force, row.vertical_force};
 }
 
-bool is_vertical(const Stage& stage) {
-  if (stage.direction == 1) return true;
+namespace {
+
+// By component: a body is moved along it.
+std::array<bool, 3> driven_along(const Stage& stage) {
   std::array<bool, 3> driven{};
   for (const BodyControl& control : stage.controls) {
     for (size_t c = 0; c < 3; ++c)
       driven[c] = driven[c] || (control.kind[c] == DofKind::velocity && control.velocity[c] != 0.0);
   }
+  return driven;
+}
+
+}  // namespace
+
+const char* curve_kind(const Stage& stage) {
+  if (stage.ground) return "earthquake";
+  if (stage.collapse) return "collapse";
+  const bool pushed = stage.whiffletree || stage.cycles || driven_along(stage) != std::array{false, false, false};
+  return pushed ? "push" : "rest";
+}
+
+bool is_vertical(const Stage& stage) {
+  if (stage.direction == 1) return true;
+  const std::array<bool, 3> driven = driven_along(stage);
   return stage.direction == 0 && driven == std::array{false, true, false} && !stage.whiffletree && !stage.cycles &&
          stage.beyond_lattice().empty();
 }

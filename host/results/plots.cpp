@@ -11,7 +11,7 @@
 #include "base/attempt.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
-#include "results/crack_styles.h"
+#include "results/colours.h"
 #include "results/history.h"
 #include "scene/generate.h"
 
@@ -32,15 +32,18 @@ std::string title_of(const Scene& scene) {
   return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;
 }
 
-// Whose displacement the history shows: "top beam", "top course", "roof".
 std::string moved_part(const Scene& scene) {
-  if (scene.building && !scene.blocks) return "roof";
-  std::string name = scene.stages.empty() ? "" : scene.stages.back().monitor;
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name.empty() ? "wall" : name;
+  return scene.stages.empty() ? "wall" : moved_part(scene, scene.stages.back());
 }
 
 }  // namespace
+
+std::string moved_part(const Scene& scene, const Stage& stage) {
+  if (scene.building && !scene.blocks) return "roof";
+  std::string name = stage.monitor;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name.empty() ? "wall" : name;
+}
 
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
   Peak peak;

@@ -18,6 +18,9 @@ struct Peak {
 };
 Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene);
 
+// Whose displacement the history of a stage shows: "top beam", "top course", "roof".
+std::string moved_part(const Scene& scene, const Stage& stage);
+
 // Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing. label: of warnings.h, or nothing.
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                        const std::string& law, const std::string& label);

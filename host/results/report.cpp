@@ -20,7 +20,8 @@
 #include "base/number_text.h"
 #include "files/file.h"
 #include "files/markup.h"
-#include "results/crack_styles.h"
+#include "results/colours.h"
+#include "results/joint_table.h"
 #include "results/read_vtu.h"
 #include "results/report_parts.h"
 
@@ -322,9 +323,8 @@ std::vector<std::uint32_t> rim_of(const VtuGrid& grid) {
   return rim;
 }
 
-Joints read_joints(const fs::path& path) {
+Joints read_joints(const VtuFile& file) {
   constexpr auto kPoint = VtkRows::point;
-  const VtuFile file(path);
   Joints j;
   j.place = file.grid().position, j.rim = rim_of(file.grid());
   j.displacement = file.read<float>("displacement_m", kPoint, 3);
@@ -422,6 +422,7 @@ Json read_summary(const fs::path& path) {
 // What the page shows of a frame.
 struct Frame {
   std::vector<float> displacement, stress, rim, points, points_moved;
+  std::map<BlockPair, JointSum> sums;
   JointValues joints;
   std::vector<std::uint8_t> crack, point_crack;
 };
@@ -464,12 +465,13 @@ void add_points(const Joints& joints, const Start& start, const std::vector<floa
 
 Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   const fs::path path = frame_path(folder, "blocks", number);
-  const VtuFile blocks(path);
-  const Joints joints = read_joints(frame_path(folder, "joints", number));
+  const VtuFile blocks(path), joints_file(frame_path(folder, "joints", number));
+  const Joints joints = read_joints(joints_file);
   if (blocks.grid().position.size() != start->places.size())
     throw Error(Exit::bad_input, fmt::format("{}: has {} points, the first frame {}; run the scene again",
                                              path.string(), blocks.grid().points(), start->places.size() / 3));
   Frame frame;
+  frame.sums = joint_sums(joints_file);
   const auto vertex = blocks.grid().position == start->places ? start->surface.vertex
                                                               : points_of(blocks, start->surface, start->position);
   frame.displacement = vectors_at(vertex, blocks.read<float>("displacement_m", VtkRows::point, 3));
@@ -491,11 +493,77 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   return frame;
 }
 
-// Kinds of cracks by their numbers, as in cracks.png.
-Json crack_styles() {
-  Json styles = Json::array();
-  for (const CrackStyle& style : kCrackStyles) styles.push_back({{"label", style.label}, {"colour", style.colour}});
-  return styles;
+// Of "#rrggbb", 0 to 255.
+Json bytes_of(const std::string& colour) {
+  Json bytes = Json::array();
+  for (const std::size_t place : {1, 3, 5}) bytes.push_back(std::stoi(colour.substr(place, 2), nullptr, 16));
+  return bytes;
+}
+
+// Of everything on the page, cracks by their numbers.
+Json colours() {
+  Json cracks = Json::array();
+  for (const CrackStyle& style : kCrackStyles) cracks.push_back({{"label", style.label}, {"colour", style.colour}});
+  return {{"cracks", cracks},
+          {"cold", bytes_of(kQuantityColours.cold)},
+          {"middle", bytes_of(kQuantityColours.middle)},
+          {"warm", bytes_of(kQuantityColours.warm)},
+          {"pens", kPens}};
+}
+
+// Three digits are told: bits beyond them would only make the page larger.
+float shortened(double value) {
+  const auto exact = static_cast<float>(value);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &exact, sizeof bits);
+  constexpr std::uint32_t kDropped = 0xfffu;  // of 23: what stays is good to 1 in 2048
+  bits &= ~kDropped;
+  float result = 0.0F;
+  std::memcpy(&result, &bits, sizeof bits);
+  return result;
+}
+
+// Joints of all frames, in one order.
+void add_joints(const std::vector<Frame>& frames, Blob* blob) {
+  std::set<BlockPair> pairs;
+  for (const Frame& frame : frames) {
+    for (const auto& [pair, sum] : frame.sums) pairs.insert(pair);
+  }
+  std::vector<std::int32_t> a, b;
+  for (const auto& [first, second] : pairs) a.push_back(first), b.push_back(second);
+  blob->add("joint_a", a), blob->add("joint_b", b);
+  using Column = std::pair<const char*, double JointSum::*>;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (const auto& [name, column] :
+         {Column{"area", &JointSum::area}, Column{"normal", &JointSum::normal}, Column{"shear", &JointSum::shear},
+          Column{"eccentricity", &JointSum::eccentricity}, Column{"opening", &JointSum::opening},
+          Column{"slip", &JointSum::slip}, Column{"damage", &JointSum::damage}}) {
+      std::vector<float> values;
+      for (const BlockPair& pair : pairs) {
+        const auto found = frames[f].sums.find(pair);
+        values.push_back(found == frames[f].sums.end() ? 0.0F : shortened(found->second.*column));
+      }
+      blob->add(fmt::format("joint_{}{}", name, f), values);
+    }
+    std::vector<std::uint8_t> cracks;
+    for (const BlockPair& pair : pairs) {
+      const auto found = frames[f].sums.find(pair);
+      cracks.push_back(static_cast<std::uint8_t>(found == frames[f].sums.end() ? 0 : found->second.crack));
+    }
+    blob->add(fmt::format("joint_crack{}", f), cracks);
+  }
+}
+
+// The furthest that a vertex has come, m.
+double largest_of(const std::vector<Frame>& frames) {
+  float squares = 0.0F;
+  for (const Frame& frame : frames) {
+    for (std::size_t i = 0; 3 * i + 2 < frame.displacement.size(); ++i) {
+      const auto u = at(frame.displacement, i);
+      squares = std::max(squares, u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    }
+  }
+  return std::sqrt(double{squares});
 }
 
 Part part_of(const fs::path& folder, const OnFrame& on_frame) {
@@ -507,7 +575,7 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
   part.head["summary"] = read_summary(folder / "summary.json");
   part.head["history"] = read_history(folder / "history.csv");
   part.head["times"] = times;
-  part.head["cracks"] = crack_styles();
+  part.head["colours"] = colours();
 
   Start start{VtuFile(frame_path(folder, "blocks", 0))};
   std::vector<Frame> frames;
@@ -526,14 +594,16 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
   blob.add("triangle", corners);
   blob.add("edge", start.surface.edge);
   blob.add("rim", start.rim_position);
+  blob.add("block", start.surface.block);
+  add_joints(frames, &blob);
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const auto name = [f](const char* what) { return fmt::format("{}{}", what, f); };
     const Frame& frame = frames[f];
     blob.add(name("moved"), moved.words(frame.displacement));
-    blob.add(name("stress"), stress.bytes(frame.stress));
+    blob.add(name("stress"), stress.words(frame.stress));
     blob.add(name("damage"), damage.bytes(frame.joints.damage));
-    blob.add(name("opening"), opening.bytes(frame.joints.opening));
-    blob.add(name("slip"), slip.bytes(frame.joints.slip));
+    blob.add(name("opening"), opening.words(frame.joints.opening));
+    blob.add(name("slip"), slip.words(frame.joints.slip));
     if (frame.rim.size() == start.rim_position.size()) blob.add(name("rim_moved"), rim_moved.words(frame.rim));
     blob.add(name("crack"), frame.crack);
     blob.add(name("points"), frame.points);
@@ -547,6 +617,7 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
                         {"slip", range(slip)},
                         {"moved", std::max(moved.upper, -moved.lower)},
                         {"rim_moved", std::max(rim_moved.upper, -rim_moved.lower)}};
+  part.head["largest_displacement"] = largest_of(frames);
   part.head["arrays"] = blob.arrays();
   part.data = blob.text();
   return part;

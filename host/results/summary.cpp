@@ -71,6 +71,11 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
       controls.push_back({{"body", c.body}, {"velocity_m_per_s", velocity}, {"force_N", c.force}});
     }
     j["controls"] = controls;
+    j["curve"] = {{"kind", curve_kind(stage)},
+                  {"along", is_vertical(stage)     ? "y"
+                            : stage.direction == 2 ? "z"
+                                                   : "x"},
+                  {"of", moved_part(scene, stage)}};
     stages.push_back(j);
   }
   return {{"set", info.provenance.request.overrides},
@@ -111,6 +116,22 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
                         {"balance_error", e.balance_error()}};
   }
   return json;
+}
+
+// Of those that have one, by number.
+Json block_names(const Simulation& simulation) {
+  constexpr std::size_t kMost = 5000;  // more are no use to a reader, and the file would be names alone
+  Json names = Json::object();
+  const auto add = [&](const auto& blocks, const auto& name) {
+    for (std::size_t i = 0; i < blocks.size() && names.size() < kMost; ++i) {
+      if (!name(blocks[i]).empty()) names[std::to_string(i)] = name(blocks[i]);
+    }
+  };
+  if (simulation.scene().blocks && simulation.riding())
+    add(simulation.riding()->assembly().blocks, [](const auto& block) { return block.name; });
+  else
+    add(simulation.assembly().bricks, [](const Brick& brick) { return brick.body; });
+  return names;
 }
 
 Json motion_of(const Simulation& simulation) {
@@ -256,6 +277,8 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   const auto beams = riding ? count_beams(riding->assembly().blocks) : count_beams(simulation.assembly().bricks);
   json["blocks"] = simulation.block_count() - beams;
   json["beams"] = beams;
+  json["block_names"] = block_names(simulation);
+  json["symmetry_factor"] = simulation.assembly().symmetry_factor;
   json["zones"] = simulation.zone_count();
   json["contact_points"] = simulation.point_count();
   Json& states = json["contact_points_by_state"];

@@ -7,24 +7,17 @@ const html = fs.readFileSync(process.argv[2], 'utf8');
 class Element {
   constructor(tag) {
     Object.assign(this, {tag, style: {}, children: [], listeners: {}, dataset: {}, value: '', checked: false});
-    Object.assign(this, {clientWidth: 800, clientHeight: 600, strokes: [], texts: []});
+    Object.assign(this, {clientWidth: 800, clientHeight: 600, attributes: {}});
   }
   appendChild(child) { this.children.push(child); return child; }
+  removeChild(child) { this.children.splice(this.children.indexOf(child), 1); }
+  get firstChild() { return this.children[0]; }
+  setAttribute(name, value) { this.attributes[name] = String(value); }
   addEventListener(type, act) { (this.listeners[type] = this.listeners[type] || []).push(act); }
   removeEventListener() {}
   send(type) { for (const act of this.listeners[type] || []) act({}); }
   set textContent(text) { this.text = String(text); this.children = []; }
   get textContent() { return this.text || ''; }
-  // Keeps what is written and the lines that are drawn.
-  getContext() {
-    const canvas = this;
-    let path = [];
-    return {
-      clearRect() { canvas.strokes = []; canvas.texts = []; },
-      beginPath() { path = []; }, moveTo(...p) { path.push(p); }, lineTo(...p) { path.push(p); }, arc() {}, fill() {},
-      stroke() { canvas.strokes.push(path); }, fillText(text, x, y) { canvas.texts.push([text, x, y]); }
-    };
-  }
 }
 const byId = {};
 for (const [, tag, attributes] of html.matchAll(/<(\w+)((?: [^<>]*)? id="[^<>]*)>/g)) {
@@ -33,8 +26,9 @@ for (const [, tag, attributes] of html.matchAll(/<(\w+)((?: [^<>]*)? id="[^<>]*)
   const value = / value="([^"]*)"/.exec(attributes);
   if (value) element.value = value[1];
 }
-const options = [...html.matchAll(/<option value="([^"]*)"/g)].map(m => m[1]);
-byId.colour.value = options[0];
+const choices = id => [...new RegExp(`id="${id}">([^]*?)</select>`).exec(html)[1].matchAll(/<option value="([^"]*)"/g)].map(m => m[1]);
+const options = choices('colour');
+byId.colour.value = options[0]; byId.range.value = choices('range')[0];
 const scripts = [...html.matchAll(/<script((?: [^>]*)?)>([\s\S]*?)<\/script>/g)];
 const ofClass = name => scripts.filter(s => s[1].includes(`class="${name}"`)).map(s => ({textContent: s[2]}));
 const body = new Element('body');
@@ -44,7 +38,7 @@ globalThis.addEventListener = () => {};
 globalThis.document = {
   body, createElement: tag => new Element(tag), createElementNS: (_, tag) => new Element(tag),
   getElementById: id => byId[id], addEventListener() {}, removeEventListener() {},
-  querySelectorAll: selector => ofClass(selector.split('.')[1])
+  querySelectorAll: selector => selector.includes('.') ? ofClass(selector.split('.')[1]) : []
 };
 const [library, page] = scripts.filter(s => !s[1]).map(s => s[2]);
 vm.runInThisContext(library, 'three.js');
@@ -59,20 +53,26 @@ vm.runInThisContext(page, 'script.js');
 
 const numbers = attribute => attribute ? Array.from(attribute.array) : [];
 const texts = element => [element.textContent, ...element.children.flatMap(texts)];
-function shown(run) {
-  return {frame: run.frame, position: numbers(run.position), colour: numbers(run.colour), cracked: run.cracked,
-    rim: numbers(run.rim.geometry.attributes.position), rim_colour: numbers(run.rim.geometry.attributes.color),
-    points: numbers(run.dots.geometry.attributes.position), point_colour: numbers(run.dots.geometry.attributes.color),
-    legend: run.legend.children.map(c => [c.textContent, c.style.color || c.style.background]),
-    dots: [run.curve.dots, run.energies.dots]};
+const marksOf = (drawing, name) => drawing.children.filter(c => c.attributes.class === name);
+function shown({model, curves}) {
+  const words = marksOf(model.overlay, 'crack').filter(c => c.tag === 'text').map(c => c.textContent);
+  const paints = marksOf(model.overlay, 'crack').filter(c => c.tag === 'rect').map(c => c.attributes.fill);
+  return {frame: model.frame, position: numbers(model.position), colour: numbers(model.colour), cracked: model.cracked,
+    rim: numbers(model.rim.geometry.attributes.position), rim_colour: numbers(model.rim.geometry.attributes.color),
+    points: numbers(model.dots.geometry.attributes.position), point_colour: numbers(model.dots.geometry.attributes.color),
+    legend: words.map((word, k) => [word, paints[k]]), quantity: marksOf(model.overlay, 'legend')[0].textContent,
+    range: [model.shown.low, model.shown.high],
+    dots: curves.map(c => c.dots.map(d => [Number(d.attributes.cx), Number(d.attributes.cy)]))};
 }
 function whenReady() {
   if (!body.dataset.ready) return setTimeout(whenReady, 5);
   const told = {ready: body.dataset.ready, fault: texts(body).join(' '), options, runs: []};
   for (const run of body.dataset.ready === 'yes' ? quoinRuns : []) {
-    const of_run = {natural: Number(byId.magnification.value), vertices: run.vertices, looks: [],
-      curves: [run.curve, run.energies].map(c => ({xs: c.xs, lines: c.lines, labels: c.labels, strokes: c.canvas.strokes,
-        texts: c.canvas.texts, top: c.top})), texts: texts(byId.runs)};
+    const of_run = {natural: Number(byId.magnification.value), vertices: run.model.vertices, looks: [],
+      curves: run.curves.map(c => ({xs: c.xs, lines: c.lines, labels: c.labels, width: c.width, top: c.top,
+        strokes: marksOf(c.svg, 'curve').map(m => m.attributes.points.split(' ').map(p => p.split(',').map(Number)))})),
+      texts: texts(byId.runs), robust: Object.fromEntries(options.map(what => [what, quoinBar.ranges.robust(what)]))};
+    byId.range.value = 'whole';
     for (const magnified of [1, 50]) {
       byId.magnification.value = magnified;
       for (let f = 0; f < run.frames; ++f) {

@@ -1,11 +1,13 @@
 """The page of a run, opened by a browser from the disk. What the page does is asked by a script that is added to a copy."""
 import base64
+import http.server
 import json
 import os
 import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -21,7 +23,7 @@ window.addEventListener('error', e => faults.push(e.message));
 window.addEventListener('unhandledrejection', e => faults.push(String(e.reason)));
 for (const kind of ['error', 'warn']) { console[kind] = (...words) => faults.push(words.join(' ')); }
 const pixels = run => {
-  const gl = run.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const gl = run.model.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
   const all = new Uint8Array(4 * w * h);
   gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, all);
   let drawn = 0, sum = 0;
@@ -31,30 +33,118 @@ const pixels = run => {
   }
   return [drawn / (w * h), sum];
 };
-const ask = () => {
-  if (!document.body.dataset.ready) return setTimeout(ask, 50);
-  const told = {ready: document.body.dataset.ready, frames: [], colours: [], faults};
-  if (told.ready === 'yes') {
-    const slider = document.getElementById('time'), colour = document.getElementById('colour');
-    for (let f = 0; f <= Number(slider.max); ++f) {
-      slider.value = f;
-      slider.dispatchEvent(new Event('input'));
-      told.frames.push(quoinRuns.map(r => [r.frame, ...pixels(r), r.curve.dots[0], r.cracked]));
-    }
-    for (const option of colour.options) {
-      colour.value = option.value;
-      colour.dispatchEvent(new Event('input'));
-      told.colours.push([option.value, ...pixels(quoinRuns[0])]);
-    }
+const dotOf = run => ['cx', 'cy'].map(name => Number(run.curves[0].dots[0].getAttribute(name)));
+// Texts that cross each other, or leave their drawing.
+const crossing = () => {
+  const found = [];
+  for (const svg of document.querySelectorAll('svg')) {
+    const frame = svg.getBoundingClientRect();
+    const boxes = [...svg.querySelectorAll('text')].map(t => [t.textContent, t.getBoundingClientRect()]);
+    boxes.forEach(([name, box], i) => {
+      if (box.left < frame.left - 1 || box.right > frame.right + 1 || box.top < frame.top - 1 || box.bottom > frame.bottom + 1)
+        found.push(`${name} leaves its drawing`);
+      for (const [other, of] of boxes.slice(i + 1)) {
+        const wide = Math.min(box.right, of.right) - Math.max(box.left, of.left);
+        const tall = Math.min(box.bottom, of.bottom) - Math.max(box.top, of.top);
+        if (wide > 1 && tall > 2) found.push(`${name} crosses ${other}`);  // boxes have room above capitals
+      }
+    });
   }
-  const pre = document.createElement('pre');
-  pre.id = 'told';
-  pre.textContent = JSON.stringify(told);
-  document.body.appendChild(pre);
+  return found;
+};
+// Shares of the room for the model that it fills, across and up.
+const filled = run => {
+  const m = run.model, gl = m.renderer.getContext(), [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const all = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, all);
+  let [x0, x1, y0, y1] = [w, -1, h, -1];
+  for (let y = 0; y < h; ++y) for (let x = 0; x < w; ++x) {
+    const i = 4 * (y * w + x);
+    if (all[i] === 251 && all[i + 1] === 251 && all[i + 2] === 250) continue;
+    x0 = Math.min(x0, x); x1 = Math.max(x1, x); y0 = Math.min(y0, y); y1 = Math.max(y1, y);
+  }
+  return [(x1 - x0) / (w - EDGE.legend - EDGE.around), (y1 - y0) / (h - EDGE.below - EDGE.around)];
+};
+const send = (id, value, type = 'input') => {
+  const it = document.getElementById(id);
+  if (value !== null) it.value = value;
+  it.dispatchEvent(new Event(type));
+};
+const painted = async url => {
+  const image = new Image();
+  image.src = url;
+  await image.decode();
+  const canvas = Object.assign(document.createElement('canvas'), {width: image.width, height: image.height});
+  const c = canvas.getContext('2d');
+  c.drawImage(image, 0, 0);
+  const all = c.getImageData(0, 0, image.width, image.height).data;
+  let dark = 0;
+  for (let i = 0; i < all.length; i += 4) if (all[i] < 200) ++dark;
+  return [image.width, image.height, dark / (all.length / 4)];
+};
+const look = async () => {
+  const told = {ready: document.body.dataset.ready, frames: [], colours: [], views: {}, crossing: [], faults};
+  if (told.ready !== 'yes') return told;
+  const slider = document.getElementById('time'), colour = document.getElementById('colour'), run = quoinRuns[0];
+  told.seconds = openedAfter;
+  told.fits = document.documentElement.scrollWidth <= window.innerWidth;
+  told.tops = quoinRuns.map(r => [r.model.holder.getBoundingClientRect().top, r.curves[0].svg.getBoundingClientRect().bottom]);
+  told.window = window.innerHeight;
+  for (let f = 0; f <= Number(slider.max); ++f) {
+    send('time', f);
+    told.frames.push(quoinRuns.map(r => [r.model.frame, ...pixels(r), dotOf(r), r.model.cracked, r.momentOf(r.model.frame)]));
+    told.crossing.push(...crossing());
+  }
+  for (const option of [...colour.options].reverse()) {
+    send('colour', option.value);
+    told.colours.unshift([option.value, ...pixels(run), run.model.overlay.querySelector('.legend').textContent]);
+    told.crossing.push(...crossing());
+  }
+  for (const button of document.querySelectorAll('#views button')) {
+    button.click();
+    told.views[button.dataset.view] = [...filled(run), pixels(run)[1]];
+    told.crossing.push(...crossing());
+  }
+  document.querySelector('[data-view=front]').click();
+  // Down the middle of the picture, until there is something.
+  const holder = run.model.holder, box = holder.getBoundingClientRect();
+  const x = EDGE.around + (run.model.width - EDGE.legend - EDGE.around) * 0.47;
+  for (let y = 8; y < run.model.height && !told.tip; y += 3) {
+    holder.dispatchEvent(new MouseEvent('mousemove', {clientX: box.left + x, clientY: box.top + y}));
+    await new Promise(resolve => setTimeout(resolve, 50));
+    told.tip = holder.querySelector('.tip').textContent;
+  }
+  const before = pixels(run)[1];
+  send('colour', 'displacement'); send('highest', 1e6); send('lowest', 0);
+  told.given = [document.getElementById('range').value, run.model.shown.high, pixels(run)[1] !== before];
+  document.getElementById('save').click();
+  for (let k = 0; k < 200 && !quoinBar.saved; ++k) await new Promise(resolve => setTimeout(resolve, 20));
+  told.saved = await painted(quoinBar.saved);
+  return told;
+};
+const began = performance.now();
+let openedAfter = null;
+const ask = async () => {
+  if (!document.body || !document.body.dataset.ready) return setTimeout(ask, 20);
+  openedAfter = (performance.now() - began) / 1e3;
+  const told = await look().catch(fault => ({ready: 'no', faults: [fault.stack]}));
+  fetch('http://127.0.0.1:PORT/', {method: 'POST', mode: 'no-cors', body: JSON.stringify(told)});
 };
 ask();
 </script>
 """
+
+
+class Ear(http.server.BaseHTTPRequestHandler):
+    """Takes what the page tells."""
+
+    def do_POST(self):
+        self.server.told = self.rfile.read(int(self.headers["Content-Length"]))
+        self.send_response(200)
+        self.end_headers()
+
+    def log_message(self, *words):
+        pass
 
 
 def told_by(page):
@@ -65,17 +155,22 @@ def told_by(page):
     with open(page, encoding="utf-8") as file:
         html = file.read()
     asked = page.replace(".html", "_asked.html")
-    with open(asked, "w", encoding="utf-8") as file:
-        file.write(html.replace("<body>", "<body>" + ASK, 1))
-    with tempfile.TemporaryDirectory() as profile:
-        done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader",
+    with http.server.HTTPServer(("127.0.0.1", 0), Ear) as ear, tempfile.TemporaryDirectory(
+            ignore_cleanup_errors=True) as profile:
+        ear.told, ear.timeout = None, 1.0
+        with open(asked, "w", encoding="utf-8") as file:
+            file.write(html.replace("<body>", "<body>" + ASK.replace("PORT", str(ear.server_port)), 1))
+        with subprocess.Popen([browser, "--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader",
                                "--enable-unsafe-swiftshader", "--window-size=1200,900", f"--user-data-dir={profile}",
-                               "--virtual-time-budget=60000", "--dump-dom", "file://" + asked],
-                              capture_output=True, text=True, timeout=280)
-    found = re.search(r'<pre id="told">(.*?)</pre>', done.stdout, re.S)
-    if not found:
-        raise AssertionError(f"the page has told nothing: {done.stdout[-500:]} {done.stderr[-2000:]}")
-    return json.loads(found[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))
+                               "--remote-debugging-port=0", "file://" + asked],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as running:
+            end = time.monotonic() + 240
+            while ear.told is None and time.monotonic() < end and running.poll() is None:
+                ear.handle_request()
+            running.terminate()
+    if ear.told is None:
+        raise AssertionError("the page has told nothing")
+    return json.loads(ear.told)
 
 
 class Report(Folder):
@@ -106,12 +201,27 @@ class Report(Folder):
         self.assertGreater(len(frames), 2)
         for r in range(runs):
             self.assertEqual(frames[0][r][0], 0)
-            for _, drawn, _, _, _ in (f[r] for f in frames):
+            for _, drawn, _, _, _, _ in (f[r] for f in frames):
                 self.assertGreater(drawn, 0.02)  # of the picture: something is there
             self.assertGreater(len({f[r][2] for f in frames}), 1, "the slider changes the picture")
             self.assertGreater(len({tuple(f[r][3]) for f in frames}), 1, "the slider moves the dot on the curve")
+            self.assertEqual(len({f[r][5] for f in frames}), len({f[r][0] for f in frames}), "each frame has its moment")
             if cracks:
                 self.assertGreater(frames[-1][r][4], 0)
+        self.assertEqual(told["crossing"], [])
+        self.assertTrue(told["fits"], "the page is wider than its window")
+        for top, bottom in told["tops"]:
+            self.assertLess(bottom, told["window"], "model and curve are seen at once")
+        for view, (across, up, _) in told["views"].items():
+            self.assertGreater(max(across, up), 0.9, view)
+            self.assertLess(max(across, up), 1.02, view)
+        self.assertEqual(len({look for _, _, look in told["views"].values()}), 4)
+        self.assertIn(" mm (x, y, z)", told["tip"])
+        self.assertEqual(told["given"], ["given", 1e3, True])  # mm as typed, m as computed
+        width, height, dark = told["saved"]
+        self.assertGreater(width, 1000)
+        self.assertGreater(height, 800)
+        self.assertGreater(dark, 0.01)
 
     def test_a_wall_can_be_looked_at(self):
         self.run_scene("wall", SMALL_WALL, "--report")
@@ -124,6 +234,12 @@ class Report(Folder):
         self.assert_works(told)
         self.assertEqual([c[0] for c in told["colours"]], ["damage", "opening", "slip", "stress", "displacement"])
         self.assertGreater(len({c[2] for c in told["colours"]}), 3)  # they look different
+        self.assertEqual([c[3] for c in told["colours"]],
+                         ["damage of joints [\u2013]", "opening of joints [mm]", "slip of joints [mm]",
+                          "smallest principal stress [MPa]", "displacement [mm]"])
+        self.assertIn("joint to ", told["tip"])
+        self.assertRegex(told["tip"], r"normal -?[0-9.e-]+ MPa \(-?[0-9.e-]+ kN\), shear [0-9.e-]+ MPa")
+        self.assertRegex(told["frames"][-1][0][5], r"stage 2 of 2 \w+, 0\.50?\d* mm, [0-9.]+ s")
 
     def test_displacements_are_those_of_the_run(self):
         self.run_scene("wall", SMALL_WALL, "--report")

@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "files/file.h"
 #include "folder.h"
-#include "results/crack_styles.h"
+#include "results/colours.h"
 #include "results/history.h"
 #include "results/plots.h"
 #include "results/summary.h"
@@ -149,7 +149,7 @@ nlohmann::json head_of(const std::string& page) {
 TEST_F(Report, HasTheColoursOfThePictures) {
   write_run(kStones);
   const std::string page = outcome();
-  const nlohmann::json styles = head_of(page).at("cracks");
+  const nlohmann::json styles = head_of(page).at("colours").at("cracks");
   ASSERT_EQ(styles.size(), kCrackStyles.size());
   for (const CrackStyle& style : kCrackStyles) {
     const nlohmann::json& shown = styles[static_cast<std::size_t>(style.crack)];

@@ -1,4 +1,4 @@
-// How pictures show what a place in a joint has come to.
+// Colours of everything that is drawn of a run: pictures, page and Python have them from here.
 #pragma once
 
 #include <array>
@@ -21,5 +21,15 @@ inline constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{
      {Crack::slipped, "slipped", "#08519c", 5.0},
      {Crack::open, "open crack", "#d7191c", 5.0},
      {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
+
+// Of quantities: nothing, the most, and the most below nothing. Both ways it grows darker, so that grey tells how much.
+struct QuantityColours {
+  const char *middle, *warm, *cold;
+};
+inline constexpr QuantityColours kQuantityColours{"#e9e2d0", "#a50f15", "#2c4fa3"};
+
+// Of curves, one after the other; they differ in lightness, too.
+inline constexpr std::array kPens{"#b3321e", "#1d3557", "#5aa9e6", "#e8a33d", "#2a9d8f",
+                                  "#8d6a9f", "#777777", "#b08968", "#000000"};
 
 }  // namespace quoin

@@ -1,0 +1,347 @@
+// The model of a run in three dimensions: its surface, cracks, view, marks over it, and what lies under the pointer.
+
+const VIEWS = {front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0], iso: [0.55, 0.45, 1]};
+const EDGE = {legend: 240, below: 62, around: 14};  // pixels of the picture that the model leaves free
+const LOWEST = 280, ROOM = 70;  // pixels: of the picture, and of title, borders and gaps around it
+const PICKED = 4;  // pixels across that are looked at for a block
+
+class Model {
+  constructor(parent, head, array) {
+    this.head = head; this.array = array; this.holder = parent;
+    this.vertices = array('position').length / 3;
+    const box = new THREE.Box3().setFromArray(array('position'));
+    this.size = box.getSize(new THREE.Vector3()).length();
+    this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+    this.renderer.setClearColor(0xfbfbfa);
+    parent.appendChild(this.renderer.domElement);
+    this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20 * this.size, 40 * this.size);
+    this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
+    box.getCenter(this.controls.target);
+    const sizes = this.boxes(array('position')).filter(b => b).map(b => Math.max(...b.high.map((h, k) => h - b.low[k])));
+    this.block = sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)];  // size of an ordinary one, m
+    this.scene = new THREE.Scene();
+    this.build();
+    this.overlay = drawing(parent);
+    this.resize();
+    this.controls.addEventListener('change', () => this.paint());
+  }
+  build() {
+    // From where the viewer stands: what faces him has the colours of the legend.
+    this.scene.add(new THREE.AmbientLight(0xffffff, 0.55));
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.45);
+    this.scene.add(this.sun);
+    this.position = new THREE.BufferAttribute(this.array('position').slice(), 3);
+    this.colour = new THREE.BufferAttribute(new Float32Array(3 * this.vertices), 3);
+    const surface = new THREE.BufferGeometry();
+    surface.setAttribute('position', this.position);
+    surface.setAttribute('color', this.colour);
+    surface.setIndex(new THREE.BufferAttribute(this.array('triangle'), 1));
+    this.scene.add(new THREE.Mesh(surface, new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true,
+      side: THREE.DoubleSide, shininess: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1})));
+    const edges = new THREE.BufferGeometry();
+    edges.setAttribute('position', this.position);
+    edges.setIndex(new THREE.BufferAttribute(this.array('edge'), 1));
+    this.scene.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x555550, transparent: true, opacity: 0.5})));
+    this.rim = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(
+      {vertexColors: THREE.VertexColors, depthFunc: THREE.LessEqualDepth}));
+    this.dots = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial(
+      {vertexColors: THREE.VertexColors, size: 6, sizeAttenuation: false}));
+    for (const thing of [this.rim, this.dots]) this.scene.add(thing);
+    for (const thing of this.scene.children) thing.frustumCulled = false;
+    this.buildPicking();
+  }
+  // The same surface, each block in a colour of its own that is its number.
+  buildPicking() {
+    const block = this.array('block'), ids = new Uint8Array(3 * this.vertices), surface = new THREE.BufferGeometry();
+    for (let v = 0; v < this.vertices; ++v)
+      for (let k = 0; k < 3; ++k) ids[3 * v + k] = (block[v] + 1) >> (8 * k) & 255;
+    surface.setAttribute('position', this.position);
+    surface.setAttribute('color', new THREE.BufferAttribute(ids, 3, true));
+    surface.setIndex(new THREE.BufferAttribute(this.array('triangle'), 1));
+    const mesh = new THREE.Mesh(surface, new THREE.MeshBasicMaterial({vertexColors: THREE.VertexColors, side: THREE.DoubleSide}));
+    mesh.frustumCulled = false;
+    this.picking = new THREE.Scene();
+    this.picking.background = new THREE.Color(0);
+    this.picking.add(mesh);
+    this.target = new THREE.WebGLRenderTarget(PICKED, PICKED);
+  }
+  // Model and curves fill the window.
+  resize() {
+    const others = byId('bar').offsetHeight + CHART.height + ROOM;
+    this.holder.style.height = `${Math.max(LOWEST, window.innerHeight - others)}px`;
+    this.width = this.holder.clientWidth; this.height = this.holder.clientHeight;
+    this.renderer.setPixelRatio(window.devicePixelRatio || 1);
+    this.renderer.setSize(this.width, this.height);
+    for (const [key, value] of [['width', this.width], ['height', this.height], ['viewBox', `0 0 ${this.width} ${this.height}`]])
+      this.overlay.setAttribute(key, value);
+  }
+
+  // ---- Views ----
+  // Seen from the front where all blocks that move share their middle plane.
+  get natural() {
+    const box = this.boxes(this.array('position'));
+    let low = Infinity, high = -Infinity, thick = 0;
+    for (const b of box) {
+      if (!b || !b.moves) continue;
+      const middle = (b.low[2] + b.high[2]) / 2;
+      low = Math.min(low, middle); high = Math.max(high, middle); thick = Math.max(thick, b.high[2] - b.low[2]);
+    }
+    return high - low < 0.25 * thick ? 'front' : 'iso';
+  }
+  // By block: the box of its vertices, and whether it ever moves.
+  boxes(position) {
+    const block = this.array('block'), all = [];
+    for (let v = 0; v < this.vertices; ++v) {
+      const b = all[block[v]] = all[block[v]] || {low: [Infinity, Infinity, Infinity], high: [-Infinity, -Infinity, -Infinity], moves: false};
+      for (let k = 0; k < 3; ++k) {
+        b.low[k] = Math.min(b.low[k], position[3 * v + k]); b.high[k] = Math.max(b.high[k], position[3 * v + k]);
+      }
+    }
+    const moved = this.array('moved' + (this.head.times.length - 1));
+    for (let v = 0; v < this.vertices; ++v)
+      if (moved[3 * v] || moved[3 * v + 1] || moved[3 * v + 2]) all[block[v]].moves = true;
+    if (!all.some(b => b && b.moves)) all.forEach(b => { b.moves = true; });
+    return all;
+  }
+  // Looks along a direction, and lets the model fill the view.
+  look(name) {
+    this.viewed = name;
+    const direction = new THREE.Vector3(...VIEWS[name]).normalize();
+    if (name === 'top') direction.z = 1e-4;  // up on paper is away from the viewer, -z
+    this.camera.position.copy(this.controls.target).addScaledVector(direction, this.size);
+    this.camera.zoom = 1;
+    this.camera.lookAt(this.controls.target);
+    this.camera.updateMatrixWorld();
+    this.fit();
+  }
+  // Extents on paper of what moves, at the start and now; of supports only what is near.
+  fit() {
+    const x = new THREE.Vector3(), y = new THREE.Vector3(), z = new THREE.Vector3();
+    this.camera.matrixWorld.extractBasis(x, y, z);
+    const start = this.array('position'), now = this.position.array, block = this.array('block'), boxes = this.boxes(start);
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    const on = (p, v, axis) => p[3 * v] * axis.x + p[3 * v + 1] * axis.y + p[3 * v + 2] * axis.z;
+    const include = (p, moves, most) => {
+      const [l, h] = [low.slice(), high.slice()];
+      for (let v = 0; v < this.vertices; ++v) {
+        const box = boxes[block[v]];
+        if (box.moves !== moves || (!moves && box.small !== (most === Infinity))) continue;
+        [x, y].forEach((axis, k) => {
+          const room = most * reach;
+          const at = most === Infinity ? on(p, v, axis) : Math.min(h[k] + room, Math.max(l[k] - room, on(p, v, axis)));
+          low[k] = Math.min(low[k], at); high[k] = Math.max(high[k], at);
+        });
+      }
+    };
+    const moving = boxes.filter(b => b && b.moves);
+    const reach = Math.max(...[0, 1, 2].map(k => Math.max(...moving.map(b => b.high[k])) - Math.min(...moving.map(b => b.low[k]))));
+    include(start, true, Infinity); include(now, true, 0.4);
+    // Small supports are shown as they are; of a ground a strip.
+    for (const b of boxes) if (b) b.small = Math.max(...b.high.map((h, k) => h - b.low[k])) < 0.5 * reach;
+    include(start, false, Infinity); include(start, false, 0.3);
+    const wide = Math.max(high[0] - low[0], 1e-9), tall = Math.max(high[1] - low[1], 1e-9), {legend, below, around} = EDGE;
+    const room = [this.width - legend - around, this.height - below - around];
+    const scale = Math.max(1e-9, Math.min(Math.max(room[0], 50) / wide, Math.max(room[1], 50) / tall));  // pixels a metre
+    const middle = [around + room[0] / 2, around + room[1] / 2];
+    const across = (low[0] + high[0]) / 2, up = (low[1] + high[1]) / 2, target = this.controls.target;
+    const move = x.clone().multiplyScalar(across - target.dot(x)).addScaledVector(y, up - target.dot(y));
+    target.add(move); this.camera.position.add(move);
+    Object.assign(this.camera, {left: -middle[0] / scale, right: (this.width - middle[0]) / scale,
+      top: middle[1] / scale, bottom: -(this.height - middle[1]) / scale});
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.paint();
+  }
+  get pixelsPerMetre() { return this.width / (this.camera.right - this.camera.left) * this.camera.zoom; }
+
+  // ---- A moment ----
+  // The magnification at which the model is seen to move; what has moved far is drawn as it is.
+  get magnification() {
+    const moved = this.head.range.moved;
+    if (moved > 0.02 * this.size || moved === 0) return 1;
+    return Math.max(1, roundDown(0.05 * this.size / moved));
+  }
+  valueAt(frame, what, v) {
+    if (what === 'displacement') {
+      const moved = this.array('moved' + frame);
+      return this.head.range.moved / 32767 * Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
+    }
+    const stored = this.array(what + frame), [low, high] = this.head.range[what];
+    if (what === 'damage') return low + stored[v] / 255 * (high - low);
+    return Math.max(high, -low) / 32767 * stored[v];
+  }
+  values(frame, what) {
+    const values = new Float32Array(this.vertices);
+    if (what === 'displacement') {
+      const moved = this.array('moved' + frame), step = this.head.range.moved / 32767;
+      for (let v = 0; v < this.vertices; ++v) values[v] = step * Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
+      return values;
+    }
+    const stored = this.array(what + frame), [low, high] = this.head.range[what];
+    const step = what === 'damage' ? (high - low) / 255 : Math.max(high, -low) / 32767;
+    for (let v = 0; v < this.vertices; ++v) values[v] = step * stored[v];
+    return values;
+  }
+  // what: {quantity, low, high, magnified, cracks, moment}
+  show(frame, what) {
+    this.frame = frame; this.shown = what;
+    const start = this.array('position'), moved = this.array('moved' + frame);
+    const step = this.head.range.moved / 32767, to = this.position.array, paint = this.colour.array;
+    for (let i = 0; i < to.length; ++i) to[i] = start[i] + what.magnified * step * moved[i];
+    const values = this.values(frame, what.quantity), scale = this.scaleOf(what);
+    for (let v = 0; v < this.vertices; ++v) paint.set(scale(values[v]), 3 * v);
+    this.position.needsUpdate = this.colour.needsUpdate = true;
+    this.drawCracks(frame, what.magnified, what.cracks);
+    this.paint();
+  }
+  // From a value to its colour. 0 has the middle one, where the range holds it.
+  scaleOf({low, high}) {
+    const zero = Math.min(Math.max(0, low), high), most = Math.max(zero - low, high - zero) || 1;
+    return value => colourAt((value - zero) / most, this.head.colours);
+  }
+  // Intact places are not drawn. On the lattice lines where joints come to the surface; elsewhere points.
+  drawCracks(frame, magnified, cracks) {
+    const rim = this.array('rim'), moved = this.array('rim_moved' + frame), kind = this.array('crack' + frame);
+    const step = this.head.range.rim_moved / 32767, at = [], paint = [], styles = this.head.colours.cracks;
+    for (let s = 0; cracks && moved.length === rim.length && s < kind.length; s += 2) {
+      if (kind[s] === 0 || kind[s + 1] === 0) continue;
+      const colour = new THREE.Color(styles[Math.max(kind[s], kind[s + 1])].colour);
+      for (let i = 3 * s; i < 3 * s + 6; ++i) at.push(rim[i] + magnified * step * moved[i]);
+      for (let end = 0; end < 2; ++end) paint.push(colour.r, colour.g, colour.b);
+    }
+    this.fill(this.rim.geometry, at, paint);
+    const points = this.array('points' + frame), moved_points = this.array('points_moved' + frame);
+    const kinds = this.array('point_crack' + frame), dots = [], stand = [];
+    if (cracks) points.forEach((x, i) => stand.push(x + magnified * moved_points[i]));
+    for (const k of cracks ? kinds : []) { const c = new THREE.Color(styles[k].colour); dots.push(c.r, c.g, c.b); }
+    this.fill(this.dots.geometry, stand, dots);
+    this.cracked = at.length / 6 + dots.length / 3;
+  }
+  fill(geometry, at, paint) {
+    geometry.setAttribute('position', new THREE.Float32BufferAttribute(at, 3));
+    geometry.setAttribute('color', new THREE.Float32BufferAttribute(paint.slice(0, at.length), 3));
+  }
+  paint() {
+    if (!this.shown) return;
+    this.dots.material.size = Math.max(2.5, Math.min(6, this.pixelsPerMetre * this.block / 10)) * (window.devicePixelRatio || 1);
+    this.sun.position.copy(this.camera.position).sub(this.controls.target);
+    this.renderer.render(this.scene, this.camera);
+    this.drawMarks();
+  }
+
+  // ---- Marks over the picture ----
+  drawMarks() {
+    while (this.overlay.firstChild) this.overlay.removeChild(this.overlay.firstChild);
+    this.drawLegend();
+    const base = this.height - 14, length = roundDown(110 / this.pixelsPerMetre), pixels = length * this.pixelsPerMetre;
+    mark(this.overlay, 'path', {d: `M 76 ${base - 5} v 5 h ${pixels} v -5`, stroke: '#222', fill: 'none', 'stroke-width': 1.5, class: 'bar'});
+    mark(this.overlay, 'text', {x: 76 + pixels / 2, y: base - 6, 'text-anchor': 'middle'}, length < 1 ? `${short(length * 100)} cm` : `${length} m`);
+    const {magnified, moment} = this.shown;
+    mark(this.overlay, 'text', {x: 96 + pixels, y: base, class: 'caption'}, `${moment}; displacements ` +
+      (magnified === 1 ? 'true to scale' : `\u00d7 ${short(magnified)}`));
+    this.drawAxes(34, base - 24);
+  }
+  drawAxes(x0, y0) {
+    const inverse = this.camera.matrixWorldInverse;
+    [['x', '#b3321e'], ['y', '#2a7a3a'], ['z', '#1d4e89']].forEach(([name, stroke], k) => {
+      const d = new THREE.Vector3().setComponent(k, 1).transformDirection(inverse);
+      if (Math.hypot(d.x, d.y) < 0.15) return;
+      mark(this.overlay, 'line', {x1: x0, y1: y0, x2: x0 + 20 * d.x, y2: y0 - 20 * d.y, stroke, 'stroke-width': 2});
+      mark(this.overlay, 'text', {x: x0 + 28 * d.x, y: y0 - 28 * d.y + 4, 'text-anchor': 'middle', fill: stroke}, name);
+    });
+  }
+  drawLegend() {
+    const {quantity, low, high, cracks} = this.shown, {name, unit, factor} = QUANTITIES[quantity];
+    const width = 205, x = this.width - width - 18, scale = this.scaleOf(this.shown), n = 34;
+    let y = 22;
+    mark(this.overlay, 'text', {x, y, class: 'legend', 'font-weight': 600}, name + (unit ? ` [${unit}]` : ' [\u2013]'));
+    y += 8;
+    for (let k = 0; k < n; ++k)
+      mark(this.overlay, 'rect', {x: x + width * k / n, y, width: width / n + 0.5, height: 11, class: 'colour',
+        fill: cssOf(scale(low + (k + 0.5) / n * (high - low)))});
+    y += 25;
+    const ticks = ticksThatFit(low * factor, high * factor, 5, width), range = high - low || 1;
+    ticks.forEach(t => mark(this.overlay, 'text', {x: x + width * (t / factor - low) / range, y, 'text-anchor': 'middle'}, short(t)));
+    if (!cracks) return;
+    y += 6;
+    for (const {label, colour} of this.head.colours.cracks.slice(1)) {
+      y += 17;
+      mark(this.overlay, 'rect', {x, y: y - 9, width: 14, height: 9, fill: colour, class: 'crack'});
+      mark(this.overlay, 'text', {x: x + 20, y, class: 'crack'}, label);
+    }
+  }
+
+  // ---- Under the pointer ----
+  // Number of the block at a place of the picture; -1: none.
+  blockAt(x, y) {
+    const ratio = window.devicePixelRatio || 1, w = this.width * ratio, h = this.height * ratio;
+    const to = new Uint8Array(4 * PICKED * PICKED), camera = this.camera.clone();
+    camera.setViewOffset(w, h, x * ratio - PICKED / 2, y * ratio - PICKED / 2, PICKED, PICKED);
+    this.renderer.setRenderTarget(this.target);
+    this.renderer.render(this.picking, camera);
+    this.renderer.readRenderTargetPixels(this.target, 0, 0, PICKED, PICKED, to);
+    this.renderer.setRenderTarget(null);
+    const i = 4 * (PICKED / 2 * PICKED + PICKED / 2);
+    return to[i] + 256 * to[i + 1] + 65536 * to[i + 2] - 1;
+  }
+  // Triangles of each block, as indices of their first corner.
+  get trianglesOf() {
+    if (this.by_block) return this.by_block;
+    const triangle = this.array('triangle'), block = this.array('block'), all = [];
+    for (let t = 0; t < triangle.length; t += 3) (all[block[triangle[t]]] = all[block[triangle[t]]] || []).push(t);
+    return this.by_block = all;
+  }
+  cornersOf(t) {
+    const triangle = this.array('triangle'), p = this.position.array;
+    return [0, 1, 2].map(k => new THREE.Vector3().fromArray(p, 3 * triangle[t + k]));
+  }
+  // Where the line of sight meets a block, and the vertex next to that.
+  hit(block, x, y) {
+    const to = {x: 2 * x / this.width - 1, y: 1 - 2 * y / this.height}, caster = new THREE.Raycaster();
+    caster.setFromCamera(to, this.camera);
+    const at = new THREE.Vector3(), triangle = this.array('triangle');
+    let nearest = Infinity, found = null;
+    for (const t of this.trianglesOf[block] || []) {
+      const corners = this.cornersOf(t);
+      if (!caster.ray.intersectTriangle(...corners, false, at)) continue;
+      const away = at.distanceTo(caster.ray.origin);
+      if (away >= nearest) continue;
+      nearest = away;
+      const k = [0, 1, 2].reduce((a, b) => corners[b].distanceTo(at) < corners[a].distanceTo(at) ? b : a);
+      found = {place: at.clone(), vertex: triangle[t + k]};
+    }
+    return found;
+  }
+  // The joint of a block that is closest to a place on it; null: it touches none.
+  jointNear(block, place) {
+    const a = this.array('joint_a'), b = this.array('joint_b'), at = new THREE.Vector3();
+    const area = this.array('joint_area' + this.frame);
+    let nearest = Infinity, found = null;
+    for (let j = 0; j < a.length; ++j) {
+      if (a[j] !== block && b[j] !== block || !area[j]) continue;
+      for (const t of this.trianglesOf[a[j] === block ? b[j] : a[j]] || []) {
+        const away = new THREE.Triangle(...this.cornersOf(t)).closestPointToPoint(place, at).distanceTo(place);
+        if (away < nearest) nearest = away, found = j;
+      }
+    }
+    return found;
+  }
+  // What is told of a place of the picture, line by line; empty: nothing is there.
+  tell(x, y) {
+    const block = this.blockAt(x, y), hit = block < 0 ? null : this.hit(block, x, y);
+    if (!hit) return [];
+    const {quantity} = this.shown, {name, unit, factor} = QUANTITIES[quantity], moved = this.array('moved' + this.frame);
+    const u = [0, 1, 2].map(k => short(this.head.range.moved / 32767 * moved[3 * hit.vertex + k] * 1e3));
+    const names = this.head.summary.block_names || {}, whole = this.head.summary.symmetry_factor || 1, title = b => names[b] || `block ${b}`;
+    const told = [title(block), `moved ${u.join(', ')} mm (x, y, z)`];
+    if (quantity !== 'displacement') told.push(`${name} ${short(factor * this.valueAt(this.frame, quantity, hit.vertex))} ${unit}`.trim());
+    const j = this.jointNear(block, hit.place);
+    if (j === null) return told;
+    const get = what => this.array(`joint_${what}${this.frame}`)[j], a = this.array('joint_a')[j], b = this.array('joint_b')[j];
+    told.push(`joint to ${title(a === block ? b : a)}: ${this.head.colours.cracks[get('crack')].label}`);
+    told.push(`  normal ${short(get('normal') / 1e6)} MPa (${short(whole * get('normal') * get('area') / 1e3)} kN), shear ${short(get('shear') / 1e6)} MPa`);
+    if (get('normal') < 0) told.push(`  eccentricity ${short(get('eccentricity'))} of its depth`);
+    told.push(`  opening ${short(1e3 * get('opening'))} mm, slip ${short(1e3 * get('slip'))} mm, damage ${short(get('damage'))}`);
+    return told;
+  }
+}

@@ -1,0 +1,273 @@
+// The page: runs, what the bar asks for, and pictures of them.
+
+async function unpack(text) {
+  const packed = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Response(stream).arrayBuffer();
+}
+
+class Run {
+  constructor(head, buffer) {
+    this.head = head;
+    const arrays = {};
+    const array = name => {
+      const a = head.arrays[name];
+      return arrays[name] = arrays[name] || (a ? new globalThis[a.type](buffer, a.offset, a.count) : new Float32Array(0));
+    };
+    const box = element(byId('runs'), 'div', {className: 'run'});
+    element(box, 'h2', {textContent: head.summary.title || head.name});
+    const holder = element(box, 'div', {className: 'model'});
+    this.model = new Model(holder, head, array);
+    this.curveBox = element(box, 'div', {className: 'curves'});
+    this.followPointer(holder);
+    this.tell(element(box, 'div', {className: 'told'}));
+  }
+  get frames() { return this.head.times.length; }
+  get stages() { return (this.head.summary.settings || {}).stages || []; }
+  rowOf(frame) { return rowAt(this.head.history, this.head.times[frame]); }
+  stageOf(frame) { return this.head.history.stage[this.rowOf(frame)] - 1; }
+  // Stage, and how far it has come: a displacement, a multiplier, a time.
+  momentOf(frame) {
+    const h = this.head.history, row = this.rowOf(frame), s = this.stageOf(frame), stage = this.stages[s];
+    const [[x, y]] = axesOf(stage, h), told = [`stage ${s + 1} of ${Math.max(this.stages.length, s + 1)}`];
+    if (stage && stage.name) told[0] += ` ${stage.name}`;
+    if (x.key !== 'time_s') told.push(`${short(Math.abs(h[x.key][row]) < 1e-9 ? 0 : h[x.key][row] * x.factor)} mm`);
+    if (y.key === 'multiplier') told.push(`multiplier ${h.multiplier[row].toFixed(3)}`);
+    told.push(`${this.head.times[frame].toPrecision(3)} s`);
+    return told.join(', ');
+  }
+  show(frame, what) {
+    const stage = this.stages[this.stageOf(frame)], like = JSON.stringify([stage && stage.curve, this.curveBox.clientWidth]);
+    if (like !== this.like) {
+      this.curveBox.textContent = '';
+      this.curves = curvesOf(this.curveBox, this.head, stage);
+      this.like = like;
+    }
+    for (const curve of this.curves) curve.at(this.rowOf(frame));
+    this.model.show(frame, {...what, moment: this.momentOf(frame)});
+  }
+  followPointer(holder) {
+    const tip = element(holder, 'div', {className: 'tip'});
+    tip.style.display = 'none';
+    let asked = null;
+    const tell = () => {
+      const [x, y] = asked, told = this.model.tell(x, y);
+      asked = null;
+      tip.textContent = told.join('\n');
+      tip.style.display = told.length ? 'block' : 'none';
+      tip.style.left = `${Math.max(0, Math.min(x + 14, holder.clientWidth - (tip.offsetWidth || 0) - 4))}px`;
+      tip.style.top = `${Math.max(0, Math.min(y + 14, holder.clientHeight - (tip.offsetHeight || 0) - 4))}px`;
+    };
+    holder.addEventListener('mousemove', event => {
+      if (event.buttons) { tip.style.display = 'none'; return; }
+      const box = holder.getBoundingClientRect();
+      if (!asked) requestAnimationFrame(tell);
+      asked = [event.clientX - box.left, event.clientY - box.top];
+    });
+    holder.addEventListener('mouseleave', () => { tip.style.display = 'none'; });
+  }
+
+  // ---- Words ----
+  tell(box) {
+    const s = this.head.summary, q = s.quality || {};
+    if (s.status !== 'done') element(box, 'div', {className: 'fault', textContent: `${s.status}: ${s.message || ''}`});
+    const told = (s.warnings || []).map(w => w.text);
+    if (s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
+    for (const text of told) element(box, 'div', {className: 'warning', textContent: text});
+    const peak = s.peak_vertical_force_N ?? s.peak_horizontal_force_N;
+    const rows = [['law', s.law], ['peak', `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`]];
+    if (s.collapse_multiplier) rows.push(['collapse multiplier', s.collapse_multiplier.toFixed(4)]);
+    rows.push(['known error', q.expected_error ?
+      `quality ${q.name}: peak ${(100 * q.expected_error.peak).toFixed(1)} %, curve ${(100 * q.expected_error.curve).toFixed(1)} %` :
+      `not known: ${q.why_unknown || ''}`]);
+    rows.push(['model', `${s.blocks} blocks, ${s.zones} zones, ${s.contact_points} contact points`]);
+    rows.push(['run', `${s.steps} steps of ${Number(s.time_step_s).toPrecision(3)} s in ${Number(s.wall_clock_s).toFixed(1)} s, ` +
+      `${s.threads} threads, ${s.instruction_set}; quoin ${s.version}`]);
+    if (s.set && s.set.length) rows.push(['changed', s.set.join(', ')]);
+    this.table(box, rows);
+    this.table(box, this.stages.map((stage, i) => [`${i + 1} ${stage.name || ''}`, this.drivenBy(stage), this.endOf(stage),
+      `${stage.damping} ${short(stage.local_damping)}`]), ['stage', 'moved or loaded', 'ends', 'damping']);
+    const fold = element(box, 'details');
+    element(fold, 'summary', {textContent: 'all settings (JSON)'});
+    element(fold, 'pre', {textContent: JSON.stringify(s.settings || {}, null, 1)});
+  }
+  table(box, rows, heads = null) {
+    if (!rows.length) return;
+    const table = element(box, 'table');
+    if (heads) { const r = element(table, 'tr'); for (const h of heads) element(r, 'th', {textContent: h}); }
+    for (const cells of rows) { const r = element(table, 'tr'); for (const c of cells) element(r, 'td', {textContent: c}); }
+  }
+  drivenBy(stage) {
+    const told = [];
+    for (const c of stage.controls || []) {
+      c.velocity_m_per_s.forEach((v, k) => {
+        if (typeof v === 'number' && v !== 0) told.push(`${c.body} ${short(v * 1e3)} mm/s along ${'xyz'[k]}`);
+        if (v === 'free' && c.force_N[k]) told.push(`${c.body} ${short(c.force_N[k] / 1e3)} kN along ${'xyz'[k]}`);
+      });
+    }
+    if (stage.cycles) told.push(`cycles of ${stage.cycles.amplitudes_m.map(a => short(a * 1e3)).join(', ')} mm`);
+    if (stage.ground_motion) told.push(`ground motion along ${stage.ground_motion.direction.map(x => short(x)).join(', ')}`);
+    if (stage.curve && stage.curve.kind === 'collapse') told.push('a horizontal share of gravity that grows');
+    return told.join('; ') || '\u2013';
+  }
+  endOf(stage) {
+    const told = [];
+    if (stage.displacement_m !== undefined) told.push(`at ${short(stage.displacement_m * 1e3)} mm`);
+    if (stage.duration_s !== undefined) told.push(`after ${short(stage.duration_s)} s`);
+    if (stage.equilibrium_ratio !== undefined) told.push(`at equilibrium, ${short(stage.equilibrium_ratio)}`);
+    return told.join(' or ') || '\u2013';
+  }
+}
+
+// Of a quantity in all runs of the page, which are coloured alike.
+class Ranges {
+  constructor(runs) { this.runs = runs; this.known = {}; }
+  whole(quantity) {
+    const all = this.runs.map(r => quantity === 'displacement' ? [0, r.head.largest_displacement] : r.head.range[quantity]);
+    return [Math.min(0, ...all.map(a => a[0])), Math.max(0, ...all.map(a => a[1]))];
+  }
+  // What 98 % of the values that are not nothing keep to, so that single ones do not set the colours of all.
+  robust(quantity) {
+    if (quantity === 'damage') return [0, 1];
+    if (!this.known[quantity]) this.known[quantity] = this.tidy(quantity, this.within(quantity, r => [...Array(r.frames).keys()]));
+    return this.known[quantity];
+  }
+  moment(quantity) { return this.tidy(quantity, this.within(quantity, r => [r.model.frame || 0])); }
+  within(quantity, framesOf) {
+    const sides = [[], []];
+    for (const run of this.runs) {
+      for (const f of framesOf(run)) {
+        const values = run.model.values(f, quantity), every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
+        for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
+      }
+    }
+    const total = sides[0].length + sides[1].length;
+    // A side with next to no values has no colours of its own.
+    return sides.map(side => side.length < 0.01 * total || !total ? 0 : Float64Array.from(side).sort()[Math.floor(0.98 * (side.length - 1))]);
+  }
+  // Two digits that hold it.
+  tidy(quantity, [below, above]) {
+    const up = x => { if (!x) return 0; const power = 10 ** Math.floor(Math.log10(x) - 1); return Math.ceil(x / power - 1e-9) * power; };
+    const range = [-up(below), up(above)];
+    return range[0] === range[1] ? [0, 1 / QUANTITIES[quantity].factor] : range;
+  }
+}
+
+// The frame of another run at the moment of frame `of` of the first: in the same stage, where what is driven has come as far,
+// or as late in the stage; ends go together.
+function frameLike(first, of, other) {
+  if (of === 0) return 0;
+  if (of === first.frames - 1) return other.frames - 1;
+  const stage = first.stageOf(of), begin = (run, s) => run.head.history.time_s[run.head.history.stage.indexOf(s + 1)];
+  const comes = (run, f) => {
+    const [[x]] = axesOf(run.stages[stage], run.head.history);
+    return x.key === 'time_s' ? run.head.times[f] - begin(run, stage) : Math.abs(run.head.history[x.key][run.rowOf(f)]);
+  };
+  const frames = [...Array(other.frames).keys()].filter(f => other.stageOf(f) === stage);
+  if (!frames.length || (first.stages[stage] || {}).cycles) return Math.round(of / (first.frames - 1) * (other.frames - 1));
+  const away = f => Math.abs(comes(other, f) - comes(first, of));
+  return frames.reduce((a, b) => away(b) < away(a) ? b : a);
+}
+
+// The picture of all models and curves of the page, as a data URL.
+async function pictureOf(runs) {
+  const gap = 10, width = runs.reduce((w, r) => w + r.model.width + gap, gap);
+  const tallest = Math.max(...runs.map(r => r.model.height)), curve = 260;
+  const canvas = document.createElement('canvas'), scale = 2;
+  canvas.width = scale * width; canvas.height = scale * (tallest + 40 + curve);
+  const c = canvas.getContext('2d');
+  c.scale(scale, scale);
+  c.fillStyle = '#fff'; c.fillRect(0, 0, width, tallest + 40 + curve);
+  const draw = async (svg, x, y, w, h) => {
+    const copy = svg.cloneNode(true), image = new Image();
+    copy.setAttribute('width', scale * w); copy.setAttribute('height', scale * h);
+    image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(new XMLSerializer().serializeToString(copy));
+    await image.decode();
+    c.drawImage(image, x, y, w, h);
+  };
+  let x = gap;
+  for (const run of runs) {
+    const m = run.model;
+    c.fillStyle = '#222'; c.font = '600 16px sans-serif';
+    c.fillText(run.head.summary.title || run.head.name, x, 24, m.width);
+    c.drawImage(m.renderer.domElement, x, 34, m.width, m.height);
+    await draw(m.overlay, x, 34, m.width, m.height);
+    for (let k = 0, left = x; k < run.curves.length; ++k) {
+      await draw(run.curves[k].svg, left, tallest + 44, run.curves[k].width, CHART.height);
+      left += run.curves[k].width + gap;
+    }
+    x += m.width + gap;
+  }
+  return canvas.toDataURL('image/png');
+}
+
+class Bar {
+  constructor(runs) {
+    this.runs = runs; this.ranges = new Ranges(runs); this.playing = 0;
+    this.longest = runs.reduce((a, b) => b.frames > a.frames ? b : a);
+    byId('time').max = this.longest.frames - 1;
+    byId('time').value = this.longest.frames - 1;
+    byId('magnification').value = Math.min(...runs.map(r => r.model.magnification));
+    // Where most joints are dry from the start, damage says nothing.
+    const dry = run => run.model.array('damage0').reduce((sum, d) => sum + d, 0) > 0.3 * 255 * run.model.vertices;
+    if (runs.some(dry)) byId('colour').value = 'displacement';
+    for (const id of ['time', 'colour', 'range', 'magnification', 'cracks']) byId(id).addEventListener('input', () => this.show());
+    for (const id of ['lowest', 'highest']) byId(id).addEventListener('input', () => { byId('range').value = 'given'; this.show(); });
+    byId('play').addEventListener('click', () => this.play());
+    byId('save').addEventListener('click', () => this.save());
+    for (const button of document.querySelectorAll('#views button'))
+      button.addEventListener('click', () => { for (const run of runs) run.model.look(button.dataset.view); });
+    window.addEventListener('resize', () => { for (const run of runs) { run.model.resize(); run.model.fit(); } this.show(); });
+    this.show();
+    for (const run of runs) run.model.look(run.model.natural);
+  }
+  range(quantity) {
+    const how = byId('range').value, {factor, unit} = QUANTITIES[quantity];
+    byId('unit').textContent = unit;
+    const given = [Number(byId('lowest').value) / factor, Number(byId('highest').value) / factor];
+    if (how === 'given' && given[1] > given[0]) return given;
+    const [low, high] = how === 'given' ? this.ranges.robust(quantity) : this.ranges[how](quantity);
+    if (how !== 'given') { byId('lowest').value = Number((low * factor).toPrecision(4)); byId('highest').value = Number((high * factor).toPrecision(4)); }
+    return [low, high > low ? high : low + 1 / factor];
+  }
+  show() {
+    const at = Number(byId('time').value), quantity = byId('colour').value;
+    if (this.quantity !== quantity && byId('range').value === 'given') byId('range').value = 'robust';
+    this.quantity = quantity;
+    const frames = this.runs.map(run => run === this.longest ? at : frameLike(this.longest, at, run));
+    this.runs.forEach((run, k) => { run.model.frame = frames[k]; });
+    const [low, high] = this.range(quantity);
+    this.runs.forEach((run, k) => run.show(frames[k], {quantity, low, high, magnified: Number(byId('magnification').value) || 0,
+      cracks: byId('cracks').checked}));
+    byId('moment').textContent = this.runs.map((run, k) => run.momentOf(frames[k])).join(' | ');
+  }
+  play() {
+    if (this.playing) { clearInterval(this.playing); this.playing = 0; byId('play').textContent = 'play'; return; }
+    byId('play').textContent = 'stop';
+    const slider = byId('time');
+    this.playing = setInterval(() => {
+      slider.value = Number(slider.value) >= this.longest.frames - 1 ? 0 : Number(slider.value) + 1;
+      this.show();
+    }, 250);
+  }
+  async save() {
+    const link = document.createElement('a');
+    link.href = this.saved = await pictureOf(this.runs);
+    link.download = this.runs.map(r => r.head.name).join('_') + '.png';
+    link.click();
+  }
+}
+
+async function open() {
+  if (location.hash === '#picture') document.body.className = 'picture';  // the model alone, in the whole window
+  const heads = [...document.querySelectorAll('script.head')], data = [...document.querySelectorAll('script.data')], runs = [];
+  for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent)));
+  window.quoinRuns = runs;  // for who looks into the page, as its test does
+  window.quoinBar = new Bar(runs);
+  document.body.dataset.ready = 'yes';
+}
+open().catch(fault => {
+  document.body.dataset.ready = 'no';
+  element(document.body, 'div', {className: 'fault', textContent: 'The page cannot be drawn: ' + fault.message});
+  throw fault;
+});
