@@ -49,7 +49,7 @@ std::string cube(const char* joint) {
          box("base", -1.0, "[1.0, 1.0, 1.0]", "fixed = true\n") + box("cube", 0.0, "[1.0, 1.0, 1.0]") + kStage;
 }
 
-// REFERENCE_DYNAMICS.md 7. Sway and rocking are coupled: the roots of a 2 x 2 problem; the other two stand alone. A dry
+// REFERENCE_DYNAMICS 7. Sway and rocking are coupled: the roots of a 2 x 2 problem; the other two stand alone. A dry
 // joint is closed at the start, and vibrates as a bonded one.
 TEST(Modes, RigidCubeOnAJoint) {
   const double kn = 1e9, ks = 4e8, m = 1800.0, inertia = m / 6.0;
