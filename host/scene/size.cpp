@@ -10,7 +10,7 @@ namespace quoin {
 
 namespace {
 
-// Bytes, fitted to the most memory that runs took (benchmarks/README.md, "Memory"). Of blocks that are alike, of which
+// Bytes, fitted to the most memory that runs took (benchmarks/RANKS.md, "Memory"). Of blocks that are alike, of which
 // eight share their lines.
 struct Costs {
   double gridpoint, point, rigid_block;

@@ -88,7 +88,7 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
 }
 
 // Against the most memory that runs took beside that of a run of six blocks (VmHWM, one thread, of a few steps, on a
-// machine with pages of 4 kB; benchmarks/README.md has the list). By a third: the program changes, and this test says
+// machine with pages of 4 kB; benchmarks/RANKS.md has the list). By a third: the program changes, and this test says
 // when what it tells has to follow.
 TEST(Size, OfMemoryIsWhatRunsTake) {
   const auto told = [](const std::vector<std::string>& overrides) {
