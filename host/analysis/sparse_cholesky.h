@@ -6,9 +6,13 @@
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
+#include <array>
+#include <memory>
 #include <vector>
 
+#include "base/thread_pool.h"
 #include "geometry/vector.h"
+#include "model/lanes.h"
 
 namespace quoin {
 
@@ -21,26 +25,45 @@ struct UnknownGroups {
 
 class SparseCholesky {
  public:
-  // lower: triangle of a symmetric matrix. Throws Error(numerical) where it is not positive definite.
-  SparseCholesky(const Eigen::SparseMatrix<double>& lower, const UnknownGroups& groups);
+  // lower: triangle of a symmetric matrix. threads 0: as many as the machine has; the bits do not depend on them.
+  // Throws Error(numerical) where the matrix is not positive definite.
+  SparseCholesky(const Eigen::SparseMatrix<double>& lower, const UnknownGroups& groups, int threads = 0);
   void solve(Eigen::MatrixXd& x) const;  // columns, in place
-  double entries() const;                // of the factor
+  double entries() const { return static_cast<double>(factor_.size()); }
 
  private:
   struct Front {
     int first = 0, own = 0;     // of its unknowns, in the order of elimination
     std::vector<int> border;    // later unknowns that it touches, ascending
     std::vector<int> children;  // fronts
-    Eigen::MatrixXd factor;     // own columns; rows: own, then border
+    std::size_t at = 0;         // in factor_: own columns; rows: own, then border
+    int size() const { return own + static_cast<int>(border.size()); }
+  };
+  // What a thread needs besides.
+  struct Scratch {
+    std::vector<double> full;
+    std::vector<int> place;  // of unknowns in the front of now
   };
 
   class Dissection;
   void find_borders(const Eigen::SparseMatrix<double>& permuted);
+  void divide();
+  template <class Visit>
+  void each_front(bool upwards, const Visit& visit) const;
   void factorize(const Eigen::SparseMatrix<double>& permuted);
-  void eliminate(Front& front, Eigen::MatrixXd& full) const;
+  void form(int front, const Eigen::SparseMatrix<double>& permuted, std::vector<Eigen::MatrixXd>& update,
+            Scratch& scratch);
+  void eliminate(const Front& front, std::vector<double>& full) const;
+  void forward(int front, Eigen::MatrixXd& x, std::vector<Eigen::MatrixXd>& update) const;
+  void backward(int front, Eigen::MatrixXd& x, Eigen::MatrixXd& part) const;
 
   std::vector<int> new_of_old_;
   std::vector<Front> fronts_;  // children before parents
+  LaneVector<double> factor_;
+  // Ranges of fronts that are independent of each other, and the fronts above them.
+  std::vector<std::array<int, 2>> subtrees_;
+  std::vector<int> top_;
+  std::unique_ptr<ThreadPool> pool_;
 };
 
 }  // namespace quoin
