@@ -16,6 +16,7 @@ using geometry::Vector;
 
 // Largest residual of equilibrium (in mean loads of a block) and of virtual velocities that counts as rounding.
 constexpr double kResidual = 1e-6;
+constexpr double kInteriorResidual = 1e-4;  // the same of the middle of all solutions
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }
 
@@ -37,9 +38,9 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
     const LimitPoint& p = problem.points[i];
     if (p.a < 0 || p.a >= count || p.b < 0 || p.b >= count || p.a == p.b)
       refuse(fmt::format("contact point {} joins blocks {} and {} of {}", i, p.a, p.b, count));
-    if (!finite(p.position) || !finite(p.n) || !finite(p.s) || !finite(p.t) || !(p.friction >= 0.0) ||
-        !(p.tension >= 0.0) || !(p.cohesion >= 0.0) || !(p.crushing > 0.0) ||
-        !std::isfinite(p.friction + p.tension + p.cohesion))
+    if (!finite(p.position) || !finite(p.n) || !finite(p.s) || !finite(p.t) ||
+        !(p.friction >= 0.0 || settings.interior) || !(p.tension >= 0.0) || !(p.cohesion >= 0.0) ||
+        !(p.crushing > 0.0) || !std::isfinite(p.friction + p.tension + p.cohesion))
       refuse(fmt::format("contact point {} has a strength below 0 or a value that is not finite", i));
   }
 }
@@ -238,8 +239,9 @@ std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings&
 }
 
 // A solution counts when the programme itself confirms it.
-LimitStatus status_of(const LinearSolution& solution) {
-  const bool confirmed = std::max(solution.primal_residual, solution.dual_residual) < kResidual;
+LimitStatus status_of(const LinearSolution& solution, bool interior) {
+  const bool confirmed =
+      std::max(solution.primal_residual, solution.dual_residual) < (interior ? kInteriorResidual : kResidual);
   switch (solution.status) {
     case LinearStatus::solved:
       return confirmed ? LimitStatus::solved : LimitStatus::not_converged;
@@ -258,10 +260,10 @@ LimitStatus status_of(const LinearSolution& solution) {
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings) {
   require(problem, settings);
   const Programme programme(problem, settings);
-  const LinearSolution solution = LinearSolver(programme.linear()).solve();
+  const LinearSolution solution = LinearSolver(programme.linear()).solve(settings.interior);
   LimitResult result;
   if (solution.status == LinearStatus::solved) result = programme.result(solution);
-  result.status = status_of(solution);
+  result.status = status_of(solution, settings.interior);
   if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);
   return result;
 }

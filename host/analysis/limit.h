@@ -30,10 +30,11 @@ struct LimitPoint {
   int a = 0, b = 0;
   geometry::Vector position;                                  // m
   geometry::Vector n, s, t;                                   // unit
-  double friction = 0.0;                                      // tan(phi)
+  double friction = 0.0;                                      // tan(phi), >= 0
   double tension = 0.0;                                       // largest force along n, N, >= 0
   double cohesion = 0.0;                                      // shear strength without normal force, N, >= 0
   double crushing = std::numeric_limits<double>::infinity();  // largest compression, N, > 0
+  double area = 1.0;                                          // m2, > 0; stiffness of joints is in proportion
 };
 
 struct LimitProblem {
@@ -47,6 +48,9 @@ struct LimitSettings {
   // problems.
   int facets = 32;
   bool facet_on_axis = false;  // the normal of the first facet, and not its edge, lies along s
+  // The middle of all forces that give the multiplier, and not a corner of them: it moves little when strengths do. To
+  // fewer digits. Friction may be below 0 then.
+  bool interior = false;
 };
 
 enum class LimitStatus {

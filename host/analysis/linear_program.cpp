@@ -69,9 +69,14 @@ void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
 
 }  // namespace
 
-LinearSolution LinearSolver::solve() {
+LinearSolution LinearSolver::solve(bool interior) {
   ClpSimplex& clp = solver_->clp;
-  if (!solver_->has_basis) {
+  if (interior) {
+    ClpSolve how;
+    how.setSolveType(ClpSolve::useBarrierNoCross);
+    clp.initialSolve(how);
+    solver_->has_basis = false;
+  } else if (!solver_->has_basis) {
     ClpSolve how;
     how.setSolveType(ClpSolve::useBarrier);  // and crossover to a basis; simplex alone takes ten times as long
     clp.initialSolve(how);

@@ -55,7 +55,8 @@ class LinearSolver {
   LinearSolver& operator=(const LinearSolver&) = delete;
 
   void set_row_high(int row, double to);
-  LinearSolution solve();
+  // interior: the middle of all solutions, by an interior point method alone, and no basis is kept.
+  LinearSolution solve(bool interior = false);
 
  private:
   struct Solver;

@@ -10,10 +10,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "analysis/limit.h"
+#include "analysis/without_dilation.h"
 #include "base/error.h"
 #include "cli/prepare.h"
 #include "files/csv_text.h"
@@ -34,6 +36,7 @@ struct Options {
   std::vector<double> direction;
   std::string out;
   int facets = 32;
+  bool associated = false;
 };
 
 // Weight and the direction of what is multiplied: of the first collapse stage, or of the first stage with gravity.
@@ -131,7 +134,7 @@ Assembled assemble(const Simulation& simulation, const Loads& loads) {
     const Strength& s = strengths.at(families[static_cast<std::size_t>(p.family)].name);
     result.problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
-                                     s.cohesion * p.area, s.crushing * p.area});
+                                     s.cohesion * p.area, s.crushing * p.area, p.area});
   }
   return result;
 }
@@ -161,6 +164,33 @@ std::string label(const Assembled& assembled, int block) {
   }
 }
 
+void print(const LimitWithoutDilation& without) {
+  if (without.settled)
+    fmt::print("multiplier {:.5f} without dilation\n", without.multiplier);
+  else
+    fmt::print("no multiplier without dilation: iterations have not settled\n");
+  for (const SettledLimit& start : without.start)
+    fmt::print(
+        "  from {}: {:.5f}, {} after {} problems; shear at most {:.2g} of the mean normal force beyond friction\n",
+        start.from == "weight" ? "elastic forces under weight" : "associated forces", start.multiplier,
+        start.settled ? "settled" : "not settled", start.problems, std::max(0.0, start.beyond));
+  if (without.start.size() == 2 &&
+      std::all_of(without.start.begin(), without.start.end(), [](const SettledLimit& s) { return s.settled; }) &&
+      std::abs(without.start[0].multiplier - without.start[1].multiplier) > 0.01 * without.multiplier)
+    fmt::print("  Both are states of the same masonry: normal forces hang on what has happened before\n");
+}
+
+nlohmann::ordered_json json_of(const LimitWithoutDilation& without) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const SettledLimit& start : without.start)
+    json.push_back({{"from", start.from},
+                    {"settled", start.settled},
+                    {"multiplier", start.multiplier},
+                    {"beyond_friction", start.beyond},
+                    {"problems", start.problems}});
+  return json;
+}
+
 void run(const Options& options) {
   const Scene scene = prepare_scene(options.scene);
   const Loads loads = loads_of(scene, options.direction);
@@ -184,6 +214,9 @@ void run(const Options& options) {
   fmt::print("multiplier {:.5f} of the weight along ({:g}, {:g}, {:g}), associated flow; gap {:.1e}; {:.2g} s\n",
              result.multiplier, loads.direction.x, loads.direction.y, loads.direction.z, result.gap, seconds);
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
+  std::optional<LimitWithoutDilation> without;
+  if (!options.associated) without = limit_without_dilation(assembled.problem, settings);
+  if (without) print(*without);
   if (options.out.empty()) return;
 
   const std::filesystem::path folder = options.out;
@@ -191,7 +224,12 @@ void run(const Options& options) {
   nlohmann::ordered_json json;
   json["scene"] = scene.file;
   json["multiplier"] = result.multiplier;
+  if (without && without->settled)
+    json["multiplier_without_dilation"] = without->multiplier;
+  else
+    json["multiplier_without_dilation"] = nullptr;
   json["gap"] = result.gap;
+  if (without) json["without_dilation"] = json_of(*without);
   json["direction"] = geometry::array(loads.direction);
   json["gravity_m_s2"] = geometry::array(loads.gravity);
   json["blocks"] = blocks.size(), json["contact_points"] = points, json["facets"] = options.facets;
@@ -224,13 +262,15 @@ void add_limit_command(CLI::App& app) {
       ->type_name("X Y Z")
       ->expected(3);
   command->add_option("--facets", options->facets, "Of each friction cone, inscribed")->capture_default_str();
+  command->add_flag("--associated", options->associated, "No search for the multiplier without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
   command->add_option("--out", options->out, "Folder for limit.json, mechanism.csv and forces.csv")->type_name("DIR");
   command->footer(
       "Static theorem on the contact points of the scene: rigid blocks, brittle strength from the properties of the "
       "laws,\n"
-      "associated flow. Gravity and direction are those of the first collapse stage.\n"
+      "associated flow; and by Gilbert's iteration without dilation, from two starts, of which the lower one counts.\n"
+      "Gravity and direction are those of the first collapse stage.\n"
       "Examples:\n"
       "  quoin limit host/scenes/ferris_tin_loi_2.toml --out out/limit\n"
       "  quoin limit host/scenes/arch.toml --direction -1 0 0");

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/without_dilation.h"
+
 namespace quoin {
 namespace {
 
@@ -149,6 +151,63 @@ TEST(Limit, DilationLocksABondedWall) {
   LimitSettings settings;
   settings.facets = 4;
   EXPECT_NEAR(multiplier(running_bond(8, 4, 10.0, 0, 0.2), settings), 4.0, 1e-6);
+}
+
+LimitWithoutDilation without_dilation(const LimitProblem& problem, int facets = 4) {
+  LimitSettings settings;
+  settings.facets = facets;
+  return limit_without_dilation(problem, settings);
+}
+
+// REFERENCE_DYNAMICS.md 8: an independent programme without dilation, 1 %.
+TEST(Limit, WithoutDilationFerrisAndTinLoi) {
+  for (const auto& [courses, expected] : {std::pair(6, 0.6398), std::pair(10, 0.5629)}) {
+    const LimitWithoutDilation found = without_dilation(running_bond(5, courses, 0.65, 0));
+    EXPECT_TRUE(found.settled);
+    EXPECT_NEAR(found.multiplier, expected, 0.01 * expected);
+    for (const SettledLimit& start : found.start) {
+      EXPECT_TRUE(start.settled) << start.from;
+      EXPECT_NEAR(start.multiplier, expected, 0.01 * expected) << start.from;
+      EXPECT_LE(start.beyond, 0.05) << start.from;
+    }
+  }
+}
+
+// The wall that dilation locks at 4.00: 0.714, from the forces that weight gives. (The host's run: 0.716.)
+TEST(Limit, WithoutDilationABondedWallIsNotLocked) {
+  const LimitWithoutDilation found = without_dilation(running_bond(8, 4, 10.0, 0, 0.2));
+  EXPECT_TRUE(found.settled);
+  EXPECT_NEAR(found.multiplier, 0.714, 0.01 * 0.714);
+  EXPECT_EQ(found.start[0].from, "weight");
+  EXPECT_TRUE(found.start[0].settled);
+}
+
+// What slides on a plane, or turns over, does not need dilation.
+TEST(Limit, WithoutDilationOneBlockIsTheSame) {
+  for (const double friction : {0.2, 0.9}) {
+    Boxes one;
+    one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+    one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+    one.join(friction);
+    const LimitWithoutDilation found = without_dilation(one.problem);
+    EXPECT_TRUE(found.settled);
+    EXPECT_NEAR(found.multiplier, std::min(friction, 0.5), 1e-3);
+  }
+}
+
+// Weight 2 on four points; a block that overhangs takes no tension at its heel.
+TEST(Limit, ElasticForcesUnderWeight) {
+  Boxes one;
+  one.add({-2.0, -1.0, -2.0}, {2.5, 1.0, 5.0}, {}, true);      // to x = 0.5
+  one.add({0.0, 0.0, 0.0}, {0.8, 2.0, 1.0}, {1.0, 0.0, 0.0});  // its centre at 0.4
+  one.join(0.5);
+  // On 0 to 0.5 m, 0.4 m from one end: 1/5 and 4/5 of 1.6.
+  double at_heel = 0.0, at_toe = 0.0;
+  const std::vector<double> normal = elastic_normal_forces(one.problem);
+  for (std::size_t i = 0; i < normal.size(); ++i)
+    (one.problem.points[i].position.x < 0.25 ? at_heel : at_toe) += normal[i];
+  EXPECT_NEAR(at_heel, 0.32, 1e-4);
+  EXPECT_NEAR(at_toe, 1.28, 1e-4);
 }
 
 // A semicircular arch of voussoirs, t/R 0.15, with hinges alone (friction 10): horizontal multipliers 0.1667, 0.1493,

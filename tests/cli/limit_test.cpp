@@ -9,8 +9,8 @@ using ::testing::HasSubstr;
 
 class Limit : public Cli {
  protected:
-  nlohmann::json limit(const std::string& scene) {
-    EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/" + scene, "--out", out()}), 0) << error_;
+  nlohmann::json limit(const std::string& scene, const std::string& option = "--associated") {
+    EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/" + scene, "--out", out(), option}), 0) << error_;
     return nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
   }
 };
@@ -24,6 +24,17 @@ TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_LT(arch["gap"], 1e-6);
   EXPECT_TRUE(fs::exists(fs::path(out()) / "mechanism.csv"));
   EXPECT_TRUE(fs::exists(fs::path(out()) / "forces.csv"));
+}
+
+// The same where sliding does not lift. The arch falls by hinges alone: dilation plays no part. Four facets are exact
+// in a plane problem.
+TEST_F(Limit, MultipliersWithoutDilation) {
+  const nlohmann::json wall = limit("ferris_tin_loi_1.toml", "--facets=4");
+  EXPECT_NEAR(wall["multiplier_without_dilation"], 0.6398, 0.01 * 0.6398);
+  ASSERT_EQ(wall["without_dilation"].size(), 2u);
+  EXPECT_EQ(wall["without_dilation"][0]["from"], "weight");
+  const nlohmann::json arch = limit("arch.toml", "--facets=4");
+  EXPECT_NEAR(arch["multiplier_without_dilation"], arch["multiplier"], 1e-3);
 }
 
 TEST_F(Limit, WhatHasNoAnswerIsSaid) {

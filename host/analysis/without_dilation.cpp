@@ -1,0 +1,173 @@
+#include "analysis/without_dilation.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
+// problem.
+constexpr double kSlope = 0.1, kFollow = 0.3;
+// Settled: the multiplier changes by less, of itself, and shear is beyond Coulomb's friction by less, of the mean
+// normal force. What is left shrinks by 1 - kFollow a problem, so 0.25 % of the multiplier is still to come.
+constexpr double kSteady = 1e-3, kBeyond = 0.05;
+constexpr int kSteadyFor = 3, kMostProblems = 40;
+// Of the mean normal force: below it strength does not sink, or the point could take no normal force at all.
+constexpr double kUnloaded = 1e-6;
+// Shear stiffness of joints over their normal one: of masonry with a Poisson's ratio of 0.25.
+constexpr double kShearStiffness = 0.4;
+
+struct Row {
+  std::array<int, 12> unknown;
+  std::array<double, 12> value;
+};
+// What the motions of both blocks add to the opening of a point along an axis.
+Row row_of(const LimitProblem& problem, const LimitPoint& p, const Vector& axis) {
+  Row row{};
+  std::size_t k = 0;
+  for (const auto& [block, sign] : {std::pair(p.a, -1.0), std::pair(p.b, 1.0)}) {
+    const Vector moment = cross(p.position - problem.blocks[at(block)].centre, axis);
+    for (int c = 0; c < 3; ++c, ++k) row.unknown[k] = 6 * block + c, row.value[k] = sign * axis[c];
+    for (int c = 0; c < 3; ++c, ++k) row.unknown[k] = 6 * block + 3 + c, row.value[k] = sign * moment[c];
+  }
+  return row;
+}
+
+Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std::vector<bool>& closed,
+                                         double mean_area) {
+  // Holds what nothing else does, and is too weak to carry anything.
+  constexpr double kHeld = 1e-7, kFixed = 1e9;
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto blocks = static_cast<int>(problem.blocks.size());
+  for (int i = 0; i < 6 * blocks; ++i) entries.emplace_back(i, i, problem.blocks[at(i / 6)].fixed ? kFixed : kHeld);
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const LimitPoint& p = problem.points[i];
+    if (!closed[i]) continue;
+    for (const auto& [axis, factor] :
+         {std::pair(p.n, 1.0), std::pair(p.s, kShearStiffness), std::pair(p.t, kShearStiffness)}) {
+      const Row row = row_of(problem, p, axis);
+      const double k = factor * p.area / mean_area;
+      for (std::size_t a = 0; a < 12; ++a)
+        for (std::size_t b = 0; b < 12; ++b)
+          entries.emplace_back(row.unknown[a], row.unknown[b], k * row.value[a] * row.value[b]);
+    }
+  }
+  Eigen::SparseMatrix<double> stiffness(6 * blocks, 6 * blocks);
+  stiffness.setFromTriplets(entries.begin(), entries.end());
+  return stiffness;
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v / static_cast<double>(values.size());
+  return sum;
+}
+
+// The problem whose shear strengths are those of given normal forces.
+LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal) {
+  LimitProblem next = problem;
+  const double unloaded = kUnloaded * mean_of(normal);
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    LimitPoint& p = next.points[i];
+    const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
+    if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
+    p.cohesion += (1.0 + slope) * friction * std::max(0.0, normal[i]);
+    p.friction = -slope * friction;
+  }
+  return next;
+}
+
+double beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < problem.points.size(); ++i) {
+    const LimitPoint& p = problem.points[i];
+    const auto& [n, s, t] = result.force[i];
+    most = std::max(most, std::hypot(s, t) - p.cohesion + p.friction * n);
+  }
+  return mean > 0.0 ? most / mean : most;
+}
+
+SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, std::vector<double> normal,
+                    const std::string& from) {
+  LimitSettings settings = given;
+  settings.interior = true;
+  const double mean = mean_of(normal);
+  SettledLimit now{from};
+  int steady = 0;
+  while (now.problems < kMostProblems) {
+    const LimitResult result = limit_multiplier(frozen(problem, normal), settings);
+    ++now.problems;
+    if (result.status != LimitStatus::solved) return now;
+    const double change = std::abs(result.multiplier - now.multiplier);
+    now.multiplier = result.multiplier, now.beyond = beyond_friction(problem, result, mean);
+    steady = change <= kSteady * std::abs(now.multiplier) ? steady + 1 : 0;
+    now.settled = steady >= kSteadyFor && now.beyond <= kBeyond;
+    if (now.settled) return now;
+    for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += kFollow * (-result.force[i][0] - normal[i]);
+  }
+  return now;
+}
+
+}  // namespace
+
+std::vector<double> elastic_normal_forces(const LimitProblem& problem) {
+  constexpr int kMostTrials = 50;
+  const auto count = static_cast<Eigen::Index>(6 * problem.blocks.size());
+  Eigen::VectorXd loads = Eigen::VectorXd::Zero(count);
+  for (std::size_t k = 0; k < problem.blocks.size(); ++k) {
+    const LimitBlock& b = problem.blocks[k];
+    for (int c = 0; c < 3 && !b.fixed; ++c) {
+      loads(static_cast<Eigen::Index>(6 * k) + c) = b.dead.force[c];
+      loads(static_cast<Eigen::Index>(6 * k) + 3 + c) = b.dead.moment[c];
+    }
+  }
+  double mean_area = 0.0;
+  for (const LimitPoint& p : problem.points) mean_area += p.area / static_cast<double>(problem.points.size());
+  std::vector<bool> closed(problem.points.size(), true);
+  std::vector<double> normal(problem.points.size(), 0.0);
+  for (int trial = 0; trial < kMostTrials; ++trial) {
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(stiffness_of(problem, closed, mean_area));
+    const Eigen::VectorXd moved = factor.solve(loads);
+    bool changed = false;
+    for (std::size_t i = 0; i < problem.points.size(); ++i) {
+      const LimitPoint& p = problem.points[i];
+      const Row row = row_of(problem, p, p.n);
+      double opening = 0.0;
+      for (std::size_t k = 0; k < 12; ++k) opening += row.value[k] * moved(row.unknown[k]);
+      const bool now_closed = opening <= 0.0;
+      changed = changed || now_closed != closed[i];
+      closed[i] = now_closed;
+      normal[i] = std::max(0.0, -opening * p.area / mean_area);
+    }
+    if (!changed) break;
+  }
+  return normal;
+}
+
+LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings) {
+  LimitWithoutDilation result;
+  result.start.push_back(settle(problem, settings, elastic_normal_forces(problem), "weight"));
+  LimitSettings interior = settings;
+  interior.interior = true;
+  const LimitResult associated = limit_multiplier(problem, interior);
+  if (associated.status == LimitStatus::solved) {
+    std::vector<double> normal;
+    for (const auto& force : associated.force) normal.push_back(std::max(0.0, -force[0]));
+    result.start.push_back(settle(problem, settings, std::move(normal), "associated"));
+  }
+  for (const SettledLimit& start : result.start) {
+    if (!start.settled || (result.settled && start.multiplier >= result.multiplier)) continue;
+    result.settled = true, result.multiplier = start.multiplier;
+  }
+  return result;
+}
+
+}  // namespace quoin

@@ -1,0 +1,36 @@
+// Limit analysis without dilation: sliding does not lift.
+//
+// Gilbert, Casapulla and Ahmed (2006): associated problems one after the other, in which the shear strength of a point
+// is that of the normal force of the last one, and sinks a little with its own. Where they settle, forces are within
+// Coulomb's friction and the mechanism slides without lifting. There may be several such states, for normal forces
+// depend on the way that led to them: two starts, of which the lower multiplier counts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "analysis/limit.h"
+
+namespace quoin {
+
+struct SettledLimit {
+  std::string from;      // "weight": elastic forces under dead loads; "associated": those of the associated multiplier
+  bool settled = false;  // else the multiplier is that of the last problem
+  double multiplier = 0.0;
+  double beyond = 0.0;  // largest shear force beyond Coulomb's friction, of the mean normal force
+  int problems = 0;     // that were solved
+};
+
+struct LimitWithoutDilation {
+  std::vector<SettledLimit> start;
+  bool settled = false;     // from some start
+  double multiplier = 0.0;  // the lowest of those that settled
+};
+
+// Of a problem for which limit_multiplier() finds a multiplier.
+LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
+
+// Normal forces under dead loads of joints that are elastic and take no tension, compression positive, N.
+std::vector<double> elastic_normal_forces(const LimitProblem& problem);
+
+}  // namespace quoin
