@@ -24,6 +24,7 @@
 #include "python/stones.h"
 #include "python/voronoi.h"
 #endif
+#include "results/colours.h"
 #include "results/provenance.h"
 #include "results/report.h"
 #include "scene/read_scene.h"
@@ -124,6 +125,16 @@ PYBIND11_MODULE(_quoin, m) {
         });
 #endif
   m.def("read_mesh", &mesh_of);
+  m.def("colours", [] {
+    py::list cracks;
+    for (const quoin::CrackStyle& style : quoin::kCrackStyles) cracks.append(py::make_tuple(style.label, style.colour));
+    py::dict d;
+    d["cracks"] = cracks;
+    d["cold"] = quoin::kQuantityColours.cold, d["middle"] = quoin::kQuantityColours.middle;
+    d["warm"] = quoin::kQuantityColours.warm;
+    d["pens"] = std::vector<std::string>(quoin::kPens.begin(), quoin::kPens.end());
+    return d;
+  });
   m.def("report", [](const std::string& folder) { return quoin::write_report({folder}).string(); });
 #ifdef QUOIN_VORO
   m.def("voronoi", &quoin::python::voronoi);

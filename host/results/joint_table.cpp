@@ -32,6 +32,8 @@ Points read_points(const VtuFile& file) {
   constexpr auto kPoint = VtkRows::point;
   Points p;
   p.place = file.grid().position;
+  const auto moved = file.read<float>("displacement_m", kPoint, 3);  // 0 where places are those of now
+  for (std::size_t i = 0; i < moved.size(); ++i) p.place[i] += moved[i];
   if (file.has("gap_m")) p.gap = file.read<float>("gap_m", kPoint, 3);
   p.traction = file.read<float>("traction_Pa", kPoint, 3), p.normal = file.read<float>("normal", kPoint, 3);
   p.shear_axis = file.read<float>("shear_axis", kPoint, 3), p.area = file.read<float>("area_m2", kPoint);
@@ -94,6 +96,28 @@ std::map<BlockPair, JointSum> joint_sums(const VtuFile& joints) {
   std::map<BlockPair, JointSum> sums;
   for (const auto& [pair, of_points] : of_pair) sums[pair] = sum_of(points, of_points);
   return sums;
+}
+
+std::map<std::int32_t, Tensor> force_moments(const VtuFile& joints,
+                                             const std::map<std::int32_t, std::array<double, 3>>& centre) {
+  const Points points = read_points(joints);
+  std::map<std::int32_t, Tensor> moments;
+  for (std::size_t i = 0; i < points.area.size(); ++i) {
+    if (!points.touches(i)) continue;
+    for (const auto& [block, sign] : {std::pair{points.block_a[i], 1.0}, std::pair{points.block_b[i], -1.0}}) {
+      const auto found = centre.find(block);
+      if (found == centre.end()) continue;
+      const auto& [x, y, z] = found->second;
+      const Vector arm = Points::at(points.place, i) - Vector{x, y, z}, force = sign * points.force(i);
+      Tensor& sum = moments[block];
+      for (int k = 0; k < 3; ++k) {
+        const int next = (k + 1) % 3;
+        sum[static_cast<std::size_t>(k)] += arm[k] * force[k];
+        sum[static_cast<std::size_t>(3 + k)] += 0.5 * (arm[k] * force[next] + arm[next] * force[k]);
+      }
+    }
+  }
+  return moments;
 }
 
 }  // namespace quoin

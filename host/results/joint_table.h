@@ -25,4 +25,11 @@ struct JointSum {
 using BlockPair = std::pair<std::int32_t, std::int32_t>;  // the smaller number first
 std::map<BlockPair, JointSum> joint_sums(const VtuFile& joints);
 
+// Of blocks the sum of arm x force over their contact points, symmetric, N m: xx yy zz xy yz zx. The arm leads from
+// `centre`. Over the volume it is the mean stress of a block that does not spin faster and faster; its weight adds
+// nothing to that.
+using Tensor = std::array<double, 6>;
+std::map<std::int32_t, Tensor> force_moments(const VtuFile& joints,
+                                             const std::map<std::int32_t, std::array<double, 3>>& centre);
+
 }  // namespace quoin

@@ -207,10 +207,68 @@ std::vector<std::uint32_t> points_of(const VtuFile& blocks, const Surface& surfa
   return points;
 }
 
-// At these points, from cells: the smallest principal stress (compression < 0), the mean of those around.
-std::vector<float> stress_of(const VtuFile& blocks, const std::vector<std::uint32_t>& of_points) {
+// Volume and mass centre of a closed surface.
+struct Solid {
+  double volume = 0.0;
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // centre times volume
+};
+
+// Of rigid blocks that are free to move, as they stand: what holds or drives a block is in no joint.
+std::map<std::int32_t, Solid> rigid_solids(const VtuFile& blocks, const std::set<std::int32_t>& held) {
   const VtuGrid& grid = blocks.grid();
-  const auto stress = blocks.read<float>("stress_Pa", VtkRows::cell, 6);
+  const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());
+  const auto moved = blocks.read<float>("displacement_m", VtkRows::point, 3);
+  std::set<std::int32_t> zoned, moves;
+  for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
+    if (grid.type[c] == kTetrahedron) zoned.insert(block[c]);
+    for (; i < grid.end[c]; ++i) {
+      if (at(moved, grid.corner[i]) != std::array<float, 3>{}) moves.insert(block[c]);
+    }
+  }
+  std::vector<std::int32_t> of_point(grid.points(), -1);
+  for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
+    for (; i < grid.end[c]; ++i) of_point[grid.corner[i]] = block[c];
+  }
+  const auto place = [&](std::size_t p) {
+    const auto x = at(grid.position, p), u = at(moved, p);
+    return Eigen::Vector3d(double{x[0]} + u[0], double{x[1]} + u[1], double{x[2]} + u[2]);
+  };
+  std::map<std::int32_t, Solid> solids;
+  for (const Triangle& t : triangles_of(grid)) {
+    const auto corner = [&](std::size_t k) { return place(static_cast<std::size_t>(t[k])); };
+    const std::int32_t b = of_point[static_cast<std::size_t>(t[0])];
+    if (zoned.contains(b) || held.contains(b) || !moves.contains(b)) continue;
+    const double volume = corner(0).dot(corner(1).cross(corner(2))) / 6.0;  // of the tetrahedron with the origin
+    solids[b].volume += volume, solids[b].moment += volume / 4.0 * (corner(0) + corner(1) + corner(2));
+  }
+  return solids;
+}
+
+// xx yy zz xy yz zx of each cell: of rigid blocks, where files have nothing, the mean that their joints give.
+std::vector<float> stress_of_cells(const VtuFile& blocks, const VtuFile& joints, const std::set<std::int32_t>& held) {
+  auto stress = blocks.read<float>("stress_Pa", VtkRows::cell, 6);
+  const std::map<std::int32_t, Solid> solids = rigid_solids(blocks, held);
+  if (solids.empty()) return stress;
+  std::map<std::int32_t, std::array<double, 3>> centre;
+  for (const auto& [b, solid] : solids) {
+    const Eigen::Vector3d x = solid.moment / solid.volume;
+    if (x.allFinite()) centre[b] = {x[0], x[1], x[2]};
+  }
+  const auto moments = force_moments(joints, centre);
+  const auto block = blocks.read_indices("block", VtkRows::cell, blocks.grid().cells());
+  for (std::size_t c = 0; c < blocks.grid().cells(); ++c) {
+    const auto found = moments.find(block[c]);
+    for (std::size_t k = 0; found != moments.end() && k < 6; ++k)
+      stress[6 * c + k] = static_cast<float>(found->second[k] / std::abs(solids.at(block[c]).volume));
+  }
+  return stress;
+}
+
+// At these points, from cells: the smallest principal stress (compression < 0), the mean of those around.
+std::vector<float> stress_of(const VtuFile& blocks, const VtuFile& joints, const std::vector<std::uint32_t>& of_points,
+                             const std::set<std::int32_t>& held) {
+  const VtuGrid& grid = blocks.grid();
+  const auto stress = stress_of_cells(blocks, joints, held);
   std::vector<double> sum(grid.points(), 0.0), count(grid.points(), 0.0);
   for (std::size_t c = 0, i = 0; c < grid.cells(); ++c) {
     const float* t = stress.data() + 6 * c;  // xx yy zz xy yz zx
@@ -419,6 +477,34 @@ Json read_summary(const fs::path& path) {
   return summary;
 }
 
+// Blocks that some stage holds or drives, by the names that the summary gives them.
+std::set<std::int32_t> held_blocks(const Json& summary) {
+  std::set<std::string> bodies;
+  const auto each = [](const Json& of, const char* key, const auto& look) {
+    if (!of.is_object() || !of.contains(key)) return;
+    for (const Json& item : of.at(key)) look(item);
+  };
+  const Json settings = summary.value("settings", Json());
+  each(settings, "stages", [&](const Json& stage) {
+    each(stage, "controls", [&](const Json& control) {
+      bool holds = false;
+      each(control, "velocity_m_per_s", [&](const Json& v) { holds = holds || v.is_number(); });
+      if (holds && control.contains("body") && control.at("body").is_string())
+        bodies.insert(control.at("body").get<std::string>());
+    });
+  });
+  std::set<std::int32_t> held;
+  const Json names = summary.value("block_names", Json());
+  for (const auto& [number, name] : names.items()) {
+    constexpr double kMost = 1e9;  // blocks
+    double value = 0.0;
+    if (name.is_string() && bodies.contains(name.get<std::string>()) && parse_number(number, value) && value >= 0.0 &&
+        value < kMost)
+      held.insert(static_cast<std::int32_t>(value));
+  }
+  return held;
+}
+
 // What the page shows of a frame.
 struct Frame {
   std::vector<float> displacement, stress, rim, points, points_moved;
@@ -435,11 +521,13 @@ struct Start {
   std::vector<float> position;     // of vertices
   std::vector<std::uint32_t> rim;  // points of joints on the lattice; empty until a frame has some
   std::vector<float> rim_position;
-  explicit Start(const VtuFile& blocks)
+  std::set<std::int32_t> held;  // blocks that some stage holds or drives
+  Start(const VtuFile& blocks, std::set<std::int32_t> held_ones)
       : places(blocks.grid().position),
         surface(surface_of(blocks)),
         vertices(surface),
-        position(vectors_at(surface.vertex, places)) {}
+        position(vectors_at(surface.vertex, places)),
+        held(std::move(held_ones)) {}
 };
 
 // Joints of blocks of any shape are points, each beside a vertex of its block, with which it moves; where blocks have
@@ -475,7 +563,7 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   const auto vertex = blocks.grid().position == start->places ? start->surface.vertex
                                                               : points_of(blocks, start->surface, start->position);
   frame.displacement = vectors_at(vertex, blocks.read<float>("displacement_m", VtkRows::point, 3));
-  frame.stress = stress_of(blocks, vertex);
+  frame.stress = stress_of(blocks, joints_file, vertex, start->held);
   // Joints of blocks of any shape are given where they stand: beside the vertices of now.
   std::vector<float> standing = start->position;
   for (std::size_t i = 0; joints.rim.empty() && i < standing.size(); ++i) standing[i] += frame.displacement[i];
@@ -577,7 +665,7 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
   part.head["times"] = times;
   part.head["colours"] = colours();
 
-  Start start{VtuFile(frame_path(folder, "blocks", 0))};
+  Start start{VtuFile(frame_path(folder, "blocks", 0)), held_blocks(part.head["summary"])};
   std::vector<Frame> frames;
   Quantised moved, rim_moved, stress, opening, slip, damage{0.0, 1.0};
   for (std::size_t f = 0; f < times.size(); ++f) {

@@ -4,6 +4,8 @@ import os
 
 from . import _quoin
 from .errors import BadInput, Error
+from .pictures import Pictures
+from .results import open_results
 from .simulation import Simulation, table
 
 
@@ -21,8 +23,8 @@ class Frame:
         return f"<frame at {self.time:.6g} s: {len(self.displacement)} gridpoints, {len(self.joints)} contact points>"
 
 
-class Run:
-    """What a run has found. history: a structured array with the names and numbers of history.csv; summary: as
+class Run(Pictures):
+    """What a run has found. Pictures of the model need the folder `out`. history: a structured array with the names and numbers of history.csv; summary: as
     summary.json; frames, and the mesh that they belong to; out: the folder of its files, or None."""
 
     def __init__(self, simulation, status="done", message="", out=None):
@@ -32,6 +34,21 @@ class Run:
         self.summary = json.loads(session.finish(status, message))
         self.frames = [Frame(f) for f in session.frames()]
         self.mesh = simulation.mesh()
+
+    @property
+    def title(self):
+        return self.summary.get("title") or "run"
+
+    def plot_cracks(self, *args, **named):
+        return self._written("plot_cracks").plot_cracks(*args, **named)
+
+    def plot_field(self, *args, **named):
+        return self._written("plot_field").plot_field(*args, **named)
+
+    def _written(self, what):
+        if self.out is None:
+            raise BadInput(f"{what}: draws the files of a run; run it with a folder for them, out=...")
+        return open_results(self.out)
 
     @property
     def dataframe(self):

@@ -155,10 +155,10 @@ class Model {
   get pixelsPerMetre() { return this.width / (this.camera.right - this.camera.left) * this.camera.zoom; }
 
   // ---- A moment ----
-  // The magnification at which the model is seen to move; what has moved far is drawn as it is.
+  // The magnification at which the model is seen to move; large motion is drawn as it is.
   get magnification() {
-    const moved = this.head.range.moved;
-    if (moved > 0.02 * this.size || moved === 0) return 1;
+    const moved = this.head.range.moved, {motion} = this.head.summary;
+    if (motion && motion.small_displacements === false || moved === 0) return 1;
     return Math.max(1, roundDown(0.05 * this.size / moved));
   }
   valueAt(frame, what, v) {

@@ -27,6 +27,8 @@ else:
         from . import shapes  # noqa: F401
         from .analysis import Modes, modes  # noqa: F401
         from .meshes import read_blocks  # noqa: F401
+        from .results import Moment, Results, unit  # noqa: F401
+        from .results import open_results as open  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
         from .scene import (Arch, Block, BlockMaterial, Damage, DryWall, Joint, JointRule, Scene, Stage,  # noqa: F401
                             Table, Wall)
@@ -34,7 +36,7 @@ else:
 
 
 def __getattr__(name):
-    if name in ("Scene", "Simulation", "run", "modes"):
+    if name in ("Scene", "Simulation", "run", "modes", "open"):
         raise AttributeError(f"quoin.{name}: this installation has the laws alone; build the host with pybind11-dev and "
                              "python3-dev installed (cmake says why it left it out)")
     raise AttributeError(f"module 'quoin' has no attribute {name!r}")

@@ -1,0 +1,178 @@
+"""quoin.open, and the pictures that runs draw."""
+import itertools
+import os
+import re
+import sys
+import unittest
+from unittest import mock
+
+import quoin
+from support import SMALL_WALL, SOURCE, Folder, block_scene
+import numpy as np  # after support, which tells where it is missing
+
+try:
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from matplotlib.colors import to_rgb
+except ImportError:
+    matplotlib = None
+
+
+def small_wall():
+    scene = quoin.Scene.load(SMALL_WALL)
+    scene.output = dict(frames=2, energy=True, plots=False)
+    return scene
+
+
+def resting_cube():
+    """A cube of 1 m and 1000 kg that settles on another one, which is fixed."""
+    scene = block_scene(stage=[quoin.Stage(name="weight", gravity=[0, -9.81, 0], ramp_time=0.05, duration=0.4)],
+                        output=dict(frames=1, plots=False), solver=dict(damping="local", local_damping=0.8))
+    scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
+    return scene
+
+
+def crossing(figure):
+    """Texts of a picture that cross each other, or leave it."""
+    figure.canvas.draw()
+    renderer, found = figure.canvas.get_renderer(), []
+    texts = [t for t in figure.findobj(matplotlib.text.Text) if t.get_text().strip() and t.get_visible()]
+    boxes = [(t.get_text(), t.get_window_extent(renderer)) for t in texts]
+    # Ticks beyond the ends of an axis are there and not drawn.
+    drawn = [(name, box) for name, box in boxes if any(np.allclose(box.bounds, b.bounds) for b in shown_boxes(figure, renderer))]
+    paper = figure.bbox
+    for name, box in drawn:
+        if box.x0 < paper.x0 - 1 or box.x1 > paper.x1 + 1 or box.y0 < paper.y0 - 1 or box.y1 > paper.y1 + 1:
+            found.append(f"{name!r} leaves the picture")
+    for (a, first), (b, second) in itertools.combinations(drawn, 2):
+        wide = min(first.x1, second.x1) - max(first.x0, second.x0)
+        tall = min(first.y1, second.y1) - max(first.y0, second.y0)
+        if wide > 1 and tall > 1:
+            found.append(f"{a!r} crosses {b!r}")
+    return found
+
+
+def shown_boxes(figure, renderer):
+    ticks = set()
+    for axes in figure.axes:
+        for axis, (low, high) in ((axes.xaxis, sorted(axes.get_xlim())), (axes.yaxis, sorted(axes.get_ylim()))):
+            for tick in axis.get_major_ticks() + axis.get_minor_ticks():
+                inside = low - 1e-9 * (high - low) <= tick.get_loc() <= high + 1e-9 * (high - low)
+                for label in (tick.label1, tick.label2):
+                    ticks.add(label)
+                    if inside and label.get_visible() and axes.axison:
+                        yield label.get_window_extent(renderer)
+    for text in figure.findobj(matplotlib.text.Text):
+        if text not in ticks and text.get_visible():
+            yield text.get_window_extent(renderer)
+
+
+class Opened(Folder):
+    def test_arrays_are_those_of_the_run(self):
+        out = self.path("wall")
+        run = quoin.run(small_wall(), out=out, threads=1)
+        read = quoin.open(out)
+        self.assertEqual(read.history.dtype.names, run.history.dtype.names)
+        for name in run.history.dtype.names:
+            np.testing.assert_array_equal(read.history[name], run.history[name], err_msg=name)
+        self.assertEqual(read.peak, run.peak)
+        self.assertEqual([f.stage for f in read.frames], [2, 2, 2])
+        for moment, frame in zip(read.frames, run.frames):
+            self.assertAlmostEqual(moment.time, frame.time, delta=1e-8 * frame.time)  # nine digits in the collection
+            np.testing.assert_allclose(moment.blocks["displacement_m"], frame.displacement, atol=1e-7 * 5e-4 + 1e-12)
+            np.testing.assert_allclose(moment.joints["traction_Pa"], frame.joints["traction"], rtol=1e-6, atol=1e-3)
+        self.assertEqual([quoin.unit(n) for n in ("horizontal_force_N", "time_s", "opening_m", "block", "area_m2")],
+                         ["N", "s", "m", "", "m2"])
+
+    def test_compressed_frames_are_the_same(self):
+        for name, options in (("plain", []), ("packed", ["--compressed"])):
+            done = self.command("run", SMALL_WALL, "--out", name, "--set", "output.frames=1", "--set", "output.plots=false",
+                                *options)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        plain, packed = (quoin.open(self.path(name)).frames[-1] for name in ("plain", "packed"))
+        for kind in ("blocks", "joints"):
+            for name, values in getattr(plain, kind).items():
+                np.testing.assert_array_equal(getattr(packed, kind)[name], values, err_msg=name)
+
+    def test_support_carries_the_weight(self):
+        quoin.run(resting_cube(), out=self.path("cube"), threads=1)
+        moment = quoin.open(self.path("cube")).frames[-1]
+        # 1000 kg m/s2 9.81 presses the base; 1 %: what still moves after 0.4 s.
+        np.testing.assert_allclose(moment.force_on(0), [0, -9810, 0], atol=98)
+        np.testing.assert_allclose(moment.force_on(1), [0, 9810, 0], atol=98)
+
+    def test_faults_are_told(self):
+        with self.assertRaisesRegex(quoin.BadInput, "summary.json: not found; give the folder of a run that has ended"):
+            quoin.open(self.path("nowhere"))
+        quoin.run(small_wall(), out=self.path("wall"), threads=1)
+        with open(self.path("wall/blocks_0001.vtu"), "r+b") as file:
+            file.truncate(4000)
+        with self.assertRaisesRegex(quoin.BadInput, "blocks_0001.vtu: is damaged or cut off"):
+            quoin.open(self.path("wall")).frames[1].blocks["displacement_m"]
+
+
+@unittest.skipUnless(matplotlib, "matplotlib is not installed (python3-matplotlib)")
+class Drawn(Folder):
+    def assert_fine(self, figure, *words):
+        self.assertEqual(crossing(figure), [])
+        texts = " ".join(t.get_text() for t in figure.findobj(matplotlib.text.Text))
+        for word in words:
+            self.assertIn(word, texts)
+
+    def test_a_wall_is_drawn(self):
+        quoin.run(small_wall(), out=self.path("wall"), threads=1)
+        run = quoin.open(self.path("wall"))
+        self.assert_fine(run.plot(file=self.path("curve.png")), "horizontal force [kN]", "displacement of top beam [mm]", " kN at ")
+        self.assert_fine(run.plot_cracks(file=self.path("cracks.svg")), "sliding begun", "times larger", "x [m]", "stage 2")
+        self.assert_fine(run.plot_histories(), "time [s]", "force [kN]", "energy [J]")
+        self.assert_fine(run.plot_field("stress"), "smallest principal stress [MPa]")
+        self.assert_fine(run.plot_field(), "displacement [mm]")
+        for name in ("curve.png", "cracks.svg"):
+            self.assertGreater(os.path.getsize(self.path(name)), 5000)
+        with self.assertRaisesRegex(ValueError, "displacement or stress"):
+            run.plot_field("colour")
+
+    def test_a_run_in_memory_is_drawn(self):
+        run = quoin.run(small_wall(), threads=1)
+        self.assert_fine(run.plot(), "horizontal force [kN]")
+        with self.assertRaisesRegex(quoin.BadInput, "out="):
+            run.plot_cracks()
+
+    def test_blocks_that_stand_are_drawn(self):
+        quoin.run(resting_cube(), out=self.path("cube"), threads=1)
+        run = quoin.open(self.path("cube"))
+        for figure in (run.plot(), run.plot_cracks(), run.plot_field(), run.plot_histories()):
+            self.assert_fine(figure)
+
+    def test_a_label_that_crosses_another_is_seen(self):
+        figure = pyplot.figure()
+        figure.text(0.5, 0.5, "first")
+        figure.text(0.52, 0.5, "second")
+        self.assertEqual(len(crossing(figure)), 1)
+
+    def test_colours_grow_darker_and_are_those_of_the_header(self):
+        colours = quoin._quoin.colours()
+        light = {name: np.dot(to_rgb(colours[name]), [0.2126, 0.7152, 0.0722]) for name in ("middle", "warm", "cold")}
+        self.assertGreater(light["middle"], 0.75)
+        self.assertLess(max(light["warm"], light["cold"]), 0.35)
+        with open(os.path.join(SOURCE, "host/results/colours.h"), encoding="utf-8") as file:
+            header = file.read()
+        self.assertEqual([colour for _, colour in colours["cracks"]] + [colours[k] for k in ("middle", "warm", "cold")] +
+                         list(colours["pens"]), re.findall(r'"(#[0-9a-f]{6})"', header))
+        # No other file has one of them.
+        for name in ("report/page.js", "report/model.js", "report/curves.js", "report/marks.js", "plots.cpp", "block_picture.cpp"):
+            with open(os.path.join(SOURCE, "host/results", name), encoding="utf-8") as file:
+                text = file.read()
+            for _, colour in colours["cracks"][1:]:
+                self.assertNotIn(colour, text, name)
+
+    def test_without_matplotlib_the_reason_is_told(self):
+        run = quoin.run(small_wall(), threads=1)
+        with mock.patch.dict(sys.modules, {"matplotlib": None}):
+            with self.assertRaisesRegex(quoin.Error, "apt-get install python3-matplotlib"):
+                run.plot()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
