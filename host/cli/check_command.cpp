@@ -16,6 +16,7 @@
 #include "model/motion.h"
 #include "model/time_step.h"
 #include "scene/damping_text.h"
+#include "scene/read_tests.h"
 #include "scene/scatter_text.h"
 #include "scene/size.h"
 #include "step/large_motion.h"
@@ -261,8 +262,14 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_time(simulation, print_stages(scene, step), options.force);
 }
 
+void print_derivation(const Scene& scene, const SceneOptions& options) {
+  for (const Derivation& d : derivation_of(scene.text, options.scene, options.overrides))
+    fmt::print("  from tests: {} {:.4g} {}: {}\n", d.name, d.value, d.unit, d.from);
+}
+
 void check(const SceneOptions& options) {
   const Scene scene = prepare_scene(options);
+  print_derivation(scene, options);
   const SceneSize scene_size = size_of(scene);
   Motion motion = choose_motion(scene);
   if (motion.shapes) return check_blocks(options, scene, motion.why_not_lattice);

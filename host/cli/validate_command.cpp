@@ -56,6 +56,11 @@ void validate_walls(const ValidateOptions& options, int& exit_code) {
     fmt::print("{:>4} {:<32} predicted {:7.1f} kN, measured {:7.1f} kN, ratio {:.2f}, mode {} ({})\n",
                printable(p.row.number), printable(p.row.name()), p.outcome.peak, p.row.peak(), p.ratio(),
                p.outcome.mode, p.mode_known() ? printable(p.row.failure_mode) : "not given");
+  for (const Prediction& p : campaign.done) {
+    if (const auto& along = p.outcome.along_envelope)
+      fmt::print("{:>4} {:<32} force over the envelope's from 1 to 10 mm: {:.2f} to {:.2f}\n", printable(p.row.number),
+                 printable(p.row.name()), (*along)[0], (*along)[1]);
+  }
   const auto [met, known] = modes_met(campaign);
   fmt::print("peaks: {}\n", statistics_text(statistics_of(ratios_of(campaign, false))));
   fmt::print("without walls more than 15 % above rigid equilibrium: {}\n",

@@ -28,6 +28,7 @@
 #include "results/provenance.h"
 #include "results/report.h"
 #include "scene/read_scene.h"
+#include "scene/read_tests.h"
 #include "scene/reader.h"
 #include "step/large_motion.h"
 
@@ -88,6 +89,35 @@ py::list mesh_of(const std::string& path, double scale, const std::function<bool
   return blocks;
 }
 
+// tests: the keys of a table [tests].
+py::dict properties_of(const py::dict& tests) {
+  const toml::table table = quoin::python::table_of(tests);
+  quoin::reader::Context context;
+  context.file = "quoin.properties_of";
+  const quoin::TestedMasonry tested = quoin::read_tests({context, table, "tests"}, 0.0, 0.0);
+  context.throw_faults();
+  const quoin::MasonryNumbers numbers = quoin::properties_of(tested);
+  py::dict result, unit;
+  unit["young_modulus"] = numbers.young_modulus, unit["poisson_ratio"] = numbers.poisson_ratio;
+  unit["density"] = numbers.density;
+  result["unit"] = unit;
+  for (const char* part : {"bed", "head", "inside"}) {
+    py::dict joint;
+    joint["law"] = "fracture_energy";
+    for (const auto& [id, value] : quoin::joint_properties(numbers, part, "fracture_energy")) joint[id] = value;
+    result[part] = joint;
+  }
+  py::list derivation;
+  for (const quoin::Derivation& d : numbers.derivation) {
+    py::dict line;
+    line["name"] = d.name, line["value"] = d.value, line["unit"] = d.unit, line["from"] = d.from;
+    line["spread"] = d.spread;
+    derivation.append(line);
+  }
+  result["derivation"] = derivation;
+  return result;
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_quoin, m) {
@@ -124,6 +154,7 @@ PYBIND11_MODULE(_quoin, m) {
           return std::pair(quoin::json_of(scene.file, v, modes).dump(), quoin::shapes_of(v, modes));
         });
 #endif
+  m.def("properties_of", &properties_of);
   m.def("read_mesh", &mesh_of);
   m.def("colours", [] {
     py::list cracks;

@@ -20,6 +20,7 @@
 #include "scene/read_damage.h"
 #include "scene/read_opening.h"
 #include "scene/read_scatter.h"
+#include "scene/read_tests.h"
 #include "scene/reader.h"
 
 namespace quoin {
@@ -701,6 +702,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   Context context;
   context.file = path;
   for (const std::string& setting : overrides) apply_override(root, setting, context);
+  fill_in_from_tests(root, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
   const std::string folder = path.substr(0, path.rfind('/') == std::string::npos ? 0 : path.rfind('/') + 1);

@@ -20,6 +20,7 @@ using reproduce::Curve;
 // they lead it [assumed; one pair for all walls].
 constexpr double kSeen = 0.08, kLeading = 0.25, kSlides = 0.5;
 constexpr double kSeenSliding = 0.2;
+constexpr double kKept = 0.8;  // of the peak: the loss that ends a wall's capacity by convention
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -38,6 +39,31 @@ double secant(const Curve& curve, double force) {
   return 0.0;
 }
 
+// Force of the envelope at a displacement of that sign, kN, positive; nothing where it does not reach so far.
+std::optional<double> measured_at(const std::vector<std::array<double, 2>>& envelope, double displacement) {
+  for (std::size_t i = 1; i < envelope.size(); ++i) {
+    const auto &a = envelope[i - 1], &b = envelope[i];
+    const double low = std::min(a[0], b[0]), high = std::max(a[0], b[0]);
+    if (displacement < low || displacement > high || low == high) continue;
+    return std::abs(a[1] + (displacement - a[0]) / (b[0] - a[0]) * (b[1] - a[1]));
+  }
+  return {};
+}
+
+// Both sides count alike where both were measured.
+std::optional<std::array<double, 2>> along_envelope(const WallRow& row, const Curve& curve) {
+  constexpr int kFarthest = 10;  // mm
+  std::optional<std::array<double, 2>> range;
+  for (int d = 1; d <= kFarthest && !curve.empty() && d <= curve.displacement.back(); ++d) {
+    const auto out = measured_at(row.envelope, d), back = measured_at(row.envelope, -d);
+    if (!out && !back) continue;
+    const double ratio = curve.force_at(d) / (out && back ? (*out + *back) / 2 : out ? *out : *back);
+    if (!range) range = {ratio, ratio};
+    range = {std::min((*range)[0], ratio), std::max((*range)[1], ratio)};
+  }
+  return range;
+}
+
 // Points of a bed joint along its length, and what they say of it.
 struct Bed {
   double area = 0.0, crushed = 0.0, least_slip = std::numeric_limits<double>::infinity();
@@ -50,7 +76,8 @@ std::string mode_of(const Motion& m) {
   const double spread = m.spread / m.top, sliding = m.sliding / m.top;
   const std::string with_sliding = sliding > kSeenSliding ? "SL" : "";
   if (sliding > kSlides) return spread > kLeading ? "H-SLS" : "SL";
-  if (spread > kLeading) return with_sliding.empty() ? "S" : "H-SSL";
+  // What spreads and still carries the load rocks with gaping joints.
+  if (spread > kLeading && m.kept < kKept) return with_sliding.empty() ? "S" : "H-SSL";
   if (spread > kSeen) return "H-FS" + with_sliding;
   return with_sliding.empty() ? "F" : "H-FSL";
 }
@@ -122,12 +149,19 @@ Outcome outcome_of(const WallRow& row, const TestScene& scene, reproduce::RunRes
   if (!run.cycles) {
     const double lost = curve.displacement_after_peak(0.8);
     if (lost > 0.0) o.ultimate_drift = 100.0 * lost / height;
+    o.along_envelope = along_envelope(row, curve);
   }
   o.initial_stiffness = secant(curve, 0.1 * curve.peak());
   o.effective_stiffness = secant(curve, 0.7 * curve.peak());
   double farthest = 0.0;
   for (const double d : curve.displacement) farthest = std::max(farthest, std::abs(d));
   o.motion = read_motion(run.folder, 1e-3 * farthest);
+  double last = curve.last_force();
+  if (run.cycles) {
+    const Curve envelope = reproduce::envelope_of(curve, *run.cycles);  // from the farthest negative side on
+    if (!envelope.empty()) last = (std::abs(envelope.force.front()) + std::abs(envelope.force.back())) / 2;
+  }
+  o.motion.kept = o.peak > 0.0 ? last / o.peak : 1.0;
   o.mode = mode_of(o.motion);
   o.run = std::move(run);
   return o;

@@ -1,6 +1,7 @@
 // What a run of a wall test says: peak, drifts, stiffness, how it failed.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@ struct Motion {
   double sliding = 0.0;  // least slip along the bed joint that slid most
   double crushed = 0.0;  // share of the length of the worst bed joint that is crushed
   double top = 0.0;      // m
+  double kept = 1.0;     // force at the end over the peak
 };
 
 struct Outcome {
@@ -24,7 +26,9 @@ struct Outcome {
   double drift_at_peak = 0.0;                                 // %
   std::optional<double> ultimate_drift;                       // % at 20 % loss; nothing: it never lost so much
   double initial_stiffness = 0.0, effective_stiffness = 0.0;  // kN/mm to 10 %, and secant to 70 % of the peak
-  std::string mode;                                           // code of brick_walls.csv
+  // Predicted over measured force where there is an envelope, at 1, 2, ... 10 mm: least and largest.
+  std::optional<std::array<double, 2>> along_envelope;
+  std::string mode;  // code of brick_walls.csv
   Motion motion;
 };
 

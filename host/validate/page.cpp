@@ -114,6 +114,12 @@ std::string curve_svg(const Prediction& p) {
   for (std::size_t i = 0; i < c.size(); i += step)
     points += fmt::format("{:.1f},{:.1f} ", x(c.displacement[i]), y(c.force[i]));
   out += fmt::format("<polyline fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.6\" points=\"{}\"/>", points);
+  std::string measured;
+  for (const auto& [d, f] : p.row.envelope) {
+    if (d >= left && d <= right && f >= bottom && f <= top) measured += fmt::format("{:.1f},{:.1f} ", x(d), y(f));
+  }
+  if (!measured.empty())
+    out += fmt::format("<polyline fill=\"none\" stroke=\"#d55e00\" stroke-width=\"1.4\" points=\"{}\"/>", measured);
   if (p.row.drift_at_peak)
     out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"#d55e00\"/>",
                        std::min(x(*p.row.drift_at_peak * 10 * p.row.height), kWidth - kRight), y(p.row.peak()));
@@ -140,6 +146,10 @@ std::string wall_section(const Prediction& p, const CampaignSettings& settings) 
       "bed joint {:.1f} mm, {:.0f} % of the worst bed joint crushed.</p>\n<div class=\"pair\">{}"
       "<img src=\"{}/cracks.png\" alt=\"cracks at the end\" loading=\"lazy\"></div>\n",
       1e3 * o.motion.top, 1e3 * o.motion.spread, 1e3 * o.motion.sliding, 100 * o.motion.crushed, curve_svg(p), folder);
+  if (o.along_envelope)
+    out += fmt::format(
+        "<p class=\"small\">Force over that of the measured envelope from 1 to 10 mm: {:.2f} to {:.2f}.</p>\n",
+        (*o.along_envelope)[0], (*o.along_envelope)[1]);
   out += "<details><summary>Properties and where they come from</summary><table>\n";
   for (const Derivation& d : p.scene.numbers.derivation)
     out += fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} {}</td><td>{}</td></tr>\n", escaped(d.name), d.value,

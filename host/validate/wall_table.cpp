@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <set>
 #include <sstream>
@@ -14,10 +15,13 @@
 #include "base/input_file.h"
 #include "base/number_text.h"
 #include "base/printable.h"
+#include "law/csv_table.h"
 
 namespace quoin::validate {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");
@@ -42,6 +46,27 @@ std::vector<std::string> cells_of(const std::string& line) {
   }
   for (std::string& cell : cells) cell = trimmed(cell);
   return cells;
+}
+
+// Letters, digits and '-' as they are, '_' for what stands between them.
+std::string plain(const std::string& text) {
+  std::string name;
+  for (const char c : text.substr(0, 40)) {
+    const bool kept = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-';
+    if (kept || name.empty() || name.back() != '_') name += kept ? c : '_';
+  }
+  return name;
+}
+
+std::vector<std::array<double, 2>> read_envelope(const fs::path& file) {
+  const CsvTable table = read_csv(file.string());
+  const int displacement = table.column("top_displacement_mm"), force = table.column("horizontal_force_kN");
+  if (displacement < 0 || force < 0)
+    throw Error(Exit::bad_input, file.string() + ": name the columns top_displacement_mm and horizontal_force_kN");
+  std::vector<std::array<double, 2>> points;
+  for (const std::vector<double>& row : table.rows)
+    points.push_back({row[static_cast<std::size_t>(displacement)], row[static_cast<std::size_t>(force)]});
+  return points;
 }
 
 struct Words {
@@ -186,17 +211,7 @@ double WallRow::peak() const {
   return std::abs(peak_positive ? *peak_positive : peak_negative.value_or(0.0));
 }
 
-std::string WallRow::folder_name() const {
-  std::string name;
-  for (const std::string& part : {number, campaign, specimen}) {
-    if (!name.empty()) name += '_';
-    for (const char c : part.substr(0, 40)) {
-      const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-';
-      if (plain || name.empty() || name.back() != '_') name += plain ? c : '_';
-    }
-  }
-  return name;
-}
+std::string WallRow::folder_name() const { return plain(number) + "_" + plain(campaign) + "_" + plain(specimen); }
 
 WallTable read_wall_table(const std::string& file) {
   std::istringstream stream(read_input_file(file));
@@ -212,6 +227,7 @@ WallTable read_wall_table(const std::string& file) {
   if (header.empty()) throw Error(Exit::bad_input, file + ": it is empty; give a table of walls, a row each");
   Reader reader(file, header);
   std::set<std::string> folders;
+  const fs::path envelopes = fs::path(file).parent_path() / "envelopes";
   while (std::getline(stream, line)) {
     ++number;
     if (trimmed(line).empty()) continue;
@@ -224,6 +240,10 @@ WallTable read_wall_table(const std::string& file) {
           number, printable(row->number)));
     else
       table.rows.push_back(std::move(*row));
+  }
+  for (WallRow& row : table.rows) {
+    const fs::path envelope = envelopes / (plain(row.specimen) + ".csv");
+    if (fs::exists(envelope)) row.envelope = read_envelope(envelope);
   }
   return table;
 }

@@ -1,6 +1,7 @@
 // Tables of walls that were tested: one row a wall, as brick_walls.csv has them. Cells may be blank.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,9 @@ struct WallRow {
   Given friction, shear_span;                                           // -, H0/H
   Given drift_at_peak, ultimate_drift;                                  // %, mean of the sides that are given
   Given peak_positive, peak_negative;                                   // kN
+
+  // Measured envelope, mm and kN, in its order; empty: none. In FOLDER/envelopes/SPECIMEN.csv beside the table.
+  std::vector<std::array<double, 2>> envelope;
 
   double peak() const;  // kN, mean of the two sides, or the one that is given
   // NUMBER_CAMPAIGN_SPECIMEN of letters, digits, '-', '_' alone: a name for folders.

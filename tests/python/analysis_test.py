@@ -36,5 +36,34 @@ class Modes(Folder):
             quoin.modes(block_scene(), ratios=(1, 2, 3))
 
 
+class PropertiesOf(Folder):
+    TESTS = {"unit": "clay", "unit_strength": 40e6, "masonry_strength": 5e6, "cohesion": 0.3e6, "friction": 0.7,
+             "block_height": 0.0625}
+
+    def test_the_rule_meets_table_1(self):
+        found = quoin.properties_of(**self.TESTS)
+        self.assertAlmostEqual(found["bed"]["tensile_strength"], 0.2e6, delta=1)
+        self.assertAlmostEqual(found["bed"]["fracture_energy_compression"], 8000, delta=1e-6)
+        self.assertTrue(all(line["from"] for line in found["derivation"]))
+
+    def test_a_scene_from_tests_has_the_same_numbers(self):
+        with open(os.path.join(SCENES, "solid_wall_030.toml"), encoding="utf-8") as file:
+            text = file.read()
+        stages = text[text.index("[[stage]]"):]
+        joints = "".join(f'[joints.{name}]\nlaw = "fracture_energy"\nproperties = "from_tests"\npart = "{part}"\n'
+                         for name, part in (("mortar", "bed"), ("unit", "inside")))
+        tests = "[tests]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in self.TESTS.items()
+                                      if key != "block_height")
+        wall = text[text.index("[wall]"):text.index("[[stage]]")]
+        with open(self.path("tested.toml"), "w", encoding="utf-8") as file:
+            file.write(tests + '[materials.brick]\nproperties = "from_tests"\n' + joints + wall + stages)
+        checked = self.command("check", self.path("tested.toml"))
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        self.assertIn("from tests: bed joint: tensile strength 2e+05 Pa", checked.stdout)
+        fault = self.command("check", self.path("tested.toml"), "--set", "tests.unit=cheese")
+        self.assertEqual(fault.returncode, 3)
+        self.assertIn("tests.unit", fault.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <sstream>
+
 #include "program.h"
 #include "walls.h"
 
@@ -57,6 +59,31 @@ TEST_F(Validate, InCyclesBothSidesCount) {
   ASSERT_EQ(validate({dry_wall()}, {"--cyclic"}), 0) << error_;
   EXPECT_THAT(read_all(folder_ / "out" / "scenes" / "1_test_dry_cyclic.toml"), HasSubstr("cyclic_joint"));
   EXPECT_THAT(csv(), HasSubstr("\n1,test,dry,1"));  // 16 kN: rigid 16.0 and the weight
+}
+
+// Bounds of the whole campaign, wide enough for the scatter of four walls: mean ratio 1.08 and CV 0.15 when written.
+TEST_F(Validate, FourWallsOfTheTable) {
+  ASSERT_EQ(quoin({"validate", "--walls", QUOIN_WALLS "/brick_walls.csv", "--short", "--out", out()}), 0) << error_;
+  std::stringstream rows(csv());
+  std::vector<double> ratios;
+  int met = 0;
+  std::string line;
+  std::getline(rows, line);
+  while (std::getline(rows, line)) {
+    std::vector<std::string> cells;
+    std::stringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 8u) << line;
+    ratios.push_back(std::stod(cells[5]));
+    EXPECT_NEAR(ratios.back(), std::stod(cells[3]) / std::stod(cells[4]), 1e-4) << line;
+    met += quoin::validate::leading_mode(cells[6]) == quoin::validate::leading_mode(cells[7]);
+  }
+  ASSERT_EQ(ratios.size(), 4u);
+  const auto s = quoin::validate::statistics_of(ratios);
+  EXPECT_GT(s.mean, 0.9);
+  EXPECT_LT(s.mean, 1.2);
+  EXPECT_LT(s.variation, 0.25);
+  EXPECT_GE(met, 3);
 }
 
 TEST(Statistics, AreThoseOfHand) {

@@ -67,10 +67,10 @@ TEST(Rule, UnfilledAndDryJointsHaveNoBond) {
   EXPECT_EQ(n.head.cohesion, 0.0);
   EXPECT_GT(n.bed.cohesion, 0.0);
   t.bed = t.head = JointKind::dry;
-  t.axial_stress = 0.7e6;
+  t.axial_stress = 2e6;
   n = properties_of(t);
   EXPECT_EQ(n.bed.cohesion, 0.0);
-  EXPECT_NEAR(n.bed.normal_stiffness, 1e10, 1.0);  // 0.7 MPa/0.07 mm
+  EXPECT_NEAR(n.bed.normal_stiffness, 1.6e10, 1.0);  // 8e9 sqrt(2/0.5)
 }
 
 TEST(Rule, BondIsNeverAboveTheApexOfCoulombsLine) {

@@ -92,7 +92,8 @@ TEST_F(WallTables, AHeaderWithoutColumnsIsRefused) {
 TEST(Modes, AreToldFromWhatMoves) {
   const double top = 0.01;
   EXPECT_EQ(mode_of({0.0, 0.0, 0.0, top}), "F");
-  EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top}), "S");
+  EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.5}), "S");
+  EXPECT_EQ(mode_of({0.5 * top, 0.0, 0.0, top, 0.95}), "H-FS");  // gapes, and carries on
   EXPECT_EQ(mode_of({0.0, 0.9 * top, 0.0, top}), "SL");
   EXPECT_EQ(mode_of({0.15 * top, 0.0, 0.0, top}), "H-FS");
   EXPECT_EQ(mode_of({0.0, 0.3 * top, 0.0, top}), "H-FSL");

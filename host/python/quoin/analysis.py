@@ -42,3 +42,11 @@ def modes(scene, *, count=10, stage="", ratios=(0.05, 0.05), at=(0.0, 0.0)):
     first and the last mode."""
     return Modes(*_quoin.modes(*scene_of(scene)._source(), whole("count", count, 1, 10000), str(stage),
                                pair("ratios", ratios), pair("at", at)))
+
+
+def properties_of(**tests):
+    """Properties of units and joints from what tests gave, by the rule of host/validate/README.md. tests: keys of a table
+    [tests] in SI units, as unit="clay", unit_strength=20e6, cohesion=0.2e6, friction=0.6, block_height=0.065. Returns a
+    dict: unit (a material), bed, head and inside (joints of fracture_energy), derivation (a line a number: name, value,
+    unit, from, spread as a coefficient of variation)."""
+    return _quoin.properties_of(tests)

@@ -25,7 +25,7 @@ else:
         for _folder in folders():
             add_law_folder(_folder)
         from . import shapes  # noqa: F401
-        from .analysis import Modes, modes  # noqa: F401
+        from .analysis import Modes, modes, properties_of  # noqa: F401
         from .meshes import read_blocks  # noqa: F401
         from .results import Moment, Results, unit  # noqa: F401
         from .results import open_results as open  # noqa: F401

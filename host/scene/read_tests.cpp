@@ -1,0 +1,153 @@
+#include "scene/read_tests.h"
+
+#include <map>
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+constexpr const char* kKey = "properties";
+constexpr const char* kWord = "from_tests";
+
+template <typename Kind>
+std::vector<std::string> names_of(const std::map<std::string, Kind>& kinds) {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds) names.push_back(name);
+  return names;
+}
+
+const std::map<std::string, UnitKind> kUnits{
+    {"clay", UnitKind::clay},         {"hollow_clay", UnitKind::hollow_clay},
+    {"concrete", UnitKind::concrete}, {"calcium_silicate", UnitKind::calcium_silicate},
+    {"stone", UnitKind::stone},       {"aerated_concrete", UnitKind::aerated_concrete}};
+const std::map<std::string, JointKind> kBeds{
+    {"mortar", JointKind::mortar}, {"thin", JointKind::thin}, {"dry", JointKind::dry}};
+const std::map<std::string, JointKind> kHeads{{"mortar", JointKind::mortar},
+                                              {"thin", JointKind::thin},
+                                              {"dry", JointKind::dry},
+                                              {"unfilled", JointKind::unfilled}};
+
+// True where the table asks for numbers from tests; the word itself goes.
+bool asks(toml::table& table, const std::string& path, Context& context) {
+  const toml::node* node = table.get(kKey);
+  if (!node) return false;
+  if (node->value<std::string>() != kWord)
+    context.fault(fmt::format("{} = {}: allowed: \"{}\", with a table [tests]", context.where(node, path + "." + kKey),
+                              text_of(*node), kWord));
+  table.erase(kKey);
+  return true;
+}
+
+void set_missing(toml::table& table, const char* key, double value) {
+  if (!table.contains(key)) table.insert(key, value);
+}
+
+// What the first pressure stage puts on the wall, Pa.
+double first_pressure(const toml::table& root) {
+  const toml::array* stages = root["stage"].as_array();
+  for (std::size_t i = 0; stages && i < stages->size(); ++i) {
+    const toml::table* stage = stages->get(i)->as_table();
+    if (stage && (*stage)["pressure"].is_number()) return (*stage)["pressure"].value_or(0.0);
+  }
+  return 0.0;
+}
+
+}  // namespace
+
+TestedMasonry read_tests(Table t, double block_height, double axial_stress) {
+  TestedMasonry tested;
+  std::string unit = "clay", bed = "mortar", head;
+  t.choice("unit", unit, names_of(kUnits));
+  t.choice("bed_joints", bed, names_of(kBeds));
+  t.choice("head_joints", head, names_of(kHeads));
+  if (kUnits.contains(unit)) tested.unit = kUnits.at(unit);
+  if (kBeds.contains(bed)) tested.bed = tested.head = kBeds.at(bed);
+  if (kHeads.contains(head)) tested.head = kHeads.at(head);
+  tested.block_height = block_height, tested.axial_stress = axial_stress;
+  t.number("block_height", tested.block_height, kPositive, "m");
+  t.number("axial_stress", tested.axial_stress, kNotNegative, "Pa");
+  t.number("unit_strength", tested.unit_strength, kPositive, "Pa");
+  t.number("unit_strength_normalised", tested.unit_strength_normalised, kPositive, "Pa");
+  t.number("unit_modulus", tested.unit_modulus, kPositive, "Pa");
+  t.number("mortar_strength", tested.mortar_strength, kPositive, "Pa");
+  t.number("masonry_strength", tested.masonry_strength, kPositive, "Pa");
+  t.number("masonry_modulus", tested.masonry_modulus, kPositive, "Pa");
+  t.number("cohesion", tested.cohesion, kNotNegative, "Pa");
+  t.number("friction", tested.friction, kPositive, "");
+  if (tested.block_height == 0.0)
+    t.context().fault(t.where() + ".block_height: missing; give the height of a unit with its joint, m");
+  t.finish();
+  return tested;
+}
+
+std::vector<std::pair<const char*, double>> joint_properties(const MasonryNumbers& numbers, const std::string& part,
+                                                             const std::string& law) {
+  const JointNumbers& j = part == "inside" ? numbers.inside_units : part == "head" ? numbers.head : numbers.bed;
+  std::vector<std::pair<const char*, double>> properties{{"normal_stiffness", j.normal_stiffness},
+                                                         {"shear_stiffness", j.shear_stiffness}};
+  if (law == "elastic") return properties;
+  properties.insert(
+      properties.end(),
+      {{"friction_angle", j.friction_angle}, {"tensile_strength", j.tensile_strength}, {"cohesion", j.cohesion}});
+  if (law == "coulomb_slip") return properties;
+  properties.insert(properties.end(),
+                    {{"fracture_energy_tension", j.tension_energy}, {"fracture_energy_shear", j.shear_energy}});
+  if (j.compressive_strength)
+    properties.insert(properties.end(), {{"compressive_strength", *j.compressive_strength},
+                                         {"fracture_energy_compression", j.compression_energy}});
+  return properties;
+}
+
+std::vector<Derivation> fill_in_from_tests(toml::table& root, Context& context) {
+  const toml::table* given = root["tests"].as_table();
+  MasonryNumbers numbers;
+  if (given) {
+    const double height = root["wall"]["unit"][1].value_or(root["building"]["course_height"].value_or(0.0));
+    const TestedMasonry tested = read_tests(Table(context, *given, "tests"), height, first_pressure(root));
+    context.throw_faults();
+    numbers = properties_of(tested);
+  }
+  const auto each = [&](const char* kind, const auto& fill) {
+    toml::table* all = root[kind].as_table();
+    if (!all) return;
+    for (auto&& [key, node] : *all) {
+      toml::table* table = node.as_table();
+      const std::string path = fmt::format("{}.{}", kind, key.str());
+      if (!table || !asks(*table, path, context)) continue;
+      if (!given)
+        context.fault(fmt::format("{}: properties = \"{}\" without a table [tests]; add one, with what tests gave",
+                                  context.where(table, path), kWord));
+      else
+        fill(*table, path);
+    }
+  };
+  each("materials", [&](toml::table& m, const std::string&) {
+    set_missing(m, "young_modulus", numbers.young_modulus);
+    set_missing(m, "poisson_ratio", numbers.poisson_ratio);
+    set_missing(m, "density", numbers.density);
+  });
+  each("joints", [&](toml::table& j, const std::string& path) {
+    const std::string part = j["part"].value_or(std::string("bed"));
+    if (part != "bed" && part != "head" && part != "inside")
+      context.fault(
+          fmt::format("{} = '{}': allowed: bed, head, inside", context.where(j.get("part"), path + ".part"), part));
+    j.erase("part");
+    for (const auto& [id, value] : joint_properties(numbers, part, j["law"].value_or(std::string())))
+      set_missing(j, id, value);
+  });
+  root.erase("tests");
+  return numbers.derivation;
+}
+
+std::vector<Derivation> derivation_of(const std::string& text, const std::string& path,
+                                      const std::vector<std::string>& overrides) {
+  toml::table root = parse(text, path);
+  Context context;
+  context.file = path;
+  for (const std::string& setting : overrides) apply_override(root, setting, context);
+  return fill_in_from_tests(root, context);
+}
+
+}  // namespace quoin
