@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -12,10 +13,13 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/any_error.h"
 #include "base/error.h"
+#include "base/printable.h"
 #include "cli/check_command.h"
 #include "cli/ensemble_command.h"
 #include "cli/fit_command.h"
@@ -26,6 +30,7 @@
 #include "cli/modes_command.h"
 #endif
 #include "cli/models_command.h"
+#include "cli/new_command.h"
 #include "cli/path_command.h"
 #include "cli/report_command.h"
 #include "cli/reproduce_command.h"
@@ -35,6 +40,7 @@
 #include "cli/validate_command.h"
 #include "files/notice.h"
 #include "law/law_watch.h"
+#include "scene/read_scene.h"
 
 namespace {
 
@@ -75,10 +81,33 @@ class Help : public CLI::Formatter {
   }
 };
 
+// The command or option that was meant where one is unknown; nothing where all are known.
+void suggest(const CLI::App& app, const std::vector<std::string>& words) {
+  std::vector<std::string> commands, options;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(command->get_name());
+  const bool known = !words.empty() && std::ranges::find(commands, words[0]) != commands.end();
+  if (!known && !words.empty() && !words[0].starts_with('-')) {
+    const std::string word = quoin::printable(words[0]);
+    return notice(fmt::format("quoin: {}: no such command{}", word, quoin::did_you_mean(words[0], commands)));
+  }
+  if (!known) return;
+  const CLI::App* command = app.get_subcommand(words[0]);
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    if (!name.starts_with("--") || name == "--" || std::ranges::find(options, name) != options.end()) continue;
+    notice(fmt::format("quoin {}: {}: no such option{}", words[0], quoin::printable(name),
+                       quoin::did_you_mean(name, options)));
+  }
+}
+
 int run_command(int argc, char** argv) {
   CLI::App app{
       "Quoin: discrete-element analysis of masonry with contact laws that are loaded at run time.\n\n"
       "Examples:\n"
+      "  quoin new wall my.toml                             a commented scene to begin with\n"
       "  quoin run host/scenes/solid_wall_030.toml          a wall test, to out/solid_wall_030\n"
       "  quoin check host/scenes/solid_wall_030.toml        sizes and time step, without running\n"
       "  quoin models fracture_energy                       properties and states of a law\n"
@@ -100,6 +129,7 @@ int run_command(int argc, char** argv) {
   int exit_code = 0;
   quoin::add_run_command(app, exit_code);
   quoin::add_check_command(app, exit_code);
+  quoin::add_new_command(app);
   quoin::add_models_command(app, exit_code);
   quoin::add_path_command(app, exit_code);
   quoin::add_fit_command(app, exit_code);
@@ -121,6 +151,7 @@ int run_command(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const bool asked_for = error.get_exit_code() == 0;  // --help, --version
     app.exit(error);
+    if (!asked_for) suggest(app, {argv + 1, argv + argc});
     return asked_for ? 0 : static_cast<int>(Exit::usage);
   } catch (const quoin::Error& error) {
     if (error.exit_code != Exit::interrupted) notice(fmt::format("quoin: {}", error.what()));

@@ -1,0 +1,68 @@
+// `quoin new`: what it writes is checked by the program itself, and nothing is written over.
+#include <gmock/gmock.h>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class New : public Cli {
+ protected:
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+};
+
+TEST_F(New, ScenesThatItWritesRun) {
+  // Of the last stage no more than its beginning.
+  for (const auto& [kind, shorter] : {std::pair<std::string, std::string>{"wall", "stage.shear.displacement=1e-5"},
+                                      {"arch", "stage.push.collapse.limit=0.201"},
+                                      {"facade", "stage.earthquake.duration=0.01"}}) {
+    const std::string scene = file(kind + ".toml");
+    ASSERT_EQ(quoin({"new", kind, scene}), 0) << error_;
+    EXPECT_THAT(read_all(scene), HasSubstr("quoin run " + scene));
+    EXPECT_EQ(quoin({"check", scene}), 0) << error_;
+    EXPECT_THAT(out_ + error_, ::testing::Not(HasSubstr("warning"))) << kind;
+    EXPECT_EQ(quoin({"run", scene, "--out", out(), "--threads", "1", "--set", shorter, "--set", "output.frames=0"}), 0)
+        << error_;
+  }
+}
+
+TEST_F(New, ALawThatItWritesIsBuiltByTheCommandAtItsHead) {
+  const std::string law = file("my_law.c"), library = file("my_law.so");
+  ASSERT_EQ(quoin({"new", "law", law}), 0) << error_;
+  const std::string text = read_all(law), api = QUOIN_TESTS "/../plugin_api";
+  EXPECT_THAT(text, HasSubstr(law + " -o my_law.so"));
+  const std::string command = "cc -std=c99 -O2 -fPIC -shared -I " + api + "/include -Wl,--version-script=" + api +
+                              "/quoin.map " + law + " -lm -o " + library;
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_EQ(quoin({"models", library}), 0) << error_;
+}
+
+TEST_F(New, NothingIsWrittenOver) {
+  const std::string scene = file("mine.toml");
+  std::ofstream(scene) << "mine";
+  EXPECT_EQ(quoin({"new", "wall", scene}), 3);
+  EXPECT_THAT(error_, HasSubstr("--force"));
+  EXPECT_EQ(read_all(scene), "mine");
+  EXPECT_EQ(quoin({"new", "wall", scene, "--force"}), 0) << error_;
+  EXPECT_THAT(read_all(scene), HasSubstr("[wall]"));
+}
+
+TEST_F(New, UnknownKindsAndNamesAreRefused) {
+  EXPECT_EQ(quoin({"new", "wal", file("a.toml")}), 3);
+  EXPECT_THAT(error_, HasSubstr("did you mean 'wall'?"));
+  EXPECT_EQ(quoin({"new", "wall", file("a.txt")}), 3);
+  EXPECT_THAT(error_, HasSubstr(".toml"));
+  EXPECT_EQ(quoin({"new", "wall", file("nowhere/a.toml")}), 3);
+}
+
+TEST_F(New, UnknownCommandsAndOptionsAreNamedWithTheNearest) {
+  EXPECT_EQ(quoin({"rum", small_}), 2);
+  EXPECT_THAT(error_, HasSubstr("rum: no such command, did you mean 'run'?"));
+  EXPECT_EQ(quoin({"run", small_, "--reprot"}), 2);
+  EXPECT_THAT(error_, HasSubstr("--reprot: no such option, did you mean '--report'?"));
+  EXPECT_EQ(quoin({"check"}), 2);
+  EXPECT_THAT(error_, ::testing::Not(HasSubstr("no such")));
+}
+
+}  // namespace
