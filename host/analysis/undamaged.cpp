@@ -167,10 +167,10 @@ void World::draw(Vibrating* v) const {
     const blocks::ModelBlock& b = block(i);
     DrawnBlock& drawn = v->drawn.emplace_back();
     drawn.held = (held_[at(i)] & 7u) == 7u;
+    drawn.face = b.shape->faces;  // the first gridpoints of a deformable block are its corners
     v->label.push_back(blocks::label(assembly(), i));
     if (b.body >= 0) {
       for (std::size_t k = 0; k < b.shape->vertices.size(); ++k) drawn.point.push_back(corner(i, static_cast<int>(k)));
-      drawn.face = b.shape->faces;
       continue;
     }
     for (int n = b.first_node; n < b.first_node + b.node_count; ++n) drawn.point.push_back(node_reference()[at(n)]);

@@ -37,7 +37,7 @@ struct Unknown {
 struct DrawnBlock {
   std::vector<geometry::Vector> point;  // m
   std::vector<std::array<int, 4>> zone;
-  std::vector<std::vector<int>> face;  // of what has no zones
+  std::vector<std::vector<int>> face;  // of its shape
   bool held = false;
 };
 

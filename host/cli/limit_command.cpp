@@ -23,6 +23,7 @@
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
 #include "results/json_file.h"
+#include "results/virtual_motion.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -95,6 +96,7 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
 
 struct Assembled {
   LimitProblem problem;
+  std::vector<StillBlock> drawn;
   std::vector<std::string> names;  // of the blocks
 };
 
@@ -125,6 +127,7 @@ Assembled assemble(const Simulation& simulation, const Loads& loads) {
     block.dead.force = density * mass.volume * loads.gravity;
     block.live.force = density * mass.volume * norm(loads.gravity) * loads.direction;
     result.problem.blocks.push_back(block);
+    result.drawn.push_back({corners, mesh.zone, mesh.face});
     result.names.push_back(name);
   }
   std::map<std::string, Strength> strengths;
@@ -162,6 +165,17 @@ std::string label(const Assembled& assembled, int block) {
     default:
       throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
   }
+}
+
+void write_mechanism(const std::filesystem::path& file, const Assembled& assembled, const LimitResult& result) {
+  VirtualMotion motion{"velocity", {}};
+  for (std::size_t k = 0; k < assembled.drawn.size(); ++k) {
+    const Wrench& v = result.velocity[k];
+    auto& of_block = motion.displacement.emplace_back();
+    for (const Vector& p : assembled.drawn[k].point)
+      of_block.push_back(v.force + cross(v.moment, p - assembled.problem.blocks[k].centre));
+  }
+  write_motions(file, assembled.drawn, {motion});
 }
 
 void print(const LimitWithoutDilation& without) {
@@ -242,6 +256,7 @@ void run(const Options& options) {
                              csv_text(assembled.names[k]), x.x, x.y, x.z, v.x, v.y, v.z, w.x, w.y, w.z);
   }
   write_file(folder / "mechanism.csv", mechanism);
+  write_mechanism(folder / "mechanism.vtu", assembled, result);
   std::string forces = "point,block_a,block_b,x_m,y_m,z_m,normal_N,shear_s_N,shear_t_N\n";
   for (std::size_t i = 0; i < points; ++i) {
     const LimitPoint& p = assembled.problem.points[i];
@@ -265,7 +280,8 @@ void add_limit_command(CLI::App& app) {
   command->add_flag("--associated", options->associated, "No search for the multiplier without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
-  command->add_option("--out", options->out, "Folder for limit.json, mechanism.csv and forces.csv")->type_name("DIR");
+  command->add_option("--out", options->out, "Folder for limit.json, mechanism.csv, mechanism.vtu and forces.csv")
+      ->type_name("DIR");
   command->footer(
       "Static theorem on the contact points of the scene: rigid blocks, brittle strength from the properties of the "
       "laws,\n"

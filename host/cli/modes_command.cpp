@@ -17,6 +17,7 @@
 #include "files/file.h"
 #include "files/notice.h"
 #include "results/json_file.h"
+#include "results/virtual_motion.h"
 
 namespace quoin {
 namespace {
@@ -60,6 +61,19 @@ void print(const Vibrating& v, const Modes& modes) {
         r.ratios[0], r.frequencies[0], r.ratios[1], r.frequencies[1], r.mass_damping, r.stiffness_damping);
 }
 
+void write_shapes(const std::filesystem::path& file, const Vibrating& v, const Modes& modes) {
+  std::vector<StillBlock> blocks;
+  for (const DrawnBlock& b : v.drawn) blocks.push_back({b.point, b.zone, b.face});
+  std::vector<VirtualMotion> motions;
+  for (std::size_t m = 0; m < modes.mode.size(); ++m) {
+    VirtualMotion& motion = motions.emplace_back();
+    motion.name = fmt::format("mode_{}_{:.4g}_Hz", m + 1, modes.mode[m].frequency);
+    for (std::size_t b = 0; b < v.drawn.size(); ++b)
+      motion.displacement.push_back(shape_of_block(v, modes, static_cast<int>(b), static_cast<int>(m)));
+  }
+  write_motions(file, blocks, motions);
+}
+
 void run(const Options& options) {
   const Scene scene = prepare_scene(options.scene);
   const auto begin = std::chrono::steady_clock::now();
@@ -77,6 +91,7 @@ void run(const Options& options) {
   const std::filesystem::path folder = options.out;
   make_folder(folder);
   write_json(folder / "modes.json", json_of(scene.file, v, modes));
+  write_shapes(folder / "modes.vtu", v, modes);
   fmt::print("{}\n", (folder / "modes.json").string());
 }
 
@@ -96,7 +111,7 @@ void add_modes_command(CLI::App& app) {
       ->type_name("F1 F2");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
-  command->add_option("--out", options->out, "Folder for modes.json")->type_name("DIR");
+  command->add_option("--out", options->out, "Folder for modes.json and modes.vtu")->type_name("DIR");
   command->footer(
       "Of the scene as it is at the start, undamaged and without stress: joints closed, with the stiffness of their "
       "laws,\n"

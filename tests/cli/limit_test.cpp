@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "program.h"
+#include "results/read_vtu.h"
 
 namespace {
 
@@ -24,6 +25,12 @@ TEST_F(Limit, MultipliersOfDryScenesAreThoseOfAnIndependentProgramme) {
   EXPECT_LT(arch["gap"], 1e-6);
   EXPECT_TRUE(fs::exists(fs::path(out()) / "mechanism.csv"));
   EXPECT_TRUE(fs::exists(fs::path(out()) / "forces.csv"));
+  // The largest velocity of a centre or contact point is 1; corners are contact points here.
+  double largest = 0.0;
+  for (const float v : quoin::VtuFile(fs::path(out()) / "mechanism.vtu").values_of<float>("velocity"))
+    largest = std::max(largest, std::abs(static_cast<double>(v)));
+  EXPECT_GT(largest, 0.5);
+  EXPECT_LE(largest, 1.0 + 1e-6);
 }
 
 // The same where sliding does not lift. The arch falls by hinges alone: dilation plays no part. Four facets are exact

@@ -1,7 +1,11 @@
 // `quoin modes` as a user calls it.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "program.h"
+#include "results/read_vtu.h"
 
 namespace {
 
@@ -35,6 +39,13 @@ TEST_F(Modes, EveryKindOfSceneHasThem) {
     EXPECT_EQ(found["frequencies_Hz"].size(), 10u) << scene;
     EXPECT_GT(found["frequencies_Hz"][0], 0.0) << scene;
     EXPECT_GT(found["rayleigh"]["alpha_per_s"], 0.0) << scene;
+    const quoin::VtuFile file(fs::path(out()) / "modes.vtu");
+    const auto shape = file.values_of<float>(fmt::format("mode_1_{:.4g}_Hz", found["frequencies_Hz"][0].get<double>()));
+    double largest = 0.0;
+    for (std::size_t i = 0; i + 2 < shape.size(); i += 3)
+      largest = std::max(largest, std::hypot(static_cast<double>(shape[i]), static_cast<double>(shape[i + 1]),
+                                             static_cast<double>(shape[i + 2])));
+    EXPECT_NEAR(largest, 1.0, 1e-6) << scene;
   }
 }
 

@@ -4,6 +4,7 @@ import json
 import numpy as np
 
 from . import _quoin
+from .errors import BadInput
 from .scene import scene_of
 from .simulation import whole
 
@@ -40,6 +41,8 @@ def modes(scene, *, count=10, stage="", ratios=(0.05, 0.05), at=(0.0, 0.0)):
     """The lowest modes of a scene, or of the file of one, as it is at the start, as `quoin modes` finds them. stage: whose
     supports hold the blocks; else the first. ratios: of critical damping at the frequencies `at`, Hz; 0: those of the
     first and the last mode."""
+    if not hasattr(_quoin, "modes"):
+        raise BadInput("modes: this installation has no natural frequencies; build it with libopenblas-serial-dev")
     return Modes(*_quoin.modes(*scene_of(scene)._source(), whole("count", count, 1, 10000), str(stage),
                                pair("ratios", ratios), pair("at", at)))
 
