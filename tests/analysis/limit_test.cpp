@@ -159,7 +159,7 @@ LimitWithoutDilation without_dilation(const LimitProblem& problem, int facets = 
   return limit_without_dilation(problem, settings);
 }
 
-// REFERENCE_DYNAMICS.md 8: an independent programme without dilation, 1 %.
+// An independent programme without dilation, 1 %.
 TEST(Limit, WithoutDilationFerrisAndTinLoi) {
   for (const auto& [courses, expected] : {std::pair(6, 0.6398), std::pair(10, 0.5629)}) {
     const LimitWithoutDilation found = without_dilation(running_bond(5, courses, 0.65, 0));
