@@ -30,4 +30,24 @@ struct TimeSeries {
   }
 };
 
+// TimeSeries::integral in little time, with the same bits.
+class RunningIntegral {
+ public:
+  RunningIntegral() = default;
+  explicit RunningIntegral(const TimeSeries& series) : until_(series.time.size(), 0.0) {
+    for (std::size_t i = 1; i < until_.size(); ++i)
+      until_[i] = until_[i - 1] + (series.time[i] - series.time[i - 1]) * 0.5 * (series.value[i - 1] + series.value[i]);
+  }
+  double at(const TimeSeries& series, double t) const {
+    const auto& time = series.time;
+    if (time.empty() || t <= time.front()) return 0.0;
+    if (t >= time.back()) return until_.back();
+    const auto i = static_cast<std::size_t>(std::upper_bound(time.begin(), time.end(), t) - time.begin());
+    return until_[i - 1] + (t - time[i - 1]) * 0.5 * (series.value[i - 1] + series.at(t));
+  }
+
+ private:
+  std::vector<double> until_;  // by sample
+};
+
 }  // namespace quoin

@@ -135,6 +135,10 @@ class Recorder : public Observer {
     if (const std::string own = own_solver_text(scene_, static_cast<size_t>(stage)); !own.empty())
       text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
                           step.time_step / step.critical.value);
+    const SolverSettings& solver = scene_.solver_in(static_cast<size_t>(stage));
+    const double in_use = simulation.riding() ? simulation.riding()->impact_damping_in_use() : 0.0;
+    if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
+      text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
     progress_.message(text);
   }
   void on_law_swap(const LawSwap& swap) override {

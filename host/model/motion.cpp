@@ -36,6 +36,13 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
   }
 }
 
+// Why a wall or building has no part of its run on the lattice; empty: it may have.
+std::string why_free_from_start(const Scene& scene) {
+  if (scene.solver.damping == DampingKind::impact) return "solver.damping = \"impact\"";
+  const std::string first = scene.stages.empty() ? "" : scene.stages.front().beyond_lattice();
+  return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
+}
+
 // Stages of walls and buildings that the lattice does not have: what rests on the lower beam rests on the ground then.
 // A run goes over to large motion when the first of them begins.
 void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
@@ -70,15 +77,14 @@ Motion as_blocks(Scene scene, blocks::Assembly shapes) {
 Motion choose_motion(Scene scene, Assembly bricks) {
   if (scene.blocks) refuse(scene, "bricks given in place of blocks of any shape");
   prepare_for_free_blocks(scene, bricks);
-  const bool begins_free = !scene.stages.empty() && !scene.stages.front().beyond_lattice().empty();
-  const bool at_once = scene.solver.large_motion == LargeMotion::always || begins_free;
+  const std::string begins_free = why_free_from_start(scene);
+  const bool at_once = scene.solver.large_motion == LargeMotion::always || !begins_free.empty();
   if (!at_once && scene.solver.kernels != Kernels::general) return {std::move(scene), std::move(bricks), {}, {}};
   blocks::Assembly shapes = blocks::from_bricks(bricks);
-  refuse_settings_of_the_lattice(
-      scene, shapes,
-      begins_free ? fmt::format("stage '{}' {}", scene.stages.front().name, scene.stages.front().beyond_lattice())
-      : at_once   ? "solver.large_motion = \"always\""
-                  : "solver.kernels = \"general\"");
+  refuse_settings_of_the_lattice(scene, shapes,
+                                 !begins_free.empty() ? begins_free
+                                 : at_once            ? "solver.large_motion = \"always\""
+                                                      : "solver.kernels = \"general\"");
   if (!at_once) shapes.contact.small_displacement = blocks::ContactSettings{}.small_displacement;
   Motion motion = as_blocks(std::move(scene), std::move(shapes));
   motion.bricks.symmetry_factor = bricks.symmetry_factor;

@@ -76,12 +76,11 @@ World::World(const Assembly& assembly, const SolverSettings& solver,
 
 void World::set_solver(const SolverSettings& solver) {
   const SolverSettings before = solver_;
+  const bool runs = critical_dt_ > 0, books = runs && energy_;
+  const double moving = books ? kinetic_energy_of_all() : 0.0;
   solver_ = solver;
-  if (critical_dt_ > 0) {  // inertia is of the whole run
-    solver_.mass_scaling = before.mass_scaling;
-    solver_.deformation_inertia = before.deformation_inertia;
-    solver_.unit_inertia = before.unit_inertia;
-  }
+  if (runs) solver_.mass_scaling = before.mass_scaling;
+  if (books) later_.detection += moving - kinetic_energy_of_all();  // goes with the added inertia
   if (solver.damping == DampingKind::local && (solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0)) {
     throw Error(
         Exit::bad_input,
@@ -99,7 +98,8 @@ void World::set_solver(const SolverSettings& solver) {
     std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
   }
   bind_columns();
-  if (critical_dt_ > 0) find_time_step(true);
+  choose_impact_damping();
+  if (runs) find_time_step(true);
 }
 
 // What every process knows: settings, how many gridpoints, zones and corners each block has, and where they begin.

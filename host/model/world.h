@@ -444,7 +444,7 @@ class World {
     loads_.clear(), pressures_.clear(), applied_.clear();
     loaded_.assign(blocks_.size(), 0);
   }
-  // Of a stage: what the settings say of inertia stays as it was at the start. The time step is chosen anew.
+  // Of a stage: mass_scaling stays as it was at the start. The time step is chosen anew.
   void set_solver(const SolverSettings& solver);
   // Damping of stages that run to equilibrium, or of others.
   void settle(bool on) { settling_ = on; }
@@ -456,6 +456,8 @@ class World {
   void replace_law(int family, std::shared_ptr<const Material> material, std::span<const double> state,
                    std::span<const double> opening_shift);
   void track_energy(bool on);
+  // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
+  void move_ground(const Vector& half_step_ago, const Vector& now) { ground_then_ = half_step_ago, ground_now_ = now; }
   // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
   // time step.
   void hold_by_springs(double eigenvalue);
@@ -464,6 +466,8 @@ class World {
   long steps() const { return step_count_; }
   double time_step() const { return dt_; }
   double critical_time_step() const { return critical_dt_; }  // 2/omega_max of the assembled system, undamaged, s
+  // Of solver.impact_damping what the time step leaves, of critical; 0: damping is not that of impacts.
+  double impact_damping_in_use() const { return impacts_damped() ? impact_share_ * solver_.impact_damping : 0.0; }
   // What moves most in the fastest vibration, which sets the step; of one process that has all blocks.
   StepLimit what_sets_time_step() const;
   bool small_displacement() const { return small_; }
@@ -633,6 +637,8 @@ class World {
   double gamma() const {  // of eq. 1
     return settling_ ? solver_.settling_damping.value_or(solver_.local_damping) : solver_.local_damping;
   }
+  // Of the ground, at the time of what damping reads: signs are of half a step ago, viscous forces of now.
+  Vector braking_ground() const { return solver_.damping == DampingKind::viscous ? ground_now_ : ground_then_; }
   enum class Halves : uint8_t { together, also_apart };
   Unit unit_of(int block, Halves of = Halves::together) const;
   Gridpoints gridpoints_of(int block) const;
@@ -652,7 +658,15 @@ class World {
                     bool of_forces) const;
   void add_zone_forces(std::span<const int> blocks, const LaneVector<Vector>& velocity,
                        LaneVector<Vector>& force) const;
-  bool viscous_contacts() const { return solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0; }
+  bool viscous_contacts() const {
+    return impacts_damped() || (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0);
+  }
+  bool impacts_damped() const { return solver_.damping == DampingKind::impact; }
+  void choose_impact_damping();
+  using Landing = std::array<double, 2>;  // normal to the face and along it
+  Landing landing_frequencies(int family) const;
+  Landing landing_frequencies(const Contact& c, int block) const;
+  double kinetic_energy_of_all() const;  // the same on all ranks, J
 
   void number(std::vector<std::shared_ptr<const Material>> materials);
   void lay_out(int block);
@@ -690,8 +704,20 @@ class World {
   int facets_a_point(const Contact& c) const {
     return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
   }
-  // rad/s; mode: by 6 of bodies, 3 of gridpoints. alone: of this unit on springs twice as stiff to all others, held.
-  double highest_frequency(LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) const;
+  // Springs of contact points, normal and along the joint, by family; and a factor on the forces of zones.
+  struct Stiffness {
+    std::vector<std::array<double, 2>> of_family;
+    double of_zones;
+  };
+  Stiffness stiffness() const;        // Pa/m, 1
+  Stiffness impact_dashpots() const;  // Pa s/m, s
+  Stiffness with_dashpots(double share, double dt) const;
+  // Of these over the inertia, by the largest eigenvalue. mode: by 6 of bodies, 3 of gridpoints. alone: of this unit on
+  // springs twice as stiff to all others, held.
+  double largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode = nullptr,
+                              const Unit* alone = nullptr) const;
+  double highest_frequency(LaneVector<double>* mode = nullptr, const Unit* alone = nullptr) const;  // rad/s
+  double step_under_impact_damping();                     // over the critical one
   bool shorten_step(std::span<const int> changed) const;  // these own blocks
   double local_stiffness_bound() const;
   double moved_by_now(int block) const { return norm(position(block) - start_position(block)); }
@@ -832,11 +858,17 @@ class World {
   std::vector<Vector> applied_;  // by block, N
   Vector gravity_;
   TimeSeries gravity_factor_;
+  Vector ground_then_, ground_now_;  // m/s
 
   double skin_ = 0.0, reach_ = 0.0, joint_tolerance_ = 0.0, size_ = 1.0;
   bool small_ = true, energy_ = false, settling_ = false;
   double time_ = 0.0, dt_ = 0.0, critical_dt_ = 0.0, stiffness_bound_ = 0.0;
   double springs_ = 0.0;  // eigenvalue, 1/s2
+  // Damping of impacts: viscosity over stiffness, normal and along the joint, family by family, and of zones, s.
+  std::vector<double> impact_beta_;
+  double impact_zone_beta_ = 0.0;
+  double impact_rate_ = 0.0;   // largest eigenvalue of this viscosity over inertia, 1/s
+  double impact_share_ = 1.0;  // of what the settings ask for
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   long calm_steps_ = 0;    // between two looks at deformable blocks
   double look_dt_ = 0.0;   // that looks reckon with, s

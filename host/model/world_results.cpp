@@ -141,6 +141,17 @@ double World::kinetic_energy() const {
   return sum;
 }
 
+double World::kinetic_energy_of_all() const {
+  std::vector<double> of_block(blocks_.size(), 0.0);
+  for (int i = 0; i < block_count(); ++i) {
+    if (owns(i)) of_block[size_t(i)] = kinetic_energy_of(i);
+  }
+  tell_by_block(of_block);
+  double sum = 0.0;
+  for (const double e : of_block) sum += e;
+  return sum;
+}
+
 // Of a unit of two halves, what they have together is the first one's.
 double World::kinetic_energy_of(int block) const {
   const ModelBlock& b = blocks_[size_t(block)];

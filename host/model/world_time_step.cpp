@@ -1,6 +1,7 @@
 // The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
+#include <numbers>
 #include <set>
 
 #include "base/error.h"
@@ -136,7 +137,36 @@ struct World::FrequencyHalo {
   }
 };
 
+World::Stiffness World::stiffness() const {
+  Stiffness springs{{}, 1.0};
+  for (const Family& f : families_) springs.of_family.push_back({f.kn, f.ks});
+  return springs;
+}
+
+World::Stiffness World::impact_dashpots() const {
+  Stiffness springs{{}, impact_zone_beta_};
+  for (size_t f = 0; f < families_.size(); ++f)
+    springs.of_family.push_back({impact_beta_[2 * f] * families_[f].kn, impact_beta_[2 * f + 1] * families_[f].ks});
+  return springs;
+}
+
+// K + 2 C/dt, with a share of the viscosity.
+World::Stiffness World::with_dashpots(double share, double dt) const {
+  Stiffness sum = stiffness();
+  const Stiffness dashpots = impact_dashpots();
+  for (size_t f = 0; f < families_.size(); ++f) {
+    for (size_t k = 0; k < 2; ++k) sum.of_family[f][k] += 2 * share / dt * dashpots.of_family[f][k];
+  }
+  sum.of_zones += 2 * share / dt * dashpots.of_zones;
+  return sum;
+}
+
 double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) const {
+  const double value = largest_over_inertia(stiffness(), mode, alone);
+  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+}
+
+double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode, const Unit* alone) const {
   // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
   const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
   std::vector<int> blocks;
@@ -214,9 +244,10 @@ double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) con
     });
     if (splits_motion()) scale_motion(blocks, inertia, nv, false);
     halo.exchange(ranks);
-    add_zone_forces(blocks, nv, nf);
+    if (stiffness.of_zones != 0.0) add_zone_forces(blocks, nv, nf);
+    if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
     for (const auto& [of_family, of_point, at, normal, area] : springs) {
-      const Family& family = *of_family;
+      const auto& [kn, ks] = stiffness.of_family[size_t(of_family - families_.data())];
       const Point& p = *of_point;
       Vector va, vb;
       if (p.facet_a >= 0) {
@@ -232,7 +263,7 @@ double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) con
         vb = v[i] + cross(w[i], at - bodies_[i].x);
       }
       const Vector d = vb - va;
-      const Vector force = area * (family.ks * d + (family.kn - family.ks) * dot(normal, d) * normal);
+      const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
       if (p.facet_a >= 0) {
         for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
       } else {
@@ -277,8 +308,7 @@ double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) con
   settings.with_vector = mode != nullptr;
   LargestEigenvalue largest = largest_eigenvalue(product, std::move(start), settings, shared.get());
   if (mode) *mode = std::move(largest.vector);
-  const double value = largest.value;
-  return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
+  return largest.value;
 }
 
 // Whether the stiffness or the inertia that these own blocks have got may ask for a shorter step. Of each unit the
@@ -287,7 +317,8 @@ double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) con
 bool World::shorten_step(std::span<const int> changed) const {
   return std::any_of(changed.begin(), changed.end(), [&](int block) {
     const Unit unit = unit_of(block);
-    return !(highest_frequency(nullptr, &unit) * critical_dt_ <= 2.0);
+    if (!(highest_frequency(nullptr, &unit) * critical_dt_ <= 2.0)) return true;
+    return impacts_damped() && !(largest_over_inertia(impact_dashpots(), nullptr, &unit) <= impact_rate_);
   });
 }
 
@@ -328,6 +359,116 @@ void World::hold_by_springs(double eigenvalue) {
   find_time_step();
 }
 
+// ---- Damping of impacts --------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr double kZoneDamping = 0.01;  // of critical at the first frequency of a block that deforms
+constexpr double kAlong = 0.5;         // damping along the joint, of that normal to it
+constexpr double kLeastStep = 0.5;     // of the undamped time step: what impacts are damped less for
+
+}  // namespace
+
+// Of a block that lands on an edge of the face that it has towards this contact: omega^2 = kn (A/2) (1/m + b^2/I), A of
+// the face, b from the centre of mass to the edge and I about an axis along it; of two directions in the face the one
+// with the higher frequency. 1/s2.
+World::Landing World::landing_frequencies(const Contact& c, int block) const {
+  const Block& input = assembly_.blocks[size_t(block)];
+  if (input.fixed) return {};
+  const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
+  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+  const Family& f = families_[size_t(c.family)];
+  const Matrix turned = orientation(block) * matrix(input.orientation);
+  const Vector towards = transposed_times(turned, frame_of(f.point[c.first]).row[0]);
+  size_t face = 0;
+  for (size_t i = 1; i < shape.faces.size(); ++i) {
+    if (std::abs(dot(shape.normals[i], towards)) > std::abs(dot(shape.normals[face], towards))) face = i;
+  }
+  const Vector n = shape.normals[face];
+  const std::vector<int>& corners = shape.faces[face];
+  const Vector s = normalized(shape.vertices[size_t(corners[1])] - shape.vertices[size_t(corners[0])]), t = cross(n, s);
+  double along_s = 0.0, along_t = 0.0;
+  for (const int i : corners) {
+    const Vector arm = shape.vertices[size_t(i)] - facts.mass.centroid;
+    along_s = std::max(along_s, std::abs(dot(arm, s))), along_t = std::max(along_t, std::abs(dot(arm, t)));
+  }
+  const double density = assembly_.materials[size_t(input.material)].density * solver_.mass_scaling;
+  const auto inertia_about = [&](const Vector& axis) {
+    const Vector own = transposed_times(facts.axes.vectors, axis);
+    return density * (facts.axes.values.x * own.x * own.x + facts.axes.values.y * own.y * own.y +
+                      facts.axes.values.z * own.z * own.z);
+  };
+  const double height = dot(shape.vertices[size_t(corners[0])] - facts.mass.centroid, n);
+  const double about_s = inertia_about(s), about_t = inertia_about(t), over_mass = 1 / (density * facts.mass.volume);
+  const double half_area = 0.5 * face_area(shape, int(face));
+  return {f.kn * half_area * (over_mass + std::max(along_s * along_s / about_t, along_t * along_t / about_s)),
+          f.ks * half_area * (over_mass + height * height / std::min(about_s, about_t))};
+}
+
+// Of the lightest block at the joints of a family, rad/s; of a family that has none yet, of the lightest block of all
+// on its largest face.
+World::Landing World::landing_frequencies(int family) const {
+  const Family& f = families_[size_t(family)];
+  Landing highest{};
+  const auto add = [&](const Landing& squares) {
+    for (size_t k = 0; k < 2; ++k) highest[k] = std::max(highest[k], squares[k]);
+  };
+  for (const uint32_t i : contacts_of_family_[size_t(family)]) {
+    const Contact& c = contacts_[i];
+    if (c.count == 0 || !owns(c)) continue;
+    add(landing_frequencies(c, c.pair.a)), add(landing_frequencies(c, c.pair.b));
+  }
+  highest = {largest(highest[0]), largest(highest[1])};
+  const bool known = highest[0] > 0.0;
+  for (const Block& block : assembly_.blocks) {
+    if (block.fixed || known) continue;
+    const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
+    const double density = assembly_.materials[size_t(block.material)].density * solver_.mass_scaling;
+    const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
+    add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
+  }
+  return {std::sqrt(highest[0]), std::sqrt(highest[1])};
+}
+
+void World::choose_impact_damping() {
+  impact_beta_.clear();
+  impact_zone_beta_ = 0.0, impact_share_ = 1.0;
+  if (!impacts_damped()) return;
+  for (size_t f = 0; f < families_.size(); ++f) {
+    const auto [normal, along] = landing_frequencies(int(f));
+    impact_beta_.push_back(normal > 0.0 ? 2.0 * solver_.impact_damping / normal : 0.0);
+    impact_beta_.push_back(along > 0.0 ? 2.0 * kAlong * solver_.impact_damping / along : 0.0);
+  }
+  // The first vibration of a bar between free ends: omega = pi c/L.
+  for (int i = 0; i < block_count(); ++i) {
+    const Block& input = assembly_.blocks[size_t(i)];
+    if (input.rigid) continue;
+    const BlockMaterial& m = assembly_.materials[size_t(input.material)];
+    const double speed = std::sqrt(m.young_modulus / (m.density * solver_.mass_scaling));
+    const double beta = 2.0 * kZoneDamping * 2.0 * blocks_[size_t(i)].radius / (std::numbers::pi * speed);
+    impact_zone_beta_ = impact_zone_beta_ > 0.0 ? std::min(impact_zone_beta_, beta) : beta;
+  }
+}
+
+// With stiffness K and viscosity C, whose forces are those of the velocities half a step ago, central differences are
+// stable where 4 M - dt^2 K - 2 dt C is positive: where dt <= 2/omega(dt), omega^2 the largest eigenvalue of K + 2 C/dt
+// over M. That one grows as dt falls, so from a dt that is stable 2/omega(dt) is stable too, and no shorter. The first
+// is that of the sum of both largest eigenvalues: x^2 + z x = 1. Where the step would fall below kLeastStep of the
+// undamped one, viscosity becomes less instead: the eigenvalue is convex in its share, so that a chord is safe.
+double World::step_under_impact_damping() {
+  impact_rate_ = largest_over_inertia(impact_dashpots());
+  const double z = 0.5 * impact_rate_ * critical_dt_;
+  const double x = std::max(kLeastStep, std::sqrt(1 + 0.25 * z * z) - 0.5 * z), dt = x * critical_dt_;
+  const double allowed = 4 / (dt * dt), all = springs_ + largest_over_inertia(with_dashpots(1.0, dt));
+  if (all <= allowed) return 2 / (std::sqrt(all) * critical_dt_);
+  const double least = std::min(1.0, (1 - x * x) / (x * z));
+  const double some = springs_ + largest_over_inertia(with_dashpots(least, dt));
+  const double share = some < allowed ? least + (1 - least) * (allowed - some) / (all - some) : least;
+  for (double& beta : impact_beta_) beta *= share;
+  impact_zone_beta_ *= share, impact_rate_ *= share, impact_share_ *= share;
+  return x;
+}
+
 double step_over_critical(const SolverSettings& solver, double critical) {
   double xi = 0.0;                                                                       // damping ratio at omega_max
   if (solver.damping == DampingKind::viscous) xi = solver.stiffness_damping / critical;  // beta omega / 2
@@ -359,7 +500,8 @@ void World::find_time_step(bool may_grow) {
     // The eigenvalue of a sum of springs is at most the sum of theirs.
     critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
   }
-  const double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
+  double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
+  if (impacts_damped()) dt *= omega > 0 ? step_under_impact_damping() : kLeastStep;
   if (!std::isfinite(dt) || dt <= 0) {
     throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
                                              "densities and stiffness_damping",

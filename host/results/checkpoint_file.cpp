@@ -97,6 +97,10 @@ void transfer_identity(Archive& archive, Parts& parts) {
 
 }  // namespace
 
+void add_series(const TimeSeries& series, Sha256& hash) {
+  for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
+}
+
 Identity identity_of(const Simulation& simulation, const Provenance& provenance) {
   const Scene& scene = simulation.scene();
   Identity identity;
@@ -110,8 +114,7 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
     hash.add_text(provenance.inputs[i].sha256);
   for (const Stage& stage : scene.stages) {
     if (!stage.ground) continue;
-    const TimeSeries& series = stage.ground->acceleration;
-    for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
+    for (const GroundMotion::Component& c : stage.ground->components) add_series(c.acceleration, hash);
   }
   const std::uint64_t start = simulation.hash();
   const long points = simulation.point_count();
@@ -268,10 +271,11 @@ std::string text_of(const Scene& scene, std::size_t index) {
   for (const FacePressure& p : s.pressures)
     add(fmt::format("{} Pa on {} of {}", p.pressure, fmt::join(p.normal, " "), p.block));
   if (s.ground) {
-    Sha256 record;
-    for (const auto* column : {&s.ground->acceleration.time, &s.ground->acceleration.value})
-      record.add(column->data(), column->size() * sizeof(double));
-    add(fmt::format("ground motion along {}, record {}", fmt::join(s.ground->direction, " "), record.end()));
+    for (const GroundMotion::Component& c : s.ground->components) {
+      Sha256 record;
+      add_series(c.acceleration, record);
+      add(fmt::format("ground motion along {}, record {}", fmt::join(c.direction, " "), record.end()));
+    }
   }
   if (s.collapse)
     add(fmt::format("collapse along {}, {} to {} at {} 1/s, {} m", fmt::join(s.collapse->direction, " "),
@@ -292,6 +296,7 @@ std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   add("deformation_damping", s.deformation_damping);
   add("mass_damping", s.mass_damping);
   add("stiffness_damping", s.stiffness_damping);
+  add("impact_damping", s.impact_damping);
   add("time_step_fraction", s.time_step_fraction);
   add("mass_scaling", s.mass_scaling);
   add("selective_time_step", s.selective_time_step);

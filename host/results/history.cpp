@@ -112,11 +112,28 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
     add("damping_work_J", energy<&Energies::damping>);
     add("energy_balance_error_J", [](const HistoryRow& row, const Stage&) { return energies(row).balance_error(); });
   }
-  if (!scene.blocks) return columns;
+  const auto& stages = scene.stages;
+  const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  const bool acts =
+      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+  if (!scene.blocks && !acts) return columns;
   add("multiplier", number<&HistoryRow::multiplier>);
   add("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
   add("monitor_dy_m", component<&HistoryRow::monitor_displacement, 1>);
   add("monitor_dz_m", component<&HistoryRow::monitor_displacement, 2>);
+  if (on_ground) {
+    add("monitor_relative_dx_m", component<&HistoryRow::monitor_relative, 0>);
+    add("monitor_relative_dy_m", component<&HistoryRow::monitor_relative, 1>);
+    add("monitor_relative_dz_m", component<&HistoryRow::monitor_relative, 2>);
+    add("ground_dx_m", component<&HistoryRow::ground_displacement, 0>);
+    add("ground_dy_m", component<&HistoryRow::ground_displacement, 1>);
+    add("ground_dz_m", component<&HistoryRow::ground_displacement, 2>);
+    add("base_shear_x_N", component<&HistoryRow::base_force, 0>);
+    add("base_shear_z_N", component<&HistoryRow::base_force, 2>);
+    add("base_vertical_N", component<&HistoryRow::base_force, 1>);
+    add("overturning_moment_x_Nm", component<&HistoryRow::overturning_moment, 0>);
+    add("overturning_moment_z_Nm", component<&HistoryRow::overturning_moment, 2>);
+  }
   add("monitor_fx_N", component<&HistoryRow::joint_force, 0>);
   add("monitor_fy_N", component<&HistoryRow::joint_force, 1>);
   add("monitor_fz_N", component<&HistoryRow::joint_force, 2>);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "records/record.h"
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
@@ -37,6 +38,23 @@ Json laws_of(const Simulation& simulation) {
   return laws;
 }
 
+// direction and end_velocity_m_per_s are of the first component.
+Json ground_of(const GroundMotion& ground) {
+  Json json;
+  for (const GroundMotion::Component& c : ground.components) {
+    const RecordMeasures m = measure_record(c.acceleration);
+    const Json of_component = {{"direction", c.direction},
+                               {"end_velocity_m_per_s", end_velocity(c)},
+                               {"pga_m_per_s2", m.pga},
+                               {"pgv_m_per_s", m.pgv},
+                               {"end_displacement_m", m.end_displacement}};
+    if (json.empty()) json = of_component;
+    json["components"].push_back(of_component);
+  }
+  json["notes"] = ground.notes;
+  return json;
+}
+
 Json settings_of(const Scene& scene, const RunInfo& info) {
   const SolverSettings& s = scene.solver;
   Json stages = Json::array();
@@ -50,9 +68,9 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
               {"mass_damping_per_s", used.damping == DampingKind::viscous ? used.mass_damping : 0.0},
               {"stiffness_damping_s", used.damping == DampingKind::viscous ? used.stiffness_damping : 0.0},
               {"time_step_fraction", used.time_step_fraction}};
-    if (stage.ground)
-      j["ground_motion"] = {{"direction", stage.ground->direction},
-                            {"end_velocity_m_per_s", end_velocity(*stage.ground)}};
+    if (stage.ground) j["ground_motion"] = ground_of(*stage.ground);
+    if (used.damping == DampingKind::impact) j["impact_damping"] = used.impact_damping;
+    if (stage.solver) j["deformation_inertia"] = used.deformation_inertia, j["unit_inertia"] = used.unit_inertia;
     if (stage.equilibrium_ratio) j["equilibrium_ratio"] = *stage.equilibrium_ratio;
     if (stage.displacement) j["displacement_m"] = *stage.displacement;
     if (stage.duration) j["duration_s"] = *stage.duration;
@@ -104,6 +122,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
+  if (m.impact_damping_in_use() > 0.0) json["impact_damping_in_use"] = m.impact_damping_in_use();
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
     json["energy_J"] = {{"kinetic", e.kinetic},

@@ -15,6 +15,8 @@ const char* name_of(DampingKind kind) {
       return "viscous";
     case DampingKind::block:
       return "block";
+    case DampingKind::impact:
+      return "impact";
   }
   return "";
 }
@@ -40,12 +42,20 @@ std::string solver_text(const SolverSettings& solver, bool settling) {
     text += fmt::format(" {:g}, of deformation {:g}", gamma, solver.deformation_damping);
   if (solver.damping == DampingKind::viscous)
     text += fmt::format(", mass {:g} 1/s, stiffness {:g} s", solver.mass_damping, solver.stiffness_damping);
+  if (solver.damping == DampingKind::impact)
+    text += fmt::format(" {:g} of critical on closed contacts", solver.impact_damping);
   return text + fmt::format(", time_step_fraction {:g}", solver.time_step_fraction);
 }
 
 std::string own_solver_text(const Scene& scene, std::size_t stage) {
   const SolverSettings& solver = scene.solver_in(stage);
-  return &solver == &scene.solver ? "" : solver_text(solver, scene.stages[stage].equilibrium_ratio.has_value());
+  if (&solver == &scene.solver) return "";
+  const bool true_inertia = solver.deformation_inertia != scene.solver.deformation_inertia ||
+                            solver.unit_inertia != scene.solver.unit_inertia;
+  return solver_text(solver, scene.stages[stage].equilibrium_ratio.has_value()) +
+         (true_inertia ? fmt::format(", deformation_inertia {:g}, unit_inertia {:g}", solver.deformation_inertia,
+                                     solver.unit_inertia)
+                       : "");
 }
 
 std::string damping_in_space(const Scene& scene, std::size_t stage) {
@@ -62,19 +72,24 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
   const std::string damping = damping_in_space(scene, stage);
   if (!scene.stages[stage].ground || damping.empty()) return "";
   return fmt::format(
-      "stage '{}' moves the ground, and its {} acts on the motion of whole blocks in space, where nothing brakes them: "
+      "stage '{}' moves the ground, and its {} acts on the motion of whole blocks on the ground, where nothing brakes them: "
       "what slides, rocks or falls goes wrong by multiples; {}",
       scene.stages[stage].name, damping, kDampingForMotion);
 }
 
-double end_velocity(const GroundMotion& ground) {
-  return ground.acceleration.integral(ground.acceleration.time.back());
+double end_velocity(const GroundMotion::Component& component) {
+  return component.velocity.at(component.acceleration, component.acceleration.time.back());
 }
 
 std::string ground_text(const GroundMotion& ground) {
-  const auto& time = ground.acceleration.time;
-  return fmt::format("record of {:g} s along ({:g}), which ends at {:.3g} m/s", time.back() - time.front(),
-                     fmt::join(ground.direction, ", "), end_velocity(ground));
+  std::string text;
+  for (const GroundMotion::Component& c : ground.components) {
+    const auto& time = c.acceleration.time;
+    text += fmt::format("{}record of {:g} s along ({:g}), which ends at {:.3g} m/s", text.empty() ? "" : "; ",
+                        time.back() - time.front(), fmt::join(c.direction, ", "), end_velocity(c));
+  }
+  for (const std::string& note : ground.notes) text += "; " + note;
+  return text;
 }
 
 }  // namespace quoin

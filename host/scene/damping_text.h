@@ -22,14 +22,13 @@ std::string own_solver_text(const Scene& scene, std::size_t stage);
 std::string damping_in_space(const Scene& scene, std::size_t stage);
 // What to write in its place.
 inline constexpr const char* kDampingForMotion =
-    "take damping = \"viscous\" with stiffness_damping = 2 zeta/omega of the contacts and no mass_damping, or damping "
-    "= "
-    "\"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
+    "take damping = \"impact\", \"viscous\" with stiffness_damping = 2 zeta/omega of the contacts and no mass_damping, "
+    "or \"none\", in [solver] or in the solver table of the stage (scenes/BLOCKS.md, \"Ground motion and damping\")";
 // Of a stage that moves the ground, whose damping is of that kind; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 
 // What the record of a stage with ground motion leaves: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".
 std::string ground_text(const GroundMotion& ground);
-double end_velocity(const GroundMotion& ground);  // m/s, along its direction
+double end_velocity(const GroundMotion::Component& component);  // m/s, along its direction
 
 }  // namespace quoin

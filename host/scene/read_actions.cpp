@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
-#include "scene/series_file.h"
+#include "scene/read_ground.h"
 
 namespace quoin {
 
@@ -13,45 +12,6 @@ using namespace reader;
 namespace {
 
 constexpr double kFarthest = 1e6;  // m, of a point: beyond, positions in double precision are coarser than a joint
-
-void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
-  constexpr double least = 1e-6;
-  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
-  if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
-    t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
-}
-
-TimeSeries read_series(Table& t, const std::string& folder) {
-  TimeSeries s;
-  std::string file;
-  double scale = 1.0;
-  t.number("scale", scale, kAny, "(m/s2 in one unit of the series)");
-  if (t.text("file", file, "a file of lines: time, acceleration")) {
-    for (const char* key : {"time", "acceleration"}) {
-      t.accept(key);
-      if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
-    }
-    try {
-      t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
-      s = read_series_file(t.context().inputs.back());
-    } catch (const Error& error) {
-      t.context().fault(fmt::format("{} = '{}':\n{}", t.where("file"), file, error.what()));
-    }
-  } else {
-    const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
-    if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
-      t.refuse("time", "times that increase, s");
-    const bool given = t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
-    if (timed && given && s.time.size() != s.value.size()) {
-      t.context().fault(fmt::format("{}: {} times and {} accelerations; give as many of both", t.where(), s.time.size(),
-                                    s.value.size()));
-    }
-  }
-  for (double& v : s.value) v *= scale;
-  if (!std::all_of(s.value.begin(), s.value.end(), [](double v) { return std::isfinite(v); }))
-    t.refuse("scale", "a number that keeps every acceleration finite");
-  return s;
-}
 
 // The block that something acts on. names: those that the scene has; empty: they are looked up later.
 void read_name(Table& t, std::string& block, const std::vector<std::string>& names) {
@@ -78,14 +38,6 @@ FacePressure read_pressure(Table p, const std::vector<std::string>& names) {
   p.number("pressure", c.pressure, kAny, "Pa, > 0 pushes on the block", true);
   p.finish();
   return c;
-}
-
-GroundMotion read_ground(Table g, const std::string& folder) {
-  GroundMotion ground{};
-  read_direction(g, "direction", ground.direction, "of the motion", true);
-  ground.acceleration = read_series(g, folder);
-  g.finish();
-  return ground;
 }
 
 Collapse read_collapse(Table c) {
@@ -118,7 +70,9 @@ void read_actions(Table& t, Stage& stage, const std::string& folder, const std::
   for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]"))
     stage.pressures.push_back(
         read_pressure({t.context(), *table, fmt::format("{}.{}", t.path("pressure"), ++index)}, names));
-  if (const auto* table = t.table("ground_motion", "a table { direction, time, acceleration } or { direction, file }"))
+  if (const auto* table =
+          t.table("ground_motion",
+                  "a table { direction, time, acceleration } or { direction, file }, or of files along x, y, z"))
     stage.ground = read_ground({t.context(), *table, t.path("ground_motion")}, folder);
   if (const auto* table = t.table("collapse", "a table { direction, start, rate, displacement, limit }"))
     stage.collapse = read_collapse({t.context(), *table, t.path("collapse")});

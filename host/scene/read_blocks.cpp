@@ -239,12 +239,11 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   s.source = {t.where()};
   s.name = "stage";
   read_stage_basics(t, s, previous);
-  if (const auto* table = t.table("solver", "a table: damping and time_step_fraction from this stage on"))
-    s.solver = read_solver_of_stage({t.context(), *table, t.path("solver")}, scene.solver_in(scene.stages.size()));
   int index = 0;
   for (const toml::table* table : t.tables("velocity", "tables [[stage.velocity]]"))
     read_drive(Table(t.context(), *table, fmt::format("{}.{}", t.path("velocity"), ++index)), s);
   read_actions(t, s, folder, {});
+  read_stage_solver(t, s, scene);
   s.kind = "custom";
   if (t.choice("kind", s.kind, {"cycles", "custom"}) && !t.has("name")) s.name = s.kind;
   if (s.kind == "cycles") {

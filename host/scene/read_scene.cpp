@@ -52,7 +52,8 @@ DampingKind read_damping(Table& t, DampingKind damping) {
   const std::map<std::string, DampingKind> kinds = {{"none", DampingKind::none},
                                                     {"local", DampingKind::local},
                                                     {"viscous", DampingKind::viscous},
-                                                    {"block", DampingKind::block}};
+                                                    {"block", DampingKind::block},
+                                                    {"impact", DampingKind::impact}};
   std::vector<std::string> names;
   for (const auto& [name, kind] : kinds) names.push_back(name);
   std::string chosen;
@@ -105,6 +106,8 @@ void read_damping_keys(Table& t, SolverSettings& s) {
     only_with("mass_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("stiffness_damping", s.stiffness_damping, kNotNegative, "s"))
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
+  if (t.number("impact_damping", s.impact_damping, between(0, 2), "(of critical, of a block that lands on an edge)"))
+    only_with("impact_damping", {DampingKind::impact}, "\"impact\"");
   if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
     only_with("deformation_damping", {DampingKind::block}, "\"block\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
@@ -162,13 +165,21 @@ SolverSettings read_solver(Table t, const Quality* quality) {
   return s;
 }
 
-SolverSettings read_solver_of_stage(Table t, const SolverSettings& before) {
+SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground) {
   SolverSettings s = before;
   s.damping = read_damping(t, before.damping);
   read_damping_keys(t, s);
+  if (moves_ground) {
+    t.number("deformation_inertia", s.deformation_inertia, between(1, 1e6), "times the true inertia");
+    t.number("unit_inertia", s.unit_inertia, between(1, 1e6), "times the true inertia");
+    double scaling = before.mass_scaling;
+    if (t.number("mass_scaling", scaling, kPositive, "") && scaling != before.mass_scaling)
+      t.refuse("mass_scaling", fmt::format("that of [solver], {:g}: it is of the whole run", before.mass_scaling));
+  }
   for (const char* key : {"mass_scaling", "selective_time_step", "deformation_inertia", "unit_inertia"}) {
     t.accept(key);
-    if (t.has(key)) t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
+    if (t.has(key) && (!moves_ground || key == std::string_view("selective_time_step")))
+      t.refuse(key, "not in a stage: inertia is of the whole run; give it in [solver]");
   }
   if (s.damping == DampingKind::local && (s.deformation_inertia != 1.0 || s.unit_inertia != 1.0))
     t.refuse("damping",
@@ -176,6 +187,44 @@ SolverSettings read_solver_of_stage(Table t, const SolverSettings& before) {
              "blocks would brake their motion");
   t.finish();
   return s;
+}
+
+namespace {
+
+// What a stage that moves the ground has for what it does not say: damping of impacts, true inertia. What [solver]
+// writes against that is refused unless the stage repeats it.
+SolverSettings settings_on_ground(Table& t, const toml::table* own, const SolverSettings& before) {
+  SolverSettings s = before;
+  const auto written = [&](const char* key) {
+    const bool given = t.context().solver && t.context().solver->contains(key) && !(own && own->contains(key));
+    if (given)
+      t.context().fault(
+          fmt::format("{}: the stage moves the ground, and solver.{} = {} would falsify its motion; remove "
+                      "it there, or repeat it in the solver table of the stage",
+                      t.where(), key, text_of(*t.context().solver->get(key))));
+    return given;
+  };
+  const bool on_motion = s.damping == DampingKind::local || s.damping == DampingKind::block;
+  if (on_motion && s.local_damping > 0.0 && !written("damping") && !written("local_damping"))
+    s.damping = DampingKind::impact;
+  if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
+  if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;
+  if (s.mass_scaling != 1.0) written("mass_scaling");
+  return s;
+}
+
+}  // namespace
+
+void read_stage_solver(Table& t, Stage& stage, const Scene& scene) {
+  const auto* own = t.table("solver", "a table: damping and time_step_fraction from this stage on");
+  const SolverSettings& before = scene.solver_in(scene.stages.size());
+  const SolverSettings base = stage.ground ? settings_on_ground(t, own, before) : before;
+  const bool differs = base.damping != before.damping || base.deformation_inertia != before.deformation_inertia ||
+                       base.unit_inertia != before.unit_inertia;
+  if (own)
+    stage.solver = read_solver_of_stage({t.context(), *own, t.path("solver")}, base, stage.ground.has_value());
+  else if (differs)
+    stage.solver = base;
 }
 
 BlockMaterial read_material(const std::string& name, Table t, bool rigid) {
@@ -551,6 +600,7 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   bodies.insert(bodies.end(), loaded.begin(), loaded.end());
   read_actions(t, stage, folder, bodies);
   const bool acts = !stage.beyond_lattice().empty();
+  if (acts) read_stage_solver(t, stage, scene);
   if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty())
     stage.monitor = scene.building->floors.back().bodies().front();
   read_monitor(t, stage, acts ? &bodies : &held);
@@ -715,6 +765,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   if (of_blocks) scene.output.energy = true;
   if (quality) scene.solver = quality->solver;
   if (const auto* table = t.table("solver", "a table [solver]")) {
+    context.solver = table;
     Table solver(context, *table, "solver");
     if (!of_blocks || solver.has("quality")) {
       std::vector<std::string> names;

@@ -67,8 +67,9 @@ inline const char* type_name(const toml::node& node) {
 class Context {
  public:
   std::string file;
-  std::set<std::string> overridden;  // dotted paths given by --set
-  std::vector<std::string> inputs;   // other files that the scene takes in
+  std::set<std::string> overridden;     // dotted paths given by --set
+  std::vector<std::string> inputs;      // other files that the scene takes in
+  const toml::table* solver = nullptr;  // what [solver] writes; null: there is none
 
   std::string where(const toml::node* node, const std::string& path) const {
     for (const std::string& set : overridden) {
@@ -281,7 +282,9 @@ class Table {
 // quality: whose settings are the defaults; null: a scene with blocks of any shape that names none.
 SolverSettings read_solver(Table t, const Quality* quality);
 // before: of the stage before, whose settings stay where the table gives no other.
-SolverSettings read_solver_of_stage(Table t, const SolverSettings& before);
+SolverSettings read_solver_of_stage(Table t, const SolverSettings& before, bool moves_ground);
+// The solver table of a stage whose actions are read; what a stage that moves the ground has without one.
+void read_stage_solver(Table& t, Stage& stage, const Scene& scene);
 BlockMaterial read_material(const std::string& name, Table t, bool rigid = false);  // rigid: density is enough
 JointFamily read_joint(const std::string& name, Table t);
 

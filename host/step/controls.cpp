@@ -11,7 +11,7 @@ void Simulation::Impl::apply_controls() {
   if (!controls_settled)
     follow_ramps();
   else if (riding && scene.stages[static_cast<std::size_t>(stage)].collapse)
-    drive_blocks(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
+    apply_actions(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
   else if (!rest_known)
     find_bodies_at_rest();
   if (!whiffletree.empty()) pull_whiffletree();
@@ -23,55 +23,12 @@ double Simulation::Impl::mean_along_x(const LoadedBlock& block, const LaneVector
   return sum / block.mass;
 }
 
-double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
-  const Floor& f = whiffletree[floor];
-  if (riding) return riding_displacement(f.riding)[0];
-  double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
-  for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
-  return sum / f.count();
-}
-
-double Simulation::Impl::floor_displacement(std::size_t floor) const {
-  const Floor& f = whiffletree[floor];
-  if (riding) {
-    double rate = 0.0;
-    for (const int block : f.riding) rate += riding->velocity(block).x / f.count();
-    return floor_displacement_now(floor) - data.time_step * rate;
-  }
-  double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
-  for (const int i : f.loaded) rate += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], velocity);
-  return floor_displacement_now(floor) - data.time_step * rate / f.count();
-}
-
 void Simulation::Impl::apply_load(std::size_t loaded) {
   const LoadedBlock& block = loaded_blocks[loaded];
   const Model::BlockPlace& where = model.place[static_cast<std::size_t>(block.block)];
   const auto first = static_cast<std::size_t>(load_of_group[static_cast<std::size_t>(where.group)] - load.data());
   for (std::size_t c = 0; c < 3; ++c)
     load[first + c * kLanes + static_cast<std::size_t>(where.lane)] = load_ramps[loaded].now[c] / block.mass;
-}
-
-void Simulation::Impl::pull_whiffletree() {
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  const Whiffletree& tree = *settings.whiffletree;
-  const double moved =
-      cycles ? cycles->position(stage_time()) : tree.velocity * smooth_way(stage_time(), settings.ramp_time);
-  // Displacements of now, as the joints have them: a spring that sees them one step late feeds energy in at any step.
-  double mean = 0.0;
-  for (std::size_t f = 0; f < whiffletree.size(); ++f)
-    mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
-  const double pull = tree.stiffness * (monitor_start[0] + moved - mean);
-  for (const Floor& floor : whiffletree) {
-    for (const int block : floor.riding) pull_block(block, pull / floor.count());
-    for (const int body : floor.bodies) {
-      const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
-      body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();
-    }
-    for (const int i : floor.loaded) {
-      load_ramps[static_cast<std::size_t>(i)].now[0] = pull / floor.count();
-      apply_load(static_cast<std::size_t>(i));
-    }
-  }
 }
 
 void Simulation::Impl::follow_ramps() {
@@ -99,7 +56,7 @@ void Simulation::Impl::follow_ramps() {
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
   const bool shakes = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].ground.has_value();
   controls_settled = s >= 1.0 && !(cycles && whiffletree.empty()) && !shakes;
-  if (riding) drive_blocks(s);
+  if (riding) apply_actions(s);
 }
 
 double Simulation::Impl::velocity_in_cycles(double initial_velocity) const {
@@ -228,34 +185,6 @@ void Simulation::Impl::find_loaded_blocks() {
   load.assign(static_cast<std::size_t>(count) * kLine, 0.0);
   for (const int group : place) load_of_group.push_back(group < 0 ? nullptr : load.data() + group * kLine);
   load_ramps.resize(loaded_blocks.size());
-}
-
-void Simulation::Impl::bind_whiffletree() {
-  whiffletree.clear();
-  if (stage < 0 || !scene.stages[static_cast<std::size_t>(stage)].whiffletree) return;
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  for (const auto& floor : settings.whiffletree->floors) {
-    Floor& indices = whiffletree.emplace_back();
-    for (const std::string& name : floor) {
-      if (riding) {
-        const std::vector<int> named = blocks_named(name, settings.source.text);
-        indices.riding.insert(indices.riding.end(), named.begin(), named.end());
-        continue;
-      }
-      const std::vector<int> named = model.bodies_named(name);
-      indices.bodies.insert(indices.bodies.end(), named.begin(), named.end());
-      bool found = !named.empty();
-      for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
-        if (model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body != name) continue;
-        indices.loaded.push_back(static_cast<int>(i));
-        found = true;
-      }
-      if (!found)
-        throw Error(Exit::bad_input, fmt::format("{}: stage '{}' pushes the body '{}', but the assembly has no block "
-                                                 "of that name",
-                                                 settings.source.text, settings.name, name));
-    }
-  }
 }
 
 }  // namespace quoin

@@ -345,10 +345,12 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       V change = driven[k];
       V brake = zero;
       if (step.gamma > 0.0) {
-        const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), v[k]);
-        brake = hn::IfThenZeroElse(hn::Eq(v[k], zero), hn::Neg(amount));
+        const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
+        const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), relative);
+        brake = hn::IfThenZeroElse(hn::Eq(relative, zero), hn::Neg(amount));
         change = hn::MulAdd(dt_over_mass, brake, change);
       }
+      if (a > 0.0 && step.ground[k] != 0.0) change = hn::Add(change, hn::Set(d, 2.0 * a * step.ground[k]));
       next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, hn::MulAdd(keep, v[k], change)));
       const V free_force = hn::IfThenZeroElse(hold, force[k]);
       free = hn::MulAdd(free_force, free_force, free);
@@ -357,7 +359,7 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
       kinetic = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Mul(mass, twice_mean)), twice_mean, kinetic);
       if (!kEnergies) continue;
       const V mean = hn::Mul(half, twice_mean), way = hn::Mul(mean, dt);
-      const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, mean)));
+      const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, hn::Sub(mean, hn::Set(d, step.ground[k])))));
       damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
       const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
       external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);

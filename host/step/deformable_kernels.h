@@ -67,6 +67,7 @@ struct GridpointStep {
   double time_step;        // s
   double gamma;            // of eq. 1, on gridpoints
   double alpha;            // mass-proportional viscosity, 1/s; with gamma = 0
+  Vector ground;           // whose velocity damping leaves, m/s
   double inertia_factor;   // of deformation
   double weight_per_mass;  // mass that has weight over mass of inertia
   Vector gravity;          // m/s2

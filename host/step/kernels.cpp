@@ -712,6 +712,7 @@ void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& st
                   Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
+    case DampingKind::impact:  // of large motion
       return measured ? AdvanceUnitsAs<DampingKind::none, true>(model, units, step, scratch, measured)
                       : AdvanceUnitsAs<DampingKind::none, false>(model, units, step, scratch, measured);
     case DampingKind::local:

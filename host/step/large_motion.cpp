@@ -269,7 +269,11 @@ void Model::viscous_tractions(Family& f, Chunk& chunk) {
   for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
   c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
   c.area = f.area.data() + first;
-  chunk.damping = damp_points(c, chunk.count, solver_.stiffness_damping / dt_);
+  if (impacts_damped())
+    chunk.damping = damp_impacts(c, chunk.count, impact_beta_[2 * size_t(chunk.family)] / dt_,
+                                 impact_beta_[2 * size_t(chunk.family) + 1] / dt_);
+  else
+    chunk.damping = damp_points(c, chunk.count, solver_.stiffness_damping / dt_);
 }
 
 // ---- Blocks --------------------------------------------------------------------------------------------------------
@@ -330,6 +334,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   const GridpointStep step{dt_,
                            solver_.damping == DampingKind::local ? gamma() : 0.0,
                            viscous_alpha(solver_),
+                           braking_ground(),
                            splits_motion() ? solver_.deformation_inertia : 1.0,
                            1.0 / solver_.mass_scaling,
                            gravity_factor_.at(time_) * gravity_,
@@ -345,6 +350,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
 // Viscosity of zones: beta of stiffness-proportional damping, s.
 double Model::zone_damping() const {
   if (solver_.damping == DampingKind::block) return solver_.deformation_damping * critical_dt_;  // 2 xi / omega_max
+  if (impacts_damped()) return impact_zone_beta_;
   return solver_.damping == DampingKind::viscous ? solver_.stiffness_damping : 0.0;
 }
 
@@ -479,7 +485,8 @@ void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* ga
   const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
   const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
   RigidLanes lanes;
-  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, dt_}, gains, measured_ ? &lanes : nullptr);
+  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, braking_ground(), dt_}, gains,
+               measured_ ? &lanes : nullptr);
   if (!measured_) return;
   const double alpha = viscous_alpha(solver_);
   const int count = piece.halves ? 2 : 1, units = int(piece.count) / count;
@@ -524,7 +531,7 @@ void Model::advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock) {
   // A rigid block is its own rigid motion: damping by block is eq. 1.
   const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
   const Vector g = gravity_factor_.at(time_) * gravity_;
-  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), g, measured_};
+  const BodyStep step{dt_, eq1 ? gamma() : 0.0, viscous_alpha(solver_), braking_ground(), g, measured_};
   advance_rigid(bodies_.data(), seen_.empty() ? nullptr : seen_.data(), index, int(blocks.size()), step, sums);
   lap(clock, Phase::motion);
   for (size_t i = 0; i < blocks.size(); ++i) {

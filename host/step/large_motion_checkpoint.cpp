@@ -58,6 +58,10 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.time_);
   archive.value(m.dt_);
   archive.value(m.critical_dt_);
+  archive.array(m.impact_beta_);
+  archive.value(m.impact_zone_beta_);
+  archive.value(m.impact_rate_);
+  archive.value(m.impact_share_);
   archive.value(m.stiffness_bound_);
   archive.value(m.step_count_);
   archive.value(m.next_check_);

@@ -48,20 +48,23 @@ HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
 }
 HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
 
-double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
+template <bool kImpacts>
+HWY_INLINE double Damp(const DampingColumns& c, std::size_t count, double normal, double along) {
   const D d;
-  const V zero = hn::Zero(d), half = hn::Set(d, 0.5), factor = hn::Set(d, rate);
+  const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
   LaneSum work;
   for_each_vector(count, [&](std::size_t i, auto load, auto store) HWY_ATTR {
     const V then = load(c.old_jump), now = load(c.normal_jump);
     const auto known = hn::Eq(then, then);  // else born since: no rate is known
     const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
     V done = zero;
+    const auto closed = hn::Lt(load(c.traction[0]), zero);
     for (int k = 0; k < 3; ++k) {
       const V traction = load(c.traction[k]);
-      V viscous = hn::Mul(factor, hn::Sub(traction, load(c.old_traction[k])));
+      V viscous = hn::Mul(hn::Set(d, k == 0 ? normal : along), hn::Sub(traction, load(c.old_traction[k])));
       if (k == 0) viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, hn::Neg(traction)), viscous);
-      viscous = hn::IfThenElseZero(hn::And(known, hn::Ne(traction, zero)), viscous);
+      const auto touches = kImpacts ? closed : hn::Ne(traction, zero);
+      viscous = hn::IfThenElseZero(hn::And(known, touches), viscous);
       // Central differences: half of the motion is under the traction of the step before.
       done = hn::MulAdd(hn::Add(load(c.viscous[k]), viscous), way[k], done);
       store(viscous, c.viscous[k]);
@@ -71,6 +74,11 @@ double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
     store(now, c.old_jump);
   });
   return work.total();
+}
+
+double DampPoints(const DampingColumns& c, std::size_t count, double rate) { return Damp<false>(c, count, rate, rate); }
+double DampImpacts(const DampingColumns& c, std::size_t count, double normal, double along) {
+  return Damp<true>(c, count, normal, along);
 }
 
 PointEnergies EnergiesOfPoints(const EnergyColumns& c, std::size_t count) {
@@ -98,10 +106,15 @@ HWY_AFTER_NAMESPACE();
 namespace quoin::blocks {
 
 HWY_EXPORT(DampPoints);
+HWY_EXPORT(DampImpacts);
 HWY_EXPORT(EnergiesOfPoints);
 
 double damp_points(const DampingColumns& columns, std::size_t count, double rate) {
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
+}
+
+double damp_impacts(const DampingColumns& columns, std::size_t count, double normal, double along) {
+  return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, count, normal, along);
 }
 
 PointEnergies energies_of_points(const EnergyColumns& columns, std::size_t count) {

@@ -20,6 +20,9 @@ struct DampingColumns {
 // pull on it. rate: beta / dt. Its work, J.
 double damp_points(const DampingColumns& columns, std::size_t count, double rate);
 
+// The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it.
+double damp_impacts(const DampingColumns& columns, std::size_t count, double normal, double along);
+
 // Sums of area times density.
 struct EnergyColumns {
   const double *area, *stored, *dissipated[QUOIN_DISSIPATED_COUNT];  // m2, J/m2

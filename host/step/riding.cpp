@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "law/at_rest.h"
 #include "model/time_step.h"
@@ -15,13 +14,6 @@
 namespace quoin {
 
 using geometry::Vector;
-
-namespace {
-
-constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
-constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
-
-}  // namespace
 
 void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                                     std::vector<std::shared_ptr<const Material>> materials) {
@@ -40,9 +32,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   if (!left) extent = riding->extent();
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
-    for (const BodyControl& control : s.controls) blocks_named(control.body, s.source.text);
-    for (const PointForce& given : s.forces) blocks_named(given.block, s.source.text);
-    for (const FacePressure& given : s.pressures) blocks_named(given.block, s.source.text);
+    blocks_named_in(s);
     const std::string& watched = watched_block(s);
     if (!watched.empty()) blocks_named(watched, s.source.text + ": monitor");
     if (s.displacement && watched.empty())
@@ -58,22 +48,6 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
   }));
   follow_time_step();
   time_step.model_mass = riding->mass();
-}
-
-// Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
-void Simulation::Impl::find_blocks_on_base() {
-  const auto& blocks = riding->assembly().blocks;
-  on_base.assign(blocks.size(), 0);
-  const auto& contacts = riding->contacts();
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const blocks::Contact& c = contacts[i];
-    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(i).separation.normal.y) < kBed) continue;
-    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
-    if (blocks[a].fixed) on_base[b] = 1;
-    if (blocks[b].fixed) on_base[a] = 1;
-  }
-  if (in_parts)
-    tell_all(ranks, std::span(on_base), [rank = rank_of_riding_blocks()](std::size_t block) { return rank[block]; });
 }
 
 // Damage and properties that scatter are found over all contact points; a promotion hands over all of a lattice.
@@ -92,8 +66,10 @@ std::vector<int> Simulation::Impl::rank_of_riding_blocks() const {
 // What every rank follows through a stage, whoever advances it.
 std::vector<int> Simulation::Impl::followed_blocks() const {
   std::vector<int> followed = monitor_blocks;
+  bool on_ground = false;  // which moves as its record says: one block tells of all
   for (const Drive& drive : drives) {
-    if (!drive.of_ground) followed.push_back(drive.block);  // the ground moves as its record says
+    if (!drive.of_ground || !on_ground) followed.push_back(drive.block);
+    on_ground = on_ground || drive.of_ground;
   }
   for (const blocks::Load& given : riding->loads()) followed.push_back(given.block);
   for (const blocks::Pressure& given : riding->pressures()) followed.push_back(given.block);
@@ -104,24 +80,16 @@ std::vector<int> Simulation::Impl::followed_blocks() const {
 // Before a stage is bound that names them; previous: null: it is the first.
 void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* previous) {
   std::vector<int> told = followed_blocks();
-  const auto add = [&](const std::string& name) {
-    const std::vector<int> named = blocks_named(name, settings.source.text);
+  for (const Stage* named_by : {&settings, previous}) {
+    if (!named_by) continue;
+    const std::vector<int> named = blocks_named_in(*named_by);
     told.insert(told.end(), named.begin(), named.end());
-  };
-  for (const BodyControl& control : settings.controls) add(control.body);
+  }
   for (const Drive& drive : drives) {
     if (drive.of_ground) told.push_back(drive.block);
   }
   for (int block = 0; settings.ground && block < riding->block_count(); ++block) {
     if (riding->assembly().blocks[static_cast<std::size_t>(block)].fixed) told.push_back(block);
-  }
-  for (const Stage* stage_of_loads : {&settings, previous}) {
-    if (!stage_of_loads) continue;
-    for (const PointForce& given : stage_of_loads->forces) add(given.block);
-    for (const FacePressure& given : stage_of_loads->pressures) add(given.block);
-  }
-  if (settings.whiffletree) {
-    for (const auto& floor : settings.whiffletree->floors) std::for_each(floor.begin(), floor.end(), add);
   }
   std::vector<int> watched;
   if (const std::string& name = watched_block(settings); !name.empty())
@@ -152,23 +120,13 @@ void Simulation::Impl::watch_blocks(const Stage& settings) {
 
 void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
   blocks::Model& m = *riding;
-  bind_drives(settings, previous);
+  m.clear_loads();
+  bind_actions(settings, previous);
   riding_stage_start = m.time();
-  multiplier = 0.0;
-  first_load = {};
   if (settings.solver) m.set_solver(*settings.solver);
   follow_time_step();
   watch_blocks(settings);
   monitor_start = riding_displacement(monitor_blocks);
-
-  // Loads of before fade while those of this stage grow.
-  m.clear_loads();
-  fading_loads = fading_pressures = 0;
-  if (previous) {
-    add_loads(*previous);
-    fading_loads = m.loads().size(), fading_pressures = m.pressures().size();
-  }
-  add_loads(settings);
 }
 
 void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const Material> material) {
@@ -187,220 +145,6 @@ void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const 
   riding->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
   model.families[index].material = std::move(material);
   follow_time_step();
-}
-
-Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time) const {
-  if (!of_stage.ground) return {};
-  return of_stage.ground->acceleration.integral(time - riding_stage_start) *
-         normalized(geometry::vector(of_stage.ground->direction));
-}
-
-// Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
-// components that are let go from what their support has carried. previous: null: there was no stage.
-void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous) {
-  blocks::Model& m = *riding;
-  std::vector<Drive> before = std::move(drives);
-  drives.clear();
-  // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
-  constexpr double kRest = 1e-12;  // m/s, rounding of a record that ends at rest
-  Vector record, left_of_ground;
-  if (previous)
-    record = record_velocity(*previous, m.time()) - record_velocity(*previous, m.time() - 0.5 * m.time_step());
-  const auto start = [&](int block) {
-    Drive drive;
-    drive.block = block;
-    drive.velocity_from = m.velocity(block);
-    drive.omega_from = m.angular_velocity(block);
-    const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
-    if (old == before.end()) return drive;
-    for (int c = 0; c < 3; ++c) {
-      if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
-      if (std::abs(drive.velocity_from[c]) <= kRest && old->of_ground) drive.velocity_from[c] = 0.0;
-    }
-    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
-    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
-    return drive;
-  };
-  for (const BodyControl& control : settings.controls) {
-    for (const int block : blocks_named(control.body, settings.source.text)) {
-      Drive drive = start(block);
-      for (int c = 0; c < 3; ++c) {
-        const auto k = static_cast<std::size_t>(c);
-        if (control.kind[k] == DofKind::velocity) {
-          drive.held |= static_cast<std::uint8_t>(1 << c);
-          drive.velocity_to[c] = control.velocity[k];
-          if (control.in_cycles == c) drive.in_cycles |= static_cast<std::uint8_t>(1 << c);
-          drive.force_from[c] = 0.0;
-        } else {
-          drive.force_to[c] = control.force[k];
-        }
-      }
-      if (!control.may_turn) drive.held |= 0x38;
-      drive.omega_to = geometry::vector(control.omega);
-      drives.push_back(drive);
-    }
-  }
-  for (const Drive& old : before) {
-    if (old.of_ground) left_of_ground = start(old.block).velocity_from;
-    if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
-    Drive released = start(old.block);
-    if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
-      released.held = 0x3f;
-      released.force_from = {};
-      released.of_ground = old.of_ground;
-    }
-    drives.push_back(released);
-  }
-  bind_ground(settings, left_of_ground);
-}
-
-// The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
-// on, or fades over the ramp of the stage if it has one.
-void Simulation::Impl::bind_ground(const Stage& settings, const Vector& left_over) {
-  std::vector<std::int32_t> drive_of(static_cast<std::size_t>(riding->block_count()), -1);
-  for (std::size_t d = 0; d < drives.size(); ++d)
-    drive_of[static_cast<std::size_t>(drives[d].block)] = static_cast<std::int32_t>(d);
-  std::set<int> controlled;
-  for (const BodyControl& control : settings.controls) {
-    for (const int block : blocks_named(control.body, settings.source.text)) controlled.insert(block);
-  }
-  for (int block = 0; block < riding->block_count(); ++block) {
-    if (!riding->assembly().blocks[static_cast<std::size_t>(block)].fixed || controlled.contains(block)) continue;
-    std::int32_t& index = drive_of[static_cast<std::size_t>(block)];
-    if (index < 0 && !settings.ground) continue;
-    if (index < 0) {
-      Drive drive;
-      drive.block = block;
-      drive.held = 0x3f;
-      drive.velocity_from = riding->velocity(block);
-      index = static_cast<std::int32_t>(drives.size());
-      drives.push_back(drive);
-    }
-    Drive& drive = drives[static_cast<std::size_t>(index)];
-    if (!settings.ground && !drive.of_ground) continue;  // has been driven by itself, and comes to rest
-    drive.of_ground = 7;
-    drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : left_over;
-  }
-}
-
-void Simulation::Impl::add_loads(const Stage& settings) {
-  blocks::Model& m = *riding;
-  const auto& assembly = m.assembly();
-  for (const PointForce& given : settings.forces) {
-    blocks::Load added{};
-    added.block = blocks_named(given.block, settings.source.text).front();
-    added.force = geometry::vector(given.force);
-    added.point = geometry::vector(given.point);
-    m.add(added);
-  }
-  for (const FacePressure& pressure : settings.pressures) {
-    blocks::Pressure added{};
-    added.block = blocks_named(pressure.block, settings.source.text).front(), added.value = pressure.pressure;
-    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(added.block)];
-    const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
-    const geometry::Matrix turned = matrix(block.orientation);
-    const auto towards = [&](std::size_t face) {
-      return dot(turned * shape.normals[face], geometry::vector(pressure.normal));
-    };
-    for (std::size_t f = 1; f < shape.faces.size(); ++f) {
-      if (towards(f) > towards(static_cast<std::size_t>(added.face))) added.face = static_cast<int>(f);
-    }
-    m.add(added);
-  }
-}
-
-// What controls impose in the coming step; s: how far the ramp has come, 0 to 1.
-void Simulation::Impl::drive_blocks(double s) {
-  blocks::Model& m = *riding;
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  const Vector record = record_velocity(settings, m.time() + 0.5 * m.time_step());
-  for (Drive& d : drives) {
-    Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
-    for (int c = 0; c < 3; ++c) {
-      if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);
-      if (d.of_ground >> c & 1) driven[c] += record[c];
-    }
-    m.prescribe(d.block, driven, d.omega_from + s * (d.omega_to - d.omega_from), d.held);
-    d.force_now = d.force_from + s * (d.force_to - d.force_from);
-    if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
-      m.apply_force(d.block, d.force_now);
-  }
-  for (std::size_t i = 0; i < m.loads().size(); ++i) m.loads()[i].scale = i < fading_loads ? 1.0 - s : s;
-  for (std::size_t i = 0; i < m.pressures().size(); ++i) m.pressures()[i].scale = i < fading_pressures ? 1.0 - s : s;
-  Vector g = geometry::vector(data.gravity);
-  if (settings.collapse) {
-    multiplier = settings.collapse->start * s +
-                 settings.collapse->rate * std::max(0.0, m.time() - riding_stage_start - settings.ramp_time);
-    g += multiplier * norm(geometry::vector(settings.gravity)) *
-         normalized(geometry::vector(settings.collapse->direction));
-  }
-  m.set_gravity(g);
-}
-
-// Along x, in place of what else is applied there.
-void Simulation::Impl::pull_block(int block, double pull) {
-  const auto drive = std::find_if(drives.begin(), drives.end(), [block](const Drive& d) { return d.block == block; });
-  Vector applied = drive == drives.end() ? Vector{} : drive->force_now;
-  applied.x = pull;
-  riding->apply_force(block, applied);
-}
-
-bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
-  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
-  if (!settings.collapse) return false;
-  gather(Part::row);
-  watch_uplift();
-  const Collapse& c = *settings.collapse;
-  const double moved = largest_displacement();
-  if (!(moved > c.displacement)) {
-    if (stage_time() >= settings.ramp_time)
-      first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
-    return multiplier > c.limit;
-  }
-  if (c.start <= 0.0 || first_load.carried) {
-    outcome.collapse_multiplier = multiplier;
-    return true;
-  }
-  warn_once(
-      "collapse_multiplier",
-      fmt::format("stage '{}': blocks have moved by {:g} m at the multiplier {:.4g} before they came to rest under "
-                  "collapse.start = {:g}: the ramp has brought them there, and the collapse multiplier is not "
-                  "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
-                  "({:g} s)",
-                  settings.name, c.displacement, multiplier, c.start, settings.ramp_time),
-      told);
-  return true;
-}
-
-double FirstLoad::time_of(const Collapse& c, const Vec3& gravity) {
-  return std::max(0.01 * c.start / c.rate, 4.0 * std::sqrt(2.0 * c.displacement / norm(geometry::vector(gravity))));
-}
-
-void FirstLoad::look(double time, double moved, double allowed, double needed) {
-  lowest = std::min(lowest, moved), highest = std::max(highest, moved);
-  if (since < 0.0 || highest - lowest > allowed) since = time, lowest = highest = moved;
-  carried = carried || time - since >= needed;
-}
-
-void Simulation::Impl::watch_uplift() {
-  if (outcome.base_slip_at_uplift) return;
-  double opened = 0.0;
-  const auto& contacts = riding->contacts();
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(k).separation.normal.y) < kBed) continue;
-    const auto& family = riding->families()[static_cast<std::size_t>(c.family)];
-    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
-  }
-  if (in_parts) opened = largest_of_ranks(opened);
-  if (opened < kUplift) return;
-  double slip = 0.0;
-  for (int b = 0; b < riding->block_count(); ++b) {
-    if (!on_base[static_cast<std::size_t>(b)] || !riding->owns(b)) continue;
-    const Vec3 d = riding_displacement(b);
-    slip = std::max(slip, std::hypot(d[0], d[2]));
-  }
-  outcome.base_slip_at_uplift = in_parts ? largest_of_ranks(slip) : slip;
 }
 
 double Simulation::Impl::now() const {
@@ -484,8 +228,10 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   row.largest_displacement = largest_displacement();
   const double whole = model.assembly.symmetry_factor;
   row.dynamic_force = whole * riding->net_force()[static_cast<int>(direction)];
+  measure_base(row);
   if (monitor_blocks.empty()) return;
-  row.monitor_displacement = riding_displacement(monitor_blocks);
+  row.monitor_displacement = row.monitor_relative = riding_displacement(monitor_blocks);
+  for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : monitor_blocks) {
     const Vec3 joints = geometry::array(riding->contact_force(block));
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];

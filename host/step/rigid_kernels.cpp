@@ -284,8 +284,10 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
   V free = zero, damping = zero, external = zero, kinetic = zero;
   for (int k = 0; k < 3; ++k) {
     const auto hold = is_held(k);
-    const V brake = against(force[k], v[k]);
-    const V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
+    const V ground = hn::Set(d, step.ground[k]);
+    const V brake = against(force[k], hn::Sub(v[k], ground));
+    V driven = hn::MulAdd(dt_over_mass, hn::Add(force[k], brake), hn::Mul(keep, v[k]));
+    if (a > 0.0 && step.ground[k] != 0.0) driven = hn::MulAdd(hn::Set(d, 2.0 * a), ground, driven);
     next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, driven));
     mean[k] = hn::Mul(half, hn::Add(v[k], next[k]));
     const V net = hn::IfThenZeroElse(hold, force[k]);
@@ -293,7 +295,7 @@ HWY_INLINE void advance_vector(const Members& of, const SeenMotion* const (&seen
     free = hn::MulAdd(net, net, free);
     if (!step.energies) continue;
     const V way = hn::Mul(mean[k], dt);
-    const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, mean[k]));
+    const V viscous = hn::Mul(hn::Set(d, step.alpha), hn::Mul(mass, hn::Sub(mean[k], ground)));
     damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
     const V weight = hn::Mul(weight_mass, hn::Set(d, step.gravity[k]));
     external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);

@@ -32,6 +32,7 @@ struct BodyStep {
   double time_step;  // s
   double gamma;      // of eq. 1
   double alpha;      // mass-proportional viscosity, 1/s; with gamma = 0
+  Vector ground;     // whose velocity damping leaves, m/s
   Vector gravity;    // m/s2
   bool energies;     // work and kinetic energy are wanted
 };

@@ -219,6 +219,12 @@ HWY_INLINE Motion damped(double gamma, const Motion& force, const Motion& veloci
   return {against(force.linear, velocity.linear), against(force.angular, velocity.angular)};
 }
 
+HWY_INLINE Motion relative_to(const geometry::Vector& ground, const Motion& velocity) {
+  Motion relative = velocity;
+  for (int k = 0; k < 3; ++k) relative.linear[k] = hn::Sub(velocity.linear[k], hn::Set(D(), ground[k]));
+  return relative;
+}
+
 // turning += weight (1 - P) w x (w x r) as a matrix on r.
 HWY_INLINE void add_turning(const Inertia& block, const Lanes3& spin, double dt, double weight, Lanes33& turning) {
   const V f = hn::Mul(hn::Set(D(), weight), chord_factor(spin, dt));
@@ -250,12 +256,13 @@ HWY_INLINE void step_of(const Sums& sums, bool some_held, const int (&lane)[kCou
   }
   Lanes3 unit_spin[2];  // before and after
   if constexpr (kCount == 1) {
-    damping[0] = damped(s.gamma, force[0], velocity[0]);
+    damping[0] = damped(s.gamma, force[0], relative_to(s.ground, velocity[0]));
     change[0] = scaled(time_step, difference_of(driven[0], acceleration(unit.block[0], damping[0])));
   } else {
     unit.whole = together(unit.block[0], unit.block[1]);
     const Motion of_unit = motion_of(unit, momentum), whole = motion_of(unit, force);
-    const Motion whole_damping = acceleration(unit.whole, damped(s.gamma, force_of(unit.whole, whole), of_unit));
+    const Motion whole_damping =
+        acceleration(unit.whole, damped(s.gamma, force_of(unit.whole, whole), relative_to(s.ground, of_unit)));
     unit_spin[0] = of_unit.angular;
     unit_spin[1] = plus_scaled(of_unit.angular, time_step, difference_of(whole.angular, whole_damping.angular));
     Motion beside_damping[2];

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -63,6 +64,12 @@ struct HistoryRow {
   double unbalanced_ratio = 0.0;  // largest unbalanced nodal force / mean contact force
   double kinetic_energy = 0.0;    // J, of the model as computed
   double multiplier = 0.0;        // of the body force of a collapse stage
+  // Blocks in large motion only:
+  Vec3 ground_displacement{};  // since the start, m
+  Vec3 monitor_relative{};     // displacement of the monitor less that of the ground, m
+  Vec3 base_force{};           // on the fixed blocks by what stands on them, N
+  // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
+  Vec3 overturning_moment{NAN, NAN, NAN};
   double largest_displacement = 0.0;  // of any block since the start, m; blocks of any shape only
   std::optional<Energies> energies;   // when Scene::output.energy
 };

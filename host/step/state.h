@@ -246,11 +246,24 @@ struct Simulation::Impl {
   void begin_riding_stage(const Stage& settings, const Stage* previous);
   void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
   void follow_time_step();  // of the riding model, which may have chosen a new one
+  struct Action;            // step/actions
+  std::vector<int> blocks_named_in(const Stage& settings) const;  // by its actions
+  void bind_actions(const Stage& settings, const Stage* previous);
+  void apply_actions(double ramp);
   void bind_drives(const Stage& settings, const Stage* previous);
-  void bind_ground(const Stage& settings, const geometry::Vector& left_over);  // m/s, of earlier records
+  void bind_ground(const Stage& settings, const Stage* previous);
+  void bind_forces(const Stage& settings, const Stage* previous);
+  void bind_pressures(const Stage& settings, const Stage* previous);
+  void bind_collapse(const Stage& settings, const Stage* previous);
+  void drive_blocks(const Stage& settings, double ramp);
+  void follow_ground(const Stage& settings, double ramp);
+  void scale_forces(const Stage& settings, double ramp);
+  void scale_pressures(const Stage& settings, double ramp);
+  void apply_gravity(const Stage& settings, double ramp);
+  void apply_collapse(const Stage& settings, double ramp);
   geometry::Vector record_velocity(const Stage& of_stage, double time) const;  // of its ground motion, m/s
-  void add_loads(const Stage& settings);
-  void drive_blocks(double ramp);
+  void add_forces(const Stage& settings);
+  void add_pressures(const Stage& settings);
   void pull_block(int block, double pull);
   bool stands_below(const std::vector<int>& blocks) const;
   bool collapse_ended(std::vector<Warning>* told);
@@ -258,6 +271,7 @@ struct Simulation::Impl {
   Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
   Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
   void measure_riding(HistoryRow& row) const;
+  void measure_base(HistoryRow& row) const;
   void look_at_riding_motion();
   BlockMesh riding_mesh(int block) const;
   BlockSize riding_size(int block) const;
@@ -410,6 +424,7 @@ struct Simulation::Impl {
   // Blocks of any shape in large motion; null: none.
   std::unique_ptr<blocks::Model> riding;
   std::vector<std::uint8_t> on_base;  // by block: a free one that rests on fixed ones at the start
+  geometry::Vector base_centre;       // of the area between these at the start, m
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
   double riding_stage_start = 0.0;                     // s

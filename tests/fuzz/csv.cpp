@@ -5,7 +5,7 @@
 #include "input.h"
 #include "judge.h"
 #include "law/csv_table.h"
-#include "scene/series_file.h"
+#include "records/read_record.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace quoin;
@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   });
   judge({Exit::bad_input}, [&] {
-    const TimeSeries series = read_series_file(file);
+    const GroundRecord series = read_record(file);
     for (std::size_t i = 1; i < series.time.size(); ++i) {
       if (!(series.time[i] > series.time[i - 1])) std::abort();
     }

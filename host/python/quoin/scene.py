@@ -213,7 +213,11 @@ class Scene(Table):
         for block in document.get("block", []):
             moved(block, "mesh")
         for stage in document.get("stage", []):
-            moved(stage.get("ground_motion") if isinstance(stage, dict) else None, "file")
+            ground = stage.get("ground_motion") if isinstance(stage, dict) else None
+            moved(ground, "file")
+            if isinstance(ground, dict) and "file" not in ground:
+                for axis in "xyz":
+                    moved(ground, axis)
         return document
 
     def __eq__(self, other):

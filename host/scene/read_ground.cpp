@@ -1,0 +1,241 @@
+#include "scene/read_ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "records/baseline.h"
+#include "records/read_record.h"
+#include "records/scaling.h"
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+constexpr const char* kAxes[] = {"x", "y", "z"};
+
+Vec3 along(std::size_t axis) {
+  Vec3 direction{};
+  direction[axis] = 1.0;
+  return direction;
+}
+
+// A record of a file, in m/s2; nothing when there is none, which is told.
+std::optional<GroundRecord> record_of(Table& t, const std::string& key, const std::string& file,
+                                      const std::string& folder, GroundMotion& ground) {
+  t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);
+  try {
+    GroundRecord record = read_record(t.context().inputs.back());
+    ground.notes.insert(ground.notes.end(), record.assumptions.begin(), record.assumptions.end());
+    return record;
+  } catch (const Error& error) {
+    t.context().fault(fmt::format("{} = '{}':\n{}", t.where(key), file, error.what()));
+    return std::nullopt;
+  }
+}
+
+TimeSeries read_pairs(Table& t) {
+  TimeSeries s;
+  const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
+  if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
+    t.refuse("time", "times that increase, s");
+  const bool given = t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
+  if (timed && given && s.time.size() != s.value.size()) {
+    t.context().fault(fmt::format("{}: {} times and {} accelerations; give as many of both", t.where(), s.time.size(),
+                                  s.value.size()));
+    s = {};
+  }
+  return timed && given ? s : TimeSeries{};
+}
+
+// The component of a record that a key names, or its only one.
+void add_component(Table& t, const std::string& key, const GroundRecord& record, const std::string& name,
+                   const Vec3& direction, GroundMotion& ground) {
+  std::vector<std::string> names;
+  for (const RecordComponent& c : record.components) names.push_back(c.name);
+  std::size_t index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  if (name.empty() && names.size() == 1) index = 0;
+  if (index == names.size())
+    return t.refuse(key, fmt::format("one component of {}: {}; name it by `column`, or along x, y and z", record.source,
+                                     join(names)));
+  ground.components.push_back({direction, acceleration_of(record, index), {}});
+}
+
+// file = "...", with direction and perhaps column, or with columns of it along x, y, z.
+void read_file(Table& t, const std::string& folder, bool directed, const Vec3& direction, GroundMotion& ground) {
+  std::string file, column;
+  t.text("file", file, "a record: PEER, ESM, or CSV of time and components");
+  const std::optional<GroundRecord> record = record_of(t, "file", file, folder, ground);
+  if (t.text("column", column, "the name of a component of the file") && !directed)
+    t.refuse("column", "only with direction; without it name the columns along x, y and z");
+  std::array<std::string, 3> columns;
+  bool any = false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool given = t.text(kAxes[c], columns[c], "the name of a component of the file");
+    if (given && directed) t.refuse(kAxes[c], "only without direction");
+    any = any || given;
+  }
+  if (!record) return;
+  if (directed) return add_component(t, "file", *record, column, direction, ground);
+  // Columns that are called so go along these axes.
+  for (std::size_t c = 0; c < 3 && !any; ++c) {
+    const auto named = [&](const RecordComponent& of_record) { return of_record.name == kAxes[c]; };
+    if (std::any_of(record->components.begin(), record->components.end(), named)) columns[c] = kAxes[c];
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!columns[c].empty()) add_component(t, any ? kAxes[c] : "file", *record, columns[c], along(c), ground);
+  }
+  if (ground.components.empty())
+    t.refuse("file", "with `direction`, or with the names of its columns along `x`, `y`, `z`");
+}
+
+// x = "...", y = "...", z = "...": a file each.
+void read_files(Table& t, const std::string& folder, GroundMotion& ground) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::string file;
+    if (!t.text(kAxes[c], file, "a record of one component: PEER, ESM or CSV")) continue;
+    if (const auto record = record_of(t, kAxes[c], file, folder, ground))
+      add_component(t, kAxes[c], *record, "", along(c), ground);
+  }
+}
+
+// The part from `start` to `until`, which begins with the stage.
+TimeSeries part_of(const TimeSeries& series, double start, double until) {
+  TimeSeries part;
+  const auto add = [&](double time, double value) { part.time.push_back(time - start), part.value.push_back(value); };
+  const double first = std::max(start, series.time.front()), last = std::min(until, series.time.back());
+  add(first, series.at(first));
+  for (std::size_t i = 0; i < series.time.size(); ++i) {
+    if (series.time[i] > first && series.time[i] < last) add(series.time[i], series.value[i]);
+  }
+  add(last, series.at(last));
+  return part;
+}
+
+void cut(Table& t, GroundMotion& ground) {
+  double start = 0.0, until = HUGE_VAL;
+  const bool starts = t.number("start", start, kNotNegative, "s of the record, where the stage begins");
+  const bool ends = t.number("until", until, kPositive, "s of the record, where it ends");
+  if (!starts && !ends) return;
+  for (GroundMotion::Component& c : ground.components) {
+    const auto& time = c.acceleration.time;
+    if (start >= std::min(until, time.back()) || until <= time.front())
+      return t.refuse(ends ? "until" : "start",
+                      fmt::format("start < until, and a part of the record, which goes from {:g} to {:g} s",
+                                  time.front(), time.back()));
+    c.acceleration = part_of(c.acceleration, start, until);
+  }
+}
+
+void correct(Table& t, GroundMotion& ground) {
+  std::string kind = "none";
+  BaselineCorrection correction;
+  t.choice("baseline", kind, {"none", "linear", "polynomial", "high-pass"});
+  const bool ordered = kind == "polynomial" || kind == "high-pass";
+  if (kind == "high-pass") correction.order = 4;
+  if (t.integer("baseline_order", correction.order, 0, 10) && !ordered)
+    t.refuse("baseline_order", "only with baseline = \"polynomial\" or \"high-pass\"");
+  if (t.number("baseline_corner", correction.corner_Hz, kPositive, "Hz", kind == "high-pass") && kind != "high-pass")
+    t.refuse("baseline_corner", "only with baseline = \"high-pass\"");
+  if (kind == "none") return;
+  correction.kind = kind == "high-pass" ? BaselineCorrection::Kind::high_pass : BaselineCorrection::Kind::polynomial;
+  for (GroundMotion::Component& c : ground.components) c.acceleration = correct_baseline(c.acceleration, correction);
+  ground.notes.push_back("baseline corrected: " + kind);
+}
+
+// pga, pgv or sa of the component that has most of it; `scale` comes on top.
+void scale(Table& t, GroundMotion& ground) {
+  double factor = 1.0;
+  t.number("scale", factor, kAny, "(on the record)");
+  IntensityTarget target;
+  const bool pga = t.number("pga", target.value, kPositive, "m/s2");
+  const bool pgv = t.number("pgv", target.value, kPositive, "m/s");
+  const bool sa = t.number("sa", target.value, kPositive, "m/s2");
+  t.number("sa_period", target.period, kPositive, "s", sa);
+  t.number("sa_damping", target.damping, between(0, 0.99), "(of critical)");
+  if (pga + pgv + sa > 1) t.refuse(sa ? "sa" : "pgv", "one of pga, pgv and sa; remove the others");
+  for (const char* key : {"sa_period", "sa_damping"}) {
+    if (t.has(key) && !sa) t.refuse(key, "only with sa");
+  }
+  using Measure = IntensityTarget::Measure;
+  target.measure = pga ? Measure::pga : pgv ? Measure::pgv : Measure::spectral_acceleration;
+  if ((pga || pgv || sa) && !(sa && target.period <= 0.0)) {
+    double to_target = HUGE_VAL;
+    for (const GroundMotion::Component& c : ground.components) {
+      const auto& values = c.acceleration.value;
+      if (std::any_of(values.begin(), values.end(), [](double v) { return v != 0.0; }))
+        to_target = std::min(to_target, scale_to(c.acceleration, target));
+    }
+    if (!std::isfinite(to_target))
+      return t.refuse(pga ? "pga" : pgv ? "pgv" : "sa", "a record that is not 0 throughout");
+    factor *= to_target;
+    ground.notes.push_back(fmt::format("scaled by {:.6g}", factor));
+  }
+  for (GroundMotion::Component& c : ground.components) {
+    for (double& v : c.acceleration.value) v *= factor;
+    if (!std::all_of(c.acceleration.value.begin(), c.acceleration.value.end(),
+                     [](double v) { return std::isfinite(v); }))
+      t.refuse("scale", "a number that keeps every acceleration finite");
+  }
+}
+
+// What the record leaves of velocity goes within rest_time, under a triangle of acceleration.
+void come_to_rest(Table& t, GroundMotion& ground) {
+  std::string after = "goes_on";
+  double duration = 0.5;
+  t.choice("after", after, {"goes_on", "rest"});
+  if (t.number("rest_time", duration, kPositive, "s") && after != "rest")
+    t.refuse("rest_time", "only with after = \"rest\"");
+  if (after != "rest") return;
+  for (GroundMotion::Component& c : ground.components) {
+    TimeSeries& s = c.acceleration;
+    const double end = s.time.back(), last = s.value.back(), velocity = s.integral(end);
+    // Areas of the halves: (last + top) and top, times duration/4 each.
+    const double top = -0.5 * last - 2.0 * velocity / duration;
+    s.time.insert(s.time.end(), {end + 0.5 * duration, end + duration});
+    s.value.insert(s.value.end(), {top, 0.0});
+  }
+  ground.notes.push_back(fmt::format("brought to rest over {:g} s after the record", duration));
+}
+
+}  // namespace
+
+void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
+  constexpr double least = 1e-6;
+  const bool given = t.numbers(key, direction, between(-1e6, 1e6), what, required);
+  if (given && std::hypot(direction[0], direction[1], direction[2]) < least)
+    t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
+}
+
+GroundMotion read_ground(Table t, const std::string& folder) {
+  GroundMotion ground{};
+  Vec3 direction{};
+  const bool by_axes = !t.has("direction") && (t.has("x") || t.has("y") || t.has("z"));
+  read_direction(t, "direction", direction, "of the motion", !by_axes && !t.has("file"));
+  if (t.has("file")) {
+    for (const char* key : {"time", "acceleration"}) {
+      t.accept(key);
+      if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
+    }
+    read_file(t, folder, t.has("direction"), direction, ground);
+  } else if (by_axes) {
+    read_files(t, folder, ground);
+  } else if (TimeSeries given = read_pairs(t); !given.time.empty()) {
+    ground.components.push_back({direction, std::move(given), {}});
+  }
+  try {
+    correct(t, ground);
+    cut(t, ground);
+    scale(t, ground);
+    come_to_rest(t, ground);
+  } catch (const Error& error) {
+    t.context().fault(fmt::format("{}: {}", t.where(), error.what()));
+  }
+  for (GroundMotion::Component& c : ground.components) c.velocity = RunningIntegral(c.acceleration);
+  t.finish();
+  return ground;
+}
+
+}  // namespace quoin

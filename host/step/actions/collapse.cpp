@@ -1,0 +1,118 @@
+// A body force that grows until blocks move away: the multiplier at collapse, and how the base slides when it lifts.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/generate_blocks.h"
+#include "step/actions/action.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+namespace {
+
+constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
+constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
+
+}  // namespace
+
+void Simulation::Impl::bind_collapse(const Stage&, const Stage*) {
+  multiplier = 0.0;
+  first_load = {};
+}
+
+// On top of the weight.
+void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
+  if (!settings.collapse) return;
+  multiplier = settings.collapse->start * s +
+               settings.collapse->rate * std::max(0.0, riding->time() - riding_stage_start - settings.ramp_time);
+  riding->set_gravity(geometry::vector(data.gravity) + multiplier * norm(geometry::vector(settings.gravity)) *
+                                                           normalized(geometry::vector(settings.collapse->direction)));
+}
+
+// Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
+void Simulation::Impl::find_blocks_on_base() {
+  const auto& blocks = riding->assembly().blocks;
+  on_base.assign(blocks.size(), 0);
+  double area = 0.0;
+  base_centre = {};
+  const auto& contacts = riding->contacts();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const blocks::Contact& c = contacts[i];
+    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(i).separation.normal.y) < kBed) continue;
+    const blocks::Family& family = riding->families()[static_cast<std::size_t>(c.family)];
+    for (std::size_t p = c.first; p < c.first + c.count; ++p) {
+      if (blocks[static_cast<std::size_t>(c.pair.a)].fixed == blocks[static_cast<std::size_t>(c.pair.b)].fixed) break;
+      area += family.point[p].area;
+      base_centre += family.point[p].area * riding->place_of(family.point[p]);
+    }
+    const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
+    if (blocks[a].fixed) on_base[b] = 1;
+    if (blocks[b].fixed) on_base[a] = 1;
+  }
+  if (area > 0.0) base_centre = base_centre / area;
+  if (in_parts)
+    tell_all(ranks, std::span(on_base), [rank = rank_of_riding_blocks()](std::size_t block) { return rank[block]; });
+}
+
+bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
+  const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
+  if (!settings.collapse) return false;
+  gather(Part::row);
+  watch_uplift();
+  const Collapse& c = *settings.collapse;
+  const double moved = largest_displacement();
+  if (!(moved > c.displacement)) {
+    if (stage_time() >= settings.ramp_time)
+      first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
+    return multiplier > c.limit;
+  }
+  if (c.start <= 0.0 || first_load.carried) {
+    outcome.collapse_multiplier = multiplier;
+    return true;
+  }
+  warn_once(
+      "collapse_multiplier",
+      fmt::format("stage '{}': blocks have moved by {:g} m at the multiplier {:.4g} before they came to rest under "
+                  "collapse.start = {:g}: the ramp has brought them there, and the collapse multiplier is not "
+                  "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
+                  "({:g} s)",
+                  settings.name, c.displacement, multiplier, c.start, settings.ramp_time),
+      told);
+  return true;
+}
+
+double FirstLoad::time_of(const Collapse& c, const Vec3& gravity) {
+  return std::max(0.01 * c.start / c.rate, 4.0 * std::sqrt(2.0 * c.displacement / norm(geometry::vector(gravity))));
+}
+
+void FirstLoad::look(double time, double moved, double allowed, double needed) {
+  lowest = std::min(lowest, moved), highest = std::max(highest, moved);
+  if (since < 0.0 || highest - lowest > allowed) since = time, lowest = highest = moved;
+  carried = carried || time - since >= needed;
+}
+
+void Simulation::Impl::watch_uplift() {
+  if (outcome.base_slip_at_uplift) return;
+  double opened = 0.0;
+  const auto& contacts = riding->contacts();
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const blocks::Contact& c = contacts[k];
+    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(k).separation.normal.y) < kBed) continue;
+    const auto& family = riding->families()[static_cast<std::size_t>(c.family)];
+    for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
+  }
+  if (in_parts) opened = largest_of_ranks(opened);
+  if (opened < kUplift) return;
+  double slip = 0.0;
+  for (int b = 0; b < riding->block_count(); ++b) {
+    if (!on_base[static_cast<std::size_t>(b)] || !riding->owns(b)) continue;
+    const Vec3 d = riding_displacement(b);
+    slip = std::max(slip, std::hypot(d[0], d[2]));
+  }
+  outcome.base_slip_at_uplift = in_parts ? largest_of_ranks(slip) : slip;
+}
+
+}  // namespace quoin

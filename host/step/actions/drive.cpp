@@ -1,0 +1,95 @@
+// Blocks that a stage moves, or loads at their centres; supports are such, and what is let go of.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/generate_blocks.h"
+#include "step/actions/action.h"
+
+namespace quoin {
+
+using geometry::Vector;
+
+// Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
+// components that are let go from what their support has carried. previous: null: there was no stage.
+void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous) {
+  blocks::Model& m = *riding;
+  std::vector<Drive> before = std::move(drives);
+  drives.clear();
+  // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
+  constexpr double kRest = 1e-12;  // m/s, rounding of a record that ends at rest
+  Vector record;
+  if (previous)
+    record = record_velocity(*previous, m.time()) - record_velocity(*previous, m.time() - 0.5 * m.time_step());
+  const auto start = [&](int block) {
+    Drive drive;
+    drive.block = block;
+    drive.velocity_from = m.velocity(block);
+    drive.omega_from = m.angular_velocity(block);
+    const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
+    if (old == before.end()) return drive;
+    for (int c = 0; c < 3; ++c) {
+      if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
+      if (std::abs(drive.velocity_from[c]) <= kRest && old->of_ground) drive.velocity_from[c] = 0.0;
+    }
+    const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
+    for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];
+    return drive;
+  };
+  for (const BodyControl& control : settings.controls) {
+    for (const int block : blocks_named(control.body, settings.source.text)) {
+      Drive drive = start(block);
+      for (int c = 0; c < 3; ++c) {
+        const auto k = static_cast<std::size_t>(c);
+        if (control.kind[k] == DofKind::velocity) {
+          drive.held |= static_cast<std::uint8_t>(1 << c);
+          drive.velocity_to[c] = control.velocity[k];
+          if (control.in_cycles == c) drive.in_cycles |= static_cast<std::uint8_t>(1 << c);
+          drive.force_from[c] = 0.0;
+        } else {
+          drive.force_to[c] = control.force[k];
+        }
+      }
+      if (!control.may_turn) drive.held |= 0x38;
+      drive.omega_to = geometry::vector(control.omega);
+      drives.push_back(drive);
+    }
+  }
+  for (const Drive& old : before) {
+    if (std::any_of(drives.begin(), drives.end(), [&](const Drive& d) { return d.block == old.block; })) continue;
+    Drive released = start(old.block);
+    if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
+      released.held = 0x3f;
+      released.force_from = {};
+      released.of_ground = old.of_ground;
+    }
+    drives.push_back(released);
+  }
+}
+
+void Simulation::Impl::drive_blocks(const Stage& settings, double s) {
+  blocks::Model& m = *riding;
+  const Vector record = record_velocity(settings, m.time() + 0.5 * m.time_step());
+  for (Drive& d : drives) {
+    Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
+    for (int c = 0; c < 3; ++c) {
+      if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);
+      if (d.of_ground >> c & 1) driven[c] += record[c];
+    }
+    m.prescribe(d.block, driven, d.omega_from + s * (d.omega_to - d.omega_from), d.held);
+    d.force_now = d.force_from + s * (d.force_to - d.force_from);
+    if (dot(d.force_now, d.force_now) > 0.0 || dot(d.force_from, d.force_from) > 0.0)
+      m.apply_force(d.block, d.force_now);
+  }
+}
+
+// Along x, in place of what else is applied there.
+void Simulation::Impl::pull_block(int block, double pull) {
+  const auto drive = std::find_if(drives.begin(), drives.end(), [block](const Drive& d) { return d.block == block; });
+  Vector applied = drive == drives.end() ? Vector{} : drive->force_now;
+  applied.x = pull;
+  riding->apply_force(block, applied);
+}
+
+}  // namespace quoin
