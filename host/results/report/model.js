@@ -237,8 +237,9 @@ class Model {
     mark(this.overlay, 'path', {d: `M 76 ${base - 5} v 5 h ${pixels} v -5`, stroke: '#222', fill: 'none', 'stroke-width': 1.5, class: 'bar'});
     mark(this.overlay, 'text', {x: 76 + pixels / 2, y: base - 6, 'text-anchor': 'middle'}, length < 1 ? `${short(length * 100)} cm` : `${length} m`);
     const {magnified, moment} = this.shown;
-    mark(this.overlay, 'text', {x: 96 + pixels, y: base, class: 'caption'}, `${moment}; displacements ` +
-      (magnified === 1 ? 'true to scale' : `\u00d7 ${short(magnified)}`));
+    const scale = 'displacements ' + (magnified === 1 ? 'true to scale' : `\u00d7 ${short(magnified)}`), whole = `${moment}; ${scale}`;
+    const lines = 96 + pixels + widthOf(whole) < this.width ? [whole] : [moment, scale];
+    lines.forEach((line, k) => mark(this.overlay, 'text', {x: 96 + pixels, y: base - 15 * (lines.length - 1 - k), class: 'caption'}, line));
     this.drawAxes(34, base - 24);
   }
   drawAxes(x0, y0) {

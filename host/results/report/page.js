@@ -133,13 +133,17 @@ class Ranges {
     return this.known[quantity];
   }
   moment(quantity) { return this.tidy(quantity, this.within(quantity, r => [r.model.frame || 0])); }
+  // Of the run that has the most: it is not for another one with more blocks to set it.
   within(quantity, framesOf) {
+    const each = this.runs.map(run => this.sidesOf(run, quantity, framesOf(run)));
+    return [0, 1].map(side => Math.max(...each.map(sides => sides[side])));
+  }
+  // How far below and above nothing.
+  sidesOf(run, quantity, frames) {
     const sides = [[], []];
-    for (const run of this.runs) {
-      for (const f of framesOf(run)) {
-        const values = run.model.values(f, quantity), every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
-        for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
-      }
+    for (const f of frames) {
+      const values = run.model.values(f, quantity), every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
+      for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
     }
     const total = sides[0].length + sides[1].length;
     // A side with next to no values has no colours of its own.
