@@ -25,7 +25,14 @@ function axesOf(stage, history) {
   if (curve.kind === 'collapse' && history.multiplier)
     return [[{key: 'largest_displacement_m', factor: 1e3, label: 'largest displacement [mm]'},
       {key: 'multiplier', factor: 1, label: 'multiplier of the horizontal load'}]];
-  if (curve.kind === 'earthquake') return [[time, displacement], [time, force]];
+  if (curve.kind === 'earthquake') {
+    // Along the first record, where the history tells of both: relative to the ground, and what it carries.
+    const d = ((stage.ground_motion || {}).direction || [1, 0, 0]).map(Math.abs), way = d[2] > d[0] ? 'z' : 'x';
+    const relative = `monitor_relative_d${way}_m`, shear = `base_shear_${way}_N`;
+    if (!history[relative] || !history[shear]) return [[time, displacement], [time, force]];
+    return [[time, {key: relative, factor: 1e3, label: `displacement${of} along ${way}, relative to the ground [mm]`}],
+      [time, {key: shear, factor: 1e-3, label: `base shear along ${way} [kN]`}]];
+  }
   if (curve.kind === 'rest') return [[time, {key: 'vertical_displacement_m', factor: 1e3, label: `vertical displacement${of} [mm]`}]];
   return [[displacement, force]];
 }
