@@ -141,6 +141,7 @@ class Rule {
                 "unit and joint in series: 1/(h (1/E masonry - 1/E unit))", 0.3);
   }
 
+  // Energies are at least twice what is stored at the strength, so that no joint snaps back.
   void bed() {
     JointNumbers& j = n_.bed;
     j.normal_stiffness = bed_stiffness();
@@ -162,9 +163,11 @@ class Rule {
         note("bed joint: tensile strength", std::min(kBondOverCohesion * j.cohesion, j.cohesion / mu), "Pa",
              "2/3 of the cohesion (Tables 1 and 3 of the paper), at most cohesion/friction", 0.4);
     j.tension_energy = note("bed joint: fracture energy, tension",
-                            std::clamp(kTensionLength * j.tensile_strength, kLeastTension, kMostTension), "J/m2",
-                            "0.075 mm ft (Table 1), 5 to 20 J/m2 (van der Pluijm 1999)", 0.4);
-    j.shear_energy = note("bed joint: fracture energy, shear", kShearLength * j.cohesion, "J/m2",
+                            std::max(std::clamp(kTensionLength * j.tensile_strength, kLeastTension, kMostTension),
+                                     j.tensile_strength * j.tensile_strength / j.normal_stiffness),
+                            "J/m2", "0.075 mm ft (Table 1), 5 to 20 J/m2 (van der Pluijm 1999)", 0.4);
+    j.shear_energy = note("bed joint: fracture energy, shear",
+                          std::max(kShearLength * j.cohesion, j.cohesion * j.cohesion / j.shear_stiffness), "J/m2",
                           "0.2 mm c: between Angelillo et al. (2014), 0.1 mm, and Table 1, 0.42 mm", 0.5);
     j.compressive_strength = n_.masonry_strength;
     j.compression_energy =

@@ -80,6 +80,15 @@ TEST(Rule, BondIsNeverAboveTheApexOfCoulombsLine) {
   EXPECT_LE(n.bed.tensile_strength * 1.9, n.bed.cohesion * (1 + 1e-12));
 }
 
+// A law refuses a joint that releases more than it can spend: 2 G above ft^2/kn and c^2/ks.
+TEST(Rule, StrongBondDoesNotSnapBack) {
+  TestedMasonry t = eindhoven();
+  t.masonry_strength = 3e6, t.unit_strength = 8e6, t.cohesion = 2.5e6;
+  const JointNumbers j = properties_of(t).bed;
+  EXPECT_GE(2 * j.tension_energy, 1.9 * j.tensile_strength * j.tensile_strength / j.normal_stiffness);
+  EXPECT_GE(2 * j.shear_energy, 1.9 * j.cohesion * j.cohesion / j.shear_stiffness);
+}
+
 TEST(Rule, RefusesWhatIsNone) {
   for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     TestedMasonry t = eindhoven();
