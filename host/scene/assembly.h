@@ -18,12 +18,12 @@ struct Brick {
   int parity = 0;    // hexahedron (i, j, k) has 5-tetrahedron pattern (i + j + k + parity) % 2
   int material = 0;  // index into Assembly::materials
   bool rigid = false;
-  bool beam = false;   // a rigid body beside the masonry
+  bool beam = false;                    // a rigid body beside the masonry
   std::optional<double> load_height{};  // y of the point where loads act on a rigid one, its centre of mass too, m
-  bool fixed = false;  // a support that was given as a fixed block: pictures show what stands on it
-  std::string body;    // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. What
-                       // is deformable can be loaded and its displacement followed, but not be held
-  int unit = -1;       // masonry unit this block belongs to (pictures), -1: none
+  bool fixed = false;                   // a support that was given as a fixed block: pictures show what stands on it
+  std::string body;  // name for BodyControl, histories and supports, shared by a row; empty for ordinary blocks. What
+                     // is deformable can be loaded and its displacement followed, but not be held
+  int unit = -1;     // masonry unit this block belongs to (pictures), -1: none
   int course = -1;
 };
 
