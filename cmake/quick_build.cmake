@@ -1,0 +1,79 @@
+# QUOIN_QUICK_BUILD: from nothing in less processor time. Files of a folder are compiled in batches (unity builds); headers
+# of libraries are precompiled where files change too often for that. Off, the default, each file is compiled alone with
+# what it includes, which finds what a file leaves out.
+if(NOT QUOIN_QUICK_BUILD)
+  return()
+endif()
+
+# target:files a batch:files that are compiled alone. Names at namespace scope, anonymous ones too, must differ within a
+# batch: a "redefinition" is mended by another name, or by an entry here.
+set(batches
+    quoin-check-law:7:check/check_library.cpp
+    quoin_adapter_shared:3
+    quoin_geometry:7:drawn_shape.cpp
+    quoin_random:4
+    quoin_records:6:pulses.cpp
+    quoin_files:5
+    quoin_scene:6:generate_building.cpp,read_building.cpp,size.cpp
+    quoin_host_law:5:law_trial.cpp
+    quoin_host_path:3
+    quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp
+    quoin_reproduce:6:cyclic_studies.cpp,parameter_studies.cpp,run_cache.cpp
+    quoin:5:limit_command.cpp,run_command.cpp
+    quoin_python:3
+    cli_test:4
+    verification_test:4:threads_test.cpp
+    cyclic_joint_test:4:convergence_test.cpp
+    law_test:4
+    scene_test:4:read_block_scene_test.cpp
+    records_test:6
+    results_test:2
+    frames_test:3:frames_test.cpp
+    geometry_test:3:mesh_file_test.cpp
+    random_test:3:correlation_test.cpp
+    ensemble_test:3
+    reproduce_test:2:whole_studies_test.cpp)
+foreach(entry IN LISTS batches)
+  string(REPLACE ":" ";" entry ${entry})
+  list(GET entry 0 target)
+  list(GET entry 1 batch)
+  if(NOT TARGET ${target})
+    continue()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+  list(LENGTH entry length)
+  if(length GREATER 2)
+    list(GET entry 2 alone)
+    string(REPLACE "," ";" alone ${alone})
+    get_target_property(folder ${target} SOURCE_DIR)
+    list(TRANSFORM alone PREPEND ${folder}/)
+    set_source_files_properties(${alone} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endif()
+endforeach()
+
+# target:headers beside those of every list. Kernels go without: their headers are compiled for each instruction set.
+set(common <algorithm> <array> <chrono> <cmath> <cstring> <filesystem> <fstream> <functional> <map> <memory> <mutex>
+    <optional> <set> <span> <sstream> <stdexcept> <string> <thread> <unordered_map> <variant> <vector> <fmt/format.h>)
+set(precompiled
+    quoin_model:
+    quoin_step:
+    quoin_results:<nlohmann/json.hpp>
+    host_test:<gmock/gmock.h>,${PROJECT_SOURCE_DIR}/tests/host/support.h)
+foreach(entry IN LISTS precompiled)
+  string(REPLACE ":" ";" entry ${entry})
+  list(GET entry 0 target)
+  list(GET entry 1 headers)
+  if(NOT TARGET ${target})
+    continue()
+  endif()
+  string(REPLACE "," ";" headers "${headers}")
+  target_precompile_headers(${target} PRIVATE ${common} ${headers})
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "kernels\\.cpp$")
+  get_target_property(folder ${target} SOURCE_DIR)
+  list(TRANSFORM sources PREPEND ${folder}/)
+  if(sources)
+    set_source_files_properties(${sources} TARGET_DIRECTORY ${target} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+  endif()
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)  # without it ccache keeps nothing
+endforeach()
