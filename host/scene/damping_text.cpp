@@ -72,7 +72,8 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
   const std::string damping = damping_in_space(scene, stage);
   if (!scene.stages[stage].ground || damping.empty()) return "";
   return fmt::format(
-      "stage '{}' moves the ground, and its {} acts on the motion of whole blocks on the ground, where nothing brakes them: "
+      "stage '{}' moves the ground, and its {} acts on the motion of whole blocks on the ground, where nothing brakes "
+      "them: "
       "what slides, rocks or falls goes wrong by multiples; {}",
       scene.stages[stage].name, damping, kDampingForMotion);
 }

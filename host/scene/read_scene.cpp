@@ -205,7 +205,8 @@ SolverSettings settings_on_ground(Table& t, const toml::table* own, const Solver
     return given;
   };
   const bool on_motion = s.damping == DampingKind::local || s.damping == DampingKind::block;
-  if (on_motion && s.local_damping > 0.0 && !written("damping") && !written("local_damping"))
+  const bool says = own && own->contains("damping");
+  if (on_motion && !says && s.local_damping > 0.0 && !written("damping") && !written("local_damping"))
     s.damping = DampingKind::impact;
   if (s.deformation_inertia != 1.0 && !written("deformation_inertia")) s.deformation_inertia = 1.0;
   if (s.unit_inertia != 1.0 && !written("unit_inertia")) s.unit_inertia = 1.0;
