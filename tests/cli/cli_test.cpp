@@ -353,7 +353,7 @@ TEST_F(Cli, ShippedScenesAreSoundAndListed) {
   }
   EXPECT_GT(scenes, 0);
   EXPECT_THAT(readme, HasSubstr("](BLOCKS.md)"));
-  const std::string map = read_all(QUOIN_SCENES "/../../README.md");
+  const std::string map = read_all(QUOIN_SCENES "/../../CONTRIBUTING.md");
   for (const auto& entry : fs::directory_iterator(QUOIN_SCENES "/..")) {
     if (!entry.is_directory()) continue;
     EXPECT_THAT(map, HasSubstr(std::string("`").append(entry.path().filename().string()).append("`")));

@@ -247,10 +247,8 @@ monitor = "wall/3/0"
 record_interval = 0.01
 )";
   Scene scene = read_scene(path);
-  GroundMotion ground;
-  ground.direction = {1.0, 0.0, 0.0};
-  ground.acceleration = {{0.0, 0.05, 0.1, 0.2, 0.3}, {0.0, 12.0, -12.0, 12.0, 0.0}};
-  scene.stages.back().ground = ground;
+  const TimeSeries record{{0.0, 0.05, 0.1, 0.2, 0.3}, {0.0, 12.0, -12.0, 12.0, 0.0}};
+  scene.stages.back().ground = GroundMotion{{{{1.0, 0.0, 0.0}, record, RunningIntegral(record)}}, {}};
   EXPECT_GT(expect_restores(scene), 10);
 }
 
