@@ -1,6 +1,5 @@
 #include "analysis/modes.h"
 
-#include <cblas.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,29 +49,11 @@ Eigenpairs all_of(const Eigen::SparseMatrix<double>& scaled, Index count) {
   return {eigen.eigenvalues().head(count), eigen.eigenvectors().leftCols(count)};
 }
 
-// Products of tall matrices, which Eigen alone does at the speed of the oldest machine that it is built for.
-MatrixXd product(const MatrixXd& tall, const MatrixXd& small) {
-  MatrixXd result(tall.rows(), small.cols());
-  const auto rows = static_cast<int>(tall.rows()), columns = static_cast<int>(small.cols());
-  const auto inner = static_cast<int>(tall.cols());
-  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, rows, columns, inner, 1.0, tall.data(), rows, small.data(),
-              inner, 0.0, result.data(), rows);
-  return result;
-}
-MatrixXd transposed_product(const MatrixXd& a, const MatrixXd& b) {
-  MatrixXd result(a.cols(), b.cols());
-  const auto rows = static_cast<int>(a.cols()), columns = static_cast<int>(b.cols()),
-             inner = static_cast<int>(a.rows());
-  cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, rows, columns, inner, 1.0, a.data(), inner, b.data(), inner, 0.0,
-              result.data(), rows);
-  return result;
-}
-
 // Columns orthogonal to `basis` and to each other, of length 1; how they were made of them. Twice is enough.
-MatrixXd orthonormalize(const MatrixXd& basis, MatrixXd* block) {
+MatrixXd orthonormalize(const Eigen::Ref<const MatrixXd>& basis, MatrixXd* block) {
   for (int pass = 0; pass < 2 && basis.cols() > 0; ++pass) {
-    const MatrixXd inside = transposed_product(basis, *block);
-    *block -= product(basis, inside);
+    const MatrixXd inside = basis.transpose() * *block;
+    block->noalias() -= basis * inside;
   }
   const Eigen::HouseholderQR<MatrixXd> qr(*block);
   const MatrixXd r = qr.matrixQR().topRows(block->cols()).triangularView<Eigen::Upper>();
@@ -84,9 +65,9 @@ MatrixXd orthonormalize(const MatrixXd& basis, MatrixXd* block) {
 // equal, and read the factor once for all their columns.
 Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGroups& groups, double shift,
                      Index count) {
-  constexpr Index kBlock = 8, kMostBlocks = 40;  // more than the six ways in which one loose body moves
+  constexpr Index kBlock = 6, kMostBlocks = 60;  // more than the six ways in which one loose body moves
   // Of a residual over its eigenvalue: frequencies are exact to its square.
-  constexpr double kSettled = 1e-6;
+  constexpr double kSettled = 1e-7;
   const Index n = scaled.rows();
   Eigen::SparseMatrix<double> shifted = scaled;
   for (Index i = 0; i < n; ++i) shifted.coeffRef(i, i) += shift;
@@ -105,7 +86,7 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
     basis.rightCols(kBlock) = next;
     factor.solve(next);
     projected.conservativeResize(before + kBlock, before + kBlock);
-    const MatrixXd column = transposed_product(basis, next);
+    const MatrixXd column = basis.transpose() * next;
     projected.rightCols(kBlock) = column;
     projected.bottomRows(kBlock) = column.transpose();
     const MatrixXd rest = orthonormalize(basis, &next);
@@ -118,10 +99,13 @@ Eigenpairs lowest_of(const Eigen::SparseMatrix<double>& scaled, const UnknownGro
       settled = residual <= kSettled * eigen.eigenvalues()(at);
     }
     if (!settled) continue;
-    // The largest of the inverse are the lowest.
-    const MatrixXd highest = eigen.eigenvectors().rightCols(wanted).rowwise().reverse();
-    const VectorXd inverse = eigen.eigenvalues().tail(wanted).reverse();
-    return {inverse.cwiseInverse().array() - shift, product(basis, highest), factor.entries()};
+    Eigenpairs pairs{VectorXd(wanted), MatrixXd(n, wanted), factor.entries()};
+    for (Index i = 0; i < wanted; ++i) {
+      const Index at = projected.rows() - 1 - i;
+      pairs.value(i) = 1.0 / eigen.eigenvalues()(at) - shift;
+      pairs.vector.col(i).noalias() = basis * eigen.eigenvectors().col(at);
+    }
+    return pairs;
   }
   throw Error(Exit::numerical, fmt::format("modes: not settled after {} vectors", kMostBlocks * kBlock));
 }

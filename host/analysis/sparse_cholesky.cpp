@@ -1,15 +1,11 @@
 #include "analysis/sparse_cholesky.h"
 
 #include <cblas.h>
-#include <sys/mman.h>
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <exception>
 #include <numeric>
-#include <thread>
 
 #include "base/error.h"
 
@@ -160,24 +156,20 @@ class SparseCholesky::Dissection {
   int cuts_ = 0, numbered_ = 0;
 };
 
-SparseCholesky::SparseCholesky(const Matrix& lower, const UnknownGroups& groups, int threads)
-    : pool_(
-          std::make_unique<ThreadPool>(threads > 0 ? threads : static_cast<int>(std::thread::hardware_concurrency()))) {
+SparseCholesky::SparseCholesky(const Matrix& lower, const UnknownGroups& groups) {
   {
     Dissection dissection(lower, groups);
     new_of_old_ = std::move(dissection.new_of_old), fronts_ = std::move(dissection.fronts);
   }
-  const Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order(
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order(
       Eigen::Map<const Eigen::VectorXi>(new_of_old_.data(), lower.rows()));
   Matrix permuted(lower.rows(), lower.cols());
   permuted.selfadjointView<Eigen::Lower>() = lower.selfadjointView<Eigen::Lower>().twistedBy(order);
   find_borders(permuted);
-  divide();
   factorize(permuted);
 }
 
 void SparseCholesky::find_borders(const Matrix& permuted) {
-  std::size_t entries = 0;
   for (Front& front : fronts_) {
     std::vector<int>& border = front.border;
     const int end = front.first + front.own;
@@ -193,114 +185,43 @@ void SparseCholesky::find_borders(const Matrix& permuted) {
     }
     std::sort(border.begin(), border.end());
     border.erase(std::unique(border.begin(), border.end()), border.end());
-    front.at = entries;
-    entries += at(front.own) * at(front.size());
   }
-  factor_ = LaneVector<double>(entries);
-  // Gigabytes in small pages take as long to get as to fill.
-  const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-  auto* const begin = reinterpret_cast<unsigned char*>(factor_.data());
-  const std::size_t skipped = (page - reinterpret_cast<std::uintptr_t>(begin) % page) % page;
-  const std::size_t bytes = entries * sizeof(double);
-  if (bytes > skipped + page) madvise(begin + skipped, (bytes - skipped) / page * page, MADV_HUGEPAGE);
-}
-
-// Subtrees of about equal work, several for each thread. Fronts of one are in a row.
-void SparseCholesky::divide() {
-  constexpr int kPerThread = 8;
-  std::vector<int> first(fronts_.size());
-  std::vector<double> work(fronts_.size());
-  std::vector<bool> has_parent(fronts_.size(), false);
-  for (std::size_t k = 0; k < fronts_.size(); ++k) {
-    const Front& front = fronts_[k];
-    const auto size = static_cast<double>(front.size());
-    first[k] = static_cast<int>(k), work[k] = front.own * size * size;
-    for (const int child : front.children) {
-      first[k] = std::min(first[k], first[at(child)]), work[k] += work[at(child)];
-      has_parent[at(child)] = true;
-    }
-  }
-  const auto less_work = [&](int a, int b) { return work[at(a)] < work[at(b)]; };
-  std::vector<int> roots;
-  for (std::size_t k = 0; k < fronts_.size(); ++k) {
-    if (!has_parent[k]) roots.push_back(static_cast<int>(k));
-  }
-  const auto wanted = at(kPerThread * pool_->thread_count());
-  while (pool_->thread_count() > 1 && !roots.empty() && roots.size() < wanted) {
-    const auto most = std::max_element(roots.begin(), roots.end(), less_work);
-    const int front = *most;
-    if (fronts_[at(front)].children.empty()) break;
-    roots.erase(most), top_.push_back(front);
-    roots.insert(roots.end(), fronts_[at(front)].children.begin(), fronts_[at(front)].children.end());
-  }
-  std::sort(top_.begin(), top_.end());
-  std::sort(roots.begin(), roots.end(), [&](int a, int b) { return less_work(b, a); });
-  for (const int root : roots) subtrees_.push_back({first[at(root)], root + 1});
-}
-
-// visit(thread, front): children before parents, or after them.
-template <class Visit>
-void SparseCholesky::each_front(bool upwards, const Visit& visit) const {
-  std::vector<std::exception_ptr> failed(at(pool_->thread_count()));
-  auto of_subtree = [&](int thread, int subtree) {
-    const auto [first, end] = subtrees_[at(subtree)];
-    try {
-      for (int k = 0; k < end - first; ++k) visit(thread, upwards ? first + k : end - 1 - k);
-    } catch (...) {
-      failed[at(thread)] = std::current_exception();
-    }
-  };
-  const auto all_subtrees = [&] {
-    // All are the first thread's, from whom the others take.
-    const std::vector<int> end(at(pool_->thread_count()), static_cast<int>(subtrees_.size()));
-    pool_->for_each(end, of_subtree);
-    for (const std::exception_ptr& thrown : failed) {
-      if (thrown) std::rethrow_exception(thrown);
-    }
-  };
-  if (upwards) all_subtrees();
-  for (std::size_t k = 0; k < top_.size(); ++k) visit(0, upwards ? top_[k] : top_[top_.size() - 1 - k]);
-  if (!upwards) all_subtrees();
 }
 
 void SparseCholesky::factorize(const Matrix& permuted) {
   std::vector<MatrixXd> update(fronts_.size());  // what a front leaves to its parent, lower triangle
-  std::vector<Scratch> scratch(at(pool_->thread_count()));
-  for (Scratch& of_thread : scratch) of_thread.place.resize(new_of_old_.size());
-  each_front(true, [&](int thread, int front) { form(front, permuted, update, scratch[at(thread)]); });
+  std::vector<int> place(new_of_old_.size());    // of unknowns in the front of now
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    const int size = front.own + static_cast<int>(front.border.size());
+    for (int i = 0; i < front.own; ++i) place[at(front.first + i)] = i;
+    for (int i = front.own; i < size; ++i) place[at(front.border[at(i - front.own)])] = i;
+    MatrixXd full = MatrixXd::Zero(size, size);
+    for (int column = 0; column < front.own; ++column) {
+      for (Matrix::InnerIterator entry(permuted, front.first + column); entry; ++entry) {
+        const int i = place[at(static_cast<int>(entry.row()))];
+        full(std::max(i, column), std::min(i, column)) += entry.value();
+      }
+    }
+    for (const int child : front.children) {
+      const std::vector<int>& rows = fronts_[at(child)].border;
+      MatrixXd& from = update[at(child)];
+      for (std::size_t j = 0; j < rows.size(); ++j) {
+        double* const column = &full(0, place[at(rows[j])]);
+        const double* const given = &from(0, static_cast<Eigen::Index>(j));
+        for (std::size_t i = j; i < rows.size(); ++i) column[place[at(rows[i])]] += given[i];
+      }
+      from.resize(0, 0);
+    }
+    eliminate(front, full);
+    const auto border = static_cast<Eigen::Index>(front.border.size());
+    front.factor = full.leftCols(front.own);
+    update[k] = full.bottomRightCorner(border, border);
+  }
 }
 
-void SparseCholesky::form(int index, const Matrix& permuted, std::vector<MatrixXd>& update, Scratch& scratch) {
-  const Front& front = fronts_[at(index)];
-  const int size = front.size();
-  std::vector<int>& place = scratch.place;
-  for (int i = 0; i < front.own; ++i) place[at(front.first + i)] = i;
-  for (int i = front.own; i < size; ++i) place[at(front.border[at(i - front.own)])] = i;
-  scratch.full.assign(at(size) * at(size), 0.0);
-  Eigen::Map<MatrixXd> full(scratch.full.data(), size, size);
-  for (int column = 0; column < front.own; ++column) {
-    for (Matrix::InnerIterator entry(permuted, front.first + column); entry; ++entry) {
-      const int i = place[static_cast<std::size_t>(entry.row())];
-      full(std::max(i, column), std::min(i, column)) += entry.value();
-    }
-  }
-  for (const int child : front.children) {
-    const std::vector<int>& rows = fronts_[at(child)].border;
-    MatrixXd& from = update[at(child)];
-    for (std::size_t j = 0; j < rows.size(); ++j) {
-      double* const column = scratch.full.data() + at(size) * at(place[at(rows[j])]);
-      const double* const given = from.data() + j * rows.size();
-      for (std::size_t i = j; i < rows.size(); ++i) column[place[at(rows[i])]] += given[i];
-    }
-    from.resize(0, 0);
-  }
-  eliminate(front, scratch.full);
-  std::copy_n(scratch.full.begin(), at(size) * at(front.own), factor_.begin() + static_cast<std::ptrdiff_t>(front.at));
-  update[at(index)] = full.bottomRightCorner(size - front.own, size - front.own);
-}
-
-void SparseCholesky::eliminate(const Front& front, std::vector<double>& full) const {
-  const int own = front.own, size = front.size(), border = size - own;
+void SparseCholesky::eliminate(Front& front, MatrixXd& full) const {
+  const int own = front.own, border = static_cast<int>(front.border.size()), size = own + border;
   int info = 0;
   dpotrf_("L", &own, full.data(), &size, &info);
   if (info != 0) throw Error(Exit::numerical, "a stiffness matrix is not positive definite");
@@ -312,67 +233,51 @@ void SparseCholesky::eliminate(const Front& front, std::vector<double>& full) co
 }
 
 void SparseCholesky::solve(MatrixXd& x) const {
+  const auto columns = static_cast<int>(x.cols());
   MatrixXd ordered(x.rows(), x.cols());
-  for (Eigen::Index c = 0; c < x.cols(); ++c) {
-    for (Eigen::Index i = 0; i < x.rows(); ++i) ordered(new_of_old_[static_cast<std::size_t>(i)], c) = x(i, c);
+  for (int c = 0; c < columns; ++c) {
+    for (std::size_t i = 0; i < new_of_old_.size(); ++i)
+      ordered(new_of_old_[i], c) = x(static_cast<Eigen::Index>(i), c);
   }
-  std::vector<MatrixXd> update(fronts_.size());
-  each_front(true, [&](int, int front) { forward(front, ordered, update); });
-  std::vector<MatrixXd> part(at(pool_->thread_count()));
-  each_front(false, [&](int thread, int front) { backward(front, ordered, part[at(thread)]); });
-  for (Eigen::Index c = 0; c < x.cols(); ++c) {
-    for (Eigen::Index i = 0; i < x.rows(); ++i) x(i, c) = ordered(new_of_old_[static_cast<std::size_t>(i)], c);
-  }
-}
-
-// What a front adds to later unknowns goes up from front to front, so that no two threads write to one place.
-void SparseCholesky::forward(int index, MatrixXd& x, std::vector<MatrixXd>& update) const {
-  const Front& front = fronts_[at(index)];
-  const auto columns = static_cast<int>(x.cols()), rows = static_cast<int>(x.rows());
-  const int own = front.own, size = front.size(), border = size - own, end = front.first + own;
-  MatrixXd& mine = update[at(index)];
-  mine = MatrixXd::Zero(border, columns);
-  for (const int child : front.children) {
-    MatrixXd& from = update[at(child)];
-    const std::vector<int>& given = fronts_[at(child)].border;
-    // Both are ascending.
-    std::size_t place = 0;
-    for (std::size_t i = 0; i < given.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      if (given[i] < end) {
-        x.row(given[i]) += from.row(row);
-        continue;
-      }
-      while (front.border[place] != given[i]) ++place;
-      mine.row(static_cast<Eigen::Index>(place)) += from.row(row);
-    }
-    from.resize(0, 0);
-  }
-  const double* const factor = factor_.data() + front.at;
-  double* const values = x.data() + front.first;
-  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, own, columns, 1.0, factor, size, values,
-              rows);
-  if (border == 0) return;
-  cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, border, columns, own, -1.0, factor + own, size, values, rows,
-              1.0, mine.data(), border);
-}
-
-void SparseCholesky::backward(int index, MatrixXd& x, MatrixXd& part) const {
-  const Front& front = fronts_[at(index)];
-  const auto columns = static_cast<int>(x.cols()), rows = static_cast<int>(x.rows());
-  const int own = front.own, size = front.size(), border = size - own;
-  const double* const factor = factor_.data() + front.at;
-  double* const values = x.data() + front.first;
-  if (border > 0) {
+  const auto n = static_cast<int>(x.rows());
+  MatrixXd part;
+  for (const Front& front : fronts_) {
+    const int own = front.own, border = static_cast<int>(front.border.size()), size = own + border;
+    double* const mine = ordered.data() + front.first;
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, own, columns, 1.0,
+                front.factor.data(), size, mine, n);
+    if (border == 0) continue;
     part.resize(border, columns);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, border, columns, own, 1.0, front.factor.data() + own, size,
+                mine, n, 0.0, part.data(), border);
     for (int c = 0; c < columns; ++c) {
-      for (int i = 0; i < border; ++i) part(i, c) = x(front.border[at(i)], c);
+      for (int i = 0; i < border; ++i) ordered(front.border[at(i)], c) -= part(i, c);
     }
-    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, own, columns, border, -1.0, factor + own, size, part.data(),
-                border, 1.0, values, rows);
   }
-  cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, own, columns, 1.0, factor, size, values,
-              rows);
+  for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
+    const int own = front->own, border = static_cast<int>(front->border.size()), size = own + border;
+    double* const mine = ordered.data() + front->first;
+    if (border > 0) {
+      part.resize(border, columns);
+      for (int c = 0; c < columns; ++c) {
+        for (int i = 0; i < border; ++i) part(i, c) = ordered(front->border[at(i)], c);
+      }
+      cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, own, columns, border, -1.0, front->factor.data() + own, size,
+                  part.data(), border, 1.0, mine, n);
+    }
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, own, columns, 1.0, front->factor.data(),
+                size, mine, n);
+  }
+  for (int c = 0; c < columns; ++c) {
+    for (std::size_t i = 0; i < new_of_old_.size(); ++i)
+      x(static_cast<Eigen::Index>(i), c) = ordered(new_of_old_[i], c);
+  }
+}
+
+double SparseCholesky::entries() const {
+  double sum = 0.0;
+  for (const Front& front : fronts_) sum += static_cast<double>(front.factor.size());
+  return sum;
 }
 
 }  // namespace quoin
