@@ -30,7 +30,7 @@ struct ValidateOptions {
   std::string walls, out = "out/validate";
   std::vector<std::string> overrides;
   bool cyclic = false, short_run = false;
-  int jobs = 0;
+  int jobs = 0, samples = 0;
 };
 
 void validate_walls(const ValidateOptions& options, int& exit_code) {
@@ -45,12 +45,14 @@ void validate_walls(const ValidateOptions& options, int& exit_code) {
 
   CampaignSettings settings;
   settings.out = options.out, settings.cyclic = options.cyclic, settings.overrides = options.overrides;
+  settings.samples = options.samples;
   settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   make_folder(settings.out);
   const FolderLock lock(settings.out);
   const Campaign campaign = run_campaign(table, settings);
   for (std::size_t i = table.faults.size(); i < campaign.faults.size(); ++i) notice("quoin: " + campaign.faults[i]);
   write_file(settings.out / "validation.csv", validation_csv(campaign));
+  if (!campaign.bands.empty()) write_file(settings.out / "bands.csv", bands_csv(campaign));
   write_file(settings.out / "index.html", page_of(campaign, settings));
   for (const Prediction& p : campaign.done)
     fmt::print("{:>4} {:<32} predicted {:7.1f} kN, measured {:7.1f} kN, ratio {:.2f}, mode {} ({})\n",
@@ -61,6 +63,10 @@ void validate_walls(const ValidateOptions& options, int& exit_code) {
       fmt::print("{:>4} {:<32} force over the envelope's from 1 to 10 mm: {:.2f} to {:.2f}\n", printable(p.row.number),
                  printable(p.row.name()), (*along)[0], (*along)[1]);
   }
+  for (const Band& b : campaign.bands)
+    fmt::print("{:>4} {:<32} {} samples: peak {:.1f} to {:.1f} kN (16 to 84 %), median {:.1f}; measured {:.1f}\n",
+               printable(b.row.number), printable(b.row.name()), b.peaks.size(), b.quantile(0.16), b.quantile(0.84),
+               b.quantile(0.5), b.row.peak());
   const auto [met, known] = modes_met(campaign);
   fmt::print("peaks: {}\n", statistics_text(statistics_of(ratios_of(campaign, false))));
   fmt::print("without walls more than 15 % above rigid equilibrium: {}\n",
@@ -83,6 +89,12 @@ void add_validate_command(CLI::App& app, int& exit_code) {
   command->add_option("--jobs", options->jobs, "Runs side by side (default: one a core)")
       ->type_name("N")
       ->check(CLI::Range(1, 4096));
+  command
+      ->add_option("--bands", options->samples,
+                   "Samples of each of three walls (2, 25, 33, or the first three), with properties that scatter as "
+                   "the rule says: bands.csv")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10000));
   command->add_option("--set", options->overrides, "Set a key in every scene; for trials")
       ->type_name("dotted.key=value")
       ->allow_extra_args(false);

@@ -75,7 +75,8 @@ double code_cohesion(UnitKind unit, JointKind joint, double mortar) {
 
 class Rule {
  public:
-  explicit Rule(const TestedMasonry& tested) : t_(tested), kind_(kind_of(tested.unit)) {}
+  Rule(const TestedMasonry& tested, const ScatterFactor& scatter)
+      : t_(tested), kind_(kind_of(tested.unit)), scatter_(scatter) {}
 
   MasonryNumbers numbers() {
     strengths();
@@ -88,6 +89,7 @@ class Rule {
 
  private:
   double note(const std::string& name, double value, const char* unit, const std::string& from, double spread) {
+    if (scatter_ && spread > 0.0) value *= scatter_(name, spread);
     n_.derivation.push_back({name, value, unit, from, spread});
     return value;
   }
@@ -147,9 +149,9 @@ class Rule {
     j.normal_stiffness = bed_stiffness();
     j.shear_stiffness = note("bed joint: shear stiffness", j.normal_stiffness / (2.0 * (1.0 + kPoisson)), "Pa/m",
                              "kn/(2 (1 + nu)), as in the paper's tables", 0.3);
-    const double mu = t_.friction.value_or(kFriction);
-    note("bed joint: friction coefficient", mu, "", t_.friction ? "given" : "nothing known: 0.7 (van der Pluijm 1999)",
-         t_.friction ? 0.1 : 0.19);
+    const double mu =
+        note("bed joint: friction coefficient", t_.friction.value_or(kFriction), "",
+             t_.friction ? "given" : "nothing known: 0.7 (van der Pluijm 1999)", t_.friction ? 0.1 : 0.19);
     j.friction_angle = degrees(mu);
     if (t_.bed == JointKind::dry) {
       note("bed joint: cohesion", 0.0, "Pa", "dry", 0.0);
@@ -162,6 +164,7 @@ class Rule {
     j.tensile_strength =
         note("bed joint: tensile strength", std::min(kBondOverCohesion * j.cohesion, j.cohesion / mu), "Pa",
              "2/3 of the cohesion (Tables 1 and 3 of the paper), at most cohesion/friction", 0.4);
+    if (scatter_) j.tensile_strength = std::min(j.tensile_strength, j.cohesion / mu);
     j.tension_energy = note("bed joint: fracture energy, tension",
                             std::max(std::clamp(kTensionLength * j.tensile_strength, kLeastTension, kMostTension),
                                      j.tensile_strength * j.tensile_strength / j.normal_stiffness),
@@ -169,6 +172,10 @@ class Rule {
     j.shear_energy = note("bed joint: fracture energy, shear",
                           std::max(kShearLength * j.cohesion, j.cohesion * j.cohesion / j.shear_stiffness), "J/m2",
                           "0.2 mm c: between Angelillo et al. (2014), 0.1 mm, and Table 1, 0.42 mm", 0.5);
+    if (scatter_) {
+      j.tension_energy = std::max(j.tension_energy, j.tensile_strength * j.tensile_strength / j.normal_stiffness);
+      j.shear_energy = std::max(j.shear_energy, j.cohesion * j.cohesion / j.shear_stiffness);
+    }
     j.compressive_strength = n_.masonry_strength;
     j.compression_energy =
         note("bed joint: fracture energy, compression", crushing_energy(n_.masonry_strength), "J/m2",
@@ -213,6 +220,7 @@ class Rule {
 
   const TestedMasonry& t_;
   const KindOfUnit& kind_;
+  const ScatterFactor& scatter_;
   double unit_ = 0.0, mortar_ = 0.0;  // strengths, Pa
   MasonryNumbers n_;
 };
@@ -224,7 +232,7 @@ void require(const char* name, const std::optional<double>& value) {
 
 }  // namespace
 
-MasonryNumbers properties_of(const TestedMasonry& tested) {
+MasonryNumbers properties_of(const TestedMasonry& tested, const ScatterFactor& scatter) {
   require("unit_strength", tested.unit_strength);
   require("unit_strength_normalised", tested.unit_strength_normalised);
   require("unit_modulus", tested.unit_modulus);
@@ -236,7 +244,7 @@ MasonryNumbers properties_of(const TestedMasonry& tested) {
   if (tested.cohesion && !(*tested.cohesion >= 0.0 && std::isfinite(*tested.cohesion)))
     throw Error(Exit::bad_input,
                 fmt::format("properties from tests: cohesion = {:g}; allowed: 0 or more", *tested.cohesion));
-  return Rule(tested).numbers();
+  return Rule(tested, scatter).numbers();
 }
 
 }  // namespace quoin

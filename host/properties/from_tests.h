@@ -2,6 +2,7 @@
 // model's joints and units. The derivation with its sources is in host/validate/README.md.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,7 +47,12 @@ struct MasonryNumbers {
   std::vector<Derivation> derivation;
 };
 
-// Throws Error(bad_input) for values out of range: strengths above 0, friction above 0.
-MasonryNumbers properties_of(const TestedMasonry& tested);
+// By what a number of this name and coefficient of variation differs from the rule's, for samples of an ensemble: above
+// 0.
+using ScatterFactor = std::function<double(const std::string& name, double spread)>;
+
+// scatter: empty: none. What follows from a scattered number follows it. Throws Error(bad_input) for values out of
+// range: strengths above 0, friction above 0.
+MasonryNumbers properties_of(const TestedMasonry& tested, const ScatterFactor& scatter = {});
 
 }  // namespace quoin

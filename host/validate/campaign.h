@@ -13,6 +13,7 @@ struct CampaignSettings {
   std::filesystem::path out;
   bool cyclic = false;
   int jobs = 1;
+  int samples = 0;                     // of each banded wall, with properties that scatter
   std::vector<std::string> overrides;  // laid over every scene; for trials
 };
 
@@ -29,6 +30,17 @@ struct Prediction {
   bool within_equilibrium() const { return beyond_equilibrium() <= 1.15; }
 };
 
+// Peaks of a wall whose properties scatter by what the rule says of each.
+struct Band {
+  WallRow row;
+  std::vector<double> peaks;  // kN, ascending
+  // With this part of the peaks below it, between those that are there; of one peak at least.
+  double quantile(double part) const;
+};
+
+// Lognormal, of mean 1, by wall, sample and name.
+ScatterFactor lognormal_factor(const WallRow& row, int sample);
+
 struct Statistics {
   std::size_t count = 0;
   double mean = 0.0, median = 0.0, variation = 0.0;  // of ratios; standard deviation over mean, n - 1
@@ -37,6 +49,7 @@ Statistics statistics_of(const std::vector<double>& ratios);
 
 struct Campaign {
   std::vector<Prediction> done;
+  std::vector<Band> bands;
   std::vector<std::string> faults;  // rows left out, and runs that did not end
 };
 
@@ -44,5 +57,6 @@ struct Campaign {
 Campaign run_campaign(const WallTable& table, const CampaignSettings& settings);
 
 std::string validation_csv(const Campaign& campaign);
+std::string bands_csv(const Campaign& campaign);
 
 }  // namespace quoin::validate

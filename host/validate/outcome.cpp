@@ -5,7 +5,6 @@
 #include <limits>
 #include <map>
 
-#include "reproduce/loops.h"
 #include "results/read_vtu.h"
 #include "results/surface.h"
 
@@ -134,17 +133,24 @@ Motion read_motion(const fs::path& run_folder, double top_displacement) {
   return motion;
 }
 
+double peak_of(const reproduce::RunResult& run) {
+  if (!run.cycles) return run.curve.peak();
+  const Curve envelope = reproduce::envelope_of(run.curve, *run.cycles);
+  const auto [lowest, highest] = std::minmax_element(envelope.force.begin(), envelope.force.end());
+  return envelope.empty() ? run.curve.peak() : (*highest - *lowest) / 2;
+}
+
 Outcome outcome_of(const WallRow& row, const TestScene& scene, reproduce::RunResult run) {
   Outcome o;
+  if (run.cycles) {
+    for (const reproduce::Loop& loop : reproduce::loops_of(run.curve, *run.cycles)) {
+      if (loop.repetition == 0) o.loops.push_back(loop);
+    }
+  }
   for (double& d : run.curve.displacement) d *= scene.top_displacement;
   const Curve& curve = run.curve;
   const double height = 1e3 * row.height;  // mm
-  o.peak = curve.peak();
-  if (run.cycles) {
-    const Curve envelope = reproduce::envelope_of(curve, *run.cycles);
-    const auto [lowest, highest] = std::minmax_element(envelope.force.begin(), envelope.force.end());
-    if (!envelope.empty()) o.peak = (*highest - *lowest) / 2;
-  }
+  o.peak = peak_of(run);
   o.drift_at_peak = 100.0 * curve.peak_displacement() / height;
   if (!run.cycles) {
     const double lost = curve.displacement_after_peak(0.8);

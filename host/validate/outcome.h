@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "reproduce/loops.h"
 #include "reproduce/study.h"
 #include "validate/wall_scene.h"
 
@@ -30,7 +32,11 @@ struct Outcome {
   std::optional<std::array<double, 2>> along_envelope;
   std::string mode;  // code of brick_walls.csv
   Motion motion;
+  // First cycles of each amplitude, of the driven point: energies in J.
+  std::vector<reproduce::Loop> loops;
 };
+
+double peak_of(const reproduce::RunResult& run);  // kN; of cycles the mean of both sides
 
 // Codes by rule from the parts of motion: S diagonal, F rocking, SL sliding, H- hybrids with the larger part first.
 std::string mode_of(const Motion& motion);

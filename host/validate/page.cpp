@@ -81,6 +81,32 @@ std::string walls_table(const Campaign& campaign) {
   return out + "</table>\n";
 }
 
+std::string bands_table(const Campaign& campaign) {
+  if (campaign.bands.empty()) return "";
+  std::string out =
+      "<table><tr><th>Scatter of properties, as the rule states it</th><th class=\"n\">samples</th>"
+      "<th class=\"n\">peak kN, 16 %</th><th class=\"n\">median</th><th class=\"n\">84 %</th>"
+      "<th class=\"n\">measured</th></tr>\n";
+  for (const Band& b : campaign.bands)
+    out += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f}</td><td "
+        "class=\"n\">{:.1f}</td><td class=\"n\">{:.1f}</td></tr>\n",
+        escaped(b.row.name()), b.peaks.size(), b.quantile(0.16), b.quantile(0.5), b.quantile(0.84), b.row.peak());
+  return out + "</table>\n";
+}
+
+std::string loops_table(const Prediction& p) {
+  if (p.outcome.loops.empty()) return "";
+  std::string out =
+      "<table><tr><th class=\"n\">drift of the first cycle, %</th><th class=\"n\">energy dissipated, J</th>"
+      "<th class=\"n\">equivalent damping E/(2 pi F d), %</th></tr>\n";
+  for (const reproduce::Loop& loop : p.outcome.loops)
+    out += fmt::format("<tr><td class=\"n\">{:.2f}</td><td class=\"n\">{:.3g}</td><td class=\"n\">{:.1f}</td></tr>\n",
+                       100 * loop.amplitude * p.scene.top_displacement / (1e3 * p.row.height), loop.dissipated,
+                       100 * loop.damping());
+  return out + "</table>\n";
+}
+
 // The curve with the measured peaks and the rigid wall's force as lines.
 std::string curve_svg(const Prediction& p) {
   constexpr double kWidth = 520, kHeight = 360, kLeft = 60, kBottom = 45, kTop = 12, kRight = 12;
@@ -150,6 +176,7 @@ std::string wall_section(const Prediction& p, const CampaignSettings& settings) 
     out += fmt::format(
         "<p class=\"small\">Force over that of the measured envelope from 1 to 10 mm: {:.2f} to {:.2f}.</p>\n",
         (*o.along_envelope)[0], (*o.along_envelope)[1]);
+  out += loops_table(p);
   out += "<details><summary>Properties and where they come from</summary><table>\n";
   for (const Derivation& d : p.scene.numbers.derivation)
     out += fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} {}</td><td>{}</td></tr>\n", escaped(d.name), d.value,
@@ -190,7 +217,7 @@ std::string page_of(const Campaign& campaign, const CampaignSettings& settings) 
       "walls. Data: <a href=\"validation.csv\">validation.csv</a>; scenes in scenes/, runs in runs/.</p>\n",
       campaign.done.size(), settings.cyclic ? "in cycles, law cyclic_joint" : "pushed one way, law fracture_energy",
       met, known);
-  out += statistics_table(campaign) + walls_table(campaign);
+  out += statistics_table(campaign) + bands_table(campaign) + walls_table(campaign);
   if (!campaign.faults.empty()) {
     out += "<h3>Left out</h3><ul>\n";
     for (const std::string& fault : campaign.faults) out += "<li>" + escaped(fault) + "</li>\n";

@@ -179,12 +179,12 @@ double rocking_force_with_weight(const WallRow& row) {
   return rocking_force(row) + weight * row.length / (2 * lever * row.height);
 }
 
-TestScene scene_of(const WallRow& row, bool cyclic) {
+TestScene scene_of(const WallRow& row, bool cyclic, const ScatterFactor& scatter) {
   TestScene scene;
   const Layout layout = layout_of(row);
   const double span = row.shear_span.value_or(kHeldSpan);
   const bool turns = span != kHeldSpan;
-  scene.numbers = properties_of(tested_masonry(row));
+  scene.numbers = properties_of(tested_masonry(row), scatter);
   scene.load_height = turns ? span * row.height : row.height;
   // Exact for a wall that rocks on its toe.
   scene.top_displacement = turns ? 1.0 / span : 1.0;

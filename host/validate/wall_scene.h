@@ -17,8 +17,8 @@ struct TestScene {
   int half_units = 0;             // a measure of the cost
 };
 
-// cyclic: drifts that grow, by the law cyclic_joint; else pushed one way by fracture_energy.
-TestScene scene_of(const WallRow& row, bool cyclic);
+// cyclic: drifts that grow, by the law cyclic_joint; else pushed one way by fracture_energy. scatter: of a sample.
+TestScene scene_of(const WallRow& row, bool cyclic, const ScatterFactor& scatter = {});
 
 // Equilibrium of a rigid wall on its toe, kN: N L/(2 H0), and what its own weight adds.
 double rocking_force(const WallRow& row);

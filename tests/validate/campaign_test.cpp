@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "program.h"
@@ -59,6 +60,27 @@ TEST_F(Validate, InCyclesBothSidesCount) {
   ASSERT_EQ(validate({dry_wall()}, {"--cyclic"}), 0) << error_;
   EXPECT_THAT(read_all(folder_ / "out" / "scenes" / "1_test_dry_cyclic.toml"), HasSubstr("cyclic_joint"));
   EXPECT_THAT(csv(), HasSubstr("\n1,test,dry,1"));  // 16 kN: rigid 16.0 and the weight
+  EXPECT_THAT(read_all(folder_ / "out" / "index.html"), HasSubstr("equivalent damping"));
+}
+
+// A dry wall that rocks: its force is statics, so the band is narrow about the wall's own prediction. Samples done are
+// not computed again.
+TEST_F(Validate, BandsHoldThePrediction) {
+  ASSERT_EQ(validate({dry_wall()}, {"--bands", "3"}), 0) << error_;
+  const std::string bands = read_all(folder_ / "out" / "bands.csv");
+  EXPECT_THAT(bands, StartsWith("number,campaign,specimen,samples,peak_p16_kN,peak_median_kN,peak_p84_kN,"
+                                "measured_peak_kN\n1,test,dry,3,"));
+  std::vector<double> numbers;
+  std::stringstream cells(bands.substr(bands.find("dry,3,") + 6));
+  for (std::string cell; std::getline(cells, cell, ',');) numbers.push_back(std::stod(cell));
+  ASSERT_EQ(numbers.size(), 4u);
+  EXPECT_LE(numbers[0], numbers[1]);
+  EXPECT_LE(numbers[1], numbers[2]);
+  const double predicted = std::stod(csv().substr(csv().find("dry,") + 4));
+  EXPECT_NEAR(numbers[1] / predicted, 1.0, 0.1);
+  EXPECT_EQ(numbers[3], 16.0);
+  ASSERT_EQ(validate({dry_wall()}, {"--bands", "3"}), 0) << error_;
+  EXPECT_THAT(error_, Not(HasSubstr("[1/")));
 }
 
 // Bounds of the whole campaign, wide enough for the scatter of four walls: mean ratio 1.08 and CV 0.15 when written.
@@ -84,6 +106,31 @@ TEST_F(Validate, FourWallsOfTheTable) {
   EXPECT_LT(s.mean, 1.2);
   EXPECT_LT(s.variation, 0.25);
   EXPECT_GE(met, 3);
+}
+
+// Mean 1 and the coefficient of variation that was asked for; 4000 draws know them to 1 and 2 %, three times that here.
+TEST(Bands, FactorsAreLognormalOfMeanOne) {
+  quoin::validate::WallRow row;
+  row.number = "7";
+  const int draws = 4000;
+  double sum = 0.0, squares = 0.0;
+  for (int sample = 1; sample <= draws; ++sample) {
+    const double factor = quoin::validate::lognormal_factor(row, sample)("bed joint: cohesion", 0.4);
+    ASSERT_GT(factor, 0.0);
+    sum += factor, squares += factor * factor;
+  }
+  const double mean = sum / draws;
+  EXPECT_NEAR(mean, 1.0, 0.02);
+  EXPECT_NEAR(std::sqrt(squares / draws - mean * mean), 0.4, 0.03);
+  EXPECT_NE(quoin::validate::lognormal_factor(row, 1)("a", 0.4), quoin::validate::lognormal_factor(row, 1)("b", 0.4));
+}
+
+TEST(Bands, QuantilesLieBetweenPeaks) {
+  const quoin::validate::Band band{{}, {10.0, 20.0, 40.0}};
+  EXPECT_EQ(band.quantile(0.0), 10.0);
+  EXPECT_EQ(band.quantile(0.5), 20.0);
+  EXPECT_NEAR(band.quantile(0.75), 30.0, 1e-12);
+  EXPECT_EQ(band.quantile(1.0), 40.0);
 }
 
 TEST(Statistics, AreThoseOfHand) {

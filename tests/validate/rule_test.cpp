@@ -47,6 +47,23 @@ TEST(Rule, UnitAndJointInSeriesAreTheMasonry) {
   }
 }
 
+TEST(Rule, WhatFollowsFromAScatteredNumberFollowsIt) {
+  const MasonryNumbers n = properties_of(eindhoven());
+  const MasonryNumbers twice = properties_of(
+      eindhoven(), [](const std::string& name, double) { return name == "bed joint: cohesion" ? 2.0 : 1.0; });
+  EXPECT_EQ(twice.bed.cohesion, 2 * n.bed.cohesion);
+  EXPECT_EQ(twice.bed.tensile_strength, 2 * n.bed.tensile_strength);
+  EXPECT_EQ(twice.bed.friction_angle, n.bed.friction_angle);
+  EXPECT_EQ(twice.inside_units.cohesion, n.inside_units.cohesion);
+  // No number that a law refuses, however unlikely: tension within the cohesion's cone, no joint that snaps back.
+  const MasonryNumbers odd = properties_of(eindhoven(), [](const std::string& name, double) {
+    return name.ends_with("tensile strength") ? 20.0 : name.find("energy") != std::string::npos ? 1e-3 : 1.0;
+  });
+  EXPECT_LE(odd.bed.tensile_strength, odd.bed.cohesion / 0.7 * (1 + 1e-12));
+  EXPECT_GE(odd.bed.tension_energy, std::pow(odd.bed.tensile_strength, 2) / odd.bed.normal_stiffness);
+  EXPECT_GE(odd.bed.shear_energy, std::pow(odd.bed.cohesion, 2) / odd.bed.shear_stiffness);
+}
+
 TEST(Rule, WhatIsNotKnownComesFromTheCode) {
   TestedMasonry t;
   t.block_height = 0.065;
