@@ -23,7 +23,7 @@ th, td { border-bottom: 1px solid #ddd; padding: .2rem .7rem .2rem 0; text-align
 td.n, th.n { text-align: right; }
 .far { color: #b3321e; font-weight: bold; }
 .pair { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-start; }
-.pair > * { flex: 1 1 24rem; max-width: 100%; }
+.pair > * { flex: 1 1 24rem; max-width: 31rem; min-width: 0; }
 img, svg { max-width: 100%; height: auto; border: 1px solid #ddd; }
 .small { color: #555; font-size: .9rem; }
 </style></head><body>
@@ -107,6 +107,15 @@ std::string loops_table(const Prediction& p) {
   return out + "</table>\n";
 }
 
+// Round numbers between two, four to eight of them.
+std::vector<double> ticks(double from, double to) {
+  const double rough = (to - from) / 4, power = std::pow(10.0, std::floor(std::log10(rough)));
+  const double step = rough >= 5 * power ? 5 * power : rough >= 2 * power ? 2 * power : power;
+  std::vector<double> values;
+  for (double k = std::ceil(from / step); k * step <= to; ++k) values.push_back(k * step);
+  return values;
+}
+
 // The curve with the measured peaks and the rigid wall's force as lines.
 std::string curve_svg(const Prediction& p) {
   constexpr double kWidth = 520, kHeight = 360, kLeft = 60, kBottom = 45, kTop = 12, kRight = 12;
@@ -116,7 +125,8 @@ std::string curve_svg(const Prediction& p) {
     right = std::max(right, c.displacement[i]), left = std::min(left, c.displacement[i]);
     top = std::max(top, c.force[i]), bottom = std::min(bottom, c.force[i]);
   }
-  if (bottom < -0.1 * top) bottom = std::min(bottom, -p.row.peak());
+  // Rounding aside, a wall that is pushed one way has no negative side.
+  bottom = bottom < -0.1 * top ? std::min(bottom, -p.row.peak()) : 0.0;
   top *= 1.08, bottom *= 1.08;
   const auto x = [&](double v) { return kLeft + (v - left) / (right - left) * (kWidth - kLeft - kRight); };
   const auto y = [&](double v) { return kTop + (top - v) / (top - bottom) * (kHeight - kTop - kBottom); };
@@ -149,11 +159,15 @@ std::string curve_svg(const Prediction& p) {
   if (p.row.drift_at_peak)
     out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\" fill=\"#d55e00\"/>",
                        std::min(x(*p.row.drift_at_peak * 10 * p.row.height), kWidth - kRight), y(p.row.peak()));
+  constexpr const char* kTick = "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"11\" text-anchor=\"{}\">{:g}</text>";
+  for (const double d : ticks(left, right)) out += fmt::format(kTick, x(d), kHeight - kBottom + 14, "middle", d);
+  for (const double f : ticks(bottom, top)) out += fmt::format(kTick, kLeft - 4, y(f) + 4, "end", f);
   out += fmt::format(
-      "<text x=\"{}\" y=\"{}\" font-size=\"12\" text-anchor=\"middle\">displacement of the top, {:.3g} to "
-      "{:.3g} mm</text><text x=\"14\" y=\"{}\" font-size=\"12\" transform=\"rotate(-90 14 {})\" "
-      "text-anchor=\"middle\">horizontal force, {:.3g} to {:.3g} kN</text></svg>\n",
-      kWidth / 2, kHeight - 14, left, right, kHeight / 2, kHeight / 2, bottom, top);
+      "<text x=\"{}\" y=\"{}\" font-size=\"12\" text-anchor=\"middle\">displacement of the top, mm</text>"
+      "<text x=\"14\" y=\"{}\" font-size=\"12\" transform=\"rotate(-90 14 {})\" text-anchor=\"middle\">horizontal "
+      "force, "
+      "kN</text></svg>\n",
+      kWidth / 2, kHeight - 8, kHeight / 2, kHeight / 2);
   return out;
 }
 
