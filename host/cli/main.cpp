@@ -21,6 +21,7 @@
 #include "base/error.h"
 #include "base/printable.h"
 #include "cli/check_command.h"
+#include "cli/completion_command.h"
 #include "cli/ensemble_command.h"
 #include "cli/fit_command.h"
 #ifdef QUOIN_LIMIT
@@ -145,6 +146,7 @@ int run_command(int argc, char** argv) {
 #ifdef QUOIN_MODES
   quoin::add_modes_command(app);
 #endif
+  quoin::add_completion_command(app);
 
   try {
     app.parse(argc, argv);

@@ -9,11 +9,14 @@ namespace quoin {
 
 // A text that names them by their places in the source tree, with those of the installed program where that is one:
 // PREFIX/share/quoin/scenes/arch.toml for host/scenes/arch.toml (CMakeLists.txt beside this file installs them).
-inline std::string with_shipped_places(std::string text) {
-  std::error_code fault;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
-  const auto share = (program.parent_path() / "../share/quoin").lexically_normal();
-  if (!std::filesystem::exists(share / "scenes", fault)) return text;
+// share: that folder, where it is known; empty: found from the place of the program.
+inline std::string with_shipped_places(std::string text, std::filesystem::path share = {}) {
+  if (share.empty()) {
+    std::error_code fault;
+    const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", fault);
+    share = (program.parent_path() / "../share/quoin").lexically_normal();
+    if (!std::filesystem::exists(share / "scenes", fault)) return text;
+  }
   for (const auto& [source, name] : {std::pair{"host/scenes", "scenes"},
                                      {"host/studies", "studies"},
                                      {"host/ensemble", "ensemble"},

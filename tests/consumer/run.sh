@@ -73,6 +73,12 @@ case $way in
       [ -e "$file" ] || { echo "named in the help, not installed: $file"; exit 1; }
     done <"$work/named"
     [ "$(wc -l <"$work/named")" -ge 8 ]
+    # Manual page and completions name what is installed, too.
+    for file in man/man1/quoin.1 bash-completion/completions/quoin zsh/vendor-completions/_quoin \
+                fish/vendor_completions.d/quoin.fish; do
+      [ -s "$work/usr/share/$file" ] || { echo "not installed: share/$file"; exit 1; }
+    done
+    grep -q "$(echo "$work" | sed 's/-/.-/g')/usr/share/quoin/scenes/solid_wall_030.toml" "$work/usr/share/man/man1/quoin.1"
     "$quoin" check "$work/usr/share/quoin/scenes/solid_wall_030.toml"
     "$quoin" path "$work/usr/share/quoin/paths/couplet.toml"
     "$quoin" ensemble "$work/usr/share/quoin/studies/solid_wall_030.toml" --out "$work/out" --samples 1 --no-pictures \
