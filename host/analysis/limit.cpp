@@ -33,6 +33,7 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
       refuse(fmt::format("block {} has a value that is not finite", i));
     live = live || (!b.fixed && (norm(b.live.force) > 0.0 || norm(b.live.moment) > 0.0));
   }
+  for (const LimitPoint& p : problem.points) live = live || p.live_cohesion != 0.0;
   if (!live) refuse("no load of a free block is multiplied; nothing can be found");
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const LimitPoint& p = problem.points[i];
@@ -40,7 +41,7 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
       refuse(fmt::format("contact point {} joins blocks {} and {} of {}", i, p.a, p.b, count));
     if (!finite(p.position) || !finite(p.n) || !finite(p.s) || !finite(p.t) ||
         !(p.friction >= 0.0 || settings.interior) || !(p.tension >= 0.0) || !(p.cohesion >= 0.0) ||
-        !(p.crushing > 0.0) || !std::isfinite(p.friction + p.tension + p.cohesion))
+        !(p.crushing > 0.0) || !std::isfinite(p.friction + p.tension + p.cohesion + p.live_cohesion))
       refuse(fmt::format("contact point {} has a strength below 0 or a value that is not finite", i));
   }
 }
@@ -52,7 +53,9 @@ class Programme {
   Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
     find_scales();
     add_equilibrium();
-    for (std::size_t i = 0; i < problem.points.size(); ++i) add_point(i);
+    for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
+    add_multiplier();
+    for (std::size_t i = 0; i < problem.points.size(); ++i) add_columns(i);
   }
 
   const LinearProgram& linear() const { return linear_; }
@@ -80,7 +83,8 @@ class Programme {
     int first = 0, normal = 0;  // of the edges and of the pure normal force
     double lift = 0.0;          // compression that goes with a unit of an edge
     double tension = 0.0;       // at the apex, in units of force_
-    int shear_row = -1;
+    int shear_row = -1, crushing_row = -1;
+    bool slides = false;  // carries shear
   };
 
   void find_scales() {
@@ -104,13 +108,18 @@ class Programme {
         linear_.add_row(-dead, -dead);
       }
     }
-    linear_.add_column(1.0, -kNoBound, kNoBound);  // the multiplier
+  }
+
+  void add_multiplier() {
+    linear_.add_column(1.0, -kNoBound, settings_.most);
     for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
       if (rows_[k] < 0) continue;
       const Wrench& live = problem_.blocks[k].live;
       for (int c = 0; c < 3; ++c) linear_.add(rows_[k] + c, live.force[c] / force_);
       for (int c = 0; c < 3; ++c) linear_.add(rows_[k] + 3 + c, live.moment[c] / (force_ * length_));
     }
+    for (std::size_t i = 0; i < problem_.points.size(); ++i)
+      if (columns_[i].shear_row >= 0) linear_.add(columns_[i].shear_row, -problem_.points[i].live_cohesion / force_);
   }
 
   // The column that was added last is a unit force f on block a, and the opposite on b.
@@ -126,33 +135,35 @@ class Programme {
 
   // Traction inside a pyramid with its apex at sigma = tension: normal force tension - N, shear = sum of e_i d_i over
   // the edges d_i with sum of e_i <= c + mu N. Without cohesion at the apex each edge carries its compression along.
-  void add_point(std::size_t i) {
-    const LimitPoint& p = problem_.points[i];
+  void add_rows(const LimitPoint& p) {
     Columns columns;
     const double tension = p.friction > 0.0 ? std::min(p.tension, p.cohesion / p.friction) : p.tension;
     columns.tension = tension / force_;
     const double at_apex = std::max(0.0, p.cohesion - p.friction * tension) / force_;
-    const bool own_row = at_apex > 0.0;
-    const bool slides = p.friction > 0.0 || at_apex > 0.0;
+    const bool own_row = at_apex > 0.0 || p.live_cohesion != 0.0;
+    columns.slides = p.friction > 0.0 || own_row;
     columns.lift = !own_row && p.friction > 0.0 ? 1.0 / p.friction : 0.0;
-    if (own_row && slides) columns.shear_row = linear_.add_row(-kNoBound, at_apex);
-    const int crushing_row =
-        std::isfinite(p.crushing) ? linear_.add_row(-kNoBound, (p.crushing + tension) / force_) : -1;
+    if (own_row) columns.shear_row = linear_.add_row(-kNoBound, at_apex);
+    if (std::isfinite(p.crushing)) columns.crushing_row = linear_.add_row(-kNoBound, (p.crushing + tension) / force_);
     add_apex(p, columns.tension);
+    columns_.push_back(columns);
+  }
 
+  void add_columns(std::size_t i) {
+    const LimitPoint& p = problem_.points[i];
+    Columns& columns = columns_[i];
     columns.normal = linear_.add_column(0.0, 0.0, kNoBound);
     act(p, -p.n);
     if (columns.shear_row >= 0) linear_.add(columns.shear_row, -p.friction);
-    if (crushing_row >= 0) linear_.add(crushing_row, 1.0);
+    if (columns.crushing_row >= 0) linear_.add(columns.crushing_row, 1.0);
     columns.first = linear_.columns();
-    for (int e = 0; slides && e < settings_.facets; ++e) {
+    for (int e = 0; columns.slides && e < settings_.facets; ++e) {
       const double angle = edge_angle(e);
       linear_.add_column(0.0, 0.0, kNoBound);
       act(p, std::cos(angle) * p.s + std::sin(angle) * p.t - columns.lift * p.n);
       if (columns.shear_row >= 0) linear_.add(columns.shear_row, 1.0);
-      if (crushing_row >= 0) linear_.add(crushing_row, columns.lift);
+      if (columns.crushing_row >= 0) linear_.add(columns.crushing_row, columns.lift);
     }
-    columns_.push_back(columns);
   }
 
   // From s towards t.
@@ -179,10 +190,8 @@ class Programme {
 
   std::array<double, 3> force_at(std::size_t i, const std::vector<double>& x) const {
     const Columns& columns = columns_[i];
-    const LimitPoint& p = problem_.points[i];
     double compression = x[static_cast<std::size_t>(columns.normal)], s = 0.0, t = 0.0;
-    const bool slides = p.friction > 0.0 || columns.shear_row >= 0;
-    for (int e = 0; slides && e < settings_.facets; ++e) {
+    for (int e = 0; columns.slides && e < settings_.facets; ++e) {
       const double edge = x[static_cast<std::size_t>(columns.first + e)];
       const double angle = edge_angle(e);
       compression += columns.lift * edge, s += edge * std::cos(angle), t += edge * std::sin(angle);
@@ -238,6 +247,15 @@ std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings&
   return unheld;
 }
 
+std::vector<int> loaded_blocks(const LimitProblem& problem) {
+  std::vector<int> loaded;
+  for (std::size_t k = 0; k < problem.blocks.size(); ++k) {
+    const LimitBlock& b = problem.blocks[k];
+    if (!b.fixed && norm(b.live.force) + norm(b.live.moment) > 0.0) loaded.push_back(static_cast<int>(k));
+  }
+  return loaded;
+}
+
 // A solution counts when the programme itself confirms it.
 LimitStatus status_of(const LinearSolution& solution, bool interior) {
   const bool confirmed =
@@ -265,7 +283,33 @@ LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& s
   if (solution.status == LinearStatus::solved) result = programme.result(solution);
   result.status = status_of(solution, settings.interior);
   if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);
+  if (result.status == LimitStatus::unbounded) result.blocks_concerned = loaded_blocks(problem);
   return result;
+}
+
+std::vector<int> unconnected_blocks(const LimitProblem& problem) {
+  std::vector<std::vector<int>> neighbours(problem.blocks.size());
+  for (const LimitPoint& p : problem.points) {
+    neighbours[static_cast<std::size_t>(p.a)].push_back(p.b);
+    neighbours[static_cast<std::size_t>(p.b)].push_back(p.a);
+  }
+  std::vector<bool> joined(problem.blocks.size(), false);
+  std::vector<int> next;
+  for (std::size_t k = 0; k < joined.size(); ++k) {
+    if (problem.blocks[k].fixed) next.push_back(static_cast<int>(k)), joined[k] = true;
+  }
+  while (!next.empty()) {
+    const int block = next.back();
+    next.pop_back();
+    for (const int other : neighbours[static_cast<std::size_t>(block)]) {
+      if (joined[static_cast<std::size_t>(other)]) continue;
+      joined[static_cast<std::size_t>(other)] = true, next.push_back(other);
+    }
+  }
+  std::vector<int> loose;
+  for (std::size_t k = 0; k < joined.size(); ++k)
+    if (!joined[k]) loose.push_back(static_cast<int>(k));
+  return loose;
 }
 
 }  // namespace quoin

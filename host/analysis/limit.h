@@ -35,6 +35,7 @@ struct LimitPoint {
   double cohesion = 0.0;                                      // shear strength without normal force, N, >= 0
   double crushing = std::numeric_limits<double>::infinity();  // largest compression, N, > 0
   double area = 1.0;                                          // m2, > 0; stiffness of joints is in proportion
+  double live_cohesion = 0.0;                                 // what a multiplier of 1 adds to the cohesion, N
 };
 
 struct LimitProblem {
@@ -51,6 +52,8 @@ struct LimitSettings {
   // The middle of all forces that give the multiplier, and not a corner of them: it moves little when strengths do. To
   // fewer digits. Friction may be below 0 then.
   bool interior = false;
+  double most =
+      std::numeric_limits<double>::infinity();  // of the multiplier; where it is reached, no mechanism is meant
 };
 
 enum class LimitStatus {
@@ -69,12 +72,15 @@ struct LimitResult {
   // Mechanism: virtual velocity of the centre and spin of each block, scaled so that the largest velocity of a centre
   // or contact point is 1 (m/s, rad/s).
   std::vector<Wrench> velocity;  // force: velocity, moment: spin
-  // Blocks that cannot be held (no_equilibrium) or that no point holds; indices, ascending.
+  // Blocks that cannot be held (no_equilibrium), or on which the load acts that moves nothing (unbounded); ascending.
   std::vector<int> blocks_concerned;
 };
 
 // Throws Error(bad_input): indices out of range, values that are not finite, strengths below 0, no live load, facets
 // < 4.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
+
+// Blocks that no chain of contact points joins to a fixed one; indices, ascending.
+std::vector<int> unconnected_blocks(const LimitProblem& problem);
 
 }  // namespace quoin

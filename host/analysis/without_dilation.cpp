@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "analysis/stands.h"
+
 namespace quoin {
 namespace {
 
@@ -20,6 +22,8 @@ constexpr double kSlope = 0.1, kFollow = 0.3;
 // normal force. What is left shrinks by 1 - kFollow a problem, so 0.25 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05;
 constexpr int kSteadyFor = 3, kMostProblems = 40;
+// A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
+constexpr double kNoFriction = 0.01;
 // Of the mean normal force: below it strength does not sink, or the point could take no normal force at all.
 constexpr double kUnloaded = 1e-6;
 // Shear stiffness of joints over their normal one: of masonry with a Poisson's ratio of 0.25.
@@ -85,35 +89,77 @@ LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& norm
   return next;
 }
 
-double beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean) {
+// The problem whose multiplier is the negative of a factor on friction: shear strengths grow with it, loads stay.
+LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor) {
+  LimitProblem next = problem;
+  for (LimitBlock& b : next.blocks) b.live = {};
+  const double unloaded = kUnloaded * mean_of(normal);
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    LimitPoint& p = next.points[i];
+    const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
+    if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
+    p.live_cohesion = -(1.0 + slope) * friction * std::max(0.0, normal[i]);
+    p.friction = -slope * friction * factor;
+  }
+  return next;
+}
+
+double beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean, double factor) {
   double most = 0.0;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const LimitPoint& p = problem.points[i];
     const auto& [n, s, t] = result.force[i];
-    most = std::max(most, std::hypot(s, t) - p.cohesion + p.friction * n);
+    most = std::max(most, std::hypot(s, t) - p.cohesion + factor * p.friction * n);
   }
   return mean > 0.0 ? most / mean : most;
 }
 
-SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, std::vector<double> normal,
+enum class Sought { multiplier, friction };
+
+SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sought sought, std::vector<double> normal,
                     const std::string& from) {
+  const bool of_friction = sought == Sought::friction;
   LimitSettings settings = given;
   settings.interior = true;
+  if (of_friction) settings.most = 0.0;
   const double mean = mean_of(normal);
   SettledLimit now{from};
   int steady = 0;
+  double factor = 1.0;
   while (now.problems < kMostProblems) {
-    const LimitResult result = limit_multiplier(frozen(problem, normal), settings);
+    const LimitResult result =
+        limit_multiplier(of_friction ? frozen_friction(problem, normal, factor) : frozen(problem, normal), settings);
     ++now.problems;
     if (result.status != LimitStatus::solved) return now;
-    const double change = std::abs(result.multiplier - now.multiplier);
-    now.multiplier = result.multiplier, now.beyond = beyond_friction(problem, result, mean);
-    steady = change <= kSteady * std::abs(now.multiplier) ? steady + 1 : 0;
+    const double found = of_friction ? std::max(0.0, -result.multiplier) : result.multiplier;
+    const double change = std::abs(found - now.multiplier);
+    now.multiplier = found, factor = of_friction ? found : 1.0;
+    now.beyond = beyond_friction(problem, result, mean, factor);
+    steady = change <= kSteady * std::max(std::abs(found), of_friction ? kNoFriction : 0.0) ? steady + 1 : 0;
     now.settled = steady >= kSteadyFor && now.beyond <= kBeyond;
     if (now.settled) return now;
     for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += kFollow * (-result.force[i][0] - normal[i]);
   }
   return now;
+}
+
+LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSettings& settings, Sought sought,
+                                     const LimitResult& associated) {
+  LimitWithoutDilation result;
+  result.start.push_back(settle(problem, settings, sought, elastic_normal_forces(problem), "weight"));
+  if (associated.status == LimitStatus::solved) {
+    std::vector<double> normal;
+    for (const auto& force : associated.force) normal.push_back(std::max(0.0, -force[0]));
+    result.start.push_back(settle(problem, settings, sought, std::move(normal), "associated"));
+  }
+  for (const SettledLimit& start : result.start) {
+    if (!start.settled) continue;
+    const bool worse =
+        sought == Sought::friction ? start.multiplier > result.multiplier : start.multiplier < result.multiplier;
+    if (result.settled && !worse) continue;
+    result.settled = true, result.multiplier = start.multiplier;
+  }
+  return result;
 }
 
 }  // namespace
@@ -153,21 +199,15 @@ std::vector<double> elastic_normal_forces(const LimitProblem& problem) {
 }
 
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings) {
-  LimitWithoutDilation result;
-  result.start.push_back(settle(problem, settings, elastic_normal_forces(problem), "weight"));
   LimitSettings interior = settings;
   interior.interior = true;
-  const LimitResult associated = limit_multiplier(problem, interior);
-  if (associated.status == LimitStatus::solved) {
-    std::vector<double> normal;
-    for (const auto& force : associated.force) normal.push_back(std::max(0.0, -force[0]));
-    result.start.push_back(settle(problem, settings, std::move(normal), "associated"));
-  }
-  for (const SettledLimit& start : result.start) {
-    if (!start.settled || (result.settled && start.multiplier >= result.multiplier)) continue;
-    result.settled = true, result.multiplier = start.multiplier;
-  }
-  return result;
+  return from_two_starts(problem, settings, Sought::multiplier, limit_multiplier(problem, interior));
+}
+
+LimitWithoutDilation friction_without_dilation(const LimitProblem& problem, const LimitSettings& settings) {
+  LimitSettings interior = settings;
+  interior.interior = true;
+  return from_two_starts(problem, settings, Sought::friction, carried_share(problem, interior));
 }
 
 }  // namespace quoin

@@ -30,6 +30,11 @@ struct LimitWithoutDilation {
 // Of a problem for which limit_multiplier() finds a multiplier.
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
 
+// Smallest factor on friction with which dead loads are carried, from the same two starts: problems in which shear
+// strengths are that factor times friction times the normal forces of the last one. `multiplier` is the factor; the
+// larger one of those that settle counts.
+LimitWithoutDilation friction_without_dilation(const LimitProblem& problem, const LimitSettings& settings = {});
+
 // Normal forces under dead loads of joints that are elastic and take no tension, compression positive, N.
 std::vector<double> elastic_normal_forces(const LimitProblem& problem);
 

@@ -8,6 +8,11 @@
 #include <map>
 #include <variant>
 
+#ifdef QUOIN_LIMIT
+#include <nlohmann/json.hpp>
+
+#include "analysis/limit_of_scene.h"
+#endif
 #ifdef QUOIN_MODES
 #include <nlohmann/json.hpp>
 
@@ -118,6 +123,36 @@ py::dict properties_of(const py::dict& tests) {
   return result;
 }
 
+#ifdef QUOIN_LIMIT
+// Text of limit.json; velocity and spin of each block; by point its blocks, place, and force along n, s, t.
+py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
+                const std::vector<double>& direction, double given, int facets, bool associated) {
+  const quoin::Scene scene = scene_of(source, path, files);
+  quoin::LimitOptions options{direction, given, {}, associated};
+  options.settings.facets = facets;
+  quoin::SceneLimit found;
+  std::string text;
+  {
+    const py::gil_scoped_release others_go_on;
+    const Simulation simulation(scene, 1);
+    found = quoin::limit_of(simulation, options);
+    text = quoin::json_of(scene.file, found, options).dump();
+  }
+  std::vector<std::array<double, 6>> velocity;
+  std::vector<std::array<int, 2>> blocks;
+  std::vector<std::array<double, 3>> place, force;
+  if (found.limit) {
+    for (const auto& [v, w] : found.limit->velocity) velocity.push_back({v.x, v.y, v.z, w.x, w.y, w.z});
+    force = found.limit->force;
+  }
+  for (const quoin::LimitPoint& p : found.problem.points) {
+    blocks.push_back({p.a, p.b});
+    place.push_back(quoin::geometry::array(p.position));
+  }
+  return py::make_tuple(text, velocity, blocks, place, force);
+}
+#endif
+
 }  // namespace
 
 PYBIND11_MODULE(_quoin, m) {
@@ -143,6 +178,9 @@ PYBIND11_MODULE(_quoin, m) {
     return hashes_of(scene_of(source, path, files));
   });
 
+#ifdef QUOIN_LIMIT
+  m.def("limit", &limit);
+#endif
 #ifdef QUOIN_MODES
   m.def("modes",
         [](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files, int count,

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/stands.h"
 #include "analysis/without_dilation.h"
 
 namespace quoin {
@@ -341,6 +342,7 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   pressed.add({0.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {0.0, -1.0, 0.0});
   pressed.join(0.5);
   EXPECT_EQ(limit_multiplier(pressed.problem).status, LimitStatus::unbounded);
+  EXPECT_EQ(limit_multiplier(pressed.problem).blocks_concerned, std::vector<int>{1});
 
   LimitProblem bad = pressed.problem;
   bad.points[0].friction = -1.0;
@@ -351,6 +353,77 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   LimitSettings settings;
   settings.facets = 3;
   EXPECT_ANY_THROW(limit_multiplier(pressed.problem, settings));
+}
+
+// A block of 0.5 x 0.4 m on a plane that is tilted by atan(0.3), friction 0.7: slides below a friction of 0.3, and
+// turns over only beyond 0.5/0.4. Without dilation it is the same: the plane carries all normal force.
+LimitProblem tilted(double slope, double friction) {
+  Boxes one;
+  one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+  one.add({0.0, 0.0, 0.0}, {0.5, 0.4, 1.0}, {});
+  one.join(friction);
+  LimitBlock& block = one.problem.blocks[1];
+  block.dead.force.x = -slope * block.dead.force.y;
+  return one.problem;
+}
+
+TEST(Stands, ATiltedBlockNeedsTheFrictionOfItsSlope) {
+  const Stands found = stands(tilted(0.3, 0.7));
+  EXPECT_TRUE(found.stands);
+  EXPECT_NEAR(found.friction.value(), 0.3 / 0.7, 2e-3 * 0.3 / 0.7);  // found to 0.1 %
+  EXPECT_TRUE(found.out_of_balance.empty());
+  const LimitWithoutDilation without = friction_without_dilation(tilted(0.3, 0.7));
+  ASSERT_TRUE(without.settled);
+  EXPECT_NEAR(without.multiplier, 0.3 / 0.7, 2e-3 * 0.3 / 0.7);
+}
+
+TEST(Stands, WithTooLittleFrictionItIsSaidHowMuchIsNeeded) {
+  const Stands found = stands(tilted(0.3, 0.2));
+  EXPECT_FALSE(found.stands);
+  EXPECT_NEAR(found.friction.value(), 1.5, 2e-3 * 1.5);
+  EXPECT_EQ(found.out_of_balance, std::vector<int>{1});
+}
+
+TEST(Stands, NoFrictionHoldsWhatTurnsOver) {
+  const Stands found = stands(tilted(1.3, 10.0));
+  EXPECT_FALSE(found.stands);
+  EXPECT_NEAR(found.carried, 0.0, 1e-9);
+  EXPECT_FALSE(found.friction.has_value());
+}
+
+// Hanging from a ceiling by a bond of 0.4 of its weight.
+TEST(Stands, ABondCarriesItsShare) {
+  Boxes one;
+  one.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {});
+  one.add({-2.0, 1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+  one.join(0.5);
+  for (LimitPoint& p : one.problem.points) p.tension = 0.1, p.cohesion = 1.0;
+  const Stands found = stands(one.problem);
+  EXPECT_FALSE(found.stands);
+  EXPECT_NEAR(found.carried, 0.4, 1e-9);
+}
+
+// Nothing is pushed, so all that stands with little friction stands without dilation with no less of it.
+TEST(Stands, WithoutDilationNoLessFrictionIsNeeded) {
+  LimitProblem ring = arch(16, 0.15, 0.7, 0.0, pi);
+  LimitSettings settings;
+  settings.facets = 4;  // exact in a plane problem
+  const double associated = stands(ring, settings).friction.value();
+  const LimitWithoutDilation without = friction_without_dilation(ring, settings);
+  ASSERT_TRUE(without.settled);
+  EXPECT_GT(without.multiplier, associated * (1.0 - 5e-3));
+  EXPECT_GT(associated, 0.3);
+  EXPECT_LT(without.multiplier, 1.0);
+}
+
+TEST(Stands, BlocksThatNothingHoldsAreNamed) {
+  Boxes two;
+  two.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}, true);
+  two.add({0.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {});
+  two.add({9.0, 1.0, 0.0}, {1.0, 1.0, 1.0}, {});
+  two.add({9.0, 2.0, 0.0}, {1.0, 1.0, 1.0}, {});
+  two.join(0.5);
+  EXPECT_EQ(unconnected_blocks(two.problem), (std::vector<int>{2, 3}));
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 // `quoin limit` as a user calls it, on scenes that ship.
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
 #include "program.h"
 #include "results/read_vtu.h"
 
@@ -54,6 +58,63 @@ TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   EXPECT_THAT(error_, HasSubstr("no stage has gravity"));
   EXPECT_EQ(quoin({"limit", arch, "--law", "elastic"}), 3);
   EXPECT_THAT(error_, HasSubstr("friction_angle"));
+}
+
+// Two cubes on each other on a slope of 0.3, friction tan(35) = 0.7002.
+constexpr const char* kSlope = R"(
+[materials.stone]
+density = 2000.0
+young_modulus = 1e10
+poisson_ratio = 0.2
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 35.0
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [-1, 0, 0], size = [3, 1, 1] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 1, 0], size = [1, 1, 1] }
+[[stage]]
+name = "weight"
+gravity = [3, -10, 0]
+duration = 0.1
+)";
+
+TEST_F(Limit, WhetherItStandsAndWithHowMuchFriction) {
+  const fs::path scene = fs::path(out()).parent_path() / "slope.toml";
+  std::ofstream(scene) << kSlope;
+  EXPECT_EQ(quoin({"limit", scene.string(), "--out", out()}), 0) << error_;
+  nlohmann::json found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  EXPECT_EQ(found["stands"], true);
+  EXPECT_TRUE(found["multiplier"].is_null());
+  const double needed = 0.3 / std::tan(35.0 * std::numbers::pi / 180.0);
+  EXPECT_NEAR(found["smallest_friction_scale"], needed, 2e-3);
+  EXPECT_NEAR(found["smallest_friction_scale_without_dilation"], needed, 2e-3);
+  // Beside 3 of 10 along x, sqrt(109) times the margin to the right until friction is used up: the least of four ways.
+  EXPECT_NEAR(found["margin"], (7.002 - 3.0) / std::sqrt(109.0), 1e-3);
+  EXPECT_EQ(found["margin_direction"][0], 1.0);
+  // Given loads count.
+  EXPECT_EQ(quoin({"limit", scene.string(), "--out", out(), "--direction", "1", "0", "0", "--given", "0.5"}), 5);
+  EXPECT_THAT(error_, HasSubstr("#1 at (0.500, 1.500, 0.500) m"));
+  found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  EXPECT_EQ(found["stands"], false);
+  EXPECT_GT(found["smallest_friction_scale"], 1.0);
+}
+
+TEST_F(Limit, BlocksThatNothingHoldsAreNamed) {
+  const fs::path scene = fs::path(out()).parent_path() / "slope.toml";
+  std::string apart = kSlope;
+  const std::string touching = "lower = [0, 1, 0]";
+  std::ofstream(scene) << apart.replace(apart.find(touching), touching.size(), "lower = [0, 5, 0]");
+  EXPECT_EQ(quoin({"limit", scene.string()}), 3);
+  EXPECT_THAT(error_, HasSubstr("'cube'"));
 }
 
 }  // namespace

@@ -9,6 +9,41 @@ import quoin
 from support import SCENES, Folder, block_scene
 
 
+class Limit(Folder):
+    def test_it_is_that_of_the_program(self):
+        arch = os.path.join(SCENES, "arch.toml")
+        self.assertEqual(self.command("limit", arch, "--facets", "4", "--out", "out").returncode, 0)
+        with open(self.path("out/limit.json"), encoding="utf-8") as file:
+            expected = json.load(file)
+        found = quoin.limit(arch, facets=4)
+        self.assertEqual(found.summary, expected)
+        self.assertAlmostEqual(found.multiplier, 0.374, delta=5e-4)
+        self.assertTrue(found.stands)
+        self.assertEqual(found.velocity.shape, (expected["blocks"], 6))
+        # All that stands on the fixed blocks is what they carry: 1 of the weight down, the multiplier of it sideways.
+        self.assertEqual(found.force.shape, (expected["contact_points"], 3))
+
+    def test_what_does_not_stand_is_an_answer(self):
+        scene = block_scene()
+        scene.block[1].box.lower = [0.6, 1, 0]
+        scene.stage[0].gravity = [0, -10, 0]
+        found = quoin.limit(scene)
+        self.assertFalse(found.stands)
+        self.assertIsNone(found.multiplier)
+        self.assertIsNone(found.friction_scale)
+        self.assertEqual(found.velocity.shape, (0, 6))
+
+    def test_wrong_input(self):
+        with self.assertRaises(ValueError):
+            quoin.limit(block_scene(), direction=(1, 0))
+        with self.assertRaisesRegex(quoin.BadInput, "gravity"):
+            quoin.limit(block_scene())
+        scene = block_scene()
+        scene.stage[0].gravity = [0, -10, 0]
+        with self.assertRaisesRegex(quoin.BadInput, "'cube'"):
+            quoin.limit(scene)
+
+
 class Modes(Folder):
     def test_they_are_those_of_the_program(self):
         arch = os.path.join(SCENES, "arch.toml")

@@ -19,6 +19,44 @@ def pair(name, values):
     return values
 
 
+class Limit:
+    """Limit loads. multiplier: associated; multiplier_without_dilation (None: not settled); gap; stands, margin,
+    friction_scale and friction_scale_without_dilation: the smallest with which given loads are carried (None: none is).
+    velocity: rows of blocks, x y z and spin; point_blocks, point, force: by contact point its blocks a and b, place in
+    m, and force on block a along n, s, t in N, tension positive. Empty where nothing was found. summary: as limit.json."""
+
+    def __init__(self, text, velocity, blocks, point, force):
+        self.summary = json.loads(text)
+        self.multiplier = self.summary["multiplier"]
+        self.multiplier_without_dilation = self.summary["multiplier_without_dilation"]
+        self.gap = self.summary["gap"]
+        self.stands = self.summary["stands"]
+        self.margin = self.summary["margin"]
+        self.friction_scale = self.summary["smallest_friction_scale"]
+        self.friction_scale_without_dilation = self.summary["smallest_friction_scale_without_dilation"]
+        self.velocity = np.array(velocity).reshape(-1, 6)
+        self.point_blocks = np.array(blocks, dtype=int).reshape(-1, 2)
+        self.point = np.array(point).reshape(-1, 3)
+        self.force = np.array(force).reshape(-1, 3)
+
+    def __repr__(self):
+        answer = "does not stand" if not self.stands else f"margin {self.margin}"
+        return f"<limit: {answer}, multiplier {self.multiplier}>"
+
+
+def limit(scene, *, direction=None, given=0.0, facets=32, associated=False):
+    """What `quoin limit` finds of a scene, or of the file of one, without a run. direction: x, y, z of the load that is
+    multiplied, a share of the weight; else that of the first collapse stage. given: multiple of it that acts beside the
+    weight. associated: no search for answers without dilation. A scene that does not stand is an answer, not an error."""
+    if not hasattr(_quoin, "limit"):
+        raise BadInput("limit: this installation has no limit analysis; build it with coinor-libclp-dev")
+    way = [] if direction is None else [float(v) for v in direction]
+    if len(way) not in (0, 3):
+        raise ValueError(f"direction: three numbers are needed, not {len(way)}")
+    return Limit(*_quoin.limit(*scene_of(scene)._source(), way, float(given), whole("facets", facets, 4, 1000),
+                               bool(associated)))
+
+
 class Modes:
     """Natural frequencies. frequencies, Hz; effective_mass, kg, and participation: arrays by mode and direction; alpha
     (1/s) and beta (s) of Rayleigh's damping; shapes[mode][block]: displacement of its corners or gridpoints, largest 1;

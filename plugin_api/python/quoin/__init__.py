@@ -25,7 +25,7 @@ else:
         for _folder in folders():
             add_law_folder(_folder)
         from . import shapes  # noqa: F401
-        from .analysis import Modes, modes, properties_of  # noqa: F401
+        from .analysis import Limit, Modes, limit, modes, properties_of  # noqa: F401
         from .meshes import read_blocks  # noqa: F401
         from .results import Moment, Results, unit  # noqa: F401
         from .results import open_results as open  # noqa: F401
@@ -36,7 +36,7 @@ else:
 
 
 def __getattr__(name):
-    if name in ("Scene", "Simulation", "run", "modes", "open"):
+    if name in ("Scene", "Simulation", "run", "limit", "modes", "open"):
         raise AttributeError(f"quoin.{name}: this installation has the laws alone; build the host with pybind11-dev and "
                              "python3-dev installed (cmake says why it left it out)")
     raise AttributeError(f"module 'quoin' has no attribute {name!r}")

@@ -1,0 +1,248 @@
+#include "analysis/limit_of_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "base/error.h"
+#include "geometry/polyhedron.h"
+#include "law/law_library.h"
+#include "step/large_motion.h"
+#include "step/simulation.h"
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+
+// Weight and direction are those of the first collapse stage, or gravity that of the first stage that has some.
+void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
+  for (const Stage& stage : scene.stages) {
+    if (norm(geometry::vector(stage.gravity)) > 0.0 && (stage.collapse || norm(limit->gravity) == 0.0))
+      limit->gravity = geometry::vector(stage.gravity);
+    if (!stage.collapse) continue;
+    limit->direction = geometry::vector(stage.collapse->direction);
+    break;
+  }
+  if (norm(limit->gravity) == 0.0)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
+  if (!options.direction.empty())
+    limit->direction = Vector{options.direction[0], options.direction[1], options.direction[2]};
+  if (limit->direction && !(norm(*limit->direction) > 0.0 && std::isfinite(norm(*limit->direction))))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: the direction of the load is no direction: --direction X Y Z, not all 0", scene.file));
+  if (limit->direction) limit->direction = normalized(*limit->direction);
+  if (!std::isfinite(options.given)) throw Error(Exit::bad_input, "limit: the given multiplier is not a finite number");
+  if (options.given != 0.0 && !limit->direction)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: a multiplier is given and no direction: no collapse stage says in which direction the "
+                            "load acts; give --direction X Y Z",
+                            scene.file));
+}
+
+// Brittle strength of a joint family, from the law's own properties; 0, or no crushing, where a law has none.
+struct Strength {
+  double friction = 0.0, tension = 0.0, cohesion = 0.0;  // -, Pa, Pa
+  double crushing = std::numeric_limits<double>::infinity();
+};
+
+Strength strength_of(const JointFamily& family, const std::string& file) {
+  const Material material(Law::find(family.law), family.properties);
+  const auto has = [&](const char* id) {
+    const quoin_law& api = material.api();
+    return std::any_of(api.properties, api.properties + api.property_count,
+                       [&](const quoin_property_info* p) { return std::string(law_text(p->id)) == id; });
+  };
+  if (!has("friction_angle"))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: joints.{}: law '{}' has no friction_angle, so its joints have no limit; "
+                            "choose coulomb_slip, fracture_energy or cyclic_joint (--law)",
+                            file, family.name, family.law));
+  constexpr double degree = std::numbers::pi / 180.0;
+  Strength s;
+  s.friction = std::tan(degree * material.number("friction_angle"));
+  const bool dry = family.initial_state == "dry";
+  if (!dry && has("tensile_strength")) s.tension = material.number("tensile_strength");
+  if (has(dry ? "cohesion_residual" : "cohesion")) s.cohesion = material.number(dry ? "cohesion_residual" : "cohesion");
+  if (has("compressive_strength")) s.crushing = material.number("compressive_strength");
+  return s;
+}
+
+// Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
+void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
+  const Scene& scene = simulation.scene();
+  const blocks::Model* const shapes = simulation.riding();
+  for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    std::vector<Vector> corners;
+    for (const Vec3& x : simulation.block_mesh(i).gridpoint) corners.push_back(geometry::vector(x));
+    std::string name;
+    double density = 0.0;
+    LimitBlock block;
+    if (shapes) {
+      const blocks::Block& input = shapes->assembly().blocks[k];
+      name = input.name, density = shapes->assembly().materials[static_cast<std::size_t>(input.material)].density;
+      block.fixed = input.fixed;
+    } else {
+      const Brick& brick = simulation.assembly().bricks[k];
+      name = brick.body, density = simulation.assembly().materials[static_cast<std::size_t>(brick.material)].density;
+      block.fixed = brick.fixed || brick.body.starts_with("bottom_beam");
+    }
+    const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, name));
+    const Vector along = limit->direction ? norm(limit->gravity) * *limit->direction : Vector{};
+    block.centre = mass.centroid;
+    block.live.force = density * mass.volume * along;
+    block.dead.force = density * mass.volume * limit->gravity + given * block.live.force;
+    limit->problem.blocks.push_back(block);
+    limit->names.push_back(name);
+    const Vector& x = block.centre;
+    limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
+  }
+  std::map<std::string, Strength> strengths;
+  for (const auto& [name, family] : scene.joints) strengths[name] = strength_of(family, scene.file);
+  const std::vector<JointFamily>& families = shapes ? shapes->assembly().families : simulation.assembly().families;
+  for (const ContactPoint& p : simulation.contact_points()) {
+    const Strength& s = strengths.at(families[static_cast<std::size_t>(p.family)].name);
+    limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
+                                     geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
+                                     s.cohesion * p.area, s.crushing * p.area, p.area});
+  }
+}
+
+void require_supports(const std::string& file, const SceneLimit& limit) {
+  const std::vector<LimitBlock>& blocks = limit.problem.blocks;
+  if (std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; }))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: no block is fixed, so nothing holds the others; give one fixed = true", file));
+  const std::vector<int> loose = unconnected_blocks(limit.problem);
+  if (!loose.empty())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: no chain of joints leads to a fixed block from {} block(s), so nothing holds them:{}\n  "
+                    "let them touch what is fixed, or leave them out",
+                    file, loose.size(), blocks_text(limit, loose)));
+}
+
+LimitResult solved(const std::string& file, const SceneLimit& limit, const LimitProblem& problem,
+                   const LimitSettings& settings) {
+  const LimitResult result = limit_multiplier(problem, settings);
+  if (result.status == LimitStatus::solved) return result;
+  if (result.status == LimitStatus::no_equilibrium)
+    throw Error(Exit::numerical, fmt::format("{}: the given loads alone cannot be carried; out of balance:{}", file,
+                                             blocks_text(limit, result.blocks_concerned)));
+  if (result.status == LimitStatus::unbounded)
+    throw Error(Exit::numerical,
+                fmt::format("{}: no multiple of the load moves a block; is its direction right, and is anything free "
+                            "to move? The load acts on:{}",
+                            file, blocks_text(limit, result.blocks_concerned)));
+  throw Error(Exit::numerical, fmt::format("{}: the linear programme was not solved: residuals are left", file));
+}
+
+// Of loads along the weight turned sideways: x and z, both ways.
+void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
+  for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
+    LimitProblem pushed = limit->problem;
+    for (LimitBlock& b : pushed.blocks) b.live.force = norm(b.dead.force) * way;
+    const LimitResult result = limit_multiplier(pushed, settings);
+    if (result.status == LimitStatus::unbounded) continue;
+    if (result.status != LimitStatus::solved) solved(file, *limit, pushed, settings);
+    if (limit->margin && *limit->margin <= result.multiplier) continue;
+    limit->margin = result.multiplier, limit->margin_direction = way;
+  }
+}
+
+nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* what) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const SettledLimit& start : without.start)
+    json.push_back({{"from", start.from},
+                    {"settled", start.settled},
+                    {what, start.multiplier},
+                    {"beyond_friction", start.beyond},
+                    {"problems", start.problems}});
+  return json;
+}
+
+nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
+  return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(nullptr);
+}
+
+std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {
+  if (!without || !without->settled) return std::nullopt;
+  return without->multiplier;
+}
+
+}  // namespace
+
+std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks) {
+  constexpr std::size_t kNamed = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kNamed, blocks.size()); ++i)
+    text += "\n  block " + limit.labels[static_cast<std::size_t>(blocks[i])];
+  if (blocks.size() > kNamed) text += fmt::format("\n  and {} more", blocks.size() - kNamed);
+  return text;
+}
+
+SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
+  const std::string& file = simulation.scene().file;
+  SceneLimit limit;
+  find_loads(simulation.scene(), options, &limit);
+  assemble(simulation, options.given, &limit);
+  require_supports(file, limit);
+  limit.stands = stands(limit.problem, options.settings);
+  // Normal forces alone, where they carry all, do so without dilation, too.
+  const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
+  if (!options.associated && needs_friction)
+    limit.friction = friction_without_dilation(limit.problem, options.settings);
+  else if (!options.associated && limit.stands.friction)
+    limit.friction = LimitWithoutDilation{{}, true, 0.0};
+  if (!limit.stands.stands) return limit;
+  if (!limit.direction) {
+    find_least_margin(file, options.settings, &limit);
+    return limit;
+  }
+  limit.limit = solved(file, limit, limit.problem, options.settings);
+  limit.margin = limit.limit->multiplier, limit.margin_direction = *limit.direction;
+  limit.limit->multiplier += options.given;
+  if (!options.associated) limit.without_dilation = limit_without_dilation(limit.problem, options.settings);
+  if (limit.without_dilation) {
+    limit.without_dilation->multiplier += options.given;
+    for (SettledLimit& start : limit.without_dilation->start) start.multiplier += options.given;
+  }
+  return limit;
+}
+
+nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options) {
+  nlohmann::ordered_json json;
+  json["scene"] = scene;
+  json["multiplier"] = limit.limit ? nlohmann::ordered_json(limit.limit->multiplier) : nlohmann::ordered_json(nullptr);
+  json["multiplier_without_dilation"] = number_or_null(settled(limit.without_dilation));
+  json["gap"] = limit.limit ? nlohmann::ordered_json(limit.limit->gap) : nlohmann::ordered_json(nullptr);
+  if (limit.without_dilation) json["without_dilation"] = json_of(*limit.without_dilation, "multiplier");
+  const Stands& stands = limit.stands;
+  json["stands"] = stands.stands;
+  json["carried"] = stands.carried;
+  json["margin"] = number_or_null(limit.margin);
+  if (limit.margin) json["margin_direction"] = geometry::array(limit.margin_direction);
+  json["smallest_friction_scale"] = number_or_null(stands.friction);
+  json["smallest_friction_scale_without_dilation"] = number_or_null(settled(limit.friction));
+  if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
+  json["out_of_balance"] = nlohmann::ordered_json::array();
+  for (const int b : stands.out_of_balance) json["out_of_balance"].push_back(limit.labels[static_cast<std::size_t>(b)]);
+  if (limit.direction)
+    json["direction"] = geometry::array(*limit.direction);
+  else
+    json["direction"] = nullptr;
+  json["given_multiplier"] = options.given;
+  json["gravity_m_s2"] = geometry::array(limit.gravity);
+  json["blocks"] = limit.problem.blocks.size(), json["contact_points"] = limit.problem.points.size();
+  json["facets"] = options.settings.facets;
+  return json;
+}
+
+}  // namespace quoin

@@ -1,0 +1,50 @@
+// Limit analysis of a scene: its blocks rigid, its contact points as a run places them, strengths from its laws.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "analysis/limit.h"
+#include "analysis/stands.h"
+#include "analysis/without_dilation.h"
+#include "scene/scene.h"
+
+namespace quoin {
+
+class Simulation;
+
+struct LimitOptions {
+  std::vector<double> direction;  // of the load that is multiplied; empty: of the first collapse stage
+  double given = 0.0;             // multiple of the weight along it that acts beside the weight
+  LimitSettings settings;
+  bool associated = false;  // no search for answers without dilation
+};
+
+struct SceneLimit {
+  geometry::Vector gravity;                   // m/s2
+  std::optional<geometry::Vector> direction;  // none: no collapse stage, and none was given
+  LimitProblem problem;                       // dead: weight and what is given; live: the weight along the direction
+  std::vector<std::string> names, labels;     // of blocks: of the scene, and as messages have them
+
+  Stands stands;
+  std::optional<LimitWithoutDilation> friction;  // smallest factors without dilation
+  std::optional<LimitResult> limit;              // where there is a direction and equilibrium
+  std::optional<LimitWithoutDilation> without_dilation;
+  // Multiplier left beyond what is given, of associated flow; without a direction the least of four horizontal ones.
+  std::optional<double> margin;
+  geometry::Vector margin_direction{};
+};
+
+// Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws
+// without a limit; Error(numerical) where no multiple of the load moves anything, or the programme was not solved.
+SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options = {});
+
+// What limit.json holds.
+nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options);
+
+// "\n  block #3 'key' at (0, 1, 0) m", of five at most.
+std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks);
+
+}  // namespace quoin

@@ -1,0 +1,56 @@
+#include "analysis/stands.h"
+
+#include <algorithm>
+
+namespace quoin {
+namespace {
+
+// Share of dead loads from which all of them count as carried: rounding of the linear programme.
+constexpr double kAll = 1.0 - 1e-6;
+// Of a factor on friction: how exactly it is found, and where the search for one that holds ends.
+constexpr double kExact = 1e-3, kMostFriction = 64.0;
+
+bool carried_with(LimitProblem problem, const LimitSettings& settings, double factor) {
+  for (LimitPoint& p : problem.points) p.friction *= factor;
+  const LimitResult result = carried_share(problem, settings);
+  return result.status == LimitStatus::solved && result.multiplier >= kAll;
+}
+
+// What stands with little friction stands with more, so halving finds the least: a cone lies within a wider one, but
+// for tension that cohesion over friction limits.
+std::optional<double> smallest_friction(const LimitProblem& problem, const LimitSettings& settings, bool stands) {
+  double holds = stands ? 1.0 : kMostFriction, falls = stands ? 0.0 : 1.0;
+  if (!stands && !carried_with(problem, settings, holds)) return std::nullopt;
+  if (stands && carried_with(problem, settings, 0.0)) return 0.0;
+  while (holds - falls > kExact * holds) {
+    const double middle = 0.5 * (holds + falls);
+    (carried_with(problem, settings, middle) ? holds : falls) = middle;
+  }
+  return holds;
+}
+
+}  // namespace
+
+LimitResult carried_share(const LimitProblem& problem, const LimitSettings& settings) {
+  LimitProblem loaded = problem;
+  for (LimitBlock& b : loaded.blocks) b.live = b.dead, b.dead = {};
+  LimitSettings up_to_all = settings;
+  up_to_all.most = 1.0;
+  return limit_multiplier(loaded, up_to_all);
+}
+
+Stands stands(const LimitProblem& problem, const LimitSettings& settings) {
+  const LimitResult result = carried_share(problem, settings);
+  Stands answer;
+  answer.carried = result.status == LimitStatus::solved ? std::clamp(result.multiplier, 0.0, 1.0) : 0.0;
+  answer.stands = answer.carried >= kAll;
+  answer.friction = smallest_friction(problem, settings, answer.stands);
+  for (std::size_t k = 0; !answer.stands && k < result.velocity.size(); ++k) {
+    constexpr double kMoves = 1e-6;  // of the largest velocity
+    if (norm(result.velocity[k].force) + norm(result.velocity[k].moment) > kMoves)
+      answer.out_of_balance.push_back(static_cast<int>(k));
+  }
+  return answer;
+}
+
+}  // namespace quoin
