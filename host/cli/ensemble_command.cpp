@@ -16,8 +16,10 @@
 #include "ensemble/page.h"
 #include "ensemble/pool.h"
 #include "ensemble/sensitivity.h"
+#include "ensemble/shake.h"
 #include "ensemble/slurm.h"
 #include "ensemble/sobol_table.h"
+#include "ensemble/suite_page.h"
 #include "files/notice.h"
 #include "law/law_library.h"
 #include "results/provenance.h"
@@ -38,11 +40,22 @@ struct EnsembleOptions {
   std::vector<std::string> overrides;
 };
 
-Scene scene_of(const Study& study, std::uint64_t sample) {
+Scene scene_with(const Study& study, const std::vector<std::string>& overrides) {
   SceneOptions options;
   options.scene = study.scene;
-  options.overrides = study.overrides_of(sample);
+  options.overrides = overrides;
   return prepare_scene(options);
+}
+Scene scene_of(const Study& study, std::uint64_t sample) { return scene_with(study, study.overrides_of(sample)); }
+
+// With everything at its mean, and the first record.
+Scene scene_of_means(const Study& study) {
+  std::vector<std::string> overrides = study.overrides_of(0);
+  if (study.suite.any()) {
+    const std::vector<std::string> shaken = overrides_for(study.suite, 0, motion_of(study.suite, 0), 1.0);
+    overrides.insert(overrides.end(), shaken.begin(), shaken.end());
+  }
+  return scene_with(study, overrides);
 }
 
 // A study with all that it is computed from, read once: its samples find the same, whatever becomes of the files.
@@ -74,7 +87,8 @@ ReadStudy read(const EnsembleOptions& options, Trials trials = Trials::drawn, co
   all.study = read_study(all.request.study);
   all.study.overrides.insert(all.study.overrides.end(), all.request.overrides.begin(), all.request.overrides.end());
   all.study.trials = trials;
-  all.scene = scene_of(all.study, 0);
+  if (options.samples > 0) all.study.samples = options.samples;
+  all.scene = scene_of_means(all.study);
   for (const std::string& file : all.scene.inputs) read_input_file(file);
   for (const HashedFile& law : law_files(all.scene)) all.laws.push_back(Law::find(law.name));
   kept_inputs().end();
@@ -94,21 +108,35 @@ void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t s
   fmt::print("; results in {}\n", (folder.path() / "index.html").string());
 }
 
+// Writes results and tells of them. Returns how many samples they are of.
+std::uint64_t gather_and_report(const StudyFolder& folder, const Study& study, bool pictures) {
+  if (!study.suite.any()) {
+    const Gathered gathered = gather(folder, study, study.samples, pictures);
+    report(gathered, folder, study.samples);
+    return gathered.finished;
+  }
+  const SuiteResults results = gather_suite(folder, study, pictures);
+  fmt::print("{} of {} finished (records times walls), {} of them failed, {} runs\n{}results in {}\n", results.finished,
+             study.tasks(), results.failed, results.runs, results.text, (folder.path() / "index.html").string());
+  return results.finished;
+}
+
 // Waits for the tasks of a job; Ctrl-C leaves them alone.
-void wait_for(const std::string& job, const StudyFolder& folder, std::uint64_t samples) {
+void wait_for(const std::string& job, const StudyFolder& folder, const Study& study) {
+  const std::uint64_t all = study.tasks() + 1 - study.first_task();
   std::uint64_t told = 0;
   for (int quiet = 0; quiet < 2;) {
     std::uint64_t done = 0;
-    for (std::uint64_t i = 0; i <= samples; ++i) done += is_finished(folder.sample(i)) ? 1 : 0;
-    if (done > samples) return;
-    if (done >= told + std::max<std::uint64_t>(1, samples / 10))
-      notice(fmt::format("{}/{} samples", told = done, samples + 1));
+    for (std::uint64_t i = study.first_task(); i <= study.tasks(); ++i) done += is_finished(folder.sample(i)) ? 1 : 0;
+    if (done >= all) return;
+    if (done >= told + std::max<std::uint64_t>(1, all / 10)) notice(fmt::format("{}/{} samples", told = done, all));
     quiet = is_queued(job) ? 0 : quiet + 1;
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }
 }
 
-void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder, std::uint64_t samples) {
+void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder, const Study& study) {
+  const std::uint64_t samples = study.samples;
   // The folder in place of the study: tasks may begin long after its files have been edited.
   const std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
                                        "ensemble",
@@ -118,22 +146,26 @@ void compute_by_slurm(const EnsembleOptions& options, const StudyFolder& folder,
                                        "--jobs",
                                        "1",
                                        "--worker"};
-  const int tasks = static_cast<int>(std::min<std::uint64_t>(static_cast<std::uint64_t>(options.tasks), samples + 1));
+  const int tasks = static_cast<int>(
+      std::min<std::uint64_t>(static_cast<std::uint64_t>(options.tasks), study.tasks() + 1 - study.first_task()));
   const std::string job = submit(folder.path(), words, tasks);
   notice(
       fmt::format("job {} of Slurm: {} workers; results, also before the end: quoin ensemble {} --samples {} --gather",
                   job, tasks, folder.path().string(), samples));
-  if (!options.detach) wait_for(job, folder, samples);
+  if (!options.detach) wait_for(job, folder, study);
 }
 
 void compute_here(const EnsembleOptions& options, const StudyFolder& folder, const Study& study) {
   PoolSettings settings;
-  settings.samples = study.samples;
+  settings.first = study.first_task(), settings.samples = study.tasks();
   settings.jobs = options.jobs > 0 ? options.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   settings.wait_for_others = !options.worker;
   compute_samples(
       folder, settings,
       [&](std::uint64_t sample, const fs::path& place) {
+        if (study.suite.any())
+          return shake_sample(
+              study, sample, [&](const std::vector<std::string>& set) { return scene_with(study, set); }, place);
         run_sample(
             study, sample, [&] { return scene_of(study, sample); }, place);
       },
@@ -159,24 +191,22 @@ void require_results(const StudyFolder& folder, std::uint64_t samples) {
 void run_ensemble(const EnsembleOptions& options) {
   ReadStudy read_once = read(options);
   Study& study = read_once.study;
-  if (options.samples > 0) study.samples = options.samples;
-  const std::uint64_t samples = study.samples;
+  const std::uint64_t samples = study.tasks();
   const StudyFolder folder(read_once.folder, study, read_once.scene, read_once.request);
   if (options.slurm) {
-    compute_by_slurm(options, folder, samples);
+    compute_by_slurm(options, folder, study);
     if (options.detach) return;
   } else if (!options.gather) {
     compute_here(options, folder, study);
     if (options.worker) return;
   }
-  const Gathered gathered = gather(folder, study, samples, !options.no_pictures);
-  report(gathered, folder, samples);
+  const std::uint64_t finished = gather_and_report(folder, study, !options.no_pictures);
   require_results(folder, samples);
-  if (gathered.finished < samples && !options.gather)
+  if (finished < samples && !options.gather)
     throw Error(Exit::numerical,
                 fmt::format("{} samples are missing, as their workers have ended: {}/slurm-*.log may say why; "
                             "the same command computes them",
-                            samples - gathered.finished, folder.path().string()));
+                            samples - finished, folder.path().string()));
 }
 
 void run_sensitivity(const EnsembleOptions& options) {
@@ -184,6 +214,11 @@ void run_sensitivity(const EnsembleOptions& options) {
                                          : read(options, Trials::one_at_a_time, "_sensitivity");
   Study& study = read_once.study;
   const std::size_t inputs = study.inputs().size();
+  if (study.suite.any())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: a study with [[record]]; give it to quoin ensemble, or remove [shaking] and the records",
+                    options.study));
   if (inputs == 0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: nothing scatters; add [[quantity]], or distributions below [set]", options.study));

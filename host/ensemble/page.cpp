@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/number_text.h"
+#include "ensemble/figures.h"
 #include "ensemble/statistics.h"
 #include "files/file.h"
 #include "files/gnuplot.h"
@@ -174,34 +175,6 @@ Bands bands_of(const Results& r) {
 
 // ---- Pictures -------------------------------------------------------------------------------------------------------
 
-std::string head(const std::string& title, const std::string& x, const std::string& y) {
-  return fmt::format(
-      "set terminal pngcairo size 1500,950 font \"Sans,19\" linewidth 1.5\nset title {} noenhanced font \"Sans,23\"\n"
-      "set xlabel {} noenhanced\nset ylabel {} noenhanced\nset border 3 linecolor rgb \"#404040\"\nset tics nomirror\n"
-      "set grid xtics ytics linecolor rgb \"#d0d0d0\" linewidth 0.8\n"
-      "set key below maxcols 3 font \"Sans,16\" spacing 1.25 noenhanced reverse Left\nset style fill transparent solid "
-      "0.3 noborder\n",
-      gnuplot_text(title), gnuplot_text(x), gnuplot_text(y));
-}
-
-class Pictures {
- public:
-  Pictures(const fs::path& folder, const std::string& title) : folder_(folder), title_(title) {}
-  void draw(const std::string& name, const std::string& data, const std::string& x, const std::string& y,
-            const std::string& script, const std::string& caption) {
-    write_file(folder_ / "plots" / (name + ".dat"), data);
-    const std::string fault = draw_picture(folder_, name, head(title_, x, y) + script);
-    if (!fault.empty()) return notice("quoin: " + fault);
-    figures_ += fmt::format("<figure><img src=\"{}.png\" alt=\"{}\"><figcaption>{}</figcaption></figure>\n", name,
-                            escaped(caption), escaped(caption));
-  }
-  const std::string& figures() const { return figures_; }
-
- private:
-  fs::path folder_;
-  std::string title_, figures_;
-};
-
 void draw_bands(const Bands& b, Pictures& pictures) {
   if (b.displacement.empty()) return;
   std::string data;
@@ -359,33 +332,18 @@ void write_page(const fs::path& folder, const Study& study, const Results& r, st
   for (const std::string& o : study.overrides) set += "<li><code>" + escaped(o) + "</code></li>\n";
   for (const StudyQuantity& q : study.quantities)
     set += fmt::format("<li><code>{}</code>: {}</li>\n", escaped(q.key), escaped(text_of(q.distribution)));
-  const std::string title = study.title.empty() ? study.scene : study.title;
-  write_file(folder / "index.html",
-             fmt::format(R"(<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{0}</title>
-<style>
-body {{ font: 16px/1.5 "Helvetica Neue", Arial, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }}
-figure {{ margin: 1.2rem 0; }} figure img {{ max-width: 100%; border: 1px solid #ddd; }} figcaption {{ color: #555; }}
-table {{ border-collapse: collapse; }} th, td {{ border-bottom: 1px solid #ddd; padding: .25rem .7rem .25rem 0; text-align: left; }}
-</style>
-</head>
-<body>
-<h1>{0}</h1>
-<p>{1} of {2} samples finished, {3} of them failed. Numbers: <a href="samples.csv">samples.csv</a>,
+  const std::string body = fmt::format(
+      R"(<p>{} of {} samples finished, {} of them failed. Numbers: <a href="samples.csv">samples.csv</a>,
 <a href="summary.json">summary.json</a>, <a href="curve_bands.csv">curve_bands.csv</a>,
 <a href="crack_probability.csv">crack_probability.csv</a>.</p>
 <h2>Scatter</h2>
 <ul>
-{4}</ul>
+{}</ul>
 <h2>Results</h2>
-{5}{6}{7}</body>
-</html>
-)",
-                         escaped(title), r.samples.size(), samples, failed, set, table_of(r), figures,
-                         failures.empty() ? "" : "<h2>Samples that failed</h2>\n<ul>\n" + failures + "</ul>\n"));
+{}{}{})",
+      r.samples.size(), samples, failed, set, table_of(r), figures,
+      failures.empty() ? "" : "<h2>Samples that failed</h2>\n<ul>\n" + failures + "</ul>\n");
+  write_page_of(folder, study.title.empty() ? study.scene : study.title, body);
 }
 
 }  // namespace
@@ -393,7 +351,7 @@ table {{ border-collapse: collapse; }} th, td {{ border-bottom: 1px solid #ddd; 
 Gathered gather(const StudyFolder& folder, const Study& study, std::uint64_t samples, bool pictures) {
   const std::unique_ptr<Claim> alone = Claim::wait_for(folder.gathering());
   const Results r = read_results(folder, samples);
-  write_file(folder.path() / "samples.csv", table_text(r.samples));
+  write_file(folder.path() / "samples.csv", table_text(r.samples, output_names()));
   Gathered gathered;
   gathered.finished = r.samples.size();
   for (const auto& [number, sample] : r.samples) gathered.failed += sample.status == "done" ? 0 : 1;

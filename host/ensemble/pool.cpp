@@ -98,14 +98,14 @@ class Pool {
       : folder_(folder), settings_(settings), compute_(compute), fail_(fail), parent_(getpid()) {}
 
   void run() {
-    for (std::uint64_t i = 0; i <= settings_.samples; ++i) {
+    for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) {
       if (!is_finished(folder_.sample(i))) left_.push_back(i);
     }
-    total_ = settings_.samples + 1;
+    total_ = settings_.samples + 1 - settings_.first;
     done_before_ = total_ - left_.size();
     if (!left_.empty())
-      notice(fmt::format("{} samples and one of the means, {} of these done before; {} side by side", settings_.samples,
-                         done_before_, settings_.jobs));
+      notice(fmt::format("{} samples{}, {} of these done before; {} side by side", settings_.samples,
+                         settings_.first == 0 ? " and one of the means" : "", done_before_, settings_.jobs));
     while (true) {
       start_some();
       const bool no_more = left_.empty() || stop_asked || !fault_.empty() || !settings_.wait_for_others;
@@ -246,7 +246,7 @@ class Pool {
   void tell() {
     const auto now = Clock::now();
     std::uint64_t done = 0;
-    for (std::uint64_t i = 0; i < total_; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;
+    for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;
     const bool last = done == total_;
     const double apart = terminal_ ? 0.5 : 10.0;
     if (!last && now < told_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(apart)))

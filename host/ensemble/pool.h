@@ -9,7 +9,7 @@
 namespace quoin::ensemble {
 
 struct PoolSettings {
-  std::uint64_t samples = 0;  // 0 (the means) to this one
+  std::uint64_t first = 0, samples = 0;  // from the first (0: the means) to this one
   int jobs = 1;
   bool wait_for_others = true;  // for samples that other processes have claimed; else those are left to them
 };

@@ -206,6 +206,124 @@ Fragility fragility_of(const std::vector<double>& values) {
   return f;
 }
 
+namespace {
+
+constexpr double kLeastSpread = 0.01;  // where capacities do not overlap, any smaller one is as likely
+
+double density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2.0 * M_PI); }
+// Of a normal variable between two bounds, without cancellation in its tails.
+double between(double low, double high) {
+  const auto above = [](double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); };
+  return std::max(1e-300, low > 0.0 ? above(low) - above(high) : above(-high) - above(-low));
+}
+
+// In a = 1/spread and b = -ln(median)/spread the logarithm of the likelihood is concave: Newton, halved where it falls.
+struct Likelihood {
+  double value = 0.0, a = 0.0, b = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;  // and its derivatives
+};
+Likelihood likelihood_of(const std::vector<Capacity>& capacities, double a, double b) {
+  Likelihood l;
+  for (const Capacity& c : capacities) {
+    const bool from = c.low > 0.0, to = std::isfinite(c.high);
+    const double x1 = from ? std::log(c.low) : 0.0, x2 = to ? std::log(c.high) : 0.0;
+    const double z1 = from ? a * x1 + b : -HUGE_VAL, z2 = to ? a * x2 + b : HUGE_VAL;
+    const double p = between(z1, z2), d1 = from ? density(z1) / p : 0.0, d2 = to ? density(z2) / p : 0.0;
+    const double e1 = from ? z1 * d1 : 0.0, e2 = to ? z2 * d2 : 0.0;
+    const double ga = d2 * x2 - d1 * x1, gb = d2 - d1;
+    l.value += std::log(p), l.a += ga, l.b += gb;
+    l.aa += e1 * x1 * x1 - e2 * x2 * x2 - ga * ga;
+    l.ab += e1 * x1 - e2 * x2 - ga * gb;
+    l.bb += e1 - e2 - gb * gb;
+  }
+  return l;
+}
+
+// median, spread.
+std::optional<std::array<double, 2>> most_likely(const std::vector<Capacity>& capacities) {
+  double middle = 0.0;
+  std::size_t reached = 0, not_reached = 0;
+  for (const Capacity& c : capacities) {
+    reached += std::isfinite(c.high) ? 1 : 0, not_reached += c.low > 0.0 ? 1 : 0;
+    middle += std::log(c.low <= 0.0            ? c.high
+                       : std::isfinite(c.high) ? std::sqrt(c.low * c.high)
+                                               : c.low) /
+              static_cast<double>(capacities.size());
+  }
+  if (reached == 0 || not_reached == 0) return std::nullopt;
+  constexpr double kFirstSpread = 0.5, kSettled = 1e-12;
+  double a = 1.0 / kFirstSpread, b = -middle / kFirstSpread;
+  Likelihood now = likelihood_of(capacities, a, b);
+  for (int step = 0; step < 200; ++step) {
+    const double determinant = now.aa * now.bb - now.ab * now.ab;
+    double da = 0.0, db = 0.0;
+    if (determinant > 0.0) {
+      da = (now.ab * now.b - now.bb * now.a) / determinant, db = (now.ab * now.a - now.aa * now.b) / determinant;
+    } else {
+      const double size = std::hypot(now.a, now.b);
+      if (size == 0.0) break;
+      da = now.a / size, db = now.b / size;
+    }
+    bool better = false;
+    for (double share = 1.0; share > 1e-10 && !better; share *= 0.5) {
+      const double na = a + share * da, nb = b + share * db;
+      if (!(na > 0.0)) continue;
+      const Likelihood next = likelihood_of(capacities, na, nb);
+      better = next.value > now.value;
+      if (!better) continue;
+      const double gain = next.value - now.value;
+      a = na, b = nb, now = next;
+      if (gain < kSettled) return std::array{std::exp(-b / a), std::max(kLeastSpread, 1.0 / a)};
+    }
+    if (!better || a > 1.0 / kLeastSpread) break;
+  }
+  return std::array{std::exp(-b / a), std::max(kLeastSpread, 1.0 / a)};
+}
+
+}  // namespace
+
+std::optional<FittedFragility> FittedFragility::of(const std::vector<Capacity>& capacities, std::uint64_t seed) {
+  const auto fit = most_likely(capacities);
+  if (!fit) return std::nullopt;
+  FittedFragility f;
+  f.median = (*fit)[0], f.spread = (*fit)[1];
+  std::vector<std::vector<Capacity>> by_record;
+  for (const Capacity& c : capacities) {
+    if (by_record.size() <= c.record) by_record.resize(c.record + 1);
+    by_record[c.record].push_back(c);
+  }
+  std::erase_if(by_record, [](const auto& of_record) { return of_record.empty(); });
+  constexpr std::uint64_t kDraws = 1000;
+  constexpr std::size_t kLeastRecords = 3;  // of fewer no interval is known
+  const bool many = by_record.size() >= kLeastRecords;
+  std::vector<double> medians, spreads;
+  for (std::uint64_t draw = 0; many && draw < kDraws; ++draw) {
+    const random::Quantity quantity{seed, draw, random::name_of("records of a fragility")};
+    std::vector<Capacity> drawn;
+    for (std::size_t i = 0; i < by_record.size(); ++i) {
+      const auto record =
+          static_cast<std::size_t>(random::uniform(quantity, i) * static_cast<double>(by_record.size()));
+      drawn.insert(drawn.end(), by_record[record].begin(), by_record[record].end());
+    }
+    const auto of_draw = most_likely(drawn);
+    if (!of_draw) continue;
+    f.drawn_.push_back(*of_draw);
+    medians.push_back((*of_draw)[0]), spreads.push_back((*of_draw)[1]);
+  }
+  f.of_median = {quantile_of(medians, kTail), quantile_of(medians, 1.0 - kTail)};
+  f.of_spread = {quantile_of(spreads, kTail), quantile_of(spreads, 1.0 - kTail)};
+  return f;
+}
+
+double FittedFragility::probability(double intensity) const {
+  return random::normal_probability(std::log(intensity / median) / spread);
+}
+
+Interval FittedFragility::probability_interval(double intensity) const {
+  std::vector<double> of_draws;
+  for (const auto& [m, s] : drawn_) of_draws.push_back(random::normal_probability(std::log(intensity / m) / s));
+  return {quantile_of(of_draws, kTail), quantile_of(of_draws, 1.0 - kTail)};
+}
+
 double force_at(const Curve& curve, double displacement) {
   const auto after = std::lower_bound(curve.displacement.begin(), curve.displacement.end(), displacement);
   if (after == curve.displacement.end()) return kNone;

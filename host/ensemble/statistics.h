@@ -1,6 +1,8 @@
 // What samples add up to. Values that are not a number count as not reached.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +56,27 @@ struct Fragility {
   std::string fit;       // moments; order statistics, where some have not reached it; none
 };
 Fragility fragility_of(const std::vector<double>& values);
+
+// What one run, or several, tell of the intensity at which a wall reaches a limit: it lies above low and not above
+// high. low 0: it may be anything up to high; high infinite: it was not reached at low.
+struct Capacity {
+  double low, high;
+  std::size_t record;  // of which runs depend on each other
+};
+// The lognormal distribution of greatest likelihood, intervals of 95 % by drawing records anew (bootstrap), not a
+// number of fewer than 3 records.
+class FittedFragility {
+ public:
+  // Nothing where no limit was reached, or where none was not. seed: of the draws.
+  static std::optional<FittedFragility> of(const std::vector<Capacity>& capacities, std::uint64_t seed);
+  double median = 0.0, spread = 0.0;
+  Interval of_median{}, of_spread{};
+  double probability(double intensity) const;
+  Interval probability_interval(double intensity) const;
+
+ private:
+  std::vector<std::array<double, 2>> drawn_;  // median, spread
+};
 
 // A curve as force over a common displacement.
 struct Curve {

@@ -76,6 +76,37 @@ void read_quantity_correlation(Table& t, Study& study) {
     t.refuse("correlation", "correlations that can be together: those given are not positive definite");
 }
 
+// Of a study with records: collapse, or a displacement.
+void read_limit_of_records(Table& f, LimitState& limit) {
+  f.number("displacement", limit.displacement, kPositive, "m, against the ground");
+  limit.name = limit.displacement > 0.0 ? fmt::format("{:g} m", limit.displacement) : "collapse";
+  f.text("name", limit.name, "text");
+}
+
+void read_limits(Table& t, Study& study) {
+  int index = 0;
+  for (const toml::table* table : t.tables("fragility", "tables [[fragility]]")) {
+    Table f(t.context(), *table, fmt::format("fragility.{}", ++index));
+    LimitState limit;
+    if (study.suite.any()) {
+      read_limit_of_records(f, limit);
+    } else {
+      f.text("output", limit.output, "a column of samples.csv", true);
+      limit.where = f.where("output");
+      limit.name = limit.output;
+      f.text("name", limit.name, "text");
+    }
+    f.finish();
+    study.limits.push_back(limit);
+  }
+  if (!study.limits.empty()) return;
+  if (study.suite.any())
+    study.limits = {{"collapse", "", "", 0.0}};
+  else
+    study.limits = {{"peak", "displacement_at_peak_m", "", 0.0},
+                    {"a loss of 20 % of the peak", "displacement_at_20_percent_loss_m", "", 0.0}};
+}
+
 }  // namespace
 
 Study read_study(const std::string& file) {
@@ -88,6 +119,8 @@ Study read_study(const std::string& file) {
   t.text("title", study.title, "text");
   if (t.text("scene", study.scene, "the path of a scene, from the folder of this file", true))
     study.scene = (std::filesystem::path(file).parent_path() / study.scene).lexically_normal().string();
+  study.suite = read_record_suite(t, (std::filesystem::path(file).parent_path() / "").string());
+  if (study.suite.any()) study.samples = 1;
   t.integer("samples", study.samples, 1, 1000000);
   t.integer("seed", study.seed, 0, 1L << 53);
   std::string method = "monte_carlo";
@@ -103,20 +136,7 @@ Study read_study(const std::string& file) {
     t.refuse("method", "\"monte_carlo\" where there is no [[quantity]]: fields of joints are drawn independently");
   if (study.method == random::Method::sobol && study.quantities.size() > random::kMostSobolDimensions)
     t.refuse("method", fmt::format("\"sobol\" with at most {} quantities", random::kMostSobolDimensions));
-  int index = 0;
-  for (const toml::table* table : t.tables("fragility", "tables [[fragility]]")) {
-    Table f(context, *table, fmt::format("fragility.{}", ++index));
-    LimitState limit;
-    f.text("output", limit.output, "a column of samples.csv", true);
-    limit.where = f.where("output");
-    limit.name = limit.output;
-    f.text("name", limit.name, "text");
-    f.finish();
-    study.limits.push_back(limit);
-  }
-  if (study.limits.empty())
-    study.limits = {{"peak", "displacement_at_peak_m", ""},
-                    {"a loss of 20 % of the peak", "displacement_at_20_percent_loss_m", ""}};
+  read_limits(t, study);
   t.finish();
   context.throw_faults();
   return study;
@@ -137,6 +157,23 @@ std::vector<std::string> columns_of(const Study& study, const Scene& scene) {
   return columns;
 }
 
+template <class Add>
+void check_suite(const Study& study, const Scene& scene, const Add& add) {
+  const auto shakes = [&](const Stage& stage) { return stage.name == study.suite.stage; };
+  const auto found = std::find_if(scene.stages.begin(), scene.stages.end(), shakes);
+  if (found == scene.stages.end() || !found->ground)
+    add(fmt::format("{}: shaking.stage = \"{}\": {} has no such stage that moves the ground", study.file,
+                    study.suite.stage, study.scene));
+  const bool scatters =
+      !study.quantities.empty() || std::any_of(scene.joints.begin(), scene.joints.end(), [](const auto& family) {
+        return std::any_of(family.second.properties.begin(), family.second.properties.end(),
+                           [](const PropertySetting& p) { return p.scatter.has_value(); });
+      });
+  if (study.samples > 1 && !scatters)
+    add(fmt::format("{}: samples = {}: walls that are all alike, as nothing scatters; remove it", study.file,
+                    study.samples));
+}
+
 }  // namespace
 
 void check_study(const Study& study, const Scene& scene) {
@@ -144,7 +181,7 @@ void check_study(const Study& study, const Scene& scene) {
   const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
   const std::vector<std::string> columns = columns_of(study, scene);
   for (const LimitState& limit : study.limits) {
-    if (std::find(columns.begin(), columns.end(), limit.output) == columns.end())
+    if (!study.suite.any() && std::find(columns.begin(), columns.end(), limit.output) == columns.end())
       add(fmt::format("{} = \"{}\": samples.csv has no such column{}; it has: {}", limit.where, limit.output,
                       did_you_mean(limit.output, columns), fmt::join(columns, ", ")));
   }
@@ -168,6 +205,7 @@ void check_study(const Study& study, const Scene& scene) {
           "{}: {}: samples of a study are numbered from 1, and their seed is that of the study; give it seed",
           study.file, setting));
   }
+  if (study.suite.any()) check_suite(study, scene, add);
   if (!faults.empty()) throw Error(Exit::bad_input, faults);
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ensemble/record_suite.h"
 #include "random/design.h"
 #include "random/distribution.h"
 #include "scene/scene.h"
@@ -19,8 +20,9 @@ struct StudyQuantity {
 
 // Whose probability of having been reached is asked for.
 struct LimitState {
-  std::string name, output;  // output: a column of samples.csv
-  std::string where;         // in the file, for messages; empty: one of those that every study has
+  std::string name, output;   // output: a column of samples.csv
+  std::string where;          // in the file, for messages; empty: one of those that every study has
+  double displacement = 0.0;  // of a study with records in place of output, m; 0: collapse
 };
 
 // How the samples of a study come to their inputs.
@@ -42,6 +44,14 @@ struct Study {
   std::vector<LimitState> limits;
   double crack_opening = 1e-4;      // m: a joint that is open so far is a crack
   std::string start, start_sha256;  // file with the end of another run, where samples begin; empty: at rest
+  RecordSuite suite;                // each of its records shakes each of the `samples` walls
+
+  // What is computed by one process at a time: a sample, or a wall under a record, records first. 0: the means, which
+  // no record shakes.
+  std::uint64_t tasks() const { return samples * (suite.any() ? suite.records.size() : 1); }
+  std::uint64_t first_task() const { return suite.any() ? 1 : 0; }
+  std::size_t record_of(std::uint64_t task) const { return (task - 1) % suite.records.size(); }
+  std::uint64_t wall_of(std::uint64_t task) const { return (task - 1) / suite.records.size() + 1; }
 
   // What inputs() has in a sample from 1 on; in sample 0 their means.
   std::vector<double> values(std::uint64_t sample) const;

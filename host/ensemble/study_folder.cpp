@@ -52,6 +52,26 @@ Json json_of(const StudyQuantity& quantity) {
           {"upper", bound(d.upper)}};
 }
 
+Json json_of(const RecordSuite& suite) {
+  Json json{{"method", static_cast<int>(suite.method)},
+            {"stage", suite.stage},
+            {"intensity", measure_key(suite.measure)},
+            {"sa_period", suite.period},
+            {"first", suite.first},
+            {"growth", suite.growth},
+            {"largest", suite.largest},
+            {"tolerance", suite.tolerance},
+            {"levels", suite.levels},
+            {"free_time", suite.free_time},
+            {"collapse_displacement", suite.displacement},
+            {"records", Json::array()},
+            {"files", Json::array()}};
+  for (const SuiteRecord& record : suite.records)
+    json["records"].push_back({{"name", record.name}, {"ground_motion", record.as_given}});
+  for (const std::string& file : suite.files) json["files"].push_back(sha256_of(read_input_file(file)));
+  return json;
+}
+
 // Whatever a sample depends on, and nothing else: what only the results say, as titles and fragilities, may change.
 Json identity_of(const Study& study, const Scene& scene) {
   Json json;
@@ -66,6 +86,7 @@ Json identity_of(const Study& study, const Scene& scene) {
   json["trials"] = word_of(study.trials);
   // Places of a Latin hypercube depend on how many there are.
   if (study.method == random::Method::latin_hypercube) json["samples"] = study.samples;
+  if (study.suite.any()) json["records"] = json_of(study.suite);
   json["text of the scene"] = sha256_of(scene.text);
   for (int number = 0; const HashedFile& file : input_files(scene))
     json[fmt::format("file {}, {}", ++number, fs::path(file.name).filename().string())] = file.sha256;
@@ -151,13 +172,13 @@ StudyFolder::StudyFolder(fs::path path, const Study& study, const Scene& scene, 
 fs::path StudyFolder::sample(std::uint64_t number) const { return path_ / "samples" / fmt::format("{:06}", number); }
 fs::path StudyFolder::claim(std::uint64_t number) const { return path_ / "claims" / fmt::format("{:06}", number); }
 
-std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples) {
+std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples,
+                       const std::vector<std::string>& outputs) {
   // A sample that failed early has none of what is drawn for joints: the columns are those of one that has most.
   const Values* inputs = nullptr;
   for (const auto& [number, sample] : samples) {
     if (!inputs || sample.inputs.size() > inputs->size()) inputs = &sample.inputs;
   }
-  const std::vector<std::string> outputs = output_names();
   std::string text = "sample,status,reason";
   for (std::size_t i = 0; inputs && i < inputs->size(); ++i) text += "," + csv_text((*inputs)[i].first);
   for (const std::string& name : outputs) text += "," + name;

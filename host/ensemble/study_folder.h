@@ -53,6 +53,7 @@ class StudyFolder {
 
 // samples.csv: one row a finished sample from 1 to the last one, in order. Numbers in the shortest decimals that read
 // back to the same double, nothing where there is none.
-std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples);
+std::string table_text(const std::vector<std::pair<std::uint64_t, Sample>>& samples,
+                       const std::vector<std::string>& outputs);
 
 }  // namespace quoin::ensemble

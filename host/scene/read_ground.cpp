@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "records/baseline.h"
+#include "records/pulses.h"
 #include "records/read_record.h"
 #include "records/scaling.h"
+#include "records/synthetic.h"
 
 namespace quoin {
 
@@ -101,6 +104,48 @@ void read_files(Table& t, const std::string& folder, GroundMotion& ground) {
   }
 }
 
+// pulse = { shape, ... }: in closed form.
+TimeSeries read_pulse(Table t) {
+  constexpr double kSamples = 200;  // of a period
+  std::string shape = "sine";
+  double amplitude = 1.0, period = 1.0, gamma = 2.0, phase = 0.0;
+  t.choice("shape", shape, {"rectangle", "sine", "cosine", "ricker", "mavroeidis"}, true);
+  const bool of_velocity = shape == "mavroeidis";
+  t.number("period", period, kPositive, "s", true);
+  t.number("amplitude", amplitude, kAny, of_velocity ? "m/s" : "m/s2");
+  const bool shaped = t.number("gamma", gamma, above_to(1.0, 100.0), "(zero crossings)");
+  const bool shifted = t.number("phase", phase, between(-360.0, 360.0), "deg");
+  if ((shaped || shifted) && !of_velocity)
+    t.refuse(shaped ? "gamma" : "phase", "only with shape = \"mavroeidis\"; remove it");
+  t.finish();
+  const double step = period / kSamples;
+  if (shape == "rectangle") return rectangular_pulse(amplitude, period);
+  if (shape == "sine") return sine_pulse(amplitude, period, step);
+  if (shape == "cosine") return cosine_pulse(amplitude, period, step);
+  if (shape == "ricker") return ricker_pulse(amplitude, period, step);
+  return mavroeidis_pulse(amplitude, 1.0 / period, gamma, phase * std::numbers::pi / 180.0, step);
+}
+
+// synthetic = { seed, number, ... }: follows a spectrum of EN 1998-1.
+TimeSeries read_synthetic(Table t, GroundMotion& ground) {
+  SyntheticSettings settings;
+  DesignSpectrum target;
+  std::string ground_type = "B";
+  t.integer("seed", settings.seed, 0, 1L << 53);
+  t.integer("number", settings.number, 0, 1000000);
+  t.number("ground_acceleration", target.ground_acceleration, kPositive, "m/s2");
+  t.choice("ground_type", ground_type, {"A", "B", "C", "D", "E"});
+  t.integer("spectrum_type", target.type, 1, 2);
+  t.number("duration", settings.duration, between(5.0, 200.0), "s");
+  t.number("time_step", settings.time_step, between(1e-3, 0.02), "s");
+  t.finish();
+  target.ground_type = ground_type[0];
+  const SyntheticRecord made = synthetic_record(target, settings);
+  ground.notes.push_back(fmt::format("{}; spectrum over that of the code {:.3f} on average, {:.3f} at least",
+                                     made.record.source, made.mean_ratio, made.worst_ratio));
+  return acceleration_of(made.record, 0);
+}
+
 // The part from `start` to `until`, which begins with the stage.
 TimeSeries part_of(const TimeSeries& series, double start, double until) {
   TimeSeries part;
@@ -146,9 +191,15 @@ void correct(Table& t, GroundMotion& ground) {
 }
 
 // pga, pgv or sa of the component that has most of it; `scale` comes on top.
-void scale(Table& t, GroundMotion& ground) {
+void scale(Table& t, bool states_unit, GroundMotion& ground) {
   double factor = 1.0;
   t.number("scale", factor, kAny, "(on the record)");
+  // Files that state their unit are read in it: who converts g once more has ten times the earthquake.
+  constexpr double kSame = 0.003;
+  if (states_unit && std::abs(factor / kStandardGravity - 1.0) < kSame)
+    t.refuse("scale", fmt::format("another factor: the file states its unit and is read in m/s2, so that {:g} would "
+                                  "convert it twice; remove scale (for such a factor on purpose give pga)",
+                                  factor));
   IntensityTarget target;
   const bool pga = t.number("pga", target.value, kPositive, "m/s2");
   const bool pgv = t.number("pgv", target.value, kPositive, "m/s");
@@ -200,6 +251,24 @@ void come_to_rest(Table& t, GroundMotion& ground) {
   ground.notes.push_back(fmt::format("brought to rest over {:g} s after the record", duration));
 }
 
+void read_made(Table& t, const Vec3& direction, GroundMotion& ground) {
+  const toml::table* pulse = t.table("pulse", "a table { shape, amplitude, period }");
+  const toml::table* synthetic = t.table("synthetic", "a table { seed, number, ground_acceleration, ground_type }");
+  for (const char* key : {"time", "acceleration"}) {
+    t.accept(key);
+    if (t.has(key)) t.refuse(key, "only without pulse and synthetic; remove one of the two");
+  }
+  if (pulse && synthetic) return t.refuse("synthetic", "only without pulse; remove one of the two");
+  try {
+    if (pulse) ground.components.push_back({direction, read_pulse({t.context(), *pulse, t.path("pulse")}), {}});
+    if (synthetic)
+      ground.components.push_back(
+          {direction, read_synthetic({t.context(), *synthetic, t.path("synthetic")}, ground), {}});
+  } catch (const Error& error) {
+    t.context().fault(fmt::format("{}: {}", t.where(), error.what()));
+  }
+}
+
 }  // namespace
 
 void read_direction(Table& t, const std::string& key, Vec3& direction, const char* what, bool required) {
@@ -220,15 +289,19 @@ GroundMotion read_ground(Table t, const std::string& folder) {
       if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
     }
     read_file(t, folder, t.has("direction"), direction, ground);
+  } else if (t.has("pulse") || t.has("synthetic")) {
+    read_made(t, direction, ground);
   } else if (by_axes) {
     read_files(t, folder, ground);
   } else if (TimeSeries given = read_pairs(t); !given.time.empty()) {
     ground.components.push_back({direction, std::move(given), {}});
   }
+  // Until here notes are what files leave to assumptions.
+  const bool of_file = t.has("file") || by_axes, states_unit = of_file && ground.notes.empty();
   try {
     correct(t, ground);
     cut(t, ground);
-    scale(t, ground);
+    scale(t, states_unit, ground);
     come_to_rest(t, ground);
   } catch (const Error& error) {
     t.context().fault(fmt::format("{}: {}", t.where(), error.what()));

@@ -1,0 +1,277 @@
+#include "ensemble/shake.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/any_error.h"
+#include "base/error.h"
+#include "base/input_file.h"
+#include "files/file.h"
+#include "results/checkpoint_file.h"
+#include "results/history.h"
+#include "results/json_file.h"
+#include "results/plots.h"
+#include "results/provenance.h"
+#include "results/summary.h"
+#include "results/warnings.h"
+#include "step/large_motion.h"
+#include "step/simulation.h"
+
+namespace quoin::ensemble {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLeastOfFirst = 1e-3;  // share of the first level below which no collapse is looked for
+constexpr double kSunk = 0.5;           // of its height: a block that is so much lower has lost its support
+
+Json number(double v) { return std::isfinite(v) ? Json(v) : Json(nullptr); }
+double number_in(const Json& json, const char* key) {
+  return json.contains(key) && json[key].is_number() ? json[key].get<double>() : kNone;
+}
+
+fs::path folder_of(const fs::path& folder, std::size_t run) { return folder / "runs" / fmt::format("{:02}", run); }
+
+void write_run(const fs::path& folder, const ShakenRun& run) {
+  Json json{{"status", run.status}, {"reason", run.reason}, {"factor", run.factor}};
+  for (std::size_t m = 0; m < kMeasures; ++m)
+    json[measure_column(static_cast<IntensityMeasure>(m))] = number(run.intensity[m]);
+  json["largest_displacement_m"] = number(run.largest);
+  json["residual_displacement_m"] = number(run.residual);
+  json["largest_base_shear_N"] = number(run.base_shear);
+  json["time_s"] = number(run.time);
+  write_json(folder / "run.json", json);
+}
+
+ShakenRun read_run(const fs::path& file) {
+  const Json json = Json::parse(read_input_file(file.string()), nullptr, false);
+  if (!json.is_object() || !json.contains("status") || !json.contains("factor"))
+    throw Error(Exit::bad_input, file.string() + ": is no run of a study; remove it, and it is computed anew");
+  ShakenRun run;
+  run.status = json["status"].get<std::string>(), run.reason = json.value("reason", "");
+  run.factor = number_in(json, "factor");
+  for (std::size_t m = 0; m < kMeasures; ++m)
+    run.intensity[m] = number_in(json, measure_column(static_cast<IntensityMeasure>(m)));
+  run.largest = number_in(json, "largest_displacement_m"), run.residual = number_in(json, "residual_displacement_m");
+  run.base_shear = number_in(json, "largest_base_shear_N"), run.time = number_in(json, "time_s");
+  return run;
+}
+
+// Looks at every row how far blocks have moved against the ground, and ends the run when one has collapsed.
+class CollapseWatch : public Observer {
+ public:
+  CollapseWatch(const fs::path& folder, Simulation* simulation, const RecordSuite& suite)
+      : history_(folder / "history.csv", simulation->scene()), simulation_(simulation), suite_(suite) {
+    for (int block = 0; block < simulation->block_count(); ++block) {
+      Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+      for (const Vec3& x : simulation->block_mesh(block).gridpoint) {
+        for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], x[c]), high[c] = std::max(high[c], x[c]);
+      }
+      extent_.push_back({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    }
+  }
+
+  void on_row(const HistoryRow& row) override {
+    history_.add(row);
+    const Stage& stage = simulation_->scene().stages[static_cast<std::size_t>(row.stage)];
+    if (!stage.ground) {
+      begin_ = row.time;
+      return;
+    }
+    run.time = row.time - begin_;
+    run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
+    run.residual = 0.0;
+    if (simulation_->riding() == nullptr) return;
+    const blocks::Model& model = *simulation_->riding();
+    for (int block = 0; block < model.block_count(); ++block) {
+      if (!model.assembly().blocks[static_cast<std::size_t>(block)].fixed) look(model, block, row, stage.gravity);
+    }
+    run.largest = std::max(run.largest, run.residual);
+    if (run.collapsed()) simulation_->request_stop();
+  }
+
+  History& history() { return history_; }
+  ShakenRun run;
+
+ private:
+  void look(const blocks::Model& model, int block, const HistoryRow& row, const Vec3& gravity) {
+    const Vec3 moved = geometry::array(model.position(block) - model.start_position(block));
+    double square = 0.0, sunk = 0.0, height = 0.0;
+    const double g = std::hypot(gravity[0], gravity[1], gravity[2]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double on_ground = moved[c] - row.ground_displacement[c];
+      square += on_ground * on_ground;
+      if (g <= 0.0) continue;
+      sunk += on_ground * gravity[c] / g;
+      height += extent_[static_cast<std::size_t>(block)][c] * std::abs(gravity[c]) / g;
+    }
+    const double distance = std::sqrt(square);
+    run.residual = std::max(run.residual, distance);
+    const bool far = distance >= suite_.displacement, fallen = height > 0.0 && sunk >= kSunk * height;
+    if (run.collapsed() || (!far && !fallen)) return;
+    run.status = "collapsed";
+    run.reason = fmt::format("{}: {}", simulation_->block_label(block),
+                             fallen ? "has lost its support" : "has reached the displacement of collapse");
+  }
+
+  History history_;
+  Simulation* simulation_;
+  const RecordSuite& suite_;
+  std::vector<Vec3> extent_;
+  double begin_ = 0.0;
+};
+
+void write_run_summary(const fs::path& folder, const Simulation& simulation, CollapseWatch& watch,
+                       const std::vector<std::string>& overrides) {
+  const auto& rows = watch.history().rows();
+  RunInfo info;
+  info.provenance.request.overrides = overrides;
+  info.status = watch.run.failed() ? "failed" : "done", info.message = watch.run.reason;
+  info.quasi_static = check_quasi_static(rows, simulation.scene());
+  info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  write_summary(folder / "summary.json", simulation, rows, info);
+}
+
+// One run; what the scene or the law makes impossible is its failure.
+ShakenRun shake(const Study& study, const std::function<Scene(const std::vector<std::string>&)>& make_scene,
+                const std::vector<std::string>& overrides, const fs::path& folder) {
+  make_folder(folder);
+  ShakenRun failed;
+  failed.status = "failed";
+  std::optional<Simulation> simulation;
+  try {
+    simulation.emplace(make_scene(overrides), 1);
+    take_start(&*simulation);
+  } catch (const Error& error) {
+    failed.reason = error.what();
+    return failed;
+  }
+  CollapseWatch watch(folder, &*simulation, study.suite);
+  watch.run.status = "stands";
+  try {
+    simulation->run(watch);
+  } catch (const Error& error) {
+    const bool stopped = error.exit_code == Exit::interrupted && watch.run.collapsed();
+    if (error.exit_code == Exit::bad_input) throw;
+    if (!stopped) watch.run.status = "failed", watch.run.reason = error.what();
+  } catch (const std::exception& error) {
+    watch.run.status = "failed", watch.run.reason = any_error(error).what();
+  }
+  watch.history().finish();
+  write_run_summary(folder, *simulation, watch, overrides);
+  return watch.run;
+}
+
+Json outputs_of(const RecordSuite& suite, const std::vector<ShakenRun>& runs) {
+  Json outputs = Json::object();
+  outputs["runs"] = runs.size();
+  if (suite.method == RecordSuite::Method::incremental) {
+    for (std::size_t m = 0; m < kMeasures; ++m) {
+      const auto measure = static_cast<IntensityMeasure>(m);
+      const Bracket b = bracket_of(runs, measure, 0.0);
+      const std::string column = measure_column(measure);
+      outputs["stands_" + column] = number(b.low);
+      outputs["collapse_" + column] =
+          b.low > 0.0 && std::isfinite(b.high) ? number(std::sqrt(b.low * b.high)) : Json(nullptr);
+    }
+  }
+  return outputs;
+}
+
+}  // namespace
+
+std::vector<std::string> suite_output_names(const RecordSuite& suite) {
+  std::vector<std::string> names{"runs"};
+  if (suite.method != RecordSuite::Method::incremental) return names;
+  for (std::size_t m = 0; m < kMeasures; ++m) {
+    const std::string column = measure_column(static_cast<IntensityMeasure>(m));
+    names.push_back("stands_" + column), names.push_back("collapse_" + column);
+  }
+  return names;
+}
+
+std::optional<double> next_level(const RecordSuite& suite, const std::vector<ShakenRun>& runs, double of_record) {
+  using Method = RecordSuite::Method;
+  if (!runs.empty() && runs.back().failed()) return std::nullopt;
+  if (suite.method == Method::cloud) return runs.empty() ? std::optional(of_record) : std::nullopt;
+  if (suite.method == Method::stripes)
+    return runs.size() < suite.levels.size() ? std::optional(suite.levels[runs.size()]) : std::nullopt;
+  if (runs.empty()) return suite.first;
+  const Bracket b = bracket_of(runs, suite.measure, 0.0);
+  if (!std::isfinite(b.high)) {
+    // The level of a run is a product: what is largest comes back with rounding.
+    if (b.low >= suite.largest * (1.0 - 1e-9)) return std::nullopt;
+    return std::min(b.low * suite.growth, suite.largest);
+  }
+  if (b.low == 0.0) {
+    const double lower = b.high / suite.growth;
+    return lower < kLeastOfFirst * suite.first ? std::nullopt : std::optional(lower);
+  }
+  return b.high <= b.low * (1.0 + suite.tolerance) ? std::nullopt : std::optional(std::sqrt(b.low * b.high));
+}
+
+Bracket bracket_of(const std::vector<ShakenRun>& runs, IntensityMeasure measure, double displacement) {
+  const auto m = static_cast<std::size_t>(measure);
+  Bracket b;
+  const auto reached = [&](const ShakenRun& run) {
+    return run.collapsed() || (displacement > 0.0 && run.largest >= displacement);
+  };
+  for (const ShakenRun& run : runs) {
+    if (!run.failed() && reached(run)) b.high = std::min(b.high, run.intensity[m]);
+  }
+  for (const ShakenRun& run : runs) {
+    if (!run.failed() && !reached(run) && run.intensity[m] < b.high) b.low = std::max(b.low, run.intensity[m]);
+  }
+  return b;
+}
+
+void shake_sample(const Study& study, std::uint64_t task,
+                  const std::function<Scene(const std::vector<std::string>&)>& make_scene, const fs::path& folder) {
+  const std::size_t record = study.record_of(task);
+  const std::vector<std::string> of_wall = study.overrides_of(study.wall_of(task));
+  const SuiteMotion motion = motion_of(study.suite, record);
+  const double of_record = motion.intensity[static_cast<std::size_t>(study.suite.measure)];
+  std::vector<ShakenRun> runs = read_runs(folder);
+  for (auto level = next_level(study.suite, runs, of_record); level; level = next_level(study.suite, runs, of_record)) {
+    const fs::path place = folder_of(folder, runs.size() + 1);
+    const double factor = *level / of_record;
+    std::vector<std::string> overrides = of_wall;
+    const std::vector<std::string> more = overrides_for(study.suite, record, motion, factor);
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    ShakenRun run = shake(study, make_scene, overrides, place);
+    run.factor = factor;
+    for (std::size_t m = 0; m < kMeasures; ++m) run.intensity[m] = factor * motion.intensity[m];
+    write_run(place, run);
+    runs.push_back(run);
+  }
+  Json inputs{{"record", record + 1}, {"wall", study.wall_of(task)}};
+  const std::vector<double> drawn = study.values(study.wall_of(task));
+  const std::vector<StudyQuantity> known = study.inputs();
+  for (std::size_t i = 0; i < drawn.size(); ++i) inputs[known[i].name] = drawn[i];
+  const bool failed = !runs.empty() && runs.back().failed();
+  write_json(folder / "sample.json",
+             {{"status", failed ? "failed" : "done"},
+              {"reason", failed ? fmt::format("run {} with {} times the record: {}", runs.size(), runs.back().factor,
+                                              runs.back().reason)
+                                : ""},
+              {"inputs", inputs},
+              {"outputs", outputs_of(study.suite, runs)}});
+}
+
+std::vector<ShakenRun> read_runs(const fs::path& folder) {
+  std::vector<ShakenRun> runs;
+  std::error_code unknown;
+  for (fs::path file = folder_of(folder, 1) / "run.json"; fs::exists(file, unknown);
+       file = folder_of(folder, runs.size() + 1) / "run.json")
+    runs.push_back(read_run(file));
+  return runs;
+}
+
+}  // namespace quoin::ensemble
