@@ -53,6 +53,19 @@ void print_motion(const Model& model) {
   fmt::print("  motion in small displacement: {}\n", text);
 }
 
+// Under damping of impacts the step depends on the blocks and their joints: that of a model that begins in the stage.
+struct StageStep {
+  double time_step = 0.0, in_use = 0.0;  // s; of critical
+};
+StageStep step_under_impacts(const Scene& scene, std::size_t stage) {
+  Scene alone = scene;
+  alone.solver = scene.solver_in(stage);
+  alone.stages = {scene.stages[stage]};
+  alone.stages.front().solver.reset();
+  const Simulation simulation(std::move(alone), 0);
+  return {simulation.time_step_report().time_step, simulation.riding()->impact_damping_in_use()};
+}
+
 // What ends each stage, and how many steps that takes where it can be told. Returns the steps of these stages.
 double print_stages(const Scene& scene, const TimeStepReport& report) {
   double steps = 0.0;
@@ -60,9 +73,12 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
   for (size_t i = 0; i < scene.stages.size(); ++i) {
     const Stage& stage = scene.stages[i];
     const std::string own = own_solver_text(scene, i);
+    const bool impacts = scene.solver_in(i).damping == DampingKind::impact;
+    const StageStep damped = impacts ? step_under_impacts(scene, i) : StageStep{};
     const double time_step =
-        own.empty() ? report.time_step
-                    : blocks::step_over_critical(scene.solver_in(i), report.critical.value) * report.critical.value;
+        impacts       ? damped.time_step
+        : own.empty() ? report.time_step
+                      : blocks::step_over_critical(scene.solver_in(i), report.critical.value) * report.critical.value;
     double seconds = stage.duration.value_or(0.0);
     if (stage.displacement) {
       for (const BodyControl& c : stage.controls) {
@@ -79,8 +95,11 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
     if (stage.ground) fmt::print("      ground motion, {}\n", ground_text(*stage.ground));
     if (!own.empty())
-      fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max\n", own, time_step,
-                 time_step / report.critical.value);
+      fmt::print("      {}: time step {:.4g} s, {:.2f} of 2/omega_max{}\n", own, time_step,
+                 time_step / report.critical.value,
+                 damped.in_use > 0.0 && damped.in_use < 0.99 * scene.solver_in(i).impact_damping
+                     ? fmt::format(", at which {:.2g} of critical is in use", damped.in_use)
+                     : "");
     if (const std::string warning = ground_damping_warning(scene, i); !warning.empty())
       fmt::print("      warning: {}\n", warning);
   }

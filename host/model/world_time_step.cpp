@@ -434,7 +434,23 @@ void World::choose_impact_damping() {
   impact_beta_.clear();
   impact_zone_beta_ = 0.0, impact_share_ = 1.0;
   if (!impacts_damped()) return;
+  // Joints between the halves of units are glued from the start: nothing lands there, and their stiffness, which is
+  // that of the units, would take all of the step.
+  const auto within_units = [&](size_t f) {
+    double any = 0.0, others = 0.0;
+    for (const uint32_t i : contacts_of_family_[f]) {
+      const Contact& c = contacts_[i];
+      if (c.count == 0 || !owns(c)) continue;
+      any = 1.0;
+      if (other_half_[size_t(c.pair.a)] != c.pair.b) others = 1.0;
+    }
+    return largest(any) > 0.0 && largest(others) == 0.0;
+  };
   for (size_t f = 0; f < families_.size(); ++f) {
+    if (within_units(f)) {
+      impact_beta_.insert(impact_beta_.end(), {0.0, 0.0});
+      continue;
+    }
     const auto [normal, along] = landing_frequencies(int(f));
     impact_beta_.push_back(normal > 0.0 ? 2.0 * solver_.impact_damping / normal : 0.0);
     impact_beta_.push_back(along > 0.0 ? 2.0 * kAlong * solver_.impact_damping / along : 0.0);

@@ -10,7 +10,9 @@ namespace {
 
 constexpr long kLeastRows = 10;  // of a stage: fewer are no sample of forces that swing
 
+// Slowly, as it should be: not the stages that shake.
 bool drives(const Stage& stage) {
+  if (stage.ground) return false;
   return stage.displacement || stage.whiffletree ||
          std::any_of(stage.controls.begin(), stage.controls.end(), [](const BodyControl& c) {
            for (std::size_t i = 0; i < 3; ++i) {

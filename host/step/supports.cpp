@@ -39,7 +39,11 @@ std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const
       const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
         return brick.rigid && !c.body.empty() && c.body == brick.body;
       });
-      held.push_back(control == settings.controls.end() ? std::uint8_t{0} : imposed_by(*control));
+      // What becomes the ground where the stage goes over to large motion.
+      const bool ground = brick.fixed && !settings.beyond_lattice().empty();
+      held.push_back(control != settings.controls.end() ? imposed_by(*control)
+                     : ground                           ? std::uint8_t{7}
+                                                        : std::uint8_t{0});
     }
     return held;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/read_scene.h"
+#include "step/large_motion.h"
 #include "support.h"
 
 namespace quoin {
@@ -127,6 +128,27 @@ energy = true
   const Energies e = *simulation.measure().energies;
   EXPECT_GT(e.external, 0.5 * 2.0 * 0.1 * 0.1);  // 2 kg at some 0.15 m/s
   EXPECT_NEAR(e.balance_error(), 0.0, 1e-3 * e.external);
+}
+
+// Damping of impacts has a state, the tractions of the step before and its share in use: a run that is left in the
+// middle of a pulse goes on to the same bits.
+TEST(GroundMotion, DampingOfImpactsGoesOnWhereItWasLeft) {
+  const Scene shaken = read_scene(
+      QUOIN_SCENES "/facade.toml",
+      {"stage.weight.duration=0.05", "stage.earthquake.duration=0.3",
+       "stage.earthquake.ground_motion={direction=[1, 0, 0], pulse={shape='sine', amplitude=20, period=0.3}}"});
+  Simulation simulation(shaken);
+  Observer nobody;
+  ASSERT_TRUE(simulation.run_stage(nobody));
+  ASSERT_TRUE(simulation.run_stage(nobody, 700));
+  ASSERT_GT(simulation.riding()->impact_damping_in_use(), 0.0);
+  const std::vector<std::uint8_t> half_way = simulation.save();
+  simulation.run(nobody);
+  Simulation resumed(shaken, 2);
+  resumed.restore(half_way);
+  resumed.run(nobody);
+  EXPECT_EQ(resumed.hash(), simulation.hash());
+  EXPECT_EQ(resumed.riding()->impact_damping_in_use(), simulation.riding()->impact_damping_in_use());
 }
 
 }  // namespace
