@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <numeric>
 
 #include "base/error.h"
 
@@ -636,15 +637,27 @@ void World::apply_force(int block, const Vector& force) {
 }
 
 void World::track_energy(bool on) {
-  energy_ = on;
   energies_ = {};
   later_ = {};
   for (Family& f : families_) {
-    f.stored = LaneVector<double>(on ? f.size() : 0);
-    for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
     for (auto& column : f.viscous) column = LaneVector<double>(viscous_contacts() ? f.size() : 0);
   }
+  book_energy(on);
+}
+
+void World::book_energy(bool on) {
+  energy_ = on;
+  for (Family& f : families_) {
+    f.stored = LaneVector<double>(on ? f.size() : 0);
+    for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
+  }
   bind_columns();
+}
+
+double World::dissipated_in_step() const {
+  double sum = 0.0;
+  for (const Chunk& chunk : chunks_) sum += std::accumulate(chunk.dissipated, std::end(chunk.dissipated), 0.0);
+  return sum;
 }
 
 }  // namespace quoin::blocks

@@ -370,6 +370,7 @@ void Simulation::Impl::restore(ByteSource& source) {
     throw of_another_model();
   if (riding) {
     const auto is_block = [&](int i) { return i >= 0 && i < riding->block_count(); };
+    if (!want_energy) riding->book_energy(watch.pending);
     riding->restore(reader);
     if (!std::all_of(monitor_blocks.begin(), monitor_blocks.end(), is_block)) throw of_another_model();
     for (const Drive& drive : drives) {

@@ -219,6 +219,7 @@ void Simulation::Impl::promote(const std::string& why) {
   promotion.strain_energy = strain_energy(m, before);
   promotion.energy_jump = m.strain_energy() - promotion.strain_energy;
   outcome.promotion = promotion;
+  watch.pending = false;  // what the lattice stored is counted otherwise
   if (ranks) partition_work();  // others are watched now
 }
 

@@ -182,6 +182,13 @@ void Simulation::Impl::measure_riding_step() {
   unbalanced_ratio = riding->unbalanced_ratio();
   const blocks::Energies& e = riding->energies();
   kinetic = riding->measured_kinetic_energy();
+  if (sample_energy) {
+    Energies now;
+    now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored;
+    const double work = e.external - e.damping - e.detection;  // since energies were booked first
+    look_at_energies(now, riding->dissipated_in_step(), work, -work);
+    if (!watch.pending) stop_look();
+  }
   if (!want_energy) return;
   // On top of what the lattice has spent before a promotion.
   const double jump = outcome.promotion ? outcome.promotion->energy_jump : 0.0;
@@ -210,6 +217,16 @@ Vec3 Simulation::Impl::riding_displacement(const std::vector<int>& blocks) const
   return mean;
 }
 
+Vec3 Simulation::Impl::riding_displacement_at_forces(const std::vector<int>& blocks) const {
+  Vec3 mean = riding_displacement(blocks);
+  for (const int block : blocks) {
+    const Vector v = riding->velocity(block);
+    for (std::size_t c = 0; c < 3; ++c)
+      mean[c] -= data.time_step * v[static_cast<int>(c)] / static_cast<double>(blocks.size());
+  }
+  return mean;
+}
+
 double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
   const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
@@ -230,7 +247,7 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   row.dynamic_force = whole * riding->net_force()[static_cast<int>(direction)];
   measure_base(row);
   if (monitor_blocks.empty()) return;
-  row.monitor_displacement = row.monitor_relative = riding_displacement(monitor_blocks);
+  row.monitor_displacement = row.monitor_relative = riding_displacement_at_forces(monitor_blocks);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : monitor_blocks) {
     const Vec3 joints = geometry::array(riding->contact_force(block));

@@ -119,7 +119,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
     const bool check = settings.equilibrium_ratio && s.stage_step % kCheckInterval == 0;
     const bool due = s.stage_step >= s.next_row, row = stop || due;
     const bool frame = frames > 0 && s.next_frame <= frames && s.stage_fraction() * frames >= s.next_frame;
-    s.sample_energy = !s.riding && (s.watch.pending || (due && s.begin_look()));
+    s.sample_energy = s.watch.pending || (due && s.begin_look());
     const bool count_crushed = row && s.step_count >= s.watch.next_flags;
     if (count_crushed) s.watch.next_flags = Watch::after(s.step_count);
     s.step_once(check || row || frame || s.books_energy() || s.sample_energy, count_crushed || frame);

@@ -24,7 +24,9 @@
 
 namespace quoin {
 
-constexpr long kTimedSteps = 32;     // one step in so many is timed phase by phase: a percent of a step, and no more
+// One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round intervals,
+// such as looks at motion, falls on timed steps as often as on others.
+constexpr long kTimedSteps = 31;
 constexpr long kCheckInterval = 20;  // steps between two looks at the unbalanced force, or at a force that is lost
 
 using Clock = std::chrono::steady_clock;
@@ -200,6 +202,7 @@ struct Simulation::Impl {
   // --- the watch (watch.cpp) ----------------------------------------------------------------------------------------
   // Whether the energies of this step, before a row, are to be held against those of the next.
   bool begin_look() const;
+  void stop_look();
   void look_at_energies(const Energies& now, double dissipated, double work_before, double work_after);
   double allowed_overlap() const;
   void look_at_points();
@@ -270,6 +273,7 @@ struct Simulation::Impl {
   void watch_uplift();
   Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
   Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
+  Vec3 riding_displacement_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
   void measure_riding(HistoryRow& row) const;
   void measure_base(HistoryRow& row) const;
   void look_at_riding_motion();

@@ -24,7 +24,9 @@ double processor_seconds() {
 // Both phases go over independent pieces, so the bits do not depend on which thread does which.
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   apply_controls();
-  if (sample_energy && energy_columns[0].empty()) {
+  if (watch.pending && !sample_energy) stop_look();
+  if (riding && sample_energy && !watch.pending) riding->book_energy(true);
+  if (!riding && sample_energy && energy_columns[0].empty()) {
     for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
   }
   data.energies = want_energy || sample_energy;

@@ -16,10 +16,16 @@ namespace quoin {
 using geometry::Vector;
 
 bool Simulation::Impl::begin_look() const {
-  if (riding || want_energy || watch.pending || step_count < watch.next_energies) return false;
+  if (want_energy || watch.pending || step_count < watch.next_energies) return false;
   return std::all_of(model.families.begin(), model.families.end(), [](const ContactFamily& family) {
     return (family.material->api().capabilities & QUOIN_CAN_ENERGY) != 0;
   });
+}
+
+// Between a step that was looked at and the next, another one has come, or both are done.
+void Simulation::Impl::stop_look() {
+  watch.pending = false;
+  if (riding && !want_energy) riding->book_energy(false);
 }
 
 // The balance of a step: what it stores more, less what came in, is nothing. Steps that were looked at stand for all.

@@ -41,13 +41,12 @@ struct Rows : Observer {
 
 // Every step's displacement is that of the closed form, so that amplitudes are reached to 1e-9 m between two steps; and
 // the velocity changes by no more than the steepest smooth step has, 15/8 v/r.
-void expect_closed_form(const std::vector<HistoryRow>& rows, const Stage& stage, double start, bool riding) {
+void expect_closed_form(const std::vector<HistoryRow>& rows, const Stage& stage, double start) {
   const CyclicMotion motion(*stage.cycles);
   double largest = 0.0, least = 0.0, before = 0.0;
   const double dt = rows[1].time - rows[0].time;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {  // the last row stands two steps after the one before
-    // On the lattice a row has the displacement at the time of its forces, a step before its own time.
-    const double time = rows[i].time - start - (riding ? 0.0 : dt);
+    const double time = rows[i].time - start - dt;  // a row has the displacement at the time of its forces
     ASSERT_NEAR(rows[i].displacement, motion.position(time), 1e-13) << i;
     largest = std::max(largest, rows[i].displacement), least = std::min(least, rows[i].displacement);
     const double velocity = (rows[i].displacement - rows[i - 1].displacement) / dt;
@@ -71,7 +70,7 @@ TEST(Cycles, OfAWallReachTheirAmplitudes) {
     Rows rows(1);
     s.run(rows);
     EXPECT_FALSE(s.riding());
-    expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows), false);
+    expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
     EXPECT_NEAR(rows.rows.back().time - start_of(rows.rows), *scene.stages[1].duration,
                 2 * s.time_step_report().time_step);
     EXPECT_TRUE(s.outcome().force_losses.empty());
@@ -84,7 +83,7 @@ TEST(Cycles, InLargeMotionReachTheirAmplitudes) {
   Rows rows(1);
   s.run(rows);
   ASSERT_TRUE(s.riding());
-  expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows), true);
+  expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
 }
 
 // From the lattice to large motion in the middle of a cycle.
@@ -218,7 +217,7 @@ TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
     Rows rows(1);
     s.run(rows);
     EXPECT_EQ(s.riding() == nullptr, how == std::string("solver.kernels=lattice"));
-    expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows), s.riding() != nullptr);
+    expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
     double largest = 0.0;
     for (const HistoryRow& row : rows.rows) largest = std::max(largest, std::abs(row.resistance));
     EXPECT_NEAR(largest, std::tan(M_PI / 6) * 400 * 9.81, 0.02 * 2265);

@@ -147,12 +147,18 @@ TEST_F(Plugins, ControlCharactersOfALawDoNotReachTheTerminal) {
 TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
   for (const auto& [deed, about, words] : {std::tuple{"energy 3", "energy_balance", "energies do not balance"},
                                            {"stiff 4", "time_step", "4 times as stiff as the bounds that it states"}}) {
-    EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3"}), doing(deed)), 0) << error_;
-    EXPECT_THAT(error_, HasSubstr(words)) << deed;
-    bool told = false;
-    const nlohmann::json all = summary();
-    for (const auto& warning : all["warnings"]) told = told || warning["about"] == about;
-    EXPECT_TRUE(told) << deed << all["watch"];
+    for (const char* const motion : {"never", "always"}) {
+      EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set",
+                                std::string("solver.large_motion=") + motion}),
+                      doing(deed)),
+                0)
+          << error_;
+      EXPECT_THAT(error_, HasSubstr(words)) << deed << motion;
+      bool told = false;
+      const nlohmann::json all = summary();
+      for (const auto& warning : all["warnings"]) told = told || warning["about"] == about;
+      EXPECT_TRUE(told) << deed << motion << all["watch"];
+    }
   }
 }
 

@@ -64,7 +64,11 @@ void Simulation::Impl::follow_ground(const Stage& settings, double s) {
 void Simulation::Impl::measure_base(HistoryRow& row) const {
   const auto ground =
       std::find_if(drives.begin(), drives.end(), [](const Drive& drive) { return drive.of_ground == 7; });
-  if (ground != drives.end()) row.ground_displacement = riding_displacement(ground->block);
+  Vec3 moved{};  // by now, as the contact points
+  if (ground != drives.end()) {
+    moved = riding_displacement(ground->block);
+    row.ground_displacement = riding_displacement_at_forces({ground->block});
+  }
   const double whole = model.assembly.symmetry_factor;
   const auto& blocks = riding->assembly().blocks;
   for (int block = 0; block < riding->block_count(); ++block) {
@@ -73,7 +77,7 @@ void Simulation::Impl::measure_base(HistoryRow& row) const {
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints[c];
   }
   if (in_parts) return;  // no rank has all contact points
-  const Vector centre = base_centre + geometry::vector(row.ground_displacement);
+  const Vector centre = base_centre + geometry::vector(moved);
   Vector moment;
   for (const blocks::Contact& c : riding->contacts()) {
     const bool a = blocks[static_cast<std::size_t>(c.pair.a)].fixed,
