@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <map>
-#include <numeric>
 
 #include "base/error.h"
 
@@ -652,12 +651,6 @@ void World::book_energy(bool on) {
     for (auto& d : f.dissipated) d = LaneVector<double>(on ? f.size() : 0);
   }
   bind_columns();
-}
-
-double World::dissipated_in_step() const {
-  double sum = 0.0;
-  for (const Chunk& chunk : chunks_) sum += std::accumulate(chunk.dissipated, std::end(chunk.dissipated), 0.0);
-  return sum;
 }
 
 }  // namespace quoin::blocks

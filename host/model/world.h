@@ -458,7 +458,7 @@ class World {
   void track_energy(bool on);  // from nothing
   // Energies of the steps from now on are added to what has been booked; off: that stays.
   void book_energy(bool on);
-  double dissipated_in_step() const;  // by laws, in the last one, J; with energies
+  double dissipated_in_step() const { return dissipated_in_step_; }  // by laws, in the last one, J; with energies
   // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
   void move_ground(const Vector& half_step_ago, const Vector& now) { ground_then_ = half_step_ago, ground_now_ = now; }
   // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
@@ -880,6 +880,7 @@ class World {
   Vector net_;
   Energies energies_;
   HalfStep later_;
+  double dissipated_in_step_ = 0.0;  // J
 };
 
 }  // namespace quoin::blocks

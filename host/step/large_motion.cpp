@@ -567,10 +567,13 @@ void Model::sum_up() {
     startled_ |= sums.startled && owns(i);
   }
   if (!energy_) return;
-  energies_.contact_stored = energies_.kinetic = energies_.strain = 0.0;
+  energies_.contact_stored = energies_.kinetic = energies_.strain = dissipated_in_step_ = 0.0;
   for (const Chunk& chunk : chunks_) {
     energies_.contact_stored += chunk.stored;
-    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) energies_.dissipated[k] += chunk.dissipated[k];
+    for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) {
+      energies_.dissipated[k] += chunk.dissipated[k];
+      dissipated_in_step_ += chunk.dissipated[k];
+    }
     energies_.damping += chunk.damping;
   }
   // Forces act from half a step before their time to half a step after it; energies are those at their time.
