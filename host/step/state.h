@@ -24,8 +24,8 @@
 
 namespace quoin {
 
-// One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round intervals,
-// such as looks at motion, falls on timed steps as often as on others.
+// One step in so many is timed phase by phase: a percent of a step, and no more. A prime: what comes at round
+// intervals, such as looks at motion, falls on timed steps as often as on others.
 constexpr long kTimedSteps = 31;
 constexpr long kCheckInterval = 20;  // steps between two looks at the unbalanced force, or at a force that is lost
 
@@ -144,8 +144,17 @@ struct Simulation::Impl {
   // --- the step -----------------------------------------------------------------------------------------------------
   // measure: sums for unbalanced force and energies; report: flags by contact point too.
   void step_once(bool measure, bool report);
+  void begin_step(bool measure);
+  void end_step(bool measure, bool report);
+  // All chunks of contact points; then all items, which move blocks. clock: of the thread, started; null: not timed.
+  using Work = std::function<void(int thread, int index, PhaseClock* clock)>;
+  void each_chunk(const Work& work);
+  void each_item(bool measure, const Work& work);
+  PhaseClock* started_clock(int thread);
   void book_time(double wall, double weight);  // s, by what the clocks of the threads say; they begin anew
-  void advance_item(int item, double* scratch, Measured* measured);
+  // Of the lattice.
+  void advance_contacts(int thread, int chunk, bool measure, bool report, PhaseClock* clock);
+  void advance_item(int thread, int item, bool measure);
   void apply_controls();
   void follow_ramps();
   void pull_whiffletree();
@@ -271,8 +280,8 @@ struct Simulation::Impl {
   bool stands_below(const std::vector<int>& blocks) const;
   bool collapse_ended(std::vector<Warning>* told);
   void watch_uplift();
-  Vec3 riding_displacement(int block) const;                       // of the centre of mass since the start, m
-  Vec3 riding_displacement(const std::vector<int>& blocks) const;  // on average
+  Vec3 riding_displacement(int block) const;                                 // of the centre of mass since the start, m
+  Vec3 riding_displacement(const std::vector<int>& blocks) const;            // on average
   Vec3 riding_displacement_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
   void measure_riding(HistoryRow& row) const;
   void measure_base(HistoryRow& row) const;
@@ -514,6 +523,7 @@ struct Simulation::Impl {
   std::optional<std::uint64_t> start_hash;  // of a run in parts whose states do not begin all alike
 
   bool time_every_step = false;
+  double timed_steps = 0.0;  // that this one's time stands for; 0: it is not timed
   PhaseTimes times;
   std::vector<PhaseClock> clocks;  // by thread
 };

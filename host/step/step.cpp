@@ -23,6 +23,23 @@ double processor_seconds() {
 // One step of central differences. Displacements are those of the time t; velocities those of t - dt/2, then t + dt/2.
 // Both phases go over independent pieces, so the bits do not depend on which thread does which.
 void Simulation::Impl::step_once(bool measure_step, bool report) {
+  begin_step(measure_step);
+  each_chunk([&](int thread, int chunk, PhaseClock* clock) {
+    if (riding) return riding->advance_contacts(chunk, clock);
+    advance_contacts(thread, chunk, measure_step, report, clock);
+  });
+  const bool failed = law_failed.load(std::memory_order_relaxed);
+  if (ranks && !riding ? agree(failed) : failed) report_failed_points();
+  each_item(measure_step, [&](int thread, int item, PhaseClock* clock) {
+    if (riding) return riding->advance_piece(item, clock);
+    advance_item(thread, item, measure_step);
+    lap(clock, Phase::motion);
+  });
+  end_step(measure_step, report);
+}
+
+// What acts from outside, and what the step is asked for.
+void Simulation::Impl::begin_step(bool measure_step) {
   apply_controls();
   if (watch.pending && !sample_energy) stop_look();
   if (riding && sample_energy && !watch.pending) riding->book_energy(true);
@@ -32,48 +49,61 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
   data.energies = want_energy || sample_energy;
   gathered = gathered_by_first = ranks == nullptr;
   has_row = false;
+  timed_steps = time_every_step ? 1.0 : step_count % kTimedSteps == 0 ? static_cast<double>(kTimedSteps) : 0.0;
   if (riding) riding->begin_step(measure_step);
-  const bool timed = time_every_step || step_count % kTimedSteps == 0;
-  const double weight = time_every_step ? 1.0 : static_cast<double>(kTimedSteps);
-  const auto clock_of = [&](int thread) -> PhaseClock* {
-    if (!timed) return nullptr;
-    PhaseClock& clock = clocks[static_cast<std::size_t>(thread)];
-    clock.start();
-    return &clock;
-  };
-  const auto now_if = [&](bool on) { return on ? Clock::now() : Clock::time_point(); };
-  auto before = now_if(timed);
+}
 
-  auto contacts = [&](int thread, int k) {
-    const int i = share.chunks[static_cast<std::size_t>(k)];
-    PhaseClock* const clock = clock_of(thread);
-    if (riding) return riding->advance_contacts(i, clock);
-    ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
-    const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(i)];
-    contact_jumps(model, chunk, data, jump);
-    lap(clock, Phase::jumps);
-    evaluate_law(i, *jump, measure_step, report);
-    lap(clock, Phase::law);
-    contact_forces(model, chunk, data);
-    lap(clock, Phase::contact_forces);
-  };
+// Jumps, law, forces.
+void Simulation::Impl::advance_contacts(int thread, int index, bool measure_step, bool report, PhaseClock* clock) {
+  ChunkJumps* const jump = jumps[static_cast<std::size_t>(thread)].get();
+  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(index)];
+  contact_jumps(model, chunk, data, jump);
+  lap(clock, Phase::jumps);
+  evaluate_law(index, *jump, measure_step, report);
+  lap(clock, Phase::law);
+  contact_forces(model, chunk, data);
+  lap(clock, Phase::contact_forces);
+}
+
+void Simulation::Impl::end_step(bool measure_step, bool report) {
+  if (riding) end_riding_step(timed_steps);
+  if (measure_step) {
+    const auto before = Clock::now();
+    sum_measurements();
+    times[Phase::measurement] += seconds_since(before);
+  }
+  sample_energy = false;
+  if (report) flags_step = step_count;
+  ++step_count;
+  ++stage_step;
+}
+
+PhaseClock* Simulation::Impl::started_clock(int thread) {
+  if (timed_steps == 0.0) return nullptr;
+  PhaseClock& clock = clocks[static_cast<std::size_t>(thread)];
+  clock.start();
+  return &clock;
+}
+
+void Simulation::Impl::each_chunk(const Work& work) {
+  const auto before = timed_steps > 0.0 ? Clock::now() : Clock::time_point();
   const double evaluating = ranks ? processor_seconds() : 0.0;
-  pool.for_each(chunk_end, contacts);
-  if (ranks) traffic.own_seconds += processor_seconds() - evaluating;
-  const bool failed = law_failed.load(std::memory_order_relaxed);
-  if (ranks && !riding ? agree(failed) : failed) report_failed_points();
-  if (timed) book_time(seconds_since(before), weight), before = Clock::now();
-
-  auto advance = [&](int thread, int i) {
-    PhaseClock* const clock = clock_of(thread);
-    if (riding) return riding->advance_piece(i, clock);
-    double* const memory = scratch[static_cast<std::size_t>(thread)].data();
-    advance_item(i, memory, measure_step ? &measured[static_cast<std::size_t>(i)] : nullptr);
-    lap(clock, Phase::motion);
+  auto chunk = [&](int thread, int k) {
+    work(thread, share.chunks[static_cast<std::size_t>(k)], started_clock(thread));
   };
-  auto on_border = [&](int thread, int k) { advance(thread, share.items[static_cast<std::size_t>(k)]); };
+  pool.for_each(chunk_end, chunk);
+  if (ranks) traffic.own_seconds += processor_seconds() - evaluating;
+  if (timed_steps > 0.0) book_time(seconds_since(before), timed_steps);
+}
+
+// With ranks those on borders first: what others wait for is on its way while the rest moves.
+void Simulation::Impl::each_item(bool measure_step, const Work& work) {
+  const auto before = timed_steps > 0.0 ? Clock::now() : Clock::time_point();
+  auto on_border = [&](int thread, int k) {
+    work(thread, share.items[static_cast<std::size_t>(k)], started_clock(thread));
+  };
   auto inner = [&](int thread, int k) {
-    advance(thread, share.items[share.border_items + static_cast<std::size_t>(k)]);
+    work(thread, share.items[share.border_items + static_cast<std::size_t>(k)], started_clock(thread));
   };
   double moving = ranks ? processor_seconds() : 0.0;
   if (share.border_items > 0) pool.for_each(border_end, on_border);
@@ -83,21 +113,10 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
     moving += processor_seconds() - sending;
   }
   pool.for_each(item_end, inner);
-  if (timed) book_time(seconds_since(before), weight);
-  if (ranks) {
-    traffic.own_seconds += processor_seconds() - moving;
-    hear_of_motion(measure_step);
-  }
-  if (riding) end_riding_step(timed ? weight : 0.0);
-  if (measure_step) {
-    before = now_if(true);
-    sum_measurements();
-    times[Phase::measurement] += seconds_since(before);
-  }
-  sample_energy = false;
-  if (report) flags_step = step_count;
-  ++step_count;
-  ++stage_step;
+  if (timed_steps > 0.0) book_time(seconds_since(before), timed_steps);
+  if (!ranks) return;
+  traffic.own_seconds += processor_seconds() - moving;
+  hear_of_motion(measure_step);
 }
 
 void Simulation::Impl::book_time(double wall, double weight) {
@@ -110,7 +129,9 @@ void Simulation::Impl::book_time(double wall, double weight) {
   for (std::size_t k = 0; k < kPhases && total > 0.0; ++k) times.seconds[k] += weight * wall * sum.seconds[k] / total;
 }
 
-void Simulation::Impl::advance_item(int item, double* memory, Measured* record) {
+void Simulation::Impl::advance_item(int thread, int item, bool measure_step) {
+  double* const memory = scratch[static_cast<std::size_t>(thread)].data();
+  Measured* const record = measure_step ? &measured[static_cast<std::size_t>(item)] : nullptr;
   auto i = static_cast<std::size_t>(item);
   if (i < model.unit_groups.size()) return advance_units(model, model.unit_groups[i], data, memory, record);
   i -= model.unit_groups.size();
