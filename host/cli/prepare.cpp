@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "base/input_file.h"
@@ -96,18 +98,105 @@ void refuse_what_does_not_fit(const Scene& scene, const SceneOptions& options) {
 }
 
 // Stiffnesses beyond are slips, and time steps follow from them.
-void refuse_what_is_too_stiff(const JointFamily& family, const Law& law) {
+std::string fault_of_stiffness(const JointFamily& family, const Law& law) {
   constexpr double kMost = 1e20;  // Pa/m; steel of 2 nm
   const Material material(law, family.properties);
   const quoin_stiffness_bounds& bounds = material.stiffness_bounds();
-  if (bounds.normal <= kMost && bounds.shear <= kMost) return;  // not a number: refused too
-  throw Error(Exit::bad_input,
-              fmt::format("{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
-                          "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
-                          family.source.text, law.law->id, bounds.normal, bounds.shear, kMost));
+  if (bounds.normal <= kMost && bounds.shear <= kMost) return "";  // not a number: refused too
+  return fmt::format(
+      "{}: law {} is up to {:g} and {:g} Pa/m stiff (across and along the joint) with these "
+      "properties; allowed: {:g} Pa/m at most, as time steps follow from it; lower the stiffness",
+      family.source.text, law.law->id, bounds.normal, bounds.shear, kMost);
+}
+
+// Faults that laws find, one a line. The exit code is that of a wrong scene when there is any.
+class LawFaults {
+ public:
+  void add(const std::string& fault, Exit code = Exit::bad_input) {
+    if (fault.empty()) return;
+    if (std::find(faults_.begin(), faults_.end(), fault) == faults_.end()) faults_.push_back(fault);
+    if (code == Exit::bad_input || exit_code_ == Exit::done) exit_code_ = code;
+  }
+  void throw_any() const {
+    if (!faults_.empty()) throw Error(exit_code_, fmt::format("{}", fmt::join(faults_, "\n")));
+  }
+
+ private:
+  std::vector<std::string> faults_;
+  Exit exit_code_ = Exit::done;
+};
+
+// Whether the law knows all keys of the family.
+bool check_names(const Scene& scene, const JointFamily& family, const Law& law, LawFaults& faults) {
+  std::vector<std::string> ids;
+  for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
+  std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
+  bool known = true;
+  const auto add = [&](const std::string& fault) {
+    faults.add(fault);
+    known = known && fault.empty();
+  };
+  if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
+    add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
+                    family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
+                    fmt::join(states, ", ")));
+  std::vector<std::string> keys = ids;
+  keys.insert(keys.end(), {"law", "initial_state", "missing_mortar", "correlation"});
+  add(fault_of_scatter(scene, family, law));
+  for (const PropertySetting& p : family.properties) {
+    if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
+    add(fmt::format("{} = {}: unknown key{}; law {} has: {}", p.source.text, value_text(p), did_you_mean(p.id, keys),
+                    law.law->id, fmt::join(ids, ", ")));
+  }
+  return known;
+}
+
+// Asks the laws of all joints, those of later stages too: one that is missed after hours is missed too late.
+LawFaults faults_of_laws(Scene& scene, const SceneOptions& options) {
+  LawFaults faults;
+  for (auto& [name, family] : scene.joints) {
+    try {
+      const Law law = Law::find(options.law.empty() ? family.law : options.law);
+      if (!options.law.empty()) replace_law(family, options.law, law);
+      const bool valued = std::ranges::none_of(
+          family.properties, [](const PropertySetting& p) { return p.numbers.empty() && p.text.empty(); });
+      if (check_names(scene, family, law, faults) && valued) faults.add(fault_of_stiffness(family, law));
+    } catch (const Error& error) {
+      const bool located = !options.law.empty() || std::string_view(error.what()).find(scene.file) == 0;
+      faults.add(located ? error.what() : fmt::format("{}: {}", family.source.text, error.what()), error.exit_code);
+    }
+  }
+  for (const Stage& stage : scene.stages) {
+    for (const auto& [family, law] : stage.law_swaps) {
+      try {
+        successor(scene.joints.at(family), law);
+      } catch (const Error& error) {
+        faults.add(fmt::format("{}: stage '{}': {}", stage.source.text, stage.name, error.what()), error.exit_code);
+      }
+    }
+  }
+  return faults;
 }
 
 }  // namespace
+
+Scene read_with_laws(const SceneOptions& options, const std::function<Scene()>& read) {
+  try {
+    return read();
+  } catch (const SceneFaults& error) {
+    LawFaults faults;
+    faults.add(error.what());
+    Scene scene = *error.scene;
+    scene.stages.clear();  // which joints they name is part of what is at fault
+    try {
+      faults_of_laws(scene, options).throw_any();
+    } catch (const Error& of_laws) {
+      faults.add(of_laws.what(), of_laws.exit_code);
+    }
+    faults.throw_any();
+    throw;
+  }
+}
 
 Scene prepare_scene(const SceneOptions& options) {
   const std::string text = options.text ? *options.text : read_input_file(options.scene);
@@ -117,45 +206,13 @@ Scene prepare_scene(const SceneOptions& options) {
         fmt::format("{}: is of another scene than the run was begun with: sha256 {:.12}, then {:.12}; bring the "
                     "text of then back, or start the run anew without --resume",
                     options.scene, sha256_of(text), options.text_sha256));
-  return prepare_scene(read_scene_text(text, options.scene, options.overrides), options);
+  return prepare_scene(read_with_laws(options, [&] { return read_scene_text(text, options.scene, options.overrides); }),
+                       options);
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
-  std::string faults;
-  const auto add = [&](const std::string& fault) { faults += (faults.empty() ? "" : "\n") + fault; };
-  for (auto& [name, family] : scene.joints) {
-    const Law law = Law::find(options.law.empty() ? family.law : options.law);
-    if (!options.law.empty()) replace_law(family, options.law, law);
-
-    std::vector<std::string> ids;
-    for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);
-    std::vector<std::string> states(law.law->initial_states, law.law->initial_states + law.law->initial_state_count);
-    if (std::find(states.begin(), states.end(), family.initial_state) == states.end())
-      add(fmt::format("{} = '{}': law {} has no such initial state{}; it has: {}", family.initial_state_source.text,
-                      family.initial_state, law.law->id, did_you_mean(family.initial_state, states),
-                      fmt::join(states, ", ")));
-    std::vector<std::string> keys = ids;
-    keys.insert(keys.end(), {"law", "initial_state", "missing_mortar", "correlation"});
-    if (const std::string fault = fault_of_scatter(scene, family, law); !fault.empty()) add(fault);
-    for (const PropertySetting& p : family.properties) {
-      if (std::find(ids.begin(), ids.end(), p.id) != ids.end()) continue;
-      add(fmt::format("{} = {}: unknown key{}; law {} has: {}", p.source.text, value_text(p), did_you_mean(p.id, keys),
-                      law.law->id, fmt::join(ids, ", ")));
-    }
-  }
-  if (!faults.empty()) throw Error(Exit::bad_input, faults);
-  for (const auto& [name, family] : scene.joints) refuse_what_is_too_stiff(family, Law::find(family.law));
-  // A law that a late stage asks for is not to be missed after hours.
-  for (const Stage& stage : scene.stages) {
-    for (const auto& [family, law] : stage.law_swaps) {
-      try {
-        successor(scene.joints.at(family), law);
-      } catch (const Error& error) {
-        throw Error(error.exit_code, fmt::format("{}: stage '{}': {}", stage.source.text, stage.name, error.what()));
-      }
-    }
-  }
+  faults_of_laws(scene, options).throw_any();
   return scene;
 }
 

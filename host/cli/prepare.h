@@ -1,6 +1,7 @@
 // What every command that takes a scene does first.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,9 +21,13 @@ struct SceneOptions {
   int processes_here = 1;  // of them, on this machine
 };
 
+// What read() returns. Where it throws SceneFaults, its laws are asked about the joints, and all faults are thrown as
+// one.
+Scene read_with_laws(const SceneOptions& options, const std::function<Scene()>& read);
+
 // Reads the scene, refuses another text than was asked for, one that the memory of the machine cannot hold, replaces
 // its laws when asked to (properties that the new law does not have are left out, with a word on stderr), and refuses
-// properties that no law knows, each with its place and a suggestion.
+// properties that no law knows or takes, each with its place and a suggestion. All faults are thrown as one.
 Scene prepare_scene(const SceneOptions& options);
 Scene prepare_scene(Scene read, const SceneOptions& options);  // the same, of a scene that has been read
 

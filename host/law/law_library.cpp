@@ -18,6 +18,7 @@
 #include <set>
 #include <utility>
 
+#include "base/did_you_mean.h"
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/printable.h"
@@ -111,8 +112,8 @@ std::string resolve(const std::string& name_or_path) {
                            : fmt::format("laws found: {}", fmt::join(known, ", "));
   if (fs::exists(name_or_path, fault))
     remedy += fmt::format("; to load the file {0} of this folder write ./{0}", name_or_path);
-  refuse(fmt::format("law '{}' could not be loaded: not found; tried\n  {}\n{}", name_or_path, fmt::join(tried, "\n  "),
-                     remedy));
+  refuse(fmt::format("law '{}' could not be loaded: not found{}; tried\n  {}\n{}", name_or_path,
+                     did_you_mean(name_or_path, known), fmt::join(tried, "\n  "), remedy));
 }
 
 // The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law while we compute

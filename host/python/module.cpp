@@ -59,10 +59,10 @@ quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const s
   options.scene = path;
   quoin::Scene scene;
   if (const auto* text = std::get_if<std::string>(&source)) {
-    scene = quoin::read_scene_text(*text, path);
+    scene = quoin::read_with_laws(options, [&] { return quoin::read_scene_text(*text, path); });
   } else {
     const toml::table table = quoin::python::table_of(std::get<py::dict>(source));
-    scene = quoin::reader::read_scene(table, path);
+    scene = quoin::read_with_laws(options, [&] { return quoin::reader::read_scene(table, path); });
     scene.text = quoin::python::text_of(table);
   }
   for (const auto& [file, hash] : hashes_of(scene)) {

@@ -25,25 +25,6 @@
 
 namespace quoin {
 
-namespace {
-
-size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = row[0];
-    row[0] = i;
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
-    }
-  }
-  return row[b.size()];
-}
-
-}  // namespace
-
 namespace reader {
 
 namespace {
@@ -682,29 +663,6 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
   return stage;
 }
 
-}  // namespace
-
-std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
-  // The last part of a path, as Foundation of bridge/Foundation.
-  for (const std::string& candidate : candidates) {
-    if (!word.empty() && candidate.size() > word.size() && candidate.ends_with(word) &&
-        candidate[candidate.size() - word.size() - 1] == '/')
-      return fmt::format(", did you mean '{}'?", candidate);
-  }
-  const std::string* best = nullptr;
-  size_t best_distance = std::max<size_t>(2, word.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    const size_t distance = edit_distance(word, candidate);
-    if (distance < best_distance && distance < candidate.size()) {
-      best = &candidate;
-      best_distance = distance;
-    }
-  }
-  return best ? fmt::format(", did you mean '{}'?", *best) : "";
-}
-
-namespace {
-
 // Names under the keys material, unit_material and lintel_material of a table and what it holds, as deep as scenes go.
 void add_materials(const toml::node& node, std::set<std::string>& names, int depth = 0) {
   constexpr int kDeepest = 6;
@@ -752,7 +710,13 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
-  for (const std::string& setting : overrides) apply_override(root, setting, context);
+  for (const std::string& setting : overrides) {
+    try {
+      apply_override(root, setting, context);
+    } catch (const Error& error) {
+      context.fault(error.what());
+    }
+  }
   fill_in_from_tests(root, context);
 
   const bool of_blocks = root.contains("block") || root.contains("dry_wall") || root.contains("arch");
@@ -847,8 +811,8 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     o.finish();
   }
   t.finish();
-  context.throw_faults();
   scene.inputs = std::move(context.inputs);
+  if (const std::string faults = context.faults(); !faults.empty()) throw SceneFaults(faults, std::move(scene));
   return scene;
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <set>
 #include <string>
@@ -80,11 +81,22 @@ class Context {
     return fmt::format("{}:{}: {}", file, node->source().begin.line, path);
   }
   void fault(std::string message) { faults_.push_back(std::move(message)); }
+  bool has_faults() const { return !faults_.empty(); }
   void throw_faults() const {
-    if (!faults_.empty()) throw Error(Exit::bad_input, fmt::format("{}", fmt::join(faults_, "\n")));
+    if (has_faults()) throw Error(Exit::bad_input, faults());
+  }
+  // In the order of the file's lines, behind what has no line, as settings by --set.
+  std::string faults() const {
+    std::vector<std::string> sorted = faults_;
+    std::ranges::stable_sort(sorted, {}, [this](const std::string& fault) { return line_of(fault); });
+    return fmt::format("{}", fmt::join(sorted, "\n"));
   }
 
  private:
+  long line_of(const std::string& fault) const {
+    return fault.starts_with(file + ":") ? std::strtol(fault.c_str() + file.size() + 1, nullptr, 10) : 0;
+  }
+
   std::vector<std::string> faults_;
 };
 

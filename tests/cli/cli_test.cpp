@@ -71,6 +71,30 @@ TEST_F(Cli, RefusedProperties) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+// Faults of the scene's keys, of names and numbers that the law refuses, and of --set: one round, in the order of lines.
+TEST_F(Cli, AllFaultsAreReportedInOneRound) {
+  const std::string file = (folder_ / "bad.toml").string();
+  std::string text = read_all(small_);
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("density = ", "density = -");
+  replace("cohesion = 0.3e6", "cohesion = -3e5");
+  replace("courses = ", "curses = ");
+  replace("bed_joint = \"mortar\"", "bed_joint = \"motar\"");
+  replace("[wall]", "[joints.other]\nlaw = \"coulomb_slp\"\n[wall]");
+  std::ofstream(file) << text;
+  EXPECT_EQ(quoin({"check", file, "--set", "stage.9.velocity=1"}), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("density = -"), HasSubstr("cohesion = -3e+05: outside"),
+                            HasSubstr("did you mean 'courses'?"), HasSubstr("did you mean 'mortar'?"),
+                            HasSubstr("did you mean 'coulomb_slip'?"), HasSubstr("--set stage.9.velocity=1")));
+  EXPECT_LT(error_.find("density = -"), error_.find("curses"));
+  EXPECT_EQ(run_small({"--set", "joints.mortar.cohesoin=3", "--set", "wall.courses=0"}), 3);
+  EXPECT_THAT(error_, AllOf(HasSubstr("did you mean 'cohesion'?"), HasSubstr("wall.courses = 0")));
+  EXPECT_FALSE(fs::exists(out()));
+}
+
 TEST_F(Cli, LibrariesThatAreNoLaws) {
   EXPECT_EQ(run_small({"--law", "no_such_law"}), 4);
   EXPECT_THAT(error_, HasSubstr("no_such_law"));
