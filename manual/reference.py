@@ -1,0 +1,262 @@
+"""The page REFERENCE.md: every key of scenes and studies, column of histories, command, option and name of Python, read
+from the code that decides them, each with the pages that explain it.
+
+usage: manual/reference.py            writes manual/REFERENCE.md
+       manual/reference.py --check    exit code 1 if that page is old, a key is on no page, or a page has a key of no code
+"""
+import ast
+import glob
+import os
+import re
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+KEY_SOURCES = sorted(glob.glob(f"{ROOT}/host/scene/read_*.cpp")) + [f"{ROOT}/host/ensemble/study.cpp"]
+KEY_PAGES = ["host/scenes/README.md", "host/scenes/BLOCKS.md", "host/ensemble/README.md", "host/records/README.md"]
+COLUMN_PAGES = KEY_PAGES + ["host/python/README.md", "host/analysis/README.md", "host/step/RANKS.md"]
+PYTHON = ["plugin_api/python/quoin/law.py"] + [f"host/python/quoin/{m}.py" for m in
+          ("scene", "run", "simulation", "results", "analysis", "meshes", "shapes", "pictures", "view", "errors")]
+ACCESSORS = {"number": "a number", "integer": "an integer", "boolean": "true or false", "text": "text", "choice": "one of",
+             "numbers": "a list of numbers", "table": "a table", "tables": "tables", "velocity": "a velocity",
+             "find": "", "accept": ""}
+RANGES = {"kPositive": "more than 0", "kNotNegative": "0 or more", "kAny": "any finite number"}
+# Keys that are asked for by a name that is made, or of tables whose keys are free.
+MADE = {"velocity": "a list of 3: numbers in m/s, or \"free\"", "x": "", "y": "", "z": "", "properties": "\"from_tests\"",
+        "part": "one of bed, head, inside", "tests": "a table", "correlation": "a list of pairs"}
+# Heads of tables of keys whose first column says more than keys do.
+FREE = {"anything else"}
+
+
+def read(path):
+    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+        return file.read()
+
+
+def arguments_at(text, begin):
+    """Of the call whose parenthesis opens at text[begin]: what lies between its commas, strings kept whole."""
+    depth, parts, part, i = 0, [], "", begin
+    while i < len(text):
+        c = text[i]
+        if c == '"':
+            end = i + 1
+            while text[end] != '"':
+                end += 2 if text[end] == "\\" else 1
+            part += text[i:end + 1]
+            i = end + 1
+            continue
+        depth += c in "([{"
+        depth -= c in ")]}"
+        if depth == 0:
+            return [p.strip() for p in parts + [part[1:] if not parts else part]]
+        if c == "," and depth == 1:
+            parts.append(part[1:] if not parts else part)
+            part = ""
+        else:
+            part += c
+        i += 1
+    return parts
+
+
+def allowed_of(accessor, arguments):
+    """What a message would say is allowed, as far as the call has it in words."""
+    words = [ACCESSORS[accessor]] if ACCESSORS[accessor] else []
+    for a in arguments[1:]:
+        if a in RANGES:
+            words.append(RANGES[a])
+        a = re.sub(r"\bk[A-Z]\w+", lambda name: constant(name[0]), a)
+        for kind, lower in (("between", "{} to {}"), ("above_to", "more than {} and at most {}")):
+            found = re.fullmatch(kind + r"\((.+?), (.+)\)", a)
+            if found:
+                words.append(lower.format(*found.groups()))
+        if a.startswith("{\""):
+            words.append(", ".join(re.findall(r'"([^"]*)"', a)))
+        elif re.fullmatch(r'"[^"]+"', a):
+            words.append(a[1:-1])
+    if accessor == "integer" and len(arguments) >= 4:
+        limits = [re.sub(r"\bk[A-Z]\w+", lambda name: constant(name[0]), a) for a in arguments[2:4]]
+        if all(re.fullmatch(r"-?\d+", a) for a in limits):
+            words.append(" to ".join(limits))
+    text = ", ".join(w for w in words if w).replace("one of, ", "one of ").replace("a table, a table", "a table")
+    return re.sub(r"one of$", "a name that the scene or the page has", text).replace("tables, tables", "tables")
+
+
+def constant(name):
+    """The number that a constexpr of the readers stands for, or its name."""
+    for path in KEY_SOURCES + [f"{ROOT}/host/scene/reader.h", f"{ROOT}/host/scene/scene.h", f"{ROOT}/host/scene/cyclic_motion.h"]:
+        found = re.search(r"\b%s = ([\d.e+-]+)" % name, read(path))
+        if found:
+            return found[1]
+    return name
+
+
+def keys_of_code():
+    keys = {key: {text} - {""} for key, text in MADE.items()}
+    for path in KEY_SOURCES:
+        text = read(path)
+        helpers = set(re.findall(r"auto (\w+) = \[[^\]]*\]\((?:Table& \w+, )?const (?:char\*|std::string&) (?:key|kind)\b", text))
+        helpers |= set(re.findall(r"\b(\w+)\(Table& t, const (?:char\*|std::string&) key\b", text))
+        for found in re.finditer(r"\.(%s)\(|\b(%s)\((?!Table&)" % ("|".join(ACCESSORS), "|".join(helpers) or "$^"), text):
+            arguments = arguments_at(text, found.end() - 1)
+            if found[2] and arguments and not arguments[0].startswith('"'):
+                arguments = arguments[1:]
+            if not arguments or not re.fullmatch(r'"[a-z_0-9]+"', arguments[0]):
+                continue
+            entry = keys.setdefault(arguments[0][1:-1], set())
+            allowed = allowed_of(found[1], arguments) if found[1] else ""
+            if allowed:
+                entry.add(allowed)
+        for listed in re.findall(r'const char\* (?:key|other) : \{("[^}]*")\}', text):
+            for key in re.findall(r'"([a-z_]+)"', listed):
+                keys.setdefault(key, set())
+    return keys
+
+
+def headings(page):
+    """(line, heading) of a page, headings as its links have them."""
+    heading = ""
+    for line in read(page).splitlines():
+        if line.startswith("#") and re.match(r"#+ ", line):
+            heading = line.lstrip("# ")
+        yield line, heading
+
+
+def places(word, pages):
+    """Where pages name it as code: `word`, the first cell of a row, or a line of TOML."""
+    w = r"\b%s\b" % re.escape(word)
+    shown = re.compile(w if "_" in word else
+                       "|".join((f"`[^`]*{w}[^`]*`", rf"^\|[^|]*{w}[^|]*\|", rf"\{{[^}}]*{w}[^}}]*\}}", f"^ +#? ?{w} *=",
+                                 rf"^ +\[+{w}", f"^    .*{w} = ")))
+    if not any(shown.search(line) for page in pages for line, _ in headings(page)):
+        shown = re.compile(rf"^\|.*{w}|^`\[\[.*{w}")
+    found = []
+    for page in pages:
+        seen = []
+        for line, heading in headings(page):
+            if heading not in seen and shown.search(line):
+                seen.append(heading)
+        first = [h for h in seen if any(re.match(r"\|[^|]*\b%s\b[^|]*\|" % re.escape(word), l)
+                                        for l, at in headings(page) if at == h)]
+        found += [(page, h) for h in (first or seen)[:2]]
+    return found
+
+
+def anchor(heading):
+    return re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-")
+
+
+def links(found):
+    return "; ".join(f"[{os.path.basename(page)}: {heading.replace('[', '').replace(']', '')}](../{page}#{anchor(heading)})"
+                     for page, heading in found)
+
+
+def keys_of_pages():
+    """Words of the first column of tables of keys."""
+    result = {}
+    for page in KEY_PAGES[:2]:
+        in_keys = False
+        for line, _ in headings(page):
+            if not line.startswith("|"):
+                in_keys = False
+            elif re.match(r"\| key\b", line):
+                in_keys = True
+            elif in_keys and not line.startswith("|---"):
+                cell = line.split("|")[1]
+                if cell.strip() in FREE:
+                    continue
+                for word in re.findall(r"[a-z_]{2,}", re.sub(r"\(.*?\)|\".*?\"|[A-Z]+| or ", " ", cell)):
+                    result.setdefault(word, page)
+    return result
+
+
+def columns():
+    names = re.findall(r'(?:columns\{\s*|add\(|\n\s+)\{?"([a-z_A-Z0-9]+)"', read("host/results/history.cpp"))
+    return [n for n in dict.fromkeys(names)]
+
+
+def python_names():
+    for path in PYTHON:
+        tree = ast.parse(read(path))
+        module = os.path.basename(path)[:-3]
+        for node in tree.body:
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+                yield module, node.name, signature(node), first_line(node)
+                for member in node.body if isinstance(node, ast.ClassDef) else []:
+                    if isinstance(member, ast.FunctionDef) and not member.name.startswith("_"):
+                        yield module, f"{node.name}.{member.name}", signature(member), first_line(member)
+
+
+def signature(node):
+    if isinstance(node, ast.ClassDef):
+        return ""
+    decorators = {getattr(d, "id", getattr(d, "attr", "")) for d in node.decorator_list}
+    if "property" in decorators or "cached_property" in decorators:
+        return ""
+    names = [a.arg for a in node.args.posonlyargs + node.args.args + node.args.kwonlyargs if a.arg not in ("self", "cls")]
+    return f"({', '.join(names)})"
+
+
+def first_line(node):
+    text = ast.get_docstring(node) or ""
+    sentence = re.split(r"(?<=[.;:]) |\n\n", " ".join(text.split("\n\n")[0].split()))[0]
+    return sentence.rstrip(".:;").replace("|", "\\|")
+
+
+def commands():
+    """(command, option, type, meaning) as `quoin COMMAND --help` says, from the text that the tests approve."""
+    command = ""
+    lines = read("tests/cli/approved/help.txt").splitlines()
+    for i, line in enumerate(lines):
+        found = re.fullmatch(r"quoin ?(\w*) --help", line)
+        if found:
+            command = found[1]
+        option = re.match(r"  (?:-h,)?(--[a-z-]+)(.*)", line)
+        if option and option[1] != "--help" and not line.startswith("  quoin"):
+            kind, _, meaning = (option[2] + "  ").partition("  ")
+            yield command, option[1], kind.strip(), meaning.strip() or lines[i + 1].strip()
+
+
+def page():
+    keys = keys_of_code()
+    out = ["# Reference", "",
+           "Every key, column, option and name of Python, read from the code by `python3 manual/reference.py`. A test holds this",
+           "page against the code. The pages in the last column say what each is for, with defaults and units.", "",
+           "## Keys of scenes and studies", "", "| key | allowed | explained in |", "|---|---|---|"]
+    lost = []
+    for key in sorted(keys):
+        found = places(key, KEY_PAGES)
+        if not found:
+            lost.append(key)
+        out.append(f"| `{key}` | {'; or '.join(sorted(keys[key])).replace('|', chr(92) + '|')} | {links(found)} |")
+    out += ["", "Properties of joints are those of their law: `quoin models LAW`.", "",
+            "## Columns of history.csv", "", "| column | explained in |", "|---|---|"]
+    for name in columns():
+        found = places(name, COLUMN_PAGES)
+        if not found:
+            lost.append(name)
+        out.append(f"| `{name}` | {links(found)} |")
+    out += ["", "## Commands and options", "", "| command | option | value | meaning |", "|---|---|---|---|"]
+    for command, option, kind, meaning in commands():
+        out.append(f"| quoin {command} | `{option}` | {kind} | {meaning} |".replace("{", "(").replace("}", ")"))
+    out += ["", "## Names of Python", "", "[python](../host/python/README.md) has examples.", "",
+            "| module | name | |", "|---|---|---|"]
+    for module, name, arguments, meaning in python_names():
+        out.append(f"| {module} | `{name}{arguments}` | {meaning} |")
+    return "\n".join(out) + "\n", lost, [f"{k} ({p})" for k, p in keys_of_pages().items() if k not in keys]
+
+
+def main():
+    text, lost, strange = page()
+    target = f"{ROOT}/manual/REFERENCE.md"
+    if "--check" not in sys.argv:
+        with open(target, "w", encoding="utf-8") as file:
+            file.write(text)
+    faults = [f"in the code and on no page: {', '.join(lost)}"] if lost else []
+    faults += [f"on a page and in no code: {', '.join(strange)}"] if strange else []
+    if not os.path.exists(target) or read("manual/REFERENCE.md") != text:
+        faults.append("manual/REFERENCE.md is old; run python3 manual/reference.py")
+    print("\n".join(faults) or "the reference agrees with the code")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
