@@ -1,4 +1,4 @@
-// Nanoseconds of a call through the C ABI, few points and many, by law, shape of softening and state of the points; no
+// Nanoseconds of a call through the C ABI, few points and many, by law, shape of softening and state of the points. No
 // optional output. cyclic_joint beside fracture_energy, each pair in turn, states in place as in a host and apart. With
 // another build of the laws beside it, both in turn: law_calls [--beside=FOLDER] [--only=LAW]
 //

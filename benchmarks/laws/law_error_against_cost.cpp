@@ -107,7 +107,7 @@ Jump opening(std::size_t point, double x) { return {2.0 * G1 / ft * reach(point)
 Jump sliding(std::size_t point, double x) { return {-1e-5, 2.0 * G2 / c0 * reach(point) * x, 0.0}; }
 Jump closing(std::size_t point, double x) { return {-2.0 * Gc / fc * reach(point) * x, 0.0, 0.0}; }
 
-// Elastic up to strength plus residual; then on a line that falls by strength over the length ultimate of what is not
+// Elastic up to strength plus residual. Then on a line that falls by strength over the length ultimate of what is not
 // elastic, jump - stress/stiffness, down to the residual.
 double softened(double jump, double stiffness, double strength, double residual, double ultimate) {
   if (stiffness * jump <= strength + residual) return stiffness * jump;

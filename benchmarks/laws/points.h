@@ -33,7 +33,7 @@ inline api::Material mortar_joint(const std::string& path, const char* softening
 
 // softening: joints of eight points that slide with decaying cohesion, or open on the envelope, in turn. crushing: on
 // the softening branch without slip; corner: with a slip far beyond both surfaces of cyclic_joint, where crushing alone
-// brings it back; both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
+// brings it back. Both: from the edge of both on, by pressure and slip, where it slips and crushes at once.
 enum class Population { elastic, sliding, opening, softening, damaged, crushing, corner, both, mixed, random };
 
 // Columns on cache lines, as a host that cares lays them out (a vector that crosses a line costs two accesses), and an

@@ -533,7 +533,7 @@ struct Equations {
     return hn::IfThenElseZero(c.D > zero(), hn::MulAdd(c.P, P_by, p.Cs * c.Q * Q_by) / cap_fall(c));
   }
 
-  // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0; its change with D; and its change and that of
+  // J = (tau1 - c1 - mu p1)/F1 after crushing, told from 0 where F1 = 0. Its change with D; and its change and that of
   // D along the cap, where p, T1 and f change so.
   struct Corner {
     V J, J_D, J_by, D_by;
@@ -671,7 +671,7 @@ struct Equations {
     return either(slips, m.cap, no_slip);
   }
 
-  // 1 to 5, after 0 has told what is open: h > 0. As a mask of lanes for any joints; as Nowhere or Everywhere for plain
+  // 1 to 5, after 0 has told what is open: h > 0. As a mask of lanes for any joints. As Nowhere or Everywhere for plain
   // ones, none of them crushed: false, and no result, where a lane slips on its seat or meets the cap.
   template <bool kEnergies, bool kTangent, class Open>
   HWY_INLINE bool evaluate(const Step& s, Open open, Result& r, Energies* energies, Tangent* tangent) const {

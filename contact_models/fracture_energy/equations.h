@@ -302,7 +302,7 @@ struct Equations {
   }
 
   // Slip that brings |tau*| - ks slip down to S(slip). Beyond the end of softening S is constant. Before it, linear
-  // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too; all else
+  // softening without dilation has S falling in a straight line, but for an open joint whose sigma falls too. All else
   // is the root of a falling function. start: everything at no slip. xi_start: where the slip starts, the end for a
   // cohesion without drop. True where end is filled in with everything at the slip.
   HWY_INLINE bool slip_to_strength(M slips, const Step& step, V trial, const AtSlip& start, V xi_start, V& slip,
@@ -333,7 +333,7 @@ struct Equations {
     slip = curved_slip(within, slip, slip_at_end, copy, trial, xi_start);
     return false;
   }
-  // S' = S_drop f', f' = -1/su. S rises only where it is below 0; where it falls faster than ks, and for a cohesion
+  // S' = S_drop f', f' = -1/su. S rises only where it is below 0. Where it falls faster than ks, and for a cohesion
   // that is gone at once, the answer is infinite.
   HWY_INLINE V straight_slip(V trial, const AtSlip& start) const {
     const V approach = hn::NegMulAdd(positive_part(start.S_drop), p.inv_su, p.ks_in_softening);

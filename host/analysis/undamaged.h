@@ -1,7 +1,7 @@
 // Blocks that vibrate about their state at the start: stiffness and mass of all that can move, undamaged.
 //
 // Every contact point that is closed has the stiffness that its law gives a little compression and a little shear;
-// zones are linearly elastic; rigid blocks have six degrees of freedom. Nothing is stressed: weight has no part in
+// zones are linearly elastic. Rigid blocks have six degrees of freedom. Nothing is stressed: weight has no part in
 // stiffness.
 #pragma once
 

@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// What the run in FOLDER was asked for, with its scene as it was read then; the working directory is changed to where
+// What the run in FOLDER was asked for, with its scene as it was read then. The working directory is changed to where
 // it was started.
 SceneOptions options_of(const Provenance& there);
 

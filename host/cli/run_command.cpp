@@ -300,7 +300,7 @@ void share_bytes(Ranks& ranks, Bytes& bytes) {
 }
 
 // What the others need to write files of their own into the folder of results: where it is, and the token of its
-// manifest; the frames that are there.
+// manifest. The frames that are there.
 struct SharedFolder {
   std::string path, token;
   std::vector<double> frame_times;

@@ -140,7 +140,7 @@ double distance_from_surface(const ConvexPolyhedron& body, const Vector& p) {
 }
 
 // The hull of a surface that is uneven by so many m, with planar faces. The fourth corner of a quadrilateral lies off
-// the plane of the other three by four times the warp, twice the tolerance of the hull; where small edges end in that,
+// the plane of the other three by four times the warp, twice the tolerance of the hull. Where small edges end in that,
 // another tolerance may keep them.
 ConvexPolyhedron planar_hull(const RawShape& shape, double uneven) {
   const double relative = uneven / longest_extent(shape.vertices);

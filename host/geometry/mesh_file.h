@@ -20,9 +20,9 @@ struct NamedShape {
 
 // One block a body: a closed surface of an object ("o" or "g" of OBJ, "solid" of STL, a block of an assembly; an OFF
 // file is one object). An object of several bodies gives NAME/0, NAME/1 ...; blocks that share a name get the file's
-// number for each, NAME#7, or their place; those without one that of the file and their place. Lengths are multiplied
+// number for each, NAME#7, or their place. Those without one that of the file and their place. Lengths are multiplied
 // by `scale` to give m. Which way round faces run is no matter, and faces may be warped within warp_bound
-// (drawn_shape.h). fixed: whether the block of a name is a support; a support may be one flat face, and is a plate
+// (drawn_shape.h). fixed: whether the block of a name is a support. A support may be one flat face, and is a plate
 // behind it. Throws Error(bad_input) with file and line for text it cannot read, and with the blocks for shapes that
 // are not convex and closed.
 std::vector<NamedShape> read_mesh_file(const std::string& path, double scale = 1.0,

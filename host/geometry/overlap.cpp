@@ -82,7 +82,7 @@ void vertex_rule(const Polygon& p, std::vector<QuadraturePoint>& points) {
     for (const Point2& c : p) points.push_back({c, third});
     return;
   }
-  // The fan about the centroid gives each of its triangles' thirds to two corners and the centroid; the centroid's
+  // The fan about the centroid gives each of its triangles' thirds to two corners and the centroid. The centroid's
   // share is handed back in proportion, because the corners weighted so have the centroid as their mean.
   const Point2 g = centroid(p);
   double before = 0.5 * cross2(g, p[n - 1], p[0]);

@@ -22,7 +22,7 @@ Edge edge(const Placed& p, int i) {
   return {p.vertices[e.tail], p.vertices[e.head] - p.vertices[e.tail], p.normals[e.left], p.normals[e.right]};
 }
 
-// The edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere); only such pairs
+// The edges span a face of the Minkowski difference (arcs of their normals cross on the Gauss sphere). Only such pairs
 // can be the closest ones.
 bool arcs_cross(const Edge& a, const Edge& b) {
   const Vector c = -b.left, d = -b.right;

@@ -44,7 +44,7 @@ struct FitResult {
 
 // Fits the properties that the curves determine: couplets tensile_strength and fracture_energy_tension; triplets
 // cohesion, friction_angle (two confinements at least, or curves that reach their residual) and fracture_energy_shear;
-// prisms compressive_strength and fracture_energy_compression. given: all others, the stiffnesses at least; a property
+// prisms compressive_strength and fracture_energy_compression. given: all others, the stiffnesses at least. A property
 // that is given is not fitted. Levenberg-Marquardt in the logarithm of each property (of tan for the angle), curves
 // weighted by their own noise. Throws Error(bad_input): curves that determine nothing; Error(numerical): no
 // convergence.

@@ -117,9 +117,9 @@ bool World::are_together(int a, int b) const {
 }
 
 // The added inertia of halves against each other is there to slow the vibration of their joint, which would set the
-// time step, so it stays as long as a point of the joint can close; where nothing holds them together it would slow
+// time step, so it stays as long as a point of the joint can close. Where nothing holds them together it would slow
 // their fall apart. Inertia that goes or comes back takes no momentum with it, as velocities stay and P_b - P_u has
-// none; its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
+// none. Its kinetic energy, (s_u - 1)/2 v . M (P_b - P_u) v, is booked.
 void World::part_units() {
   if (step_count_ < next_check_ || !splits_motion()) return;
   std::vector<double> freed(blocks_.size(), std::nan(""));  // by the first half of those that part or meet, J

@@ -13,7 +13,7 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 
 // The corners of a hexahedron are numbered by bits x + 2 y + 4 z. Pattern 0 has the corners with an even number of bits
-// in the middle tetrahedron, pattern 1 the others; the remaining four corners are cut off, one tetrahedron each.
+// in the middle tetrahedron, pattern 1 the others. The remaining four corners are cut off, one tetrahedron each.
 // Neighbouring hexahedra have different patterns, so that the diagonals of a shared face agree.
 constexpr int kEvenCorner[4] = {0, 3, 5, 6};
 constexpr int kOddCorner[4] = {1, 2, 4, 7};

@@ -65,7 +65,7 @@ double World::local_stiffness_bound() const {
 }
 
 // K times velocities, about the configuration of now, without its stress: of blocks in frames the stiffness of their
-// undeformed shape, turned along; of others zone by zone.
+// undeformed shape, turned along. Of others zone by zone.
 void World::add_zone_forces(std::span<const int> blocks, const LaneVector<Vector>& velocity,
                             LaneVector<Vector>& force) const {
   std::vector<double> rows, product;  // four doubles a gridpoint
@@ -370,7 +370,7 @@ constexpr double kLeastStep = 0.5;     // of the undamped time step: what impact
 }  // namespace
 
 // Of a block that lands on an edge of the face that it has towards this contact: omega^2 = kn (A/2) (1/m + b^2/I), A of
-// the face, b from the centre of mass to the edge and I about an axis along it; of two directions in the face the one
+// the face, b from the centre of mass to the edge and I about an axis along it. Of two directions in the face the one
 // with the higher frequency. 1/s2.
 World::Landing World::landing_frequencies(const Contact& c, int block) const {
   const Block& input = assembly_.blocks[size_t(block)];
@@ -405,7 +405,7 @@ World::Landing World::landing_frequencies(const Contact& c, int block) const {
           f.ks * half_area * (over_mass + height * height / std::min(about_s, about_t))};
 }
 
-// Of the lightest block at the joints of a family, rad/s; of a family that has none yet, of the lightest block of all
+// Of the lightest block at the joints of a family, rad/s. Of a family that has none yet, of the lightest block of all
 // on its largest face.
 World::Landing World::landing_frequencies(int family) const {
   const Family& f = families_[size_t(family)];

@@ -5,7 +5,7 @@
 
 namespace quoin {
 
-// amplitude: m/s2. duration: length of the pulse, s (period of the sine). step: between samples, s; where the closed
+// amplitude: m/s2. duration: length of the pulse, s (period of the sine). step: between samples, s. Where the closed
 // form jumps, two samples stand closer. All begin and end at acceleration 0 but the jumps of rectangle and cosine.
 // Throws Error(bad_input): values that are not finite, duration or step <= 0, more than a million samples.
 

@@ -8,8 +8,8 @@
 namespace quoin {
 
 // By content, whatever the file is called:
-// - PEER NGA .AT2, .VT2, .DT2: four lines of header with NPTS and DT, units G, CM/SEC and CM; one component.
-// - ESM and ITACA ASCII (DYNA 1.x): 64 lines "KEY: value" with SAMPLING_INTERVAL_S, NDATA, UNITS; one component.
+// - PEER NGA .AT2, .VT2, .DT2: four lines of header with NPTS and DT, units G, CM/SEC and CM. One component.
+// - ESM and ITACA ASCII (DYNA 1.x): 64 lines "KEY: value" with SAMPLING_INTERVAL_S, NDATA, UNITS. One component.
 // - CSV: the first line names the columns, each with its unit: "time (s), x (g), y (g)" or "time_s, x_m/s2"; parted by
 //   commas, semicolons, tabs or blanks; '#' and '%' begin a comment. Units: s, ms; m/s2, cm/s2, mm/s2, gal, g; m/s,
 //   cm/s, mm/s; m, cm, mm. All columns but time have one kind. Without a header: time in s, accelerations in m/s2,

@@ -530,7 +530,7 @@ struct Start {
         held(std::move(held_ones)) {}
 };
 
-// Joints of blocks of any shape are points, each beside a vertex of its block, with which it moves; where blocks have
+// Joints of blocks of any shape are points, each beside a vertex of its block, with which it moves. Where blocks have
 // come apart, beside one of each.
 void add_points(const Joints& joints, const Start& start, const std::vector<float>& standing, Frame* frame) {
   for (std::size_t i = 0; i < joints.count(); ++i) {

@@ -10,7 +10,7 @@
 
 namespace quoin::blocks {
 
-// The joint families that bricks have as blocks: those of their joints; pairs that the assembly does not join are of
+// The joint families that bricks have as blocks: those of their joints. Pairs that the assembly does not join are of
 // the family of its first bed joint.
 class FamilyOfBricks {
  public:

@@ -13,7 +13,7 @@ namespace quoin::blocks {
 // Nothing for other blocks.
 std::optional<Brick> as_brick(const Assembly& assembly, int block);
 
-// What the lattice makes of a scene of blocks: brick i is block i; joints are ordered as those of walls are, upright
+// What the lattice makes of a scene of blocks: brick i is block i. Joints are ordered as those of walls are, upright
 // ones course by course, then beds from the bottom up. The scene's stages control bodies of the bricks.
 struct OnLattice {
   quoin::Assembly bricks;

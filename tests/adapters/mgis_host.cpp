@@ -219,7 +219,7 @@ Point varied_point(const Library& library, std::size_t number) {
 }
 
 // A field in which every point has its own values, more of them than get a material each: bit for bit the law with
-// these values, whoever comes before; what is refused or not finite says so.
+// these values, whoever comes before. What is refused or not finite says so.
 void check_varied_field(const Library& library, Integrate integrate, const quoin_law& law) {
   constexpr std::size_t count = 1500;  // PropertySets::kept is 1024
   const Leg leg = Leg::shear;

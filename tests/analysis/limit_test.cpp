@@ -314,7 +314,7 @@ TEST(Limit, TensionAndCohesionHold) {
 }
 
 // Crushing: the toe carries N <= fc. W (1/2 - x) is left of the lever: with cap per corner 1.2 and W = 2, both toe
-// corners carry all of W (2 <= 2.4): no loss; at 0.8 they carry 1.6, the heel 0.4: M = W/2 - 0.4.
+// corners carry all of W (2 <= 2.4): no loss. At 0.8 they carry 1.6, the heel 0.4: M = W/2 - 0.4.
 TEST(Limit, CrushingShortensTheLever) {
   for (const double cap : {1.2, 0.8}) {
     Boxes one;

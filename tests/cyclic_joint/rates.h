@@ -1,5 +1,5 @@
 // The rate equations of contact_models/cyclic_joint/LAW.md ("Free energy", "Surfaces", "Evolution") integrated in time,
-// for tests only: one point, long double. Jumps grow in small pieces; after each, slip and crushing flow along the
+// for tests only: one point, long double. Jumps grow in small pieces. After each, slip and crushing flow along the
 // page's directions by a part of what the traction is beyond its surfaces, a few times. No step is solved, nothing of
 // "ORDER of the update" is here, and no code of the law or of its other tests: of first order in the piece.
 #pragma once

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kHalf = 0.2, kHeight = 0.16, kThickness = 0.25;
 
-// Wall B along x between two corners, with transverse walls A and C; a floor of two beams near the top, rigid ones or
+// Wall B along x between two corners, with transverse walls A and C. A floor of two beams near the top, rigid ones or
 // half units.
 Scene small_building(int courses, bool rigid_beams = true) {
   Scene scene;

@@ -137,7 +137,7 @@ bool hangs_together(const Simulation& simulation, double end) {
 }
 
 // A crack from side to side parts the wall, whatever its way; one that ends inside it does not. The part above carries
-// no tension once it moves along, 1e-3 of the sound strength is left to vibrations; before, the beam sets it in motion.
+// no tension once it moves along, 1e-3 of the sound strength is left to vibrations. Before, the beam sets it in motion.
 TEST_P(Damaged, WallThatIsCutCarriesNoTension) {
   const std::string through = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11], [0.45, 0.22]]\n";
   const std::string half = "[[damage]]\ncrack = [[-0.01, 0.03], [0.2, 0.11]]\n";

@@ -1,5 +1,5 @@
 // Inertia against deformation, and against motion of the halves of a unit on each other, scaled apart from rigid
-// motion; damping by block; and forces zone by zone.
+// motion. Damping by block; and forces zone by zone.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

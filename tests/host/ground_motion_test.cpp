@@ -12,7 +12,7 @@
 namespace quoin {
 namespace {
 
-// Acceleration in straight lines between unequal moments, no two parts of which make up for each other; at its end the
+// Acceleration in straight lines between unequal moments, no two parts of which make up for each other. At its end the
 // ground goes on at 0.31 m/s.
 const std::vector<double> kTime{0.0, 0.07, 0.1, 0.18, 0.23}, kAcceleration{1.0, 4.0, -2.0, 3.0, 0.0};
 

@@ -131,7 +131,7 @@ struct Ramped {
 class Stages : public ::testing::TestWithParam<Kind> {};
 
 // Impulses, at every moment of three stages: of a force at the centre and of a pressure, which fade while those of the
-// next stage grow; of gravity, which goes from one to the next; of a support that is taken away, whose force fades. And
+// next stage grow. Of gravity, which goes from one to the next; of a support that is taken away, whose force fades. And
 // the way of a stone that is driven at one velocity, then at another one. All ramps are over before the next stage
 // begins. The midpoint sums of a ramp of a thousand steps are off by 1e-7 of it. Where large motion is automatic, the
 // neighbour of the pillar turns in the second stage, and all go over in the middle of its ramp.
@@ -378,7 +378,7 @@ equilibrium_ratio = 1e-6
 
 // ---- Collapse ------------------------------------------------------------------------------------------------------
 
-// A pillar 0.1 m wide and 0.4 m high rocks from a quarter of its weight on; a slab beside it on a base of friction 0.1
+// A pillar 0.1 m wide and 0.4 m high rocks from a quarter of its weight on. A slab beside it on a base of friction 0.1
 // has slid by then, by the double integral of (alpha - 0.1) g with alpha = r t: r g t^3/6, t counted from alpha = 0.1.
 // It does so along x, along z and between them.
 TEST(CollapseStage, SlipOfTheBaseCountsAlongEveryDirection) {

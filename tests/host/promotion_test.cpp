@@ -122,7 +122,7 @@ double peak(const std::vector<HistoryRow>& rows) {
 }
 
 // The beam goes at 0.1 m/s: its motion is imposed, no kinetic energy, and the work of the second half of the last step
-// before the promotion is not lost. The balance is as good as in the run that stays with small displacements; with the
+// before the promotion is not lost. The balance is as good as in the run that stays with small displacements. With the
 // beam's m v^2/2 = 0.05 J, or half a step of work at 20 kN, in the books once it is off by 2e-3 of the work.
 TEST(Promotion, KeepsTheBalanceOfEnergyWithADrivenBeam) {
   for (const char* large_motion : {"never", "automatic", "always"}) {

@@ -52,7 +52,7 @@ TEST(Quality, UnitsOfARockingPierFeelNoDrag) {
   EXPECT_NEAR(force / exact, 1.0, 0.005);
 }
 
-// Past a reversal the force only falls until the pier bends the other way; what rings makes it rise again in between.
+// Past a reversal the force only falls until the pier bends the other way. What rings makes it rise again in between.
 // 1 kN is 1.4 % of the peak; with ramps of 0.02 s at 40 mm/s it rose by 3.7 kN.
 TEST(Quality, CyclicPierDoesNotRingWhereItTurns) {
   const auto rows = run(shipped("cyclic_isp1", {"stage.cycles.amplitudes=[0.001, 0.002]"}));

@@ -196,7 +196,7 @@ void Point::substep(Real dn, Real ds, Real dt) {
   // At S = 0 the strength does not follow sigma, unless pressure is about to raise it from there.
   const Real friction = line() > 0 || (line() == 0 && dn < 0) ? mu : 0;
 
-  // Direction of slip: that of the stress in the middle of the sub-step; where the stress is smaller than what the
+  // Direction of slip: that of the stress in the middle of the sub-step. Where the stress is smaller than what the
   // sub-step adds (strength near 0) its rate means nothing, and the sliding itself leads.
   const Real tau = std::hypot(tau_[0], tau_[1]);
   const bool follows = tau < 2 * p_.ks * std::hypot(ds, dt);

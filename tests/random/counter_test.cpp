@@ -37,7 +37,7 @@ TEST(Counter, EveryPartOfTheKeyCounts) {
   EXPECT_EQ(drawn.size(), 8u);
 }
 
-// Tolerances: 5 standard errors of the estimates from 1e6 draws; a fault of one in 2 million by chance, and the draws
+// Tolerances: 5 standard errors of the estimates from 1e6 draws. A fault of one in 2 million by chance, and the draws
 // are the same ones at every run.
 TEST(Counter, NormalNumbersHaveTheMomentsOfTheNormalDistribution) {
   constexpr int kDraws = 1000000;

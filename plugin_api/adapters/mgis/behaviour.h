@@ -1,6 +1,6 @@
 // A Quoin law as a cohesive zone model of MFront's generic interface. Gradient: opening displacement (n, t1, t2),
 // total; thermodynamic force: cohesive force (n, t1, t2), tension positive. Both are Quoin's d_n, d_s, d_t and sigma,
-// tau_s, tau_t with the same signs; the slip of a step is the difference of the total openings. In plane strain nothing
+// tau_s, tau_t with the same signs. The slip of a step is the difference of the total openings. In plane strain nothing
 // slides out of the plane: both are (n, t1), and K has 2 x 2 numbers.
 #pragma once
 
