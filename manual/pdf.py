@@ -17,12 +17,12 @@ h1, h2, h3, h4 { font-family: 'DejaVu Sans', sans-serif; line-height: 1.15; brea
 h1 { font-size: 17pt; } h2 { font-size: 12.5pt; } h3 { font-size: 10.5pt; } h4 { font-size: 9.5pt; }
 article { break-before: page; }
 a { color: #1a4a7a; text-decoration: none; } a.headerlink { display: none; }
-code { font: 8.2pt 'DejaVu Sans Mono', monospace; overflow-wrap: anywhere; }
-pre { font: 7pt/1.3 'DejaVu Sans Mono', monospace; white-space: pre-wrap; overflow-wrap: anywhere; background: #f4f4f2; padding: 2mm; }
+code { font: 8.2pt 'DejaVu Sans Mono', monospace; overflow-wrap: break-word; }
+pre { font: 7pt/1.3 'DejaVu Sans Mono', monospace; white-space: pre-wrap; overflow-wrap: break-word; background: #f4f4f2; padding: 2mm; }
 table { border-collapse: collapse; width: 100%; font-size: 7.8pt; margin: 2mm 0; }
-td, th { border-bottom: 0.2mm solid #bbb; padding: 0.7mm 1.4mm; text-align: left; vertical-align: top; overflow-wrap: anywhere; }
+td, th { border-bottom: 0.2mm solid #bbb; padding: 0.7mm 1.4mm; text-align: left; vertical-align: top; overflow-wrap: break-word; }
 td p, th p { margin: 0; } td code { font-size: 7pt; }
-img { max-width: 100%; }
+img { max-width: 100%; max-height: 130mm; }
 nav p { font: bold 10pt 'DejaVu Sans', sans-serif; margin: 4mm 0 1mm; } nav ul { list-style: none; padding: 0; margin: 0; }
 nav a::after { content: leader('.') target-counter(attr(href), page); }
 nav ul ul { padding-left: 6mm; font-size: 8.5pt; }
