@@ -37,7 +37,7 @@ enum PropertyColumn : int {
 struct Material;
 using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
 
-// A material as the kernels of the best instruction set of this machine want it.
+// A material as the kernels of the best instruction set of this machine read it.
 struct Material {
   Parameters parameters;
   Kernel lean = nullptr;     // tractions and states only

@@ -44,7 +44,7 @@ HWY_INLINE void put_columns(const Parameters& m, const Lanes& own, const Columns
   p.derive(m, G1, G2);
 }
 
-// The lanes that a law reads, made anew before every vector where properties are given point by point.
+// The lanes that a law reads, made again before every vector where properties are given point by point.
 struct Refill {
   const Parameters& parameters;
   const Lanes& own;
@@ -195,8 +195,8 @@ HWY_INLINE void step_vector(const Law& law, const Columns& c, std::size_t i, std
   Result r = law.template evaluate<kFull, kFull>(in, old, &energies, &tangent);
 
   // One test for the whole vector: not a number anywhere in or out fails the point, outputs equal the old state. Old
-  // values too: a minimum or maximum inside the equations may lose one that is not a number. e tells of d_n, w and v,
-  // |tau*| of all that slides, also where it is beyond the largest number.
+  // values too: a minimum or maximum inside the equations may lose one that is not a number. e is the scale of d_n, w
+  // and v, |tau*| of all that slides, also where it is beyond the largest number.
   V collected = gather_non_finite(old.xi_t, hn::Mul(r.e, zero()));
   if constexpr (!Law::kSharedDamage) {
     collected = gather_non_finite(old.xi_s, gather_non_finite(r.state.xi_t, collected));

@@ -30,7 +30,7 @@ enum PropertyColumn : int {
 struct Material;
 using Kernel = void (*)(const Material&, const shim::Columns&, std::size_t count, shim::Summary&);
 
-// A material as the kernels of the best instruction set of this machine want it.
+// A material as the kernels of the best instruction set of this machine read it.
 struct Material {
   Parameters parameters;
   // The kernels that it needs, with the branches that its parameters switch off left out.

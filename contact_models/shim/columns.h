@@ -20,7 +20,7 @@ inline constexpr int kStateOld = 6;       // kMaxStates
 inline constexpr int kProperty = kStateOld + kMaxStates;
 inline constexpr int kInCount = kProperty + kMaxPropertyColumns;
 
-// Indices into Columns::out. Null: not wanted.
+// Indices into Columns::out. Null: not asked for.
 inline constexpr int kTractionNew = 0;  // 3
 inline constexpr int kStateNew = 3;     // kMaxStates
 inline constexpr int kEnergyStored = kStateNew + kMaxStates;
@@ -36,8 +36,8 @@ struct Columns {
   const double* in[kInCount];  // from kProperty on only with property_columns
   double* out[kOutCount];      // from kEnergyStored on only with extras
   bool property_columns;       // some property is given point by point
-  bool extras;                 // that, or anything beyond tractions and history is wanted
-  bool more_outputs;           // anything beyond tractions and history is wanted; set with extras alone
+  bool extras;                 // that, or anything beyond tractions and history is asked for
+  bool more_outputs;           // anything beyond tractions and history is asked for; set with extras alone
   bool in_place;               // every new state is its old one, in the same memory
 };
 

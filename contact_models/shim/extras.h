@@ -20,7 +20,7 @@ struct Tangent {
   V entry[9];  // d(sigma, tau_s, tau_t)/d(d_n, d_s, d_t), row by row
 };
 
-// flags() and damage(mode) only when they are wanted. A point that is not sound gets zeros and its status.
+// flags() and damage(mode) only when they are asked for. A point that is not sound gets zeros and its status.
 template <class Flags, class Damage>
 HWY_INLINE void put_extras(const Columns& c, std::size_t i, M sound, const Energies& energies, const Tangent& tangent,
                            const Flags& flags, const Damage& damage) {
@@ -32,7 +32,7 @@ HWY_INLINE void put_extras(const Columns& c, std::size_t i, M sound, const Energ
   put(kDissipated + QUOIN_DISSIPATED_COHESION, energies.cohesion);
   put(kDissipated + QUOIN_DISSIPATED_FRICTION, energies.friction);
   put(kDissipated + QUOIN_DISSIPATED_CRUSHING, energies.crushing);
-  // + 0 makes every zero positive: its sign would tell whether another point of the vector slips.
+  // + 0 makes every zero positive: its sign would show whether another point of the vector slips.
   for (int k = 0; k < 9; ++k) put(kTangent + k, hn::Add(tangent.entry[k], zero()));
   for (int k = 0; k < QUOIN_DAMAGE_COUNT; ++k) {
     if (c.out[kDamage + k]) put(kDamage + k, damage(k));

@@ -124,12 +124,13 @@ std::uint64_t gather_and_report(const StudyFolder& folder, const Study& study, b
 // Waits for the tasks of a job; Ctrl-C leaves them alone.
 void wait_for(const std::string& job, const StudyFolder& folder, const Study& study) {
   const std::uint64_t all = study.tasks() + 1 - study.first_task();
-  std::uint64_t told = 0;
+  std::uint64_t reported = 0;
   for (int quiet = 0; quiet < 2;) {
     std::uint64_t done = 0;
     for (std::uint64_t i = study.first_task(); i <= study.tasks(); ++i) done += is_finished(folder.sample(i)) ? 1 : 0;
     if (done >= all) return;
-    if (done >= told + std::max<std::uint64_t>(1, all / 10)) notice(fmt::format("{}/{} samples", told = done, all));
+    if (done >= reported + std::max<std::uint64_t>(1, all / 10))
+      notice(fmt::format("{}/{} samples", reported = done, all));
     quiet = is_queued(job) ? 0 : quiet + 1;
     std::this_thread::sleep_for(std::chrono::seconds(1));
   }

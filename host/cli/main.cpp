@@ -160,9 +160,9 @@ int run_command(int argc, char** argv) {
     return static_cast<int>(error.exit_code);
   } catch (const std::exception& error) {
     if (std::ferror(stdout) != 0) return exit_code;  // told by main
-    const quoin::Error told = quoin::any_error(error);
-    notice(fmt::format("quoin: {}", told.what()));
-    return static_cast<int>(told.exit_code);
+    const quoin::Error reported = quoin::any_error(error);
+    notice(fmt::format("quoin: {}", reported.what()));
+    return static_cast<int>(reported.exit_code);
   }
   return exit_code;
 }

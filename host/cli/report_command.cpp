@@ -18,14 +18,14 @@ class FramesTold {
  public:
   void operator()(const std::filesystem::path& folder, std::size_t frame, std::size_t frames) {
     const auto now = Clock::now();
-    if (now - told_ < std::chrono::seconds(2)) return;
-    told_ = now;
+    if (now - reported_ < std::chrono::seconds(2)) return;
+    reported_ = now;
     fmt::print(stderr, "{}: frame {} of {}\n", folder.string(), frame, frames);
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  Clock::time_point told_ = Clock::now();
+  Clock::time_point reported_ = Clock::now();
 };
 
 }  // namespace

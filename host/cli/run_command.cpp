@@ -149,7 +149,7 @@ class Recorder : public Observer {
                     swap.limited ? fmt::format("; {} softened points come in intact", swap.limited) : ""));
   }
   void on_warning(const Warning& warning) override {
-    told_.insert(warning.about);
+    reported_.insert(warning.about);
     progress_.message("quoin: warning: " + warning.text);
   }
   void on_promotion(const Simulation& simulation) override {
@@ -207,7 +207,7 @@ class Recorder : public Observer {
   }
 
   // By this process, or by the one that it goes on from.
-  bool was_told(const Warning& warning) const { return told_.contains(warning.about); }
+  bool was_reported(const Warning& warning) const { return reported_.contains(warning.about); }
   History& history() { return history_; }
   VtkSeries& frames() { return frames_; }
   const std::optional<Error>& frames_fault() const { return frames_fault_; }
@@ -223,7 +223,7 @@ class Recorder : public Observer {
   Identity identity_;
   CheckpointClock clock_;
   Shown last_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
   std::optional<Error> frames_fault_;
 };
 
@@ -467,7 +467,7 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   }
 }
 
-// curve.png, cracks.png, mechanism.png; what is missing is told.
+// curve.png, cracks.png, mechanism.png; what is missing is reported.
 void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
           Recorder& recorder) {
   const auto& rows = recorder.history().rows();
@@ -490,8 +490,8 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   }
 }
 
-// What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is told,
-// and costs nothing else but the exit code.
+// What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is
+// reported, and costs nothing else but the exit code.
 void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, bool report,
                   const std::optional<Error>& failure, Recorder& recorder, RunInfo& info, int& exit_code) {
   const auto keep = [&](const auto& write) {
@@ -632,7 +632,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   keep_results(folder, simulation, surfaces, options.report, failure, recorder, info, exit_code);
   print_results(folder, simulation, recorder.history().rows(), info);
   for (const Warning& warning : info.warnings)
-    if (!recorder.was_told(warning)) recorder.on_warning(warning);
+    if (!recorder.was_reported(warning)) recorder.on_warning(warning);
   if (failure) {
     recorder.progress().message(failure->exit_code == Exit::interrupted
                                     ? "quoin: interrupted; what was computed is kept in " + folder.string()
@@ -672,8 +672,8 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
     notice(fmt::format("quoin: {}", error.what()));  // of rank 0
     if (!ranks->all_here(kTogether)) end_alone(error.exit_code, error.what());
   } catch (const std::exception& error) {
-    const Error told = any_error(error, "fewer ranks on each machine, or a smaller scene");
-    end_alone(told.exit_code, told.what());
+    const Error reported = any_error(error, "fewer ranks on each machine, or a smaller scene");
+    end_alone(reported.exit_code, reported.what());
   }
 }
 

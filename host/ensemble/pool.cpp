@@ -184,9 +184,9 @@ class Pool {
     int status = 0;
     const pid_t child = waitpid(-1, &status, WNOHANG);
     if (child <= 0) {
-      if (stop_asked && !told_) {
+      if (stop_asked && !reported_) {
         for (const auto& [process, under_way] : running_) kill(process, SIGKILL);
-        told_ = true;
+        reported_ = true;
       }
       // Signals end the nap.
       const timespec nap{0, kPoll * 1000000 / (running_.empty() ? 1 : 10)};
@@ -249,9 +249,9 @@ class Pool {
     for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;
     const bool last = done == total_;
     const double apart = terminal_ ? 0.5 : 10.0;
-    if (!last && now < told_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(apart)))
+    if (!last && now < reported_at_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(apart)))
       return;
-    told_at_ = now;
+    reported_at_ = now;
     const double spent = std::chrono::duration<double>(now - start_).count();
     const double each = spent / static_cast<double>(std::max<std::uint64_t>(1, done - std::min(done, done_before_)));
     const std::string text =
@@ -274,10 +274,10 @@ class Pool {
   std::map<pid_t, UnderWay> running_;
   std::uint64_t total_ = 0, done_before_ = 0, computed_ = 0;
   std::string fault_;
-  bool told_ = false;
+  bool reported_ = false;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
   const Clock::time_point start_ = Clock::now();
-  Clock::time_point told_at_ = start_;
+  Clock::time_point reported_at_ = start_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <limits>
 
+#include "base/fnv_hash.h"
 #include "model/fields.h"
 #include "model/world.h"
 
@@ -231,11 +232,7 @@ double World::mass() const {
 }
 
 uint64_t World::hash(const GiveParts& parts) const {
-  uint64_t h = 1469598103934665603u;
-  const auto add = [&](const void* data, size_t bytes) {
-    const auto* p = static_cast<const unsigned char*>(data);
-    for (size_t i = 0; i < bytes; ++i) h = (h ^ p[i]) * 1099511628211u;
-  };
+  FnvHash hash(kOtherHashStart);
   const auto each_part = [&](const auto& array, const TakeBytes& take) {
     const auto bytes = std::as_bytes(std::span(array));
     if (parts) return parts(bytes.data(), bytes.size(), take);
@@ -246,15 +243,15 @@ uint64_t World::hash(const GiveParts& parts) const {
     const size_t size = sizeof array[0];
     std::vector<uint8_t> rest;  // of an item that comes in two parts
     each_part(array, [&](std::span<const uint8_t> bytes) {
-      if (field.hashed == size) return add(bytes.data(), bytes.size());
+      if (field.hashed == size) return hash.add(bytes);
       rest.insert(rest.end(), bytes.begin(), bytes.end());
       size_t done = 0;
-      for (; rest.size() - done >= size; done += size) add(rest.data() + done, field.hashed);
+      for (; rest.size() - done >= size; done += size) hash.add(std::span(rest).subspan(done, field.hashed));
       rest.erase(rest.begin(), rest.begin() + long(done));
     });
   };
   WorldFields::each(*this, add_field);
-  return h;
+  return hash.value();
 }
 
 }  // namespace quoin::blocks

@@ -2,6 +2,7 @@
 
 #include <Random123/philox.h>
 
+#include "base/fnv_hash.h"
 #include "random/distribution.h"
 
 namespace quoin::random {
@@ -15,9 +16,9 @@ std::array<std::uint64_t, 4> philox(const std::array<std::uint64_t, 4>& counter,
 }
 
 std::uint64_t name_of(std::string_view text) {
-  std::uint64_t value = 0xcbf29ce484222325u;
-  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return value;
+  FnvHash hash;
+  hash.add(text);
+  return hash.value();
 }
 
 double uniform(const Quantity& quantity, std::uint64_t element) {

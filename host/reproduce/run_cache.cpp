@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/fnv_hash.h"
 #include "files/file.h"
 #include "files/notice.h"
 #include "law/law_library.h"
@@ -40,10 +41,11 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// FNV-1a: a short name for what a run depends on.
-std::uint64_t hash_of(const std::string& text, std::uint64_t h = 1469598103934665603ull) {
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211ull;
-  return h;
+// A short name for what a run depends on.
+std::uint64_t hash_of(const std::string& text, std::uint64_t start = kOtherHashStart) {
+  FnvHash hash(start);
+  hash.add(text);
+  return hash.value();
 }
 
 // As in the paper: small displacements to the end, with a warning where they are no longer small. What that does to the
@@ -155,7 +157,7 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
   std::size_t next = 0, finished = 0;
   int threads_used = 0;
   StopHandler handler;
-  bool told = false;
+  bool reported = false;
   while (next < queue.size() || !running.empty()) {
     while (!stop_asked && next < queue.size() && threads_used < settings_.jobs) {
       const RunSpec& spec = *queue[next++];
@@ -186,9 +188,9 @@ void RunCache::compute(const std::vector<RunSpec>& specs) {
       threads_used += threads;
     }
     if (running.empty()) break;
-    if (stop_asked && !told) {
+    if (stop_asked && !reported) {
       for (const auto& [child, job] : running) kill(child, SIGTERM);
-      told = true;
+      reported = true;
     }
     int status = 0;
     const pid_t child = waitpid(-1, &status, 0);

@@ -14,6 +14,7 @@
 #include "base/archive.h"
 #include "base/attempt.h"
 #include "base/error.h"
+#include "base/fnv_hash.h"
 #include "base/sha256.h"
 #include "files/file.h"
 #include "files/file_bytes.h"
@@ -55,7 +56,7 @@ class Checksum {
   }
   std::uint64_t end() {
     if (rest_ > 0) add_word();
-    return hash_;
+    return hash_.value();
   }
 
  private:
@@ -66,12 +67,13 @@ class Checksum {
     if (rest_ == sizeof word_) add_word();
   }
   void add_word() {
-    hash_ = (hash_ ^ word_) * 0x100000001b3u;
-    hash_ ^= hash_ >> 29;  // so that high bits reach low ones
+    hash_.add(word_);
+    hash_.fold();
     word_ = 0, rest_ = 0;
   }
 
-  std::uint64_t hash_ = 0xcbf29ce484222325u, word_ = 0;
+  FnvHash hash_;
+  std::uint64_t word_ = 0;
   std::size_t rest_ = 0;  // bytes of a word that is not whole yet
 };
 

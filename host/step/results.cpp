@@ -1,10 +1,12 @@
 // What can be read from a simulation between steps. Cold.
 #include <fmt/core.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "base/fnv_hash.h"
 #include "base/rank_rows.h"
 #include "step/lattice_fields.h"
 
@@ -314,18 +316,11 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_here() const {
 
 namespace {
 
-// FNV-1a over 64-bit words.
-constexpr std::uint64_t kHashStart = 0xcbf29ce484222325u;
-
 template <class Values>
-void add_to_hash(const Values& values, std::uint64_t* hash) {
-  for (const double value : values) {
-    std::uint64_t word;
-    std::memcpy(&word, &value, sizeof word);
-    *hash = (*hash ^ word) * 0x100000001b3u;
-  }
+void add_to_hash(const Values& values, FnvHash* hash) {
+  for (const double value : values) hash->add(std::bit_cast<std::uint64_t>(value));
 }
-void add_to_hash(const std::vector<BodyLanes>& bodies, std::uint64_t* hash) {
+void add_to_hash(const std::vector<BodyLanes>& bodies, FnvHash* hash) {
   for (const BodyLanes& lanes : bodies) {
     for (const auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin}) {
       for (const auto& component : *quantity) add_to_hash(component, hash);
@@ -388,7 +383,7 @@ std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
     give_array(first, bytes, take);
   };
   if (riding) return riding->hash(give);
-  std::uint64_t hash = kHashStart;
+  FnvHash hash;
   each_lattice_field(*this, [&](const Field& field, const auto& array, int family) {
     if (field.hashed == 0) return;
     if (field.known_to_all || (at_rest && family < 0)) return add_to_hash(array, &hash);
@@ -396,14 +391,14 @@ std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
       add_to_hash(std::span(reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)), &hash);
     });
   });
-  return hash;
+  return hash.value();
 }
 
 std::uint64_t Simulation::hash() const {
   if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
   if (impl_->start_hash && impl_->step_count == 0 && !impl_->has_all()) return *impl_->start_hash;
   if (impl_->riding) return impl_->riding->hash();
-  std::uint64_t hash = kHashStart;
+  FnvHash hash;
   each_lattice_field(*impl_, [&](const Field& field, const auto& array, int f) {
     if (field.hashed == 0) return;
     if (f < 0 || impl_->holds_all) return add_to_hash(array, &hash);
@@ -412,7 +407,7 @@ std::uint64_t Simulation::hash() const {
     for (const double value : family.material->initial_state(impl_->model.assembly.families[at(f)].initial_state))
       add_to_hash(std::vector<double>(at(family.point_count), value), &hash);
   });
-  return hash;
+  return hash.value();
 }
 
 }  // namespace quoin

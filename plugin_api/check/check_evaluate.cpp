@@ -22,7 +22,7 @@ std::vector<size_t> all_indices(size_t n) {
   return indices;
 }
 
-// One batch whose columns live wherever a test wants them.
+// One batch whose columns live where a test puts them.
 struct Columns {
   explicit Columns(const quoin_law& law) : state_old(law.state_count), state_new(law.state_count) {
     batch.struct_size = sizeof batch;
@@ -61,7 +61,7 @@ struct Records {
 };
 
 // Evaluates with every column in one array of records, as an array-of-structures host does. in_place: old and new are
-// the same memory. Tells whether anything else was written.
+// the same memory. Whether anything else was written.
 Result evaluate_records(const quoin_law& law, const Material& material, const Points& points, int64_t sign, size_t gap,
                         bool in_place, bool* clean) {
   const size_t n = points.size();

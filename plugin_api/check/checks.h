@@ -15,7 +15,7 @@ struct Subject {
 };
 
 void check_library(Report& report, const Library& library);
-void check_metadata(Report& report, const quoin_law& law);  // tells whether it is safe to go on
+void check_metadata(Report& report, const quoin_law& law);  // returns whether it is safe to go on
 bool metadata_is_usable(const quoin_law& law);
 void check_materials(Report& report, const Subject& subject);
 void check_states(Report& report, const Subject& subject);

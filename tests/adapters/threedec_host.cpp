@@ -397,7 +397,7 @@ void check_energy_activation(const JointModel& prototype) {
 }
 
 // Opening, closing and sliding at random, in and beyond the softening: forces are the law's, and the state bits, which
-// the model tells from the forces, are what the law's flags and states say at every step.
+// follow from the forces, are what the law's flags and states say at every step.
 void check_random_path(const JointModel& prototype, const quoin_law& law) {
   Contact contact(mortar_joint(prototype));
   DirectLaw direct(law);

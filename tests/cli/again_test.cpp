@@ -161,9 +161,9 @@ TEST_F(Watched, BlocksThatOverlapAreTold) {
                  "joints.mortar.shear_stiffness=2e7"}),
             0)
       << error_;
-  const std::string told = "warning: blocks overlap by ";
-  EXPECT_THAT(error_, HasSubstr(told));
-  EXPECT_EQ(error_.find(told, error_.find(told) + 1), std::string::npos) << "once";
+  const std::string reported = "warning: blocks overlap by ";
+  EXPECT_THAT(error_, HasSubstr(reported));
+  EXPECT_EQ(error_.find(reported, error_.find(reported) + 1), std::string::npos) << "once";
   EXPECT_EQ(summary()["warnings"][0]["about"], "interpenetration");
   const double overlap = summary()["watch"]["largest_overlap_m"];
   EXPECT_GE(overlap, 0.3e6 / 5e7);

@@ -71,7 +71,8 @@ TEST_F(Cli, RefusedProperties) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
-// Faults of the scene's keys, of names and numbers that the law refuses, and of --set: one round, in the order of lines.
+// Faults of the scene's keys, of names and numbers that the law refuses, and of --set: one round, in the order of
+// lines.
 TEST_F(Cli, AllFaultsAreReportedInOneRound) {
   const std::string file = (folder_ / "bad.toml").string();
   std::string text = read_all(small_);
@@ -254,12 +255,12 @@ TEST(ProgressLine, TellsATimeThatIsKnown) {
   for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan(""), 60.0, 3599.0, 3661.0}) {
     progress.seconds_left = left;
     line.show(progress, 0.0, 0.0);
-    ++progress.stage;  // a new stage is told at once
+    ++progress.stage;  // a new stage is printed at once
   }
-  const std::string told = testing::internal::GetCapturedStderr();
-  EXPECT_THAT(told, ContainsRegex("1/8.* left 0:59 .*\n.*2/8.* left 1:40:01 .*\n.*3/8.* left --:-- .*\n"
-                                  ".*4/8.* left --:-- .*\n.*5/8.* left --:-- .*\n.*6/8.* left 1:00 .*\n"
-                                  ".*7/8.* left 59:59 .*\n.*8/8.* left 1:01:01 "));
+  const std::string reported = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(reported, ContainsRegex("1/8.* left 0:59 .*\n.*2/8.* left 1:40:01 .*\n.*3/8.* left --:-- .*\n"
+                                      ".*4/8.* left --:-- .*\n.*5/8.* left --:-- .*\n.*6/8.* left 1:00 .*\n"
+                                      ".*7/8.* left 59:59 .*\n.*8/8.* left 1:01:01 "));
 }
 
 // Of two ranks in 1000 steps: the most that one sent a step, shares of the time of both, and of all blocks and points.
@@ -365,7 +366,7 @@ TEST_F(Cli, CheckTellsWhatScattersAndWhereStagesEnd) {
   EXPECT_THAT(out_, AllOf(HasSubstr(" sample 0: everything at its mean\n"), Not(HasSubstr("drawn for"))));
 }
 
-// Every scene that is shipped passes the check, and the README beside it tells what it is.
+// Every scene that is shipped passes the check, and the README beside it says what it is.
 TEST_F(Cli, ShippedScenesAreSoundAndListed) {
   const std::string readme = read_all(QUOIN_SCENES "/README.md");
   int scenes = 0;
@@ -420,7 +421,7 @@ TEST_F(Cli, RunWritesEveryResult) {
 }
 
 // Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp; mass
-// scaled by 1e9 gives steps of half a second, which pass the displacement asked for. Neither tells what a wall bears.
+// scaled by 1e9 gives steps of half a second, which pass the displacement asked for. Neither says what a wall bears.
 TEST_F(Cli, RunsThatAreNotSlowEnoughAreNotVouchedFor) {
   const std::string wall = QUOIN_SCENES "/solid_wall_030.toml";
   for (const auto& [setting, words] : {std::pair{"stage.shear.velocity=10", "ended inside its ramp"},

@@ -311,7 +311,7 @@ TEST_F(Fire, LawsThatEndTheProgramAreNamed) {
       const rlimit none{0, 0};
       setrlimit(RLIMIT_CORE, &none);
       setenv("QUOIN_BAD_LAW", what, 1);
-      setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // a sanitizer would tell of the crash in our place
+      setenv("ASAN_OPTIONS", "handle_segv=0:detect_leaks=0", 1);  // a sanitizer would report the crash in our place
     };
   };
   for (const auto& [what, words] : {std::pair{"crash", "crashed (SIGSEGV)"},
@@ -369,7 +369,7 @@ TEST_F(Fire, BrokenLibrariesDoNotHideTheOthers) {
   EXPECT_THAT(error_, AllOf(HasSubstr("a_half.so"), HasSubstr("it is not whole"), HasSubstr("build it again")));
 }
 
-// In the step of selective_time_step a wall leaves small displacements, and large motion knows no such step.
+// In the step of selective_time_step a wall leaves small displacements, and large motion has no such step.
 TEST_F(Fire, LargeMotionRefusesASelectiveTimeStepBeforeTheLatticeIsLeft) {
   EXPECT_EQ(quoin({"run", small_, "--out", out(), "--threads", "1", "--set", "solver.selective_time_step=0.5", "--set",
                    "output.plots=false"},
@@ -491,7 +491,7 @@ duration = 1
   EXPECT_THAT(error_, AllOf(HasSubstr("joints.mortar"), HasSubstr("1e+300"), HasSubstr("1e+20 Pa/m at most")));
 }
 
-// What would take longer than anybody waits is told with numbers; short runs are told how long they take.
+// Estimates of very long runs are printed with numbers, and so is the time of short ones.
 TEST_F(Fire, TimeIsToldBeforeTheWork) {
   EXPECT_EQ(quoin_in_time({"check", small_}), 0) << error_;
   EXPECT_THAT(out_, ContainsRegex("computing time about [0-9.]+ s, .* steps with [0-9]+ threads here"));

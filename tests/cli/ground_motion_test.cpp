@@ -1,4 +1,4 @@
-// Stages that move the ground, against closed forms, with damping chosen for motion; what is told where it is not.
+// Stages that move the ground, against closed forms, with damping chosen for motion; the warnings where it is not.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -202,8 +202,8 @@ TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
   }
 }
 
-// Local damping and mass damping brake what slides or rocks on the ground: told on the screen, in the summary and by
-// check, where the stage asks for them. What [solver] alone writes is refused.
+// Local damping and mass damping brake what slides or rocks on the ground: warned of on the screen, in the summary and
+// by check, where the stage asks for them. What [solver] alone writes is refused.
 TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   const std::string shake = kShake;
   for (const char* solver : {"damping = \"local\"", "damping = \"viscous\", mass_damping = 1.0"}) {

@@ -97,7 +97,7 @@ solver = { time_step_fraction = 0.4, damping = "local", local_damping = 0.2 }
   EXPECT_THAT(out_, AllOf(HasSubstr("stiffness 1e-06 s, time_step_fraction 0.1: time step"),
                           HasSubstr(", 0.40 of 2/omega_max")));
 
-  // The first stage alone: the step that is used is the one that is told.
+  // The first stage alone: the step that is used is the one that is printed.
   const std::string first =
       write(std::string("[solver]\ntime_step_fraction = 0.1\n") + kBlocks + "solver = { damping = \"none\" }\n",
             "first.toml");

@@ -173,7 +173,7 @@ TEST(Convergence, TheRatesThemselvesLoseContactOrKeepIt) {
   const double limit = 2.0 * at[2] - at[1];
   const double coarse = threshold(by_the_rates, 4 * kMany), fine = threshold(by_the_rates, 16 * kMany);
   EXPECT_NEAR((4.0 * fine - coarse) / 3.0, limit, 2e-5);  // what is left of second order is 6e-6
-  // Two millionths of the amplitude make 0.9 of the tensile strength there, to the update and to the rates alike.
+  // Two millionths of the amplitude make 0.9 of the tensile strength there, to both the update and the rates.
   const auto jump = [](double (*sigma)(double, int), double where, int increments) {
     return sigma(where + 1e-6, increments) - sigma(where - 1e-6, increments);
   };

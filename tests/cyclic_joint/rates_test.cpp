@@ -103,7 +103,7 @@ TEST(Rates, MixedCyclicPathsConvergeToTheRateEquations) {
     const Joint joint = random_joint(random, 2.0);
     const bool dry = chance(random, 0.15);
     const Path path = mixed_path(joint, random);
-    // A friction that is lost at the first slip takes a slip of its own within one step, however short. The page tells
+    // A friction that is lost at the first slip takes a slip of its own within one step, however short. The page gives
     // its work with the pressure that the uplift leaves, the rates with that on the way.
     const bool drops_at_once = joint.c0 == joint.cr && joint.phir < joint.phi0 && joint.psi0 > 0;
     const int numbers = drops_at_once ? 2 : 3;

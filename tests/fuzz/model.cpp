@@ -1,5 +1,5 @@
 // Models: scenes as `quoin check` takes them; where they are small the model is made, steps, and takes no more memory
-// than was told.
+// than was estimated.
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -15,7 +15,7 @@
 namespace {
 
 constexpr double kSmall = 2e6;            // bytes
-constexpr double kLarge = 1e8;            // bytes: from here on users are told, and here nobody wants to hear it
+constexpr double kLarge = 1e8;            // bytes: from here on users get a notice, which is of no use here
 constexpr double kOfAProgram = 32 << 20;  // bytes: stacks of threads, laws, what malloc keeps
 
 // Most memory of the process since then, bytes.

@@ -27,7 +27,7 @@ void collect(toml::node& node, std::vector<toml::table*>* tables, std::vector<to
   }
 }
 
-// Puts a value of any kind where `put` wants it.
+// Puts a value of any kind where `put` needs it.
 template <class Put>
 void put_odd(Random& random, const Put& put) {
   static const double kNumbers[] = {

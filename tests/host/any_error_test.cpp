@@ -1,4 +1,4 @@
-// What a user is told of an exception that nobody has met before.
+// Messages for exceptions of unknown kinds.
 #include "base/any_error.h"
 
 #include <gmock/gmock.h>

@@ -171,7 +171,7 @@ TEST(Checkpoint, WallGoesOnAfterItsLawWasSwapped) {
   expect_restores(scene);
 }
 
-// A dry arch until it falls: rigid blocks, collapse, contacts detected anew, base slip at uplift.
+// A dry arch until it falls: rigid blocks, collapse, contacts detected again, base slip at uplift.
 TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
   EXPECT_GT(expect_restores(scene_of(
                 "arch.toml", {"stage.weight.duration=0.3", "stage.weight.ramp_time=0.2", "stage.push.ramp_time=0.5",

@@ -154,7 +154,7 @@ TEST_P(Damaged, WallThatIsCutCarriesNoTension) {
 
 INSTANTIATE_TEST_SUITE_P(BothKinds, Damaged, ::testing::Values("lattice", "general"));
 
-// A crack goes round units unless it is told not to.
+// A crack goes round units unless through_units says otherwise.
 TEST(Damage, CrackGoesRoundUnits) {
   const auto broken = [](const std::string& keys) {
     const std::string damage = "[[damage]]\ncrack = [[0.16, -0.1], [0.17, 1]]\n" + keys;

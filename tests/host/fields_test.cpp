@@ -60,7 +60,7 @@ TEST_P(Fields, AreAllThatARunGoesOnFrom) {
   ASSERT_NE(other.hash(), first.hash());
   const std::vector<std::uint8_t> state = first.save();
   other.restore(state);
-  // Bodies of the lattice also have what controls impose in a step, which the next one finds anew.
+  // Bodies of the lattice also have what controls impose in a step, which the next one sets again.
   EXPECT_TRUE(!first.riding() || other.save() == state);
   EXPECT_EQ(other.hash(), first.hash());
   Observer nobody;

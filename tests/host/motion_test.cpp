@@ -1,4 +1,4 @@
-// Blocks of small displacements that meet others, part, or fall: whether a run notices in time, whatever it writes.
+// Blocks of small displacements that meet others, part, or fall: whether a run detects it in time, whatever its output.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 

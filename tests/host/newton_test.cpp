@@ -37,7 +37,7 @@ std::string block(const std::string& name, const Vec3& lower, const Vec3& size, 
 const Vec3 kCube{0.1, 0.1, 0.1};  // 2 kg of stone
 constexpr double kMass = 2.0;
 
-// Two that touch and rest, behind the others: the lattice wants a joint.
+// Two that touch and rest, behind the others: the lattice needs a joint.
 std::string resting_pair() {
   return block("pillar", {0, 0, 9}, kCube, "fixed = true") + block("neighbour", {0.1, 0, 9}, kCube);
 }
@@ -74,9 +74,9 @@ TEST_P(ScaledMass, FallsBySoMuchLess) {
 }
 
 // Stones on springs of k = 1e8 Pa/m x their base, on which their weight comes at once: they swing about m g/k, whatever
-// the scaling, four times slower: y = -(m g/k) (1 - cos w t), w = sqrt(k/16 m). A dozen alike, which the lattice moves
-// side by side, and one of its own shape. Half a step: central differences begin with the velocity of half a step
-// before. Zones give by 1 % more, on the springs of gridpoints inside the face.
+// the scaling, four times slower: y = -(m g/k) (1 - cos w t), w = sqrt(k/16 m). A dozen congruent ones, which the
+// lattice moves in SIMD groups, and one of its own shape. Half a step: central differences begin with the velocity of
+// half a step before. Zones give by 1 % more, on the springs of gridpoints inside the face.
 TEST_P(ScaledMass, SwingsAboutTheTrueWeightOnItsBase) {
   const std::string zones = GetParam().rigid ? "" : "rigid = false\ndivisions = [1, 2, 1]";
   std::string text = undamped_stone(GetParam().kernels) + block("base", {0, -0.1, 0}, {6, 0.1, 0.1}, "fixed = true");

@@ -261,7 +261,7 @@ TEST(RunInParts, GoesOnFromWhatEachRankReadsOfAState) {
 TEST(RunInParts, RefusesAStateOfAnotherModelOrCutShort) {
   Scene larger = small_wall(), smaller = small_wall();
   larger.wall->courses += 1, smaller.wall->courses -= 1;
-  // With the time step of this one, which is what tells models apart before their sizes do.
+  // With the time step of this one, which differs between models before their sizes do.
   Simulation here(small_wall());
   for (const Scene& of_other : {larger, smaller}) {
     Simulation other(of_other);

@@ -1,4 +1,4 @@
-// When ranks are divided anew (step/rank_balance.h). Times in seconds; estimates of 1 for each rank.
+// When ranks are partitioned again (step/rank_balance.h). Times in seconds; estimates of 1 for each rank.
 #include "step/rank_balance.h"
 
 #include <gmock/gmock.h>

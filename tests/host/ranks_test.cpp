@@ -113,7 +113,7 @@ TEST_P(ManyRanks, HaveTheBitsOfOneProcess) {
       for (int b = 0; b < simulation.block_count(); ++b) owns |= simulation.owns_block(b);
       have_blocks += owns ? 1 : 0;
       Rows rows;
-      const std::uint64_t start = simulation.hash();  // of rank 0: a checkpoint is told by it
+      const std::uint64_t start = simulation.hash();  // of rank 0: it names a checkpoint
       simulation.run(rows);
       simulation.gather_at_first();
       if (ranks.rank() == 0) first = found_in(simulation, rows, start);
@@ -329,7 +329,7 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
   EXPECT_EQ(reader.hash(), alone.hash());
 }
 
-// What one rank finds while it makes its part is told by all of them, in its words.
+// An error of one rank while it makes its part is thrown by all of them, with its message.
 TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
   const auto words = [&](const Overrides& overrides, int rank) {
     std::string told;

@@ -71,8 +71,8 @@ TEST(Simulation, PressedColumnIsASeriesOfSprings) {
   EXPECT_EQ(counts[static_cast<std::size_t>(Condition::elastic)], simulation.model().point_count);
 }
 
-// Four times as stiff, heavy and loaded, a wall moves alike: forces are four times as large, and a ratio of them is
-// not.
+// Four times as stiff, heavy and loaded, a wall moves in the same way: forces are four times as large, and a ratio of
+// them is not.
 TEST(Simulation, UnbalancedRatioHasNoUnit) {
   for (const Kernels kernels : {Kernels::lattice, Kernels::general}) {
     const auto rows_of = [&](double times) {
@@ -358,7 +358,7 @@ TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
   }
 }
 
-// At an even pace the time left is that of the steps left. Stopped when it has been told three times.
+// At an even pace the time left is that of the steps left. Stopped at the third report.
 TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
   struct Watcher : Observer {
     Simulation* simulation = nullptr;

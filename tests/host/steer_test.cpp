@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 constexpr double kKeep = std::numeric_limits<double>::quiet_NaN();
 
-// A driven plate, and two stones beside it that nothing touches, of 0.1 m and 2000 kg/m3: 2 kg. The lattice wants two
+// A driven plate, and two stones beside it that nothing touches, of 0.1 m and 2000 kg/m3: 2 kg. The lattice needs two
 // blocks that touch: they are at rest behind.
 std::string stones(const std::string& kernels) {
   return undamped_stone(kernels) + R"(

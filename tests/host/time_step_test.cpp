@@ -176,8 +176,8 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
       shortest = std::min(shortest, 2.0 * std::sqrt(inertia.node[i] / column[i]));
   }
   EXPECT_NEAR(report.nodal.value, shortest, 1e-12 * shortest);  // sums in another order
-  // It says whose step it is, and what of its stiffness are joints and not zones. Gridpoints alike by symmetry differ
-  // in rounding.
+  // It says whose step it is, and what of its stiffness are joints and not zones. Gridpoints that symmetry makes equal
+  // differ in rounding.
   bool told = false;
   for (const BlockGroup& group : model.groups) {
     for (int line = group.first_line; line < group.first_line + model.templates[0].node_count; ++line) {

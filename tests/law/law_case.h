@@ -1,4 +1,4 @@
-// Parameters and random paths for tests of the fracture-energy law, as the law and as the reference want them.
+// Parameters and random paths for tests of the fracture-energy law, as the law and as the reference take them.
 #pragma once
 
 #include <array>

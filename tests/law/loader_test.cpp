@@ -60,7 +60,7 @@ TEST(Loader, LoadsFromAPathOnceAsLongAsTheFileIsTheSame) {
 }
 
 // A developer rebuilds a law in place while a host program runs on: the next load must give the new one, though the old
-// one is still in use. (dlopen alone hands out the library that it knows by its inode.)
+// one is still in use. (dlopen alone returns the library with the same inode.)
 TEST(Loader, SeesARebuiltLibraryWithoutARestart) {
   namespace fs = std::filesystem;
   const fs::path law = fs::temp_directory_path() / ("quoin_rebuilt_" + std::to_string(::getpid()) + ".so");

@@ -134,11 +134,11 @@ TEST_F(Plugins, WrongAnswersAreNamed) {
 
 // What laws say of themselves, of properties and of the library reaches the terminal without its control sequences.
 TEST_F(Plugins, ControlCharactersOfALawDoNotReachTheTerminal) {
-  const std::string bare = "\x1b", told = "\\x1b[31mred\\xff";
+  const std::string bare = "\x1b", reported = "\\x1b[31mred\\xff";
   EXPECT_EQ(quoin(run_with({"--set", "joints.mortar.normal_stiffness=-1"}), doing("escape in words")), 4);
-  EXPECT_THAT(error_, AllOf(HasSubstr(told), HasSubstr("refuses its properties"), Not(HasSubstr(bare))));
+  EXPECT_THAT(error_, AllOf(HasSubstr(reported), HasSubstr("refuses its properties"), Not(HasSubstr(bare))));
   EXPECT_EQ(quoin(run_with(), doing("escape in refusal")), 4);
-  EXPECT_THAT(error_, AllOf(HasSubstr(told), HasSubstr("refuses this host"), Not(HasSubstr(bare))));
+  EXPECT_THAT(error_, AllOf(HasSubstr(reported), HasSubstr("refuses this host"), Not(HasSubstr(bare))));
   EXPECT_EQ(quoin({"models", QUOIN_HOSTILE_LAW}, doing("escape in name")), 4);
   EXPECT_THAT(error_ + out_, AllOf(HasSubstr("metadata is faulty"), Not(HasSubstr(bare))));
 }
@@ -148,36 +148,36 @@ TEST_F(Plugins, LiesAboutEnergyAndStiffnessAreSeen) {
   for (const auto& [deed, about, words] : {std::tuple{"energy 3", "energy_balance", "energies do not balance"},
                                            {"stiff 4", "time_step", "4 times as stiff as the bounds that it states"}}) {
     for (const char* const motion : {"never", "always"}) {
-      EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set",
-                                std::string("solver.large_motion=") + motion}),
-                      doing(deed)),
-                0)
+      EXPECT_EQ(
+          quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set", std::string("solver.large_motion=") + motion}),
+                doing(deed)),
+          0)
           << error_;
       EXPECT_THAT(error_, HasSubstr(words)) << deed << motion;
-      bool told = false;
+      bool reported = false;
       const nlohmann::json all = summary();
-      for (const auto& warning : all["warnings"]) told = told || warning["about"] == about;
-      EXPECT_TRUE(told) << deed << motion << all["watch"];
+      for (const auto& warning : all["warnings"]) reported = reported || warning["about"] == about;
+      EXPECT_TRUE(reported) << deed << motion << all["watch"];
     }
   }
 }
 
 // Just beyond what is allowed, and just below: 5 % of the energy that was moved; a millionth of the stiffness.
 TEST_F(Plugins, SmallLiesAboutEnergyAndStiffnessAreMeasured) {
-  const auto told = [&](const std::string& deed, const char* about) {
+  const auto reported = [&](const std::string& deed, const char* about) {
     EXPECT_EQ(quoin(run_with({"--set", "stage.2.displacement=1e-3", "--set", "output.energy=true"}), doing(deed)), 0)
         << error_;
     const nlohmann::json warnings = summary()["warnings"];
     return std::any_of(warnings.begin(), warnings.end(), [&](const auto& w) { return w["about"] == about; });
   };
   const auto missing = [&] { return std::abs(summary()["watch"]["energy_missing_over_moved"].get<double>()); };
-  EXPECT_FALSE(told("energy 1.03", "energy_balance"));
+  EXPECT_FALSE(reported("energy 1.03", "energy_balance"));
   EXPECT_LT(missing(), 0.05);
-  EXPECT_TRUE(told("energy 1.08", "energy_balance"));
+  EXPECT_TRUE(reported("energy 1.08", "energy_balance"));
   EXPECT_GT(missing(), 0.05);
   EXPECT_LT(missing(), 0.1);
-  EXPECT_FALSE(told("stiff 1.0000005", "time_step"));
-  EXPECT_TRUE(told("stiff 1.000004", "time_step"));
+  EXPECT_FALSE(reported("stiff 1.0000005", "time_step"));
+  EXPECT_TRUE(reported("stiff 1.000004", "time_step"));
 }
 
 // A thread inside a law cannot be taken out of it: the run ends, with what it has.

@@ -53,7 +53,7 @@ TEST(Counter, NormalNumbersHaveTheMomentsOfTheNormalDistribution) {
   EXPECT_NEAR(moment[1], 1.0, 5.0 * std::sqrt(2.0 / kDraws));
   EXPECT_NEAR(moment[2], 0.0, 5.0 * std::sqrt(15.0 / kDraws));
   EXPECT_NEAR(moment[3], 3.0, 5.0 * std::sqrt(96.0 / kDraws));
-  EXPECT_NEAR(lag, 0.0, 5.0 * std::sqrt(1.0 / kDraws));  // neighbours tell nothing of each other
+  EXPECT_NEAR(lag, 0.0, 5.0 * std::sqrt(1.0 / kDraws));  // neighbours are uncorrelated
 }
 
 }  // namespace

@@ -78,7 +78,7 @@ class Verdicts : public ::testing::Test {
     fs::remove_all(folder_);
   }
 
-  // Every run of the study is complete, and alike until a test changes it.
+  // Every run of the study is complete, and the same until a test changes it.
   void start(const std::string& id, const std::string& quality = "standard") {
     study_ = find_study(id);
     ASSERT_NE(study_, nullptr);
@@ -365,13 +365,13 @@ TEST_F(Verdicts, HollowWallsHaveOpeningsInTheMiddle) {
     }
     if (name.find("hexahedra") != std::string::npos) continue;
     ++openings;
-    std::smatch told;
-    ASSERT_TRUE(std::regex_match(name, told, words)) << name;
+    std::smatch reported;
+    ASSERT_TRUE(std::regex_match(name, reported, words)) << name;
     const std::string opening = "wall.opening.1.";
     const int half_units = std::stoi(set(name, opening + "half_units")),
               courses = std::stoi(set(name, opening + "courses"));
-    EXPECT_EQ(half_units, std::stoi(told[1])) << name;
-    EXPECT_EQ(courses, told[3].matched ? std::stoi(told[3]) : 6) << name;
+    EXPECT_EQ(half_units, std::stoi(reported[1])) << name;
+    EXPECT_EQ(courses, reported[3].matched ? std::stoi(reported[3]) : 6) << name;
     const double middle = std::stoi(set(name, opening + "first_half_unit")) + 0.5 * half_units;
     EXPECT_NEAR(middle, 4.5, half_units % 2 == 0 ? 0.5 : 0.0) << name;
     EXPECT_EQ(std::stoi(set(name, opening + "first_course")) + 0.5 * courses, 8.0) << name;

@@ -104,7 +104,7 @@ std::string in_words(const StudyReport& report) {
   return text;
 }
 
-// Scripts whole; of data every 397th line, which is enough to tell curves and columns apart.
+// Scripts whole; of data every 397th line, in which curves and columns differ.
 std::string files_of(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))

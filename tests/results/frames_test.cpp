@@ -1,4 +1,4 @@
-// Frames of a run: their size, told before there is one, beside the files of one; their times, read back.
+// Frames of a run: their estimated size beside the files of one; their times, read back.
 #include <gtest/gtest.h>
 
 #include <clocale>
@@ -32,8 +32,8 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
   }
 }
 
-// What four courses more take in both files is told to the last byte but for digits in their heads: of a law without
-// states, for every kind of block.
+// What four courses more take in both files is estimated to the last byte but for digits in their heads: of a law
+// without states, for every kind of block.
 TEST_F(Frames, GrowAsWasTold) {
   const std::string begin = R"([materials.brick]
 density = 1900

@@ -1,4 +1,4 @@
-// What rank 0 writes of what other ranks bring: the bytes of one process, and no rank waits for ever where it cannot.
+// What rank 0 writes of the data of other ranks: the bytes of one process, and no rank waits for ever where it cannot.
 // Ranks are threads here.
 #include <fmt/format.h>
 #include <gtest/gtest.h>

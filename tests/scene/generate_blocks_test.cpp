@@ -104,15 +104,15 @@ TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
   }
 }
 
-// What is told before it is made: a course of n units has one more where its bond cuts them at both ends, 7 (4 + 1)
+// The estimate before it is made: a course of n units has one more where its bond cuts them at both ends, 7 (4 + 1)
 // units, or 10 halves a course.
 TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
   const std::string third = "rigid = true\nbond = \"third\"\n";
   for (const auto& [keys, blocks] : {std::pair{third, 35.0}, {third + "mid_unit_joints = true\n", 70.0}}) {
-    const double told = size_of(scene_with(keys)).blocks, made = double(wall_with(keys).blocks.size());
-    EXPECT_EQ(told, blocks);
-    EXPECT_GE(told, made);
-    EXPECT_LT(told, 1.5 * made);
+    const double reported = size_of(scene_with(keys)).blocks, made = double(wall_with(keys).blocks.size());
+    EXPECT_EQ(reported, blocks);
+    EXPECT_GE(reported, made);
+    EXPECT_LT(reported, 1.5 * made);
   }
 }
 

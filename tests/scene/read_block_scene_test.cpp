@@ -168,7 +168,7 @@ TEST_F(ReadBlockScene, RecordsHaveComponentsPartsAndTargets) {
   EXPECT_THAT(part.time, ElementsAre(0.0, 0.5, 1.0));
   EXPECT_THAT(part.value, ElementsAre(1.0, 2.0, 1.0));
   EXPECT_THAT(fault_of("direction=[1,0,0],file='a.csv',start=3"), HasSubstr("0 to 2 s"));
-  // 2 m/s at its end; brought to rest over 1 s.
+  // 2 m/s at its end, ramped to rest over 1 s.
   const GroundMotion::Component rest = of("direction=[1,0,0],file='a.csv',after='rest',rest_time=1").components[0];
   EXPECT_NEAR(rest.velocity.at(rest.acceleration, 2.0), 2.0, 1e-12);
   EXPECT_NEAR(rest.velocity.at(rest.acceleration, 3.0), 0.0, 1e-12);

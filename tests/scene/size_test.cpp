@@ -1,4 +1,4 @@
-// Sizes that are told before a model is made, beside those that `quoin check` counts in the model.
+// Sizes that are estimated before a model is made, beside those that `quoin check` counts in the model.
 #include "scene/size.h"
 
 #include <gtest/gtest.h>
@@ -89,13 +89,13 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
 
 // Against the most memory that runs took beside that of a run of six blocks (VmHWM, one thread, of a few steps, on a
 // machine with pages of 4 kB; benchmarks/RANKS.md has the list). By a third: the program changes, and this test says
-// when what it tells has to follow.
+// when the estimate has to follow.
 TEST(Size, OfMemoryIsWhatRunsTake) {
-  const auto told = [](const std::vector<std::string>& overrides) {
+  const auto reported = [](const std::vector<std::string>& overrides) {
     return size_of(read_scene(std::string(QUOIN_SCENES) + "/../../tests/cli/small_wall.toml", overrides)).bytes / 1e6;
   };
   const auto expect = [&](double measured, const std::vector<std::string>& overrides) {
-    EXPECT_NEAR(told(overrides) / measured, 1.0, 0.33) << overrides.back();
+    EXPECT_NEAR(reported(overrides) / measured, 1.0, 0.33) << overrides.back();
   };
   expect(275, {"wall.courses=200", "wall.units_per_course=200"});
   expect(63, {"wall.courses=100", "wall.units_per_course=100"});

@@ -111,7 +111,7 @@ TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
     for (Model* m : {framed.get(), other.get()}) {
       const Matrix turned = geometry::matrix(geometry::rotation(1.9 * kAxis));
       for (Vector& x : m->node_positions()) x = turned * x;
-      m->hold_by_springs(0.0);  // and chooses it anew
+      m->hold_by_springs(0.0);  // and chooses it again
     }
     const double found = framed->critical_time_step();
     check_error(name_of(kind) + ", 2/omega_max beside zone by zone", std::abs(found / other->critical_time_step() - 1),

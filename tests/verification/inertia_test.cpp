@@ -285,7 +285,7 @@ TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
 
 // What comes back has its inertia again before it touches, and what bounces off gives it back: the energies of both
 // changes are booked. It leaves no faster than it came. No time step is shorter than the first one, which a joint that
-// closed without the added inertia would want four times shorter (sqrt(s_u)).
+// closed without the added inertia would make four times shorter (sqrt(s_u)).
 TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0, 0.1));
   const double v = 0.1, mass = 2000 * 0.2 * 0.12 * 0.2;

@@ -185,8 +185,8 @@ const adapters::PointBatch& QuoinJointModel::standing(const adapters::Material& 
   return point;
 }
 
-// Replaces what is remembered by the end of the step; returns the bits of now. These are told by the forces, as 3DEC's
-// own models tell them: a law's flags would cost several times the step.
+// Replaces what is remembered by the end of the step; returns the bits of now. These follow from the forces, as in
+// 3DEC's own models: a law's flags would cost several times the step.
 Index QuoinJointModel::step(const std::array<double, 2>& sliding, const jmodels::State& state) {
   using namespace adapters;
   const bool energies = (energy_activated_ || state.trackEnergy()) && (law_.capabilities & QUOIN_CAN_ENERGY) != 0;

@@ -60,7 +60,7 @@ class QuoinJointModel final : public jmodels::JointModel {
   enum Energy { strain_shear, strain_compression, strain_tension, slip, fracture_tension, fracture_shear, crushing };
   static constexpr std::size_t energy_count = 7;
 
-  // What a contact point remembers between steps; forces and state bits are 3DEC's.
+  // State of a contact point between steps; forces and state bits are 3DEC's.
   struct Memory {
     bool started = false;
     double jump = 0.0;                 // d_n, m

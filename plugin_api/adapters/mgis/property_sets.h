@@ -32,7 +32,7 @@ class PropertySets {
   // values: of adapters::scalar_properties, NaN for the law's default. Throws std::runtime_error as Material does;
   // values that a column carries, the law refuses at the point.
   PointMaterial find(const double* values);
-  // A material of exactly these values, made anew. Throws as find does.
+  // A new material of exactly these values. Throws as find does.
   std::unique_ptr<adapters::Material> make(const double* values) const;
   const quoin_law& law() const { return law_; }
 

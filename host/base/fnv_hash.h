@@ -1,0 +1,34 @@
+// FNV-1a in 64 bits: a short name of data, proof against chance and not against intent (that is sha256.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace quoin {
+
+class FnvHash {
+ public:
+  FnvHash() = default;
+  explicit FnvHash(std::uint64_t start) : value_(start) {}
+
+  // A byte, or a word of eight in one step, which is another hash than that of its bytes.
+  void add(std::uint64_t word) { value_ = (value_ ^ word) * 0x100000001b3u; }
+  void add(std::string_view text) {
+    for (const char c : text) add(static_cast<unsigned char>(c));
+  }
+  void add(std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) add(byte);
+  }
+  // Folds high bits into low ones, which multiplication alone leaves untouched.
+  void fold() { value_ ^= value_ >> 29; }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325u;
+};
+
+// The start of hashes that golden runs and caches hold: not the one of FNV.
+inline constexpr std::uint64_t kOtherHashStart = 1469598103934665603u;
+
+}  // namespace quoin
