@@ -66,7 +66,7 @@ StageStep step_under_impacts(const Scene& scene, std::size_t stage) {
   return {simulation.time_step_report().time_step, simulation.riding()->impact_damping_in_use()};
 }
 
-// What ends each stage, and how many steps that takes where it can be told. Returns the steps of these stages.
+// What ends each stage, and how many steps that takes where it is known. Returns the steps of these stages.
 double print_stages(const Scene& scene, const TimeStepReport& report) {
   double steps = 0.0;
   fmt::print("stages\n");
@@ -106,7 +106,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
   return steps;
 }
 
-// What stages hold, and what none of it ties down; stages that are alike share a line.
+// What stages hold, and what none of it ties down; stages with the same supports share a line.
 void print_supports(const Simulation& simulation) {
   constexpr std::size_t kNamed = 5;
   std::vector<std::pair<std::string, std::string>> lines;  // text, stages

@@ -108,7 +108,7 @@ void report(const Gathered& gathered, const StudyFolder& folder, std::uint64_t s
   fmt::print("; results in {}\n", (folder.path() / "index.html").string());
 }
 
-// Writes results and tells of them. Returns how many samples they are of.
+// Writes results and prints their places. Returns how many samples they are of.
 std::uint64_t gather_and_report(const StudyFolder& folder, const Study& study, bool pictures) {
   if (!study.suite.any()) {
     const Gathered gathered = gather(folder, study, study.samples, pictures);

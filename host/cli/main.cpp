@@ -159,7 +159,7 @@ int run_command(int argc, char** argv) {
     if (error.exit_code != Exit::interrupted) notice(fmt::format("quoin: {}", error.what()));
     return static_cast<int>(error.exit_code);
   } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) return exit_code;  // told by main
+    if (std::ferror(stdout) != 0) return exit_code;  // reported by main
     const quoin::Error reported = quoin::any_error(error);
     notice(fmt::format("quoin: {}", reported.what()));
     return static_cast<int>(reported.exit_code);

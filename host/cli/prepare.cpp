@@ -126,7 +126,7 @@ class LawFaults {
   Exit exit_code_ = Exit::done;
 };
 
-// Whether the law knows all keys of the family.
+// Whether the law has all keys of the family.
 bool check_names(const Scene& scene, const JointFamily& family, const Law& law, LawFaults& faults) {
   std::vector<std::string> ids;
   for (uint64_t i = 0; i < law.law->property_count; ++i) ids.push_back(law.law->properties[i]->id);

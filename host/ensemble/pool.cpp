@@ -242,7 +242,7 @@ class Pool {
     tell();
   }
 
-  // A line now and then: on a terminal it is drawn anew.
+  // A line now and then: on a terminal it is overwritten.
   void tell() {
     const auto now = Clock::now();
     std::uint64_t done = 0;

@@ -24,7 +24,7 @@ struct Sample {
 
 // Names of the outputs, whatever became of the sample.
 std::vector<std::string> output_names();
-// And of the inputs that a property of a joint family brings that scatters: its mean by area, and its least value.
+// And of the inputs that a scattering property of a joint family adds: its mean by area, and its least value.
 std::array<std::string, 2> drawn_columns(const std::string& family, const std::string& property);
 
 // Computes the scene that make_scene reads with one thread: history.csv, summary.json, cracks.csv, and at last

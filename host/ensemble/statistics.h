@@ -36,7 +36,7 @@ struct Dependence {
 std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output);
 
 // Shares of the variance of an output that one input brings by itself (first) and with all that it does together with
-// others (total): Sobol's indices, of independent inputs. Intervals hold with 95 %, by drawing the rows anew.
+// others (total): Sobol's indices, of independent inputs. Intervals hold with 95 %, by drawing the rows again.
 struct SobolIndex {
   std::size_t rows = 0;  // that were used
   double first = 0.0, total = 0.0;
@@ -63,7 +63,7 @@ struct Capacity {
   double low, high;
   std::size_t record;  // of which runs depend on each other
 };
-// The lognormal distribution of greatest likelihood, intervals of 95 % by drawing records anew (bootstrap), not a
+// The lognormal distribution of greatest likelihood, intervals of 95 % by drawing records again (bootstrap), not a
 // number of fewer than 3 records.
 class FittedFragility {
  public:

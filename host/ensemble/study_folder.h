@@ -20,7 +20,7 @@ namespace quoin::ensemble {
 // A lock on a file, for as long as this lives. Children that begin another program do not keep it.
 class Claim {
  public:
-  // Null: another process has it. Throws Error(bad_input) where the file cannot be made or the file system knows no
+  // Null: another process has it. Throws Error(bad_input) where the file cannot be made or the file system has no
   // locks.
   static std::unique_ptr<Claim> take(const std::filesystem::path& file);
   static std::unique_ptr<Claim> wait_for(const std::filesystem::path& file);

@@ -78,7 +78,7 @@ bool made_plots(const Manifest& manifest) {
                      [](const std::string& name) { return name == "plots" || name.starts_with("plots/"); });
 }
 
-// A file that the last run had begun when it was killed, before the manifest knew of it: its token tells.
+// A file that the last run had begun when it was killed, before it was in the manifest: its token shows it.
 bool is_part_of(const Manifest& manifest, const std::string& name) {
   return !manifest.token.empty() && name.ends_with(fmt::format(".{}.part", manifest.token));
 }

@@ -11,7 +11,7 @@ namespace quoin {
 
 // Makes the folder, and holds it until the end of this object or of the process, however it ends: the lock is the
 // kernel's, on FOLDER/.quoin-lock, which says who holds it. Throws Error(bad_input) with the holder when there is one.
-// Where the file system knows no locks, a warning is printed and the folder is used.
+// Where the file system has no locks, a warning is printed and the folder is used.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

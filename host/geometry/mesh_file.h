@@ -1,4 +1,4 @@
-// Blocks from mesh files: OFF, OBJ, STL (ASCII and binary) and assemblies of COMPAS (JSON), told apart by the file
+// Blocks from mesh files: OFF, OBJ, STL (ASCII and binary) and assemblies of COMPAS (JSON), distinguished by the file
 // name's ending.
 #pragma once
 

@@ -117,7 +117,7 @@ std::string resolve(const std::string& name_or_path) {
 }
 
 // The bytes in memory, as a file for the loader; -1: this machine makes none. Who overwrites the law while we compute
-// does not pull its code from under us, and a rebuilt law is another file (dlopen knows files by their inodes).
+// does not pull its code from under us, and a rebuilt law is another file (dlopen identifies files by their inodes).
 int copy_in_memory(const std::string& bytes) {
   const int copy = memfd_create("law", MFD_CLOEXEC);
   for (std::size_t done = 0; copy >= 0 && done < bytes.size();) {
@@ -241,7 +241,7 @@ LawLibrary::~LawLibrary() {
   forget_law(entry_);
   dlclose(handle_);
   if (copy_ < 0) return;
-  // The loader knows libraries by their names, too: one that it keeps must keep its name.
+  // The loader identifies libraries by their names, too: one that it keeps must keep its name.
   void* const kept = dlopen(name_of(copy_).c_str(), RTLD_NOW | RTLD_NOLOAD);
   if (kept != nullptr) dlclose(kept);
   if (kept == nullptr) close(copy_);

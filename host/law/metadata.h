@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// Whether so many bytes are there, without a crash when they are not. Where the system does not tell: true.
+// Whether so many bytes are there, without a crash when they are not. Where the system gives no answer: true.
 bool is_readable(const void* address, std::size_t bytes);
 
 // What is wrong with the tables, as far as the host relies on them, whatever they hold; empty: nothing. The head of

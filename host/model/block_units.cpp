@@ -1,4 +1,4 @@
-// Deformable blocks and masonry units of two halves as bodies whose rigid motion is told from the rest (inertia.h).
+// Deformable blocks and masonry units of two halves as bodies whose rigid motion is split from the rest (inertia.h).
 #include <map>
 
 #include "model/world.h"

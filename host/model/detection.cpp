@@ -99,7 +99,7 @@ double World::allowed_motion(const Contact& c, const PairPlace& place) const {
 
 struct World::Finding {
   bool looked_at = false;
-  bool fresh = false;             // points placed anew, or none any more
+  bool fresh = false;             // new points, or none any more
   size_t begin = 0;               // of its new points in Detection::points, where they are found here
   uint32_t fresh_count = 0;       // of these
   uint32_t first = 0, count = 0;  // its points of before, in their family
@@ -123,7 +123,7 @@ struct World::Heir {
   double opening = std::nan("");  // since the last step, m; not known for a point without history
 };
 
-// What contact points were before they were placed anew: families without their laws, and where they sat.
+// What contact points were before detection: families without their laws, and where they sat.
 struct World::Before {
   std::vector<Family> families;
   LaneVector<Facet> facets;
@@ -157,7 +157,7 @@ void World::detect_contacts(bool everything) {
   bind_neighbours();
 }
 
-// Broad phase: all pairs within the skin, found anew when some block has used up its part of it.
+// Broad phase: all pairs within the skin, found again when some block has used up its part of it.
 std::vector<Pair> World::close_pairs(bool everything) {
   bool stale = everything;
   for (size_t i = 0; i < blocks_.size() && !stale; ++i)
@@ -336,7 +336,7 @@ void World::number_points(Detection& found, Before& before) {
   before.facets = std::exchange(facets_, LaneVector<Facet>(all_facets));
 }
 
-// Those that go on are moved, the others made anew with the history of those nearby. Where several processes share the
+// Those that go on are moved, the others made with the history of those nearby. Where several processes share the
 // model, those between own blocks and others.
 void World::place_points(Detection& found) {
   Before before;

@@ -32,7 +32,7 @@ Vec3 offset_between(const Assembly& assembly, int first, int block) {
   return {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
 }
 
-// Units that are alike: the same templates at the same distance.
+// Congruent units: the same templates at the same distance.
 struct UnitClass {
   std::vector<std::vector<int>> units;  // blocks of each
 };
@@ -255,7 +255,7 @@ class ModelBuilder {
     return seen;
   }
 
-  // Bodies that are alike into groups of 8 lanes.
+  // Congruent bodies into groups of 8 lanes.
   void group_bodies() {
     body_place_.resize(m.bodies.size());
     next_slot_.resize(m.bodies.size());

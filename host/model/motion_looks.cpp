@@ -1,4 +1,4 @@
-// When blocks have moved enough for contacts to be found anew. A pair, and a block since the last broad phase, may move
+// When blocks have moved enough for contact detection. A pair, and a block since the last broad phase, may move
 // by some way. From how fast it moves follows the step before which it cannot have, and until then nobody looks at it.
 // What is reckoned with is the motion that a block was seen in. A block that leaves it by more than a small speed,
 // which is reckoned with too, is startled (rigid_kernels.cpp), and all that it belongs to is looked at in that very

@@ -69,7 +69,7 @@ size_t World::kept_width() const {
   return kHead + most;
 }
 
-// Before the points of a joint go or are placed anew: `count` of `old` from `first` on.
+// Before the points of a joint go or are replaced: `count` of `old` from `first` on.
 void World::keep_of_joint(const Contact& c, const Family& old, const LaneVector<Facet>& facets, uint32_t first,
                           uint32_t count) {
   const auto joint = std::ranges::lower_bound(start_joints_, c.pair, {}, &StartJoint::pair);

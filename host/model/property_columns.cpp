@@ -171,7 +171,7 @@ void refuse_outside(const JointFamily& family, const quoin_property_info& info, 
   }
 }
 
-// Some values are refused together: a step that moves nothing tells.
+// Some values are refused together: a step without motion shows it.
 void refuse_together(const JointFamily& family, const Material& material, std::span<const PlacedPoint> points,
                      const std::vector<PropertyColumn>& columns) {
   const std::size_t n = points.size();

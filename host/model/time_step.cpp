@@ -68,7 +68,7 @@ class UndamagedSystem {
     }
   }
 
-  // Row sums of |K|, the diagonal of K and the part of it that contact points bring. Rotations are measured in units of
+  // Row sums of |K|, the diagonal of K and the part of it that contact points add. Rotations are measured in units of
   // the radius of gyration (any positive scale gives a valid bound), so that mass goes with all six of a body.
   // Those of the bodies and of the gridpoints of these unit groups that no other contact points touch.
   struct Rows {

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// How many processes were started together, as far as the variables of mpirun and srun tell.
+// How many processes were started together, as far as the variables of mpirun and srun say.
 int started_together() {
   if (const char* count = std::getenv("OMPI_COMM_WORLD_SIZE")) return std::atoi(count);
   // srun --mpi=pmix; without it each task is a process alone.

@@ -1,4 +1,4 @@
-// A record brought to a wanted intensity.
+// A record scaled to a given intensity.
 #pragma once
 
 #include "base/time_series.h"

@@ -89,7 +89,7 @@ std::string WindowLayout::name() const {
 }
 
 std::vector<std::string> WindowLayout::overrides() const {
-  // Piers as alike as the columns allow, the outer ones equal.
+  // Piers as equal as the columns allow, the outer ones equal.
   const int piers = columns_b - 3 * kWindowWidth, outer = piers / 4, left = piers - 2 * outer;
   const int inner[2] = {left / 2, left - left / 2};
   const int first[3] = {outer, outer + kWindowWidth + inner[0], outer + 2 * kWindowWidth + inner[0] + inner[1]};

@@ -58,7 +58,7 @@ std::vector<std::string> without_lintels(const Model& m) {
   return settings;
 }
 
-// Those that the scenes have: the windows of both walls alike, and 6.00 x 4.00 m over all.
+// Those that the scenes have: the windows of both walls the same, and 6.00 x 4.00 m over all.
 constexpr DoorLayout kDoors{5, 12, 5, 6};
 constexpr WindowLayout kWindows{28, 19, 6, false};
 

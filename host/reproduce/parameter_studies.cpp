@@ -230,7 +230,7 @@ StudyReport report_block_size(const Findings& findings) {
   const double spread = percent(*high, *low);
   report.verdicts.push_back({"peaks within 6 %", spread, 6.0, "%", Kind::printed, spread <= 6,
                              fmt::format("from {:.1f} to {:.1f} kN: {:.1f} %", *low, *high, spread)});
-  // Two peaks that are as close as their own errors tell nothing of rise or fall. Those of 2 m walls are at most 0.7 %
+  // Two peaks that are as close as their own errors show neither rise nor fall. Those of 2 m walls are at most 0.7 %
   // (benchmarks/README.md), less than what holds for any wall.
   const double error = std::min(0.01, quoin::quality_named(findings.quality().name).peak_error);
   const bool falls = std::adjacent_find(peaks.begin(), peaks.end(), [&](double coarse, double fine) {

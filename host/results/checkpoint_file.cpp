@@ -231,7 +231,7 @@ void refuse_another(const Identity& identity, const Identity& expected, const Fa
 
 constexpr const char *kStageCount = "number of first stages", *kEnergy = "output.energy";
 
-// Materials, joints and what is drawn for them. Geometry and settings are told apart by the state itself.
+// Materials, joints and what is drawn for them. The state itself distinguishes geometry and settings.
 std::string masonry_hash(const Scene& scene) {
   Sha256 hash;
   for (const auto& [name, m] : scene.materials)

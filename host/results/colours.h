@@ -22,7 +22,7 @@ inline constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{
      {Crack::open, "open crack", "#d7191c", 5.0},
      {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
 
-// Of quantities: nothing, the most, and the most below nothing. Both ways it grows darker, so that grey tells how much.
+// Of quantities: nothing, the most, and the most below nothing. Both ways it grows darker, so that grey shows how much.
 struct QuantityColours {
   const char *middle, *warm, *cold;
 };

@@ -19,7 +19,7 @@ struct QuasiStatic {
   std::optional<double> kinetic_energy_ratio;
   // Displacement beyond the one that a stage asks for, over it: the largest of the stages that ended by displacement.
   double overshoot_ratio = 0.0;
-  std::string not_judged;  // why the run tells too little to be judged; empty when it tells enough
+  std::string not_judged;  // why the record is too short to be judged; empty when it is not
 
   bool driven = false;  // the scene has a stage to be judged
   bool quasi_static() const;

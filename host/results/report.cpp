@@ -599,7 +599,7 @@ Json colours() {
           {"pens", kPens}};
 }
 
-// Three digits are told: bits beyond them would only make the page larger.
+// Three digits are written: bits beyond them would only make the page larger.
 float shortened(double value) {
   const auto exact = static_cast<float>(value);
   std::uint32_t bits = 0;

@@ -8,7 +8,7 @@ namespace quoin {
 
 namespace {
 
-// Reference positions agree to rounding; a micrometre grid tells gridpoints apart.
+// Reference positions agree to rounding; a micrometre grid separates gridpoints.
 std::int64_t micrometres(double length) { return std::llround(length * 1e6); }
 
 // A dry joint has no strength to lose: what has come of it is what it does now and how far it has slid.
@@ -124,7 +124,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   }
   p.opening = std::max(0.0, contact.jump[0]);
   p.slip = std::isfinite(law.slip) ? law.slip : std::hypot(contact.jump[1], contact.jump[2]);
-  // Where the law does not tell, its flags say whether damage has begun and whether it is complete.
+  // Where the law has no damage, its flags say whether damage has begun and whether it is complete.
   const auto damage = [&](std::size_t mode, std::uint32_t begun, std::uint32_t complete) {
     if (std::isfinite(law.damage[mode])) return law.damage[mode];
     return (contact.flags & complete) != 0 ? 1.0 : (contact.flags & begun) != 0 ? 0.5 : 0.0;
@@ -132,7 +132,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
   p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
   p.closure = std::isfinite(law.closure) ? law.closure : 0.0;
-  // Points of blocks in large motion are placed anew: how far they have slid only their law can know.
+  // Points of blocks in large motion are placed anew: how far they have slid only their law has.
   const bool slip_known = std::isfinite(law.slip) || !simulation.riding();
   if (contact.condition == Condition::crushed_out || contact.condition == Condition::crushing)
     p.crack = Crack::crushed;

@@ -12,7 +12,7 @@
 
 namespace quoin {
 
-// What a person wants to know of a place in a joint. Later ones hide earlier ones when points are merged.
+// Numbers that a page shows of a place in a joint. Later ones hide earlier ones when points are merged.
 enum class Crack : std::uint8_t { intact, sliding_begun, opening_begun, slipped, open, crushed };
 inline constexpr int kCrackCount = 6;
 

@@ -244,7 +244,7 @@ std::string piece_name(const char* kind, size_t frame, int rank) {
   return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
 }
 
-// A file that rows go to, as long as it can be written: other ranks bring theirs all the same. Without open() rows are
+// A file that rows go to, as long as it can be written: other ranks send theirs all the same. Without open() rows are
 // let go.
 class Sink {
  public:
@@ -279,7 +279,7 @@ struct Target {
   std::filesystem::path path;
   bool compressed = false;
   bool piece = false;    // what this rank has, and no more
-  bool written = false;  // by this rank; else it only brings what rank 0 writes
+  bool written = false;  // by this rank; else it only sends what rank 0 writes
 };
 
 void write_blocks(const Simulation& simulation, const Target& target, Attempt& attempt) {

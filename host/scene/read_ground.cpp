@@ -25,7 +25,7 @@ Vec3 along(std::size_t axis) {
   return direction;
 }
 
-// A record of a file, in m/s2; nothing when there is none, which is told.
+// A record of a file, in m/s2; nothing when there is none, which is a fault.
 std::optional<GroundRecord> record_of(Table& t, const std::string& key, const std::string& file,
                                       const std::string& folder, GroundMotion& ground) {
   t.context().inputs.push_back(file.starts_with('/') ? file : folder + file);

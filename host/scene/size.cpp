@@ -10,8 +10,8 @@ namespace quoin {
 
 namespace {
 
-// Bytes, fitted to the most memory that runs took (benchmarks/RANKS.md, "Memory"). Of blocks that are alike, of which
-// eight share their lines.
+// Bytes, fitted to the most memory that runs took (benchmarks/RANKS.md, "Memory"). Of congruent blocks, of which eight
+// share their lines.
 struct Costs {
   double gridpoint, point, rigid_block;
 };

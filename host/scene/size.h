@@ -7,9 +7,9 @@ namespace quoin {
 
 inline constexpr double kProgramBytes = 19e6;  // of memory, before there is any model; with MPI some more
 
-// Blocks of mesh files are not counted: only reading them tells. Walls and buildings are counted as they begin; in
-// large motion, which they may come to, they take about four times as much. Blocks of any shape are counted in large
-// motion, though some of them can begin as a lattice.
+// Blocks of mesh files are not counted: only reading them gives the number. Walls and buildings are counted as they
+// begin; in large motion, which they may come to, they take about four times as much. Blocks of any shape are counted
+// in large motion, though some of them can begin as a lattice.
 struct SceneSize {
   double blocks = 0.0, zones = 0.0;
   double points = 0.0;        // of contacts, at most

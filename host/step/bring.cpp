@@ -1,4 +1,4 @@
-// Results of a model of which each rank has a part, brought to rank 0 run by run: nobody has all of them.
+// Results of a model of which each rank has a part, sent to rank 0 run by run: no rank has all of them.
 #include <algorithm>
 #include <cstring>
 #include <string_view>

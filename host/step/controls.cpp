@@ -150,7 +150,7 @@ void Simulation::Impl::bind_controls() {
       ramped_bodies.push_back(static_cast<int>(b));
   }
   find_bodies_at_rest();
-  rest_known = false;  // the end of the ramps may bring others to rest
+  rest_known = false;  // at the end of the ramps others may be at rest
 }
 
 void Simulation::Impl::find_bodies_at_rest() {

@@ -27,7 +27,7 @@ bool crosses(const Flat& p, const Flat& q, const Flat& a, const Flat& b) {
   return (from != 0.0 || to != 0.0) && from * to <= 0.0 && side(p, q, a) * side(p, q, b) <= 0.0;
 }
 
-// Tells the joints that a crack follows.
+// The joints that a crack follows.
 class Crack {
  public:
   Crack(const Damage& damage, std::span<const CrackedBlock> blocks) : damage_(damage), blocks_(blocks) {

@@ -1,4 +1,4 @@
-// Blocks of any shape that several processes advance: what one of them has to tell the others.
+// Blocks of any shape that several processes advance: what one of them sends the others.
 #include <cmath>
 
 #include "model/fields.h"

@@ -102,7 +102,7 @@ void Simulation::Impl::promote(const std::string& why) {
   Promotion promotion{why, stage, step_count, now(), 0.0, 0.0};
   const double dt = data.time_step;
 
-  // What the lattice knows, while it is there.
+  // Data of the lattice, while it is there.
   std::vector<blocks::PointHistory> histories;
   for (std::int32_t i = 0; i < model.point_count; ++i) {
     const auto p = at(i);
@@ -214,12 +214,12 @@ void Simulation::Impl::promote(const std::string& why) {
   riding_stage_start = promotion.time - static_cast<double>(stage_step) * dt;
   watch_blocks(settings);
   bind_whiffletree();
-  controls_settled = false;  // what they impose is bound anew
+  controls_settled = false;  // what they impose is bound again
   row_interval = std::max(1L, std::lround(static_cast<double>(row_interval) * dt / data.time_step));
   promotion.strain_energy = strain_energy(m, before);
   promotion.energy_jump = m.strain_energy() - promotion.strain_energy;
   outcome.promotion = promotion;
-  watch.pending = false;  // what the lattice stored is counted otherwise
+  watch.pending = false;        // what the lattice stored is counted otherwise
   if (ranks) partition_work();  // others are watched now
 }
 

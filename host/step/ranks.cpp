@@ -162,7 +162,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
   }
   // The blocks of an item on the lattice lie in eight places of the assembly, of which their mean or the first may
   // stand better for all of them; and chunks of contact points are long along courses, so that it may be better to cut
-  // as if one side were shorter. What leaves the fewest points on borders is taken, by all ranks alike.
+  // as if one side were shorter. What leaves the fewest points on borders is taken, by all ranks in the same way.
   std::vector<Vec3> mean, first;
   for (int i = 0; i < items; ++i) {
     mean.emplace_back();

@@ -49,7 +49,7 @@ std::optional<double> measured_at(const std::vector<std::array<double, 2>>& enve
   return {};
 }
 
-// Both sides count alike where both were measured.
+// Both sides have the same weight where both were measured.
 std::optional<std::array<double, 2>> along_envelope(const WallRow& row, const Curve& curve) {
   constexpr int kFarthest = 10;  // mm
   std::optional<std::array<double, 2>> range;
