@@ -126,7 +126,7 @@ TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
 }
 
 // A record that leaves the ground moving: it goes on in a stage without a ramp, and comes to rest over a ramp, on the
-// mean of smooth_step half as far as at its velocity. Until 2026-11-23 it stopped dead.
+// mean of smooth_step half as far as at its velocity.
 TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   const std::string after = "[[stage]]\nname = \"after\"\nduration = 0.3\n";
   ASSERT_EQ(run(kShake + after, "ground"), 0) << error_;

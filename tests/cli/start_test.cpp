@@ -64,8 +64,8 @@ TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
   EXPECT_THAT(out_, HasSubstr("the bits agree"));
 }
 
-// A beam that moves where the first run ends moves on: the third stage begins at its velocity. Until 2026-11-23 it
-// stopped dead and started from 0 (on the lattice; in general kernels it moved on).
+// A beam that moves where the first run ends moves on: the third stage begins at its velocity,
+// on the lattice as in the general kernels.
 TEST_F(Start, AMovingBeamMovesOn) {
   const std::string on =
       "[[stage]]\nname = \"on\"\nkind = \"shear\"\nvelocity = 0.03\nramp_time = 0.01\ndisplacement = 0.0003\n";
