@@ -11,7 +11,8 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-KEY_SOURCES = sorted(glob.glob(f"{ROOT}/host/scene/read_*.cpp")) + [f"{ROOT}/host/ensemble/study.cpp"]
+KEY_SOURCES = sorted(glob.glob(f"{ROOT}/host/scene/read_*.cpp")) + [
+    f"{ROOT}/host/ensemble/{name}.cpp" for name in ("study", "record_suite")]
 KEY_PAGES = ["host/scenes/README.md", "host/scenes/BLOCKS.md", "host/ensemble/README.md", "host/records/README.md"]
 COLUMN_PAGES = KEY_PAGES + ["host/python/README.md", "host/analysis/README.md", "host/step/RANKS.md"]
 PYTHON = ["plugin_api/python/quoin/law.py"] + [f"host/python/quoin/{m}.py" for m in

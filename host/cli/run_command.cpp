@@ -27,6 +27,7 @@
 #include "ranks/join.h"
 #include "results/block_picture.h"
 #include "results/history.h"
+#include "results/monitors.h"
 #include "results/plots.h"
 #include "results/quasi_static.h"
 #include "results/report.h"
@@ -163,10 +164,20 @@ class Recorder : public Observer {
   }
   void on_row(const HistoryRow& row) override {
     history_.add(row);
+    if (monitors_) monitors_->add(row);
     last_ = shown(row, scene_);
+  }
+  void follow(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+              const std::vector<std::vector<double>>& before) {
+    monitors_.emplace(folder, simulation, std::move(monitors), before);
+  }
+  void finish_tables() {
+    history_.finish();
+    if (monitors_) monitors_->finish();
   }
   bool wants_pause(bool last) override { return clock_.due() || (last && clock_.on()); }
   void on_pause(const Simulation& simulation, bool) override {
+    if (monitors_) monitors_->flush();
     try {
       write_checkpoint(checkpoint_, identity_, history_.rows(), frames_.times(), simulation);
     } catch (const Error& error) {  // the run itself goes on, and what it has kept so far stays
@@ -217,6 +228,7 @@ class Recorder : public Observer {
   const Scene& scene_;
   Surfaces& surfaces_;
   History history_;
+  std::optional<MonitorFile> monitors_;
   VtkSeries frames_;
   ProgressLine progress_;
   fs::path checkpoint_;
@@ -259,7 +271,7 @@ std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scen
   info.message = overdue_text(simulation, material, batch, seconds) + "--law-seconds";
   recorder.progress().message("quoin: " + info.message);
   try {
-    recorder.history().finish();
+    recorder.finish_tables();
     info.wall_clock_s = process_seconds();
     write_summary(folder / "summary.json", simulation, recorder.history().rows(), info);
     recorder.progress().message("quoin: what was computed is kept in " + folder.string());
@@ -512,7 +524,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
     exit_code = static_cast<int>(failure->exit_code);
   }
   if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
-  keep([&] { recorder.history().finish(); });
+  keep([&] { recorder.finish_tables(); });
   keep([&] {
     if (output.frames == 0) return;
     const bool shows_end = failure && has_all && info.law_answers;
@@ -551,6 +563,15 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
   fmt::print("peak {:.2f} kN at {:.3f} mm{} ({}); {} steps in {:.1f} s; results in {}\n", peak.force / 1e3,
              peak.displacement * 1e3, is_vertical(scene) ? " upright" : "", error, simulation.step(), info.wall_clock_s,
              folder.string());
+  const bool shaken =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  if (shaken && !rows.empty() && rows.back().energies) {
+    const Energies& e = *rows.back().energies;
+    const double taken = e.damping + e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
+    if (taken > 0.0)
+      fmt::print("dissipated {:.4g} J, of which damping took {:.0f} %, joints the rest\n", taken,
+                 100.0 * e.damping / taken);
+  }
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
   if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
   print_isolation(simulation);
@@ -604,6 +625,10 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
     SharedFolder shared{fs::absolute(folder).string(), part_token(), before.frame_times};
     share(*ranks, shared);
   }
+  std::vector<Monitor> monitors =
+      monitors_of(simulation.scene().text, simulation.scene().file, options.scene.overrides);
+  const auto of_monitors = goes_on && !before.rows.empty() ? read_monitor_rows(folder, before.rows.back().step)
+                                                           : std::vector<std::vector<double>>{};
   // What an earlier run left goes, so that a failed run cannot be taken for that one.
   const ResultFolder own(folder, lock, [&](const std::string& name) {
     return lock != nullptr && is_kept(name, before.frame_times.size());
@@ -617,6 +642,10 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
                 fmt::format("the results with output.frames = {}", output.frames));
   Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before,
                     options.compressed, pieces);
+  if (!monitors.empty() && ranks)
+    recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");
+  else if (!monitors.empty())
+    recorder.follow(folder, simulation, std::move(monitors), of_monitors);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
 
   std::optional<Error> failure;

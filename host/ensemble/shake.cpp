@@ -102,7 +102,10 @@ class CollapseWatch : public Observer {
 
  private:
   void look(const blocks::Model& model, int block, const HistoryRow& row, const Vec3& gravity) {
-    const Vec3 moved = geometry::array(model.position(block) - model.start_position(block));
+    // A step ago, as the ground in a row.
+    const double step = simulation_->time_step_report().time_step;
+    const Vec3 moved =
+        geometry::array(model.position(block) - step * model.velocity(block) - model.start_position(block));
     double square = 0.0, sunk = 0.0, height = 0.0;
     const double g = std::hypot(gravity[0], gravity[1], gravity[2]);
     for (std::size_t c = 0; c < 3; ++c) {

@@ -125,11 +125,14 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   if (m.impact_damping_in_use() > 0.0) json["impact_damping_in_use"] = m.impact_damping_in_use();
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
+    const double dissipated = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
+    const double taken = dissipated + e.damping;
     json["energy_J"] = {{"kinetic", e.kinetic},
                         {"strain", e.strain},
                         {"contact_stored", e.contact_stored},
-                        {"dissipated", e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3]},
+                        {"dissipated", dissipated},
                         {"damping", e.damping},
+                        {"damping_share", taken > 0.0 ? Json(e.damping / taken) : Json(nullptr)},
                         {"external", e.external},
                         {"detection", e.detection},
                         {"balance_error", e.balance_error()}};

@@ -18,6 +18,7 @@
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 #include "scene/read_damage.h"
+#include "scene/read_monitors.h"
 #include "scene/read_opening.h"
 #include "scene/read_scatter.h"
 #include "scene/read_tests.h"
@@ -726,6 +727,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   scene.file = path;
   Table t(context, root, "");
   t.text("title", scene.title, "text");
+  read_monitors(t);
   const Quality* quality = of_blocks ? nullptr : &quality_named("standard");
   if (of_blocks) scene.output.energy = true;
   if (quality) scene.solver = quality->solver;

@@ -142,6 +142,47 @@ TEST_F(ReadBlockScene, RecordsStandBesideTheScene) {
               AllOf(HasSubstr("ground_motion.time"), HasSubstr("only without file")));
 }
 
+// A file that states its unit is read in it: who converts g once more has ten times the earthquake, and is told.
+TEST_F(ReadBlockScene, RecordsThatStateTheirUnitAreConvertedOnce) {
+  write("stated.csv", "time (s), x (g)\n0, 0\n1, 0.1\n");
+  const auto keys = [](const std::string& scale) {
+    return "stage.1.ground_motion={direction=[1,0,0],file='stated.csv',scale=" + scale + "}";
+  };
+  for (const char* scale : {"9.81", "9.80665", "9.8"})
+    EXPECT_THAT(fault(keys(scale)), AllOf(HasSubstr("ground_motion.scale"), HasSubstr("convert it twice")));
+  EXPECT_NEAR(read({keys("9.0")}).stages[0].ground->components.at(0).acceleration.value.at(1), 0.9 * 9.80665, 1e-12);
+}
+
+// Pulses of the literature and synthetic records in place of a file.
+TEST_F(ReadBlockScene, GroundMotionIsMadeWithoutAFile) {
+  const auto of = [&](const std::string& keys) {
+    return read({"stage.1.ground_motion={direction=[1,0,0]," + keys + "}"})
+        .stages[0]
+        .ground->components.at(0)
+        .acceleration;
+  };
+  const TimeSeries sine = of("pulse={shape='sine',amplitude=3,period=0.8}");
+  EXPECT_NEAR(sine.at(0.2), 3.0, 1e-9);
+  EXPECT_NEAR(sine.time.back(), 0.8, 1e-12);
+  const TimeSeries rectangle = of("pulse={shape='rectangle',amplitude=3,period=0.8},scale=2");
+  EXPECT_NEAR(rectangle.integral(1.0), 2 * 3 * 0.8, 1e-9);
+  EXPECT_NEAR(of("pulse={shape='cosine',amplitude=3,period=0.8}").at(0.4), -3.0, 1e-9);
+  EXPECT_NEAR(of("pulse={shape='ricker',amplitude=3,period=0.8}").at(1.2), 3.0, 1e-9);
+  // Its velocity is amplitude cos(phase) in the middle, after half of gamma periods.
+  EXPECT_NEAR(of("pulse={shape='mavroeidis',amplitude=0.5,period=0.8,gamma=2}").integral(0.8), 0.5, 1e-3);
+  const TimeSeries made = of("synthetic={seed=3,duration=6},pga=2");
+  EXPECT_NEAR(made.time.back(), 6.0, 1e-9);
+  EXPECT_EQ(made.value, of("synthetic={seed=3,duration=6},pga=2").value);
+  EXPECT_NE(made.value, of("synthetic={seed=3,number=1,duration=6},pga=2").value);
+  const auto refused = [&](const std::string& keys) {
+    return fault("stage.1.ground_motion={direction=[1,0,0]," + keys + "}");
+  };
+  EXPECT_THAT(refused("pulse={shape='sine',period=1},synthetic={}"), HasSubstr("only without pulse"));
+  EXPECT_THAT(refused("pulse={shape='sine',period=1,gamma=2}"), HasSubstr("mavroeidis"));
+  EXPECT_THAT(refused("pulse={shape='sine',period=1},time=[0,1]"), HasSubstr("only without pulse and synthetic"));
+  EXPECT_THAT(refused("synthetic={duration=1}"), HasSubstr("synthetic.duration"));
+}
+
 // A file of several components, by their names; files of one each; which part, how strong, what comes after.
 TEST_F(ReadBlockScene, RecordsHaveComponentsPartsAndTargets) {
   write("three.csv", "time (s), x (g), up (g), z (g)\n0, 0, 0, 0\n1, 0.1, 0.2, 0.3\n2, 0, 0, 0\n");

@@ -1,0 +1,224 @@
+#include "results/monitors.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/number_text.h"
+#include "files/csv_text.h"
+#include "files/file.h"
+#include "results/json_file.h"
+#include "scene/from_bricks.h"
+#include "scene/generate_blocks.h"
+#include "step/large_motion.h"
+
+namespace quoin {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr std::size_t kHead = 2;                       // step and time
+constexpr std::size_t kOfGround = 9, kOfMonitor = 20;  // columns
+
+fs::path file_in(const fs::path& folder) { return folder / "monitors.csv"; }
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Displacement, velocity, acceleration of one point, by component.
+void name_motion(const std::string& prefix, std::vector<std::string>& columns) {
+  for (const char* axis : kAxes) columns.push_back(fmt::format("{}_d{}_m", prefix, axis));
+  for (const char* axis : kAxes) columns.push_back(fmt::format("{}_v{}_m_s", prefix, axis));
+  for (const char* axis : kAxes) columns.push_back(fmt::format("{}_a{}_m_s2", prefix, axis));
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> read_monitor_rows(const fs::path& folder, long last_step) {
+  // What a process that was killed has left has its own mark in its name.
+  fs::path found = file_in(folder);
+  const std::string begins = found.filename().string() + ".";
+  std::error_code unknown;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, unknown)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(begins) && name.ends_with(".part")) found = entry.path();
+  }
+  std::ifstream stream(found);
+  std::vector<std::vector<double>> rows;
+  std::string line;
+  std::getline(stream, line);
+  while (std::getline(stream, line)) {
+    std::vector<double> values;
+    for (std::size_t begin = 0, end = 0; end != std::string::npos; begin = end + 1) {
+      end = line.find(',', begin);
+      double value = kNone;
+      if (!parse_number(std::string_view(line).substr(begin, end - begin), value)) value = kNone;
+      values.push_back(value);
+    }
+    if (!(values[0] <= static_cast<double>(last_step))) break;
+    rows.push_back(std::move(values));
+  }
+  return rows;
+}
+
+MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
+                         const std::vector<std::vector<double>>& before)
+    : folder_(folder), simulation_(simulation), monitors_(std::move(monitors)), columns_{"step", "time_s"} {
+  find_places();
+  name_motion("ground", columns_);
+  for (const Monitor& m : monitors_) {
+    name_motion(m.name, columns_);
+    name_motion(m.name + "_relative", columns_);
+    for (const char* axis : {"x", "z"}) columns_.push_back(fmt::format("{}_drift_{}", m.name, axis));
+  }
+  stream_.open(begin_file(file_in(folder)), std::ios::trunc);
+  for (std::size_t i = 0; i < columns_.size(); ++i) stream_ << (i == 0 ? "" : ",") << columns_[i];
+  stream_ << '\n';
+  for (const std::vector<double>& row : before) {
+    if (row.size() == columns_.size()) write(row);
+  }
+}
+
+// Anew when a run goes over to large motion, which has gridpoints in an order of its own.
+void MonitorFile::find_places() {
+  const blocks::Model* const riding = simulation_.riding();
+  found_in_ = riding;
+  places_.clear();
+  const blocks::Assembly shapes = riding ? riding->assembly() : blocks::from_bricks(simulation_.assembly());
+  for (const Monitor& m : monitors_) {
+    Place place;
+    const std::vector<int> blocks = blocks::find_blocks(shapes, m.block, m.source.text);
+    double nearest = HUGE_VAL, count = 0.0;
+    Vec3 middle{};
+    for (const int block : blocks) {
+      const std::vector<Vec3> corners = simulation_.block_mesh(block).gridpoint;
+      if (!m.point) place.gridpoint.emplace_back(block, -1);
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) middle[c] += corners[i][c];
+        count += 1.0;
+        if (!m.point) continue;
+        const double far =
+            std::hypot(corners[i][0] - (*m.point)[0], corners[i][1] - (*m.point)[1], corners[i][2] - (*m.point)[2]);
+        if (far >= nearest) continue;
+        nearest = far, place.start = corners[i];
+        place.gridpoint = {{block, static_cast<int>(i)}};
+      }
+    }
+    for (std::size_t c = 0; c < 3 && !m.point; ++c) place.start[c] = middle[c] / count;
+    places_.push_back(std::move(place));
+  }
+}
+
+MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
+  Motion mean;
+  const auto add = [](const std::vector<Vec3>& of_points, int point, double share, Vec3& sum) {
+    const std::size_t first = point < 0 ? 0 : at(point), end = point < 0 ? of_points.size() : first + 1;
+    for (std::size_t i = first; i < end; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += share * of_points[i][c] / static_cast<double>(end - first);
+    }
+  };
+  const double share = 1.0 / static_cast<double>(place.gridpoint.size());
+  for (const auto& [block, point] : place.gridpoint) {
+    add(simulation_.block_displacement(block), point, share, mean.displacement);
+    add(simulation_.block_velocity(block), point, share, mean.velocity);
+  }
+  // At the time of the forces of a row, a step ago.
+  const double step = simulation_.time_step_report().time_step;
+  for (std::size_t c = 0; c < 3; ++c) mean.displacement[c] -= step * mean.velocity[c];
+  return mean;
+}
+
+// The velocity is that of a fixed block that has moved as the ground has.
+MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
+  Motion ground{row.ground_displacement, {}};
+  const blocks::Model* const riding = simulation_.riding();
+  for (int block = 0; riding && block < riding->block_count(); ++block) {
+    if (!riding->assembly().blocks[at(block)].fixed) continue;
+    const Motion of_block = motion_of({{{block, -1}}, {}});
+    double apart = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) apart += std::abs(of_block.displacement[c] - ground.displacement[c]);
+    constexpr double kRounding = 1e-9;  // m
+    if (apart > kRounding) continue;
+    ground.velocity = of_block.velocity;
+    break;
+  }
+  return ground;
+}
+
+void MonitorFile::add(const HistoryRow& row) {
+  if (found_in_ != simulation_.riding()) find_places();
+  std::vector<double> values{static_cast<double>(row.step), row.time};
+  const std::vector<double>* const before = rows_.empty() ? nullptr : &rows_.back();
+  const auto append = [&](const Vec3& of_axes) { values.insert(values.end(), of_axes.begin(), of_axes.end()); };
+  // Acceleration: the mean since the row before, by its velocity.
+  const auto append_motion = [&](const Motion& motion) {
+    append(motion.displacement);
+    const std::size_t of_velocity = values.size();
+    append(motion.velocity);
+    Vec3 acceleration{kNone, kNone, kNone};
+    for (std::size_t c = 0; c < 3 && before && row.time > (*before)[1]; ++c)
+      acceleration[c] = (motion.velocity[c] - (*before)[of_velocity + c]) / (row.time - (*before)[1]);
+    append(acceleration);
+  };
+  const Motion ground = ground_of(row);
+  append_motion(ground);
+  std::vector<Vec3> moved;
+  for (std::size_t i = 0; i < monitors_.size(); ++i) {
+    Motion motion = motion_of(places_[i]);
+    moved.push_back(motion.displacement);
+    append_motion(motion);
+    for (std::size_t c = 0; c < 3; ++c)
+      motion.displacement[c] -= ground.displacement[c], motion.velocity[c] -= ground.velocity[c];
+    append_motion(motion);
+    const auto below = std::find_if(monitors_.begin(), monitors_.begin() + static_cast<std::ptrdiff_t>(i),
+                                    [&](const Monitor& m) { return m.name == monitors_[i].below; });
+    const auto b = static_cast<std::size_t>(below - monitors_.begin());
+    const double height = places_[i].start[1] - places_[b].start[1];
+    for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
+      values.push_back(b < i && height != 0.0 ? (moved[i][c] - moved[b][c]) / height : kNone);
+  }
+  write(values);
+}
+
+void MonitorFile::write(const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i) stream_ << (i == 0 ? "" : ",") << csv_number(values[i]);
+  stream_ << '\n';
+  if (!stream_)
+    throw Error(Exit::bad_input, file_in(folder_).string() +
+                                     ": cannot be written; free space, or choose another "
+                                     "folder with --out");
+  rows_.push_back(values);
+}
+
+void MonitorFile::finish() {
+  stream_.close();
+  finish_file(file_in(folder_));
+  Json json = Json::object();
+  for (std::size_t i = 0; i < monitors_.size(); ++i) {
+    const std::size_t first = kHead + kOfGround + i * kOfMonitor;
+    Json& of_monitor = json[monitors_[i].name];
+    for (std::size_t k = 0; k < kOfMonitor; ++k) {
+      double largest = 0.0;
+      bool known = false;
+      for (const std::vector<double>& row : rows_) {
+        if (std::isfinite(row[first + k])) largest = std::max(largest, std::abs(row[first + k])), known = true;
+      }
+      if (known) of_monitor["largest"][columns_[first + k]] = largest;
+    }
+    // Of displacements against the ground and drifts, what stays.
+    for (const std::size_t k : {9, 10, 11, 18, 19}) {
+      if (!rows_.empty() && std::isfinite(rows_.back()[first + k]))
+        of_monitor["residual"][columns_[first + k]] = rows_.back()[first + k];
+    }
+  }
+  write_json(folder_ / "monitors.json", json);
+}
+
+}  // namespace quoin

@@ -1,0 +1,56 @@
+#include "scene/read_monitors.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace quoin {
+
+using namespace reader;
+
+namespace {
+
+bool fits_columns(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+  });
+}
+
+}  // namespace
+
+std::vector<Monitor> read_monitors(Table& scene) {
+  std::vector<Monitor> monitors;
+  int index = 0;
+  for (const toml::table* table : scene.tables("monitor", "tables [[monitor]]")) {
+    Table t(scene.context(), *table, fmt::format("monitor.{}", ++index));
+    Monitor m;
+    t.text("name", m.name, "letters, digits, _ and -", true);
+    t.text("block", m.block, "a block, body or floor", true);
+    Vec3 point{};
+    if (t.numbers("point", point, between(-1e6, 1e6), "m")) m.point = point;
+    t.text("below", m.below, "the name of another monitor, from which drifts count");
+    t.finish();
+    m.source = {t.where("block")};
+    const auto called = [&](const std::string& name) {
+      return std::any_of(monitors.begin(), monitors.end(), [&](const Monitor& other) { return other.name == name; });
+    };
+    if (t.has("name") && !fits_columns(m.name)) t.refuse("name", "letters, digits, _ and -, for columns");
+    if (called(m.name) || m.name == "ground") t.refuse("name", "a name that no other monitor has, and not \"ground\"");
+    if (!m.below.empty() && !called(m.below)) t.refuse("below", "the name of a monitor that is given before this one");
+    monitors.push_back(m);
+  }
+  return monitors;
+}
+
+std::vector<Monitor> monitors_of(const std::string& text, const std::string& path,
+                                 const std::vector<std::string>& overrides) {
+  toml::table root = parse(text, path);
+  Context context;
+  context.file = path;
+  for (const std::string& setting : overrides) apply_override(root, setting, context);
+  Table t(context, root, "");
+  std::vector<Monitor> monitors = read_monitors(t);
+  context.throw_faults();
+  return monitors;
+}
+
+}  // namespace quoin

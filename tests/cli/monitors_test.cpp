@@ -1,0 +1,172 @@
+// monitors.csv: what any number of monitors do, against the columns of the history, and a column that leans in closed
+// form.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "program.h"
+
+namespace {
+
+using testing::HasSubstr;
+
+class Monitors : public Cli {
+ protected:
+  // Two blocks on each other, elastic joints, on ground that goes along x at 1 m/s2 from 0.1 s of the stage on.
+  std::string scene(const std::string& monitors, double duration = 0.4) const {
+    const std::string path = (folder_ / "scene.toml").string();
+    std::ofstream(path) << R"(
+[materials.stone]
+density = 2000.0
+[joints.joint]
+law = "elastic"
+normal_stiffness = 1e9
+shear_stiffness = 1e8
+[[block]]
+name = "ground"
+material = "stone"
+fixed = true
+box = { lower = [-1, -0.2, -1], size = [2, 0.2, 2] }
+[[block]]
+name = "low"
+material = "stone"
+box = { lower = [-0.2, 0, -0.2], size = [0.4, 0.5, 0.4] }
+[[block]]
+name = "high"
+material = "stone"
+box = { lower = [-0.2, 0.5, -0.2], size = [0.4, 0.5, 0.4] }
+[[stage]]
+name = "weight"
+gravity = [0.0, -9.81, 0.0]
+ramp_time = 0.05
+duration = 0.1
+)"
+                        << fmt::format(R"(
+[[stage]]
+name = "shake"
+duration = {}
+ground_motion = {{ direction = [1, 0, 0], time = [0, 0.1, 9], acceleration = [0, 1, 1] }}
+)",
+                                       duration)
+                        << monitors << "[output]\nmonitor = \"high\"\nframes = 0\nplots = false\n";
+    return path;
+  }
+  // Columns of a table, by name.
+  std::map<std::string, std::vector<double>> columns(const fs::path& file) const {
+    std::stringstream stream(read_all(file));
+    std::vector<std::string> names;
+    std::map<std::string, std::vector<double>> all;
+    for (std::string line; std::getline(stream, line);) {
+      std::vector<std::string> cells;
+      std::stringstream of_line(line);
+      for (std::string cell; std::getline(of_line, cell, ',');) cells.push_back(cell);
+      if (names.empty()) {
+        names = cells;
+        continue;
+      }
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        char* end = nullptr;
+        const double value = std::strtod(cells[i].c_str(), &end);
+        all[names.at(i)].push_back(end == cells[i].c_str() ? NAN : value);
+      }
+    }
+    return all;
+  }
+  const std::string both_ =
+      "[[monitor]]\nname = \"foot\"\nblock = \"low\"\n[[monitor]]\nname = \"top\"\nblock = \"high\"\nbelow = \"foot\"\n"
+      "[[monitor]]\nname = \"corner\"\nblock = \"high\"\npoint = [0.3, 1.2, 0.3]\n";
+};
+
+TEST_F(Monitors, AgreeWithTheHistoryAndWithEachOther) {
+  ASSERT_EQ(quoin({"run", scene(both_), "--out", out(), "--threads", "1"}), 0) << error_;
+  auto history = columns(fs::path(out()) / "history.csv"), monitors = columns(fs::path(out()) / "monitors.csv");
+  ASSERT_EQ(history["time_s"].size(), monitors["time_s"].size());
+  const std::size_t last = monitors["time_s"].size() - 1;
+  const auto& time = monitors["time_s"];
+  double ringing = 0.0;
+  for (std::size_t i = 0; i <= last; ++i) {
+    EXPECT_EQ(history["time_s"][i], time[i]);
+    // A rigid box: the mean of its corners is its centre but for its turning, of second order.
+    EXPECT_NEAR(monitors["top_dx_m"][i], history["monitor_dx_m"][i], 1e-9);
+    EXPECT_NEAR(monitors["top_relative_dx_m"][i], history["monitor_relative_dx_m"][i], 1e-9);
+    EXPECT_EQ(monitors["ground_dx_m"][i], history["ground_dx_m"][i]);
+    EXPECT_NEAR(monitors["top_drift_x"][i], (monitors["top_dx_m"][i] - monitors["foot_dx_m"][i]) / 0.5, 1e-12);
+    if (i > 0) ringing = std::max(ringing, std::abs(monitors["top_relative_ax_m_s2"][i]));
+  }
+  // 0.4 s after the weight: v = 0.05 + 0.3 m/s, half a step before, and 1 m/s2.
+  EXPECT_NEAR(monitors["ground_vx_m_s"][last], 0.35, 1e-3);
+  EXPECT_NEAR(monitors["ground_ax_m_s2"][last], 1.0, 1e-3);
+  EXPECT_NEAR(monitors["top_ax_m_s2"][last] - monitors["ground_ax_m_s2"][last], monitors["top_relative_ax_m_s2"][last],
+              1e-9);
+  EXPECT_GT(ringing, 0.01) << "nothing swings";
+  // The corner is the one at (0.2, 1, 0.2): it goes with the block and, turned by the lean, further.
+  EXPECT_LT(monitors["corner_relative_dx_m"][last], monitors["top_relative_dx_m"][last]);
+  const auto json = nlohmann::json::parse(read_all(fs::path(out()) / "monitors.json"));
+  EXPECT_EQ(json["top"]["residual"]["top_relative_dx_m"], monitors["top_relative_dx_m"][last]);
+  EXPECT_GE(json["top"]["largest"]["top_relative_dx_m"].get<double>(), std::abs(monitors["top_relative_dx_m"][last]));
+}
+
+TEST_F(Monitors, GoOnWhereAKilledRunWasLeft) {
+  const std::string path = scene(both_, 3.0);
+  const std::string whole = (folder_ / "whole").string(), cut = (folder_ / "cut").string();
+  ASSERT_EQ(quoin({"run", path, "--out", whole, "--threads", "1", "--checkpoint-every", "0"}), 0) << error_;
+  const pid_t child =
+      start({QUOIN_PROGRAM, "run", path, "--out", cut, "--threads", "1", "--checkpoint-every", "0.005"});
+  while (!fs::exists(fs::path(cut) / "checkpoint.bin") && waitpid(child, nullptr, WNOHANG) == 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  kill(child, SIGKILL);
+  finish(child);
+  ASSERT_EQ(quoin({"run", "--resume", cut, "--threads", "1"}), 0) << error_;
+  EXPECT_THAT(error_, HasSubstr("resumed at step"));
+  for (const char* file : {"monitors.csv", "monitors.json", "history.csv"})
+    EXPECT_EQ(read_all(fs::path(cut) / file), read_all(fs::path(whole) / file)) << file;
+}
+
+// On the lattice, where walls begin, and in large motion, to which they go over when the ground moves.
+TEST_F(Monitors, FollowAWallFromTheLatticeIntoLargeMotion) {
+  const std::string path = (folder_ / "wall.toml").string();
+  std::ofstream(path) << read_all(small_) << R"(
+[[stage]]
+name = "quake"
+duration = 0.004
+ground_motion = { direction = [1, 0, 0], time = [0, 1], acceleration = [2, 2] }
+[[monitor]]
+name = "beam"
+block = "top_beam"
+)";
+  ASSERT_EQ(quoin({"run", path, "--out", out(), "--threads", "1", "--set", "stage.shear.displacement=0.00005"}), 0)
+      << error_;
+  auto history = columns(fs::path(out()) / "history.csv"), monitors = columns(fs::path(out()) / "monitors.csv");
+  const std::size_t rows = monitors["time_s"].size();
+  ASSERT_EQ(history["time_s"].size(), rows);
+  std::size_t sheared = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (history["stage"][i] != 2) continue;
+    ++sheared;
+    EXPECT_NEAR(monitors["beam_dx_m"][i], history["displacement_m"][i], 1e-12);
+  }
+  EXPECT_GT(sheared, 10u);
+  EXPECT_NEAR(monitors["ground_vx_m_s"].back(), 2.0 * 0.004, 1e-4);
+  EXPECT_NEAR(monitors["beam_dx_m"].back() - monitors["ground_dx_m"].back(), monitors["beam_relative_dx_m"].back(),
+              1e-15);
+}
+
+TEST_F(Monitors, SayWhatIsWrong) {
+  const auto fault = [&](const std::string& monitors) {
+    EXPECT_EQ(quoin({"run", scene(monitors), "--out", out()}), 3) << monitors;
+    return error_;
+  };
+  EXPECT_THAT(fault("[[monitor]]\nname = \"a b\"\nblock = \"low\"\n"), HasSubstr("letters, digits, _ and -"));
+  EXPECT_THAT(fault("[[monitor]]\nname = \"a\"\nblock = \"lower\"\n"), HasSubstr("lower"));
+  EXPECT_THAT(fault("[[monitor]]\nname = \"a\"\nblock = \"low\"\nbelow = \"b\"\n"), HasSubstr("given before this one"));
+  EXPECT_THAT(fault("[[monitor]]\nname = \"ground\"\nblock = \"low\"\n"), HasSubstr("not \"ground\""));
+}
+
+}  // namespace
