@@ -307,6 +307,7 @@ void add_ensemble_command(CLI::App& app, int&) {
       "Examples:\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --samples 1000     goes on from there\n"
+      "  quoin ensemble host/studies/facade_ida.toml        records, each scaled up until the facade collapses\n"
       "  quoin ensemble out/scatter                         the same, with study, scene and laws as they were then\n"
       "  quoin ensemble host/studies/solid_wall_030.toml --out /shared/scatter --slurm --tasks 64\n"
       "  parallel -N0 quoin ensemble host/studies/solid_wall_030.toml --out out/scatter --jobs 1 --worker ::: 1 2 3 4");

@@ -88,10 +88,9 @@ class CollapseWatch : public Observer {
     run.time = row.time - begin_;
     run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
     run.residual = 0.0;
-    if (simulation_->riding() == nullptr) return;
-    const blocks::Model& model = *simulation_->riding();
-    for (int block = 0; block < model.block_count(); ++block) {
-      if (!model.assembly().blocks[static_cast<std::size_t>(block)].fixed) look(model, block, row, stage.gravity);
+    const blocks::Model* const model = simulation_->riding();
+    for (int block = 0; model && block < model->block_count(); ++block) {
+      if (!model->assembly().blocks[static_cast<std::size_t>(block)].fixed) look(*model, block, row, stage.gravity);
     }
     run.largest = std::max(run.largest, run.residual);
     if (run.collapsed()) simulation_->request_stop();

@@ -61,7 +61,7 @@ std::vector<ShakenWall> read_walls(const StudyFolder& folder, const Study& study
   return walls;
 }
 
-// Incremental: one capacity a wall and record. Else every run tells on which side of it the capacity is.
+// Incremental: one capacity a wall and record. Else every run bounds its capacity from one side.
 std::vector<Capacity> capacities_of(const Study& study, const std::vector<ShakenWall>& walls, double displacement,
                                     IntensityMeasure measure) {
   const auto m = static_cast<std::size_t>(measure);

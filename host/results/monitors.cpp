@@ -86,12 +86,12 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
   }
 }
 
-// Anew when a run goes over to large motion, which has gridpoints in an order of its own.
+// Once more when a run goes over to large motion, which has gridpoints in an order of its own.
 void MonitorFile::find_places() {
-  const blocks::Model* const riding = simulation_.riding();
-  found_in_ = riding;
+  const blocks::Model* const model = simulation_.riding();
+  found_in_ = model;
   places_.clear();
-  const blocks::Assembly shapes = riding ? riding->assembly() : blocks::from_bricks(simulation_.assembly());
+  const blocks::Assembly shapes = model ? model->assembly() : blocks::from_bricks(simulation_.assembly());
   for (const Monitor& m : monitors_) {
     Place place;
     const std::vector<int> blocks = blocks::find_blocks(shapes, m.block, m.source.text);
@@ -138,9 +138,9 @@ MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
 // The velocity is that of a fixed block that has moved as the ground has.
 MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
-  const blocks::Model* const riding = simulation_.riding();
-  for (int block = 0; riding && block < riding->block_count(); ++block) {
-    if (!riding->assembly().blocks[at(block)].fixed) continue;
+  const blocks::Model* const model = simulation_.riding();
+  for (int block = 0; model && block < model->block_count(); ++block) {
+    if (!model->assembly().blocks[at(block)].fixed) continue;
     const Motion of_block = motion_of({{{block, -1}}, {}});
     double apart = 0.0;
     for (std::size_t c = 0; c < 3; ++c) apart += std::abs(of_block.displacement[c] - ground.displacement[c]);
