@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "analysis/sparse_cholesky.h"
+#include "sparse/sparse_cholesky.h"
 #include "geometry/vector.h"
 #include "scene/blocks.h"
 #include "scene/scene.h"

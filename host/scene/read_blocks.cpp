@@ -245,7 +245,7 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   read_actions(t, s, folder, {});
   read_stage_solver(t, s, scene);
   s.kind = "custom";
-  if (t.choice("kind", s.kind, {"cycles", "custom"}) && !t.has("name")) s.name = s.kind;
+  if (t.choice("kind", s.kind, {"rest", "cycles", "custom"}) && !t.has("name")) s.name = s.kind;
   if (s.kind == "cycles") {
     read_cycles(t, s, "cycle_velocity");
     read_cycled_body(t, "block", nullptr, s);
@@ -255,6 +255,15 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
                "their own");
   } else {
     read_monitor(t, s);
+  }
+  if (s.kind == "rest") {
+    read_rest(t, s);
+    const bool moves = std::any_of(s.controls.begin(), s.controls.end(),
+                                   [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; });
+    if (s.ground || s.collapse || s.displacement || moves)
+      t.refuse("kind",
+               "rest with weight and constant loads alone: without ground_motion, collapse, displacement and "
+               "velocities, which a stage after it takes");
   }
   if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
       !t.has("equilibrium_ratio") && !t.has("displacement")) {

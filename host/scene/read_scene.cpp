@@ -287,6 +287,15 @@ void read_stage_basics(Table& t, Stage& stage, const Stage* previous) {
   t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
 }
 
+void read_rest(Table& t, Stage& stage) {
+  if (t.has("ramp_time")) t.refuse("ramp_time", "none with kind = \"rest\": its loads act at once, and nothing swings");
+  if (t.has("duration"))
+    t.refuse("duration", "none with kind = \"rest\": it ends in equilibrium, by equilibrium_ratio");
+  stage.ramp_time = 0.0;
+  if (!t.has("equilibrium_ratio")) stage.equilibrium_ratio = 1e-4;
+  if (!t.has("max_steps")) stage.max_steps = 1000000;
+}
+
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies) {
   t.number("displacement", stage.displacement, kPositive, "m");
   if (bodies)
@@ -602,9 +611,9 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
   stage.source = {t.where()};
   const std::vector<std::string> bodies = body_names(scene);
   std::string kind = "custom";
-  const std::vector<std::string> kinds = scene.building
-                                             ? std::vector<std::string>{"weight", "push", "cycles", "custom"}
-                                             : std::vector<std::string>{"pressure", "shear", "cycles", "custom"};
+  const std::vector<std::string> kinds =
+      scene.building ? std::vector<std::string>{"weight", "rest", "push", "cycles", "custom"}
+                     : std::vector<std::string>{"pressure", "rest", "shear", "cycles", "custom"};
   const bool acts = has_actions(t) && !t.has("kind");
   const bool kind_known = t.choice("kind", kind, kinds, !acts) || acts;
   stage.name = stage.kind = kind;
@@ -612,7 +621,7 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
 
   const bool top = std::find(bodies.begin(), bodies.end(), "top_beam") != bodies.end();
   stage.monitor = top ? "top_beam" : "";
-  if (kind == "pressure" || kind == "shear") {
+  if (kind == "pressure" || kind == "shear" || (kind == "rest" && t.has("pressure"))) {
     if (!top && scene.wall) t.refuse("kind", "pressure and shear need a top beam to act on: wall.top_beam = true");
   }
   const double area = scene.wall ? bed_area(*scene.wall) / (scene.wall->half_thickness ? 2.0 : 1.0) : 0.0;
@@ -637,6 +646,11 @@ Stage read_stage(Table t, Scene& scene, const Stage* previous, double& pressure,
     add_beam_controls(stage, bodies, pressure * area, vertical == "pressure", velocity);
   } else if (kind == "weight") {
     read_weight(t, stage, *scene.building);
+  } else if (kind == "rest") {
+    if (scene.building) read_weight(t, stage, *scene.building);
+    if (!scene.building) t.number("pressure", pressure, kNotNegative, "Pa (downwards on the gross bed area)");
+    if (!scene.building) add_beam_controls(stage, bodies, pressure * area, true, 0.0);
+    read_rest(t, stage);
   } else if (kind == "push") {
     read_push(t, stage, *scene.building);
   } else if (kind == "cycles" && (t.has("body") || t.has("control"))) {

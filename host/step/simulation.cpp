@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/motion.h"
+#include "step/rest.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -97,6 +98,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const bool begins = !s.in_stage;
   const bool on_lattice = !s.riding;
   if (begins) s.begin_stage(index);
+  if (begins && s.scene.stages[static_cast<std::size_t>(index)].kind == "rest") find_rest(*this, s);
   if (on_lattice && s.riding) observer.on_promotion(*this);
   observer.on_stage_begin(*this, index);
   std::vector<Warning> warnings;

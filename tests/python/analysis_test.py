@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 import quoin
-from support import SCENES, Folder, block_scene
+from support import SCENES, SMALL_WALL, Folder, block_scene
 
 
 class Limit(Folder):
@@ -69,6 +69,54 @@ class Modes(Folder):
             quoin.modes(block_scene(), stage="nowhere")
         with self.assertRaises(ValueError):
             quoin.modes(block_scene(), ratios=(1, 2, 3))
+
+
+class Rest(Folder):
+    """A stage of kind rest ends in the state in which steps to equilibrium end."""
+
+    @staticmethod
+    def settled(scene, rest):
+        stage = scene.stage[0]
+        scene.stage = [stage]
+        stage.equilibrium_ratio = 1e-7
+        for key in ("duration", "ramp_time") if rest else ("duration",):
+            if key in stage:
+                del stage[key]
+        if rest:
+            stage.kind = "rest"
+        scene.output = dict(frames=1, plots=False)
+        return quoin.run(scene)
+
+    def assert_same_forces(self, scene, again, fewest_times):
+        steps, rest = self.settled(scene, False), self.settled(again, True)
+        # 1e-4 of the largest traction: what is out of balance in both is 1e-7 of the mean force of a point.
+        expected, found = (np.asarray(run.frames[-1].joints["traction"]) for run in (steps, rest))
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * np.abs(expected).max())
+        self.assertLessEqual(fewest_times * rest.history["step"][-1], steps.history["step"][-1])
+
+    def test_an_arch_of_rigid_blocks(self):
+        arch = os.path.join(SCENES, "arch.toml")
+        self.assert_same_forces(quoin.Scene.load(arch), quoin.Scene.load(arch), 5)
+
+    def test_a_wall_on_the_lattice(self):
+        self.assert_same_forces(quoin.Scene.load(SMALL_WALL), quoin.Scene.load(SMALL_WALL), 5)
+
+    def test_a_wall_in_large_motion(self):
+        scene = quoin.Scene.load(SMALL_WALL)
+        scene.solver = dict(large_motion="always")
+        stage = scene.stage[0]
+        stage.kind, scene.stage = "rest", [stage]
+        found = quoin.run(scene).history["vertical_force_N"][-1]
+        self.assertAlmostEqual(found, 0.3e6 * 0.44 * 0.1, delta=1e-4 * found)
+
+    def test_wrong_input(self):
+        scene = block_scene()
+        scene.stage[0] = quoin.Stage(kind="rest", gravity=[0, -10, 0], duration=1.0)
+        with self.assertRaisesRegex(quoin.BadInput, "duration"):
+            scene.check()
+        scene.stage[0] = quoin.Stage(kind="rest", gravity=[0, -10, 0])
+        with self.assertRaisesRegex(quoin.Error, "cube"):
+            quoin.run(scene)
 
 
 class PropertiesOf(Folder):

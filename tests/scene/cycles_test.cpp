@@ -264,7 +264,7 @@ TEST_F(ReadCycles, FaultsSayWhereAndWhatIsAllowed) {
       {kWall, "stage.2.amplitude=1", "unknown key, did you mean 'amplitudes'?"},
       {kWall, "wall.top_beam=false", "cycles move the top beam, which the wall does not have"},
       {kWall, "stage.2.body=top", "stage.2.body = 'top': allowed: one of bottom_beam, top_beam"},
-      {kBlocks, "stage.1.kind=cycle", "one of cycles, custom, did you mean 'cycles'?"},
+      {kBlocks, "stage.1.kind=cycle", "one of rest, cycles, custom, did you mean 'cycles'?"},
       {kBlocks, "stage.1.cycle_velocity=0", "stage.1.cycle_velocity = 0: allowed: not 0"},
       {kBlocks, "stage.1.block=1", "wrong type, an integer; allowed: the name of the block that moves"},
       {kBlocks, "stage.1.displacement=1", "stage.1.displacement = 1: allowed: not with kind = \"cycles\""},

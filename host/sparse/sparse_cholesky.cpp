@@ -1,4 +1,4 @@
-#include "analysis/sparse_cholesky.h"
+#include "sparse/sparse_cholesky.h"
 
 #include <cblas.h>
 #include <fmt/format.h>

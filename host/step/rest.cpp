@@ -1,0 +1,586 @@
+#include "step/rest.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "step/state.h"
+
+#ifdef QUOIN_REST
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "sparse/sparse_cholesky.h"
+#endif
+
+namespace quoin {
+
+#ifdef QUOIN_REST
+namespace {
+
+using Eigen::VectorXd;
+using geometry::Vector;
+using Triplet = Eigen::Triplet<double>;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Iterations at most, and the unbalanced ratio that ends them: a hundredth of the stage's, for its steps look at that.
+constexpr int kMostIterations = 100;
+constexpr double kOfWanted = 1e-2;
+// Of the stiffness of a closed point, what an open one and a sliding one keep: enough to find a factor, too little to
+// carry anything.
+constexpr double kOpen = 1e-6, kSlides = 1e-3;
+// What they keep in the first iterations: all of it. Each that has brought forces closer to balance keeps a third of
+// the last one's, each that has not ten times as much: too stiff a system only moves too little, too soft a one flies.
+constexpr double kSofter = 1.0 / 3.0, kStiffer = 10.0;
+// Of the largest entry of the stiffness, what holds that nothing else holds.
+constexpr double kHeld = 1e-12;
+// Of the size of the model: a block that one iteration moves by more is held by nothing.
+constexpr double kFlies = 0.1;
+
+// One side of a contact point: unknowns, and what a unit of each moves the point by.
+struct Share {
+  int unknown;
+  Vector moves;
+};
+
+class Search {
+ public:
+  Search(Simulation& simulation, Simulation::Impl& impl) : simulation_(simulation), s_(impl) {
+    s_.apply_controls();  // supports, and all of the loads: a stage of rest has no ramp
+    number();
+  }
+
+  void run(double wanted) {
+    VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(count_));
+    move(none);
+    std::unique_ptr<SparseCholesky> factor;
+    std::vector<std::uint8_t> factored;  // states of points
+    double last = std::numeric_limits<double>::infinity(), best = last, factored_with = 0.0, kept = 1.0;
+    for (int i = 0; i < kMostIterations; ++i) {
+      const std::vector<ContactPoint> points = simulation_.contact_points();
+      if (points.empty()) return;
+      const VectorXd rest = out_of_balance(points);
+      const double ratio = ratio_of(rest, points);
+      if (!std::isfinite(ratio) || ratio <= kOfWanted * wanted || ratio > kDiverges * best) return;
+      if (i > 0) kept = ratio < last ? kept * kSofter : std::min(1.0, kept * kStiffer);
+      last = ratio, best = std::min(best, ratio);
+      std::vector<std::uint8_t> states = states_of(points);
+      const bool all_closed = std::all_of(states.begin(), states.end(), [](std::uint8_t s) { return s == closed; });
+      if (!factor || states != factored || (!all_closed && kept != factored_with)) {
+        factor = std::make_unique<SparseCholesky>(stiffness_of(points, states, kept), groups_);
+        factored = std::move(states), factored_with = kept;
+      }
+      Eigen::MatrixXd moved = rest;
+      factor->solve(moved);
+      require_held(moved);
+      move(moved.col(0));
+    }
+  }
+
+ private:
+  // Ratio over the best one so far from which iterations only lead away; steps of the stage go on from there.
+  static constexpr double kDiverges = 1e3;
+  enum State : std::uint8_t { closed, slides, open };
+
+  struct BlockUnknowns {
+    std::vector<std::array<int, 3>> gridpoint;        // -1: held
+    std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes
+    Vector centre;                                    // of a rigid block
+    bool rigid = false;
+  };
+
+  void number() {
+    groups_.begin = {0};
+    for (int b = 0; b < static_cast<int>(simulation_.block_count()); ++b) {
+      blocks_.emplace_back();
+      s_.riding ? number_riding(b) : number_lattice(b);
+    }
+  }
+  int next(bool held) { return held ? -1 : count_++; }
+  void close_group(int block, const Vector& place) {
+    if (count_ == groups_.begin.back()) return;
+    groups_.begin.push_back(count_), groups_.place.push_back(place);
+    block_of_group_.push_back(block);
+  }
+
+  void number_lattice(int b) {
+    BlockUnknowns& u = blocks_.back();
+    const int body = s_.model.place[at(b)].body;
+    if (body >= 0) {
+      const RigidBody& rigid = s_.model.bodies[at(body)];
+      const auto [index, lane] = s_.body_place[at(body)];
+      u.rigid = true, u.centre = geometry::vector(rigid.centre);
+      for (std::size_t c = 0; c < 6; ++c)
+        u.body[c] = next(rigid.held[c] || s_.body_lanes[at(index)].prescribed[c][lane] != 0.0);
+      return close_group(b, u.centre);
+    }
+    s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
+      auto& of_point = u.gridpoint.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c) of_point[c] = next(s_.dt_over_mass[offset + c * kLanes] == 0.0);
+      close_group(b, geometry::vector(s_.model.gridpoint_position(b, static_cast<int>(u.gridpoint.size()) - 1)));
+    });
+  }
+
+  void number_riding(int b) {
+    BlockUnknowns& u = blocks_.back();
+    const blocks::ModelBlock& block = s_.riding->block(b);
+    if (block.body >= 0) {
+      const blocks::Body& body = s_.riding->body(b);
+      u.rigid = true, u.centre = body.x;
+      for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((body.held | body.support) >> c & 1u) != 0);
+      return close_group(b, u.centre);
+    }
+    unsigned held = s_.riding->assembly().blocks[at(b)].fixed ? 7u : 0u;
+    for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
+    const bool halved = s_.riding->assembly().symmetry_plane_z0;
+    for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
+      auto& of_point = u.gridpoint.emplace_back();
+      const bool on_plane = halved && s_.riding->node_reference()[at(n)].z == 0.0;
+      for (unsigned c = 0; c < 3; ++c) of_point[c] = next((held >> c & 1u) != 0 || (on_plane && c == 2));
+      close_group(b, s_.riding->node_positions()[at(n)]);
+    }
+  }
+
+  // ---- Forces
+  // --------------------------------------------------------------------------------------------------------
+
+  static void add_to(VectorXd* sum, const std::array<int, 3>& unknown, const Vector& force) {
+    for (int c = 0; c < 3; ++c)
+      if (unknown[at(c)] >= 0) (*sum)(unknown[at(c)]) += force[c];
+  }
+
+  VectorXd out_of_balance(const std::vector<ContactPoint>& points) {
+    VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(count_));
+    s_.riding ? add_riding_loads(&sum) : add_lattice_loads(&sum);
+    add_contacts(points, &sum);
+    return sum;
+  }
+
+  void add_wrench(VectorXd* sum, int b, const Vector& place, const Vector& force) const {
+    const BlockUnknowns& u = blocks_[at(b)];
+    add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
+    add_to(sum, {u.body[3], u.body[4], u.body[5]}, cross(place - u.centre, force));
+  }
+
+  void add_riding_loads(VectorXd* sum) const {
+    blocks::Model& m = *s_.riding;
+    const Vector g = geometry::vector(s_.data.gravity);
+    std::vector<Vector> applied(blocks_.size());
+    for (const Drive& drive : s_.drives) applied[at(drive.block)] += drive.force_to;
+    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+      const BlockUnknowns& u = blocks_[at(b)];
+      if (u.rigid) {
+        add_wrench(sum, b, u.centre, m.mass_of(b) * g + applied[at(b)]);
+        continue;
+      }
+      const blocks::ModelBlock& block = m.block(b);
+      double inertia = 0.0;  // its gridpoints share weight and forces by mass
+      for (std::size_t n = 0; n < u.gridpoint.size(); ++n) inertia += m.node_mass()[at(block.first_node) + n];
+      const Vector per_mass = (m.mass_of(b) * g + applied[at(b)]) / inertia;
+      for (std::size_t n = 0; n < u.gridpoint.size(); ++n)
+        add_to(sum, u.gridpoint[n], m.node_mass()[at(block.first_node) + n] * per_mass);
+      const geometry::Matrix turned = m.orientation(b);
+      for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
+        const blocks::Zone& zone = m.zones()[at(z)];
+        const geometry::Matrix stress = m.zone_stress(z);
+        for (std::size_t i = 0; i < 4; ++i)
+          add_to(sum, u.gridpoint[at(zone.node[i] - block.first_node)],
+                 -zone.volume * (stress * (turned * zone.gradient[i])));
+      }
+    }
+    for (const blocks::Load& load : m.loads()) {
+      const BlockUnknowns& u = blocks_[at(load.block)];
+      const Vector force = load.scale * load.factor.at(m.time()) * load.force;
+      if (u.rigid) add_wrench(sum, load.block, u.centre + m.body(load.block).r * load.arm, force);
+      for (const auto& [node, weight] : load.share)
+        add_to(sum, u.gridpoint[at(node - m.block(load.block).first_node)], weight * force);
+    }
+    for (const blocks::Pressure& p : m.pressures()) add_pressure(p, sum);
+  }
+
+  void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
+    blocks::Model& m = *s_.riding;
+    const double pressure = p.scale * p.value * p.factor.at(m.time());
+    const BlockUnknowns& u = blocks_[at(p.block)];
+    if (u.rigid) {
+      const geometry::Matrix& r = m.body(p.block).r;
+      return add_wrench(sum, p.block, u.centre + r * p.arm, pressure * (r * p.push));
+    }
+    const int first = m.block(p.block).first_node;
+    for (const auto& triangle : p.triangles) {
+      const Vector &x = m.node_positions()[at(triangle[0])], &y = m.node_positions()[at(triangle[1])],
+                   &z = m.node_positions()[at(triangle[2])];
+      for (const int node : triangle)
+        add_to(sum, u.gridpoint[at(node - first)], (-pressure / 6.0) * cross(y - x, z - x));
+    }
+  }
+
+  // Weight, loads, and forces of zones.
+  void add_lattice_loads(VectorXd* sum) const {
+    const Vector g = geometry::vector(s_.data.gravity);
+    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+      const BlockUnknowns& u = blocks_[at(b)];
+      const Model::BlockPlace& place = s_.model.place[at(b)];
+      if (u.rigid) {
+        const auto [index, lane] = s_.body_place[at(place.body)];
+        Vector force = s_.model.bodies[at(place.body)].mass * g;
+        for (int c = 0; c < 3; ++c) force[c] += s_.body_lanes[at(index)].applied_force[c][lane];
+        add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
+        continue;
+      }
+      Vector acceleration = g;
+      if (const double* const load = s_.load_of_group[at(place.group)])
+        for (int c = 0; c < 3; ++c) acceleration[c] += load[c * static_cast<int>(kLanes) + place.lane];
+      std::vector<Vector> moved;
+      s_.model.for_each_gridpoint(b, [&](std::size_t o, double mass) {
+        add_to(sum, u.gridpoint[moved.size()], mass * acceleration);
+        moved.push_back({s_.displacement[o], s_.displacement[o + kLanes], s_.displacement[o + 2 * kLanes]});
+      });
+      const BrickTemplate& shape = s_.model.template_of(b);
+      for (const auto& zone : shape.zone) {
+        geometry::Matrix stress{};
+        for (std::size_t a = 0; a < 4; ++a) {
+          const Vector& w = moved[at(zone.node[a])];
+          const Vector gradient = geometry::vector(zone.shape_gradient[a]);
+          for (int c = 0; c < 3; ++c) {
+            for (int k = 0; k < 3; ++k)
+              stress.row[c][k] += shape.shear_modulus * (w[c] * gradient[k] + w[k] * gradient[c]);
+            stress.row[c][c] += shape.lambda * dot(w, gradient);
+          }
+        }
+        for (std::size_t a = 0; a < 4; ++a)
+          add_to(sum, u.gridpoint[at(zone.node[a])],
+                 -zone.volume * (stress * geometry::vector(zone.shape_gradient[a])));
+      }
+    }
+  }
+
+  void add_contacts(const std::vector<ContactPoint>& points, VectorXd* sum) {
+    std::vector<Share> shares;
+    for (const ContactPoint& p : points) {
+      shares_of(p, &shares);
+      const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) +
+                                     p.traction[1] * geometry::vector(p.s) + p.traction[2] * geometry::vector(p.t));
+      for (const Share& share : shares) (*sum)(share.unknown) -= dot(force, share.moves);
+    }
+  }
+
+  // As the steps of the stage measure it: largest force on a gridpoint or body, of the mean contact force.
+  double ratio_of(const VectorXd& rest, const std::vector<ContactPoint>& points) const {
+    double mean = 0.0, largest = 0.0;
+    for (const ContactPoint& p : points)
+      mean += p.area * std::hypot(p.traction[0], p.traction[1], p.traction[2]) / static_cast<double>(points.size());
+    const auto force_at = [&](int x, int y, int z) {
+      double squares = 0.0;
+      for (const int i : {x, y, z})
+        if (i >= 0) squares += rest(i) * rest(i);
+      largest = std::max(largest, std::sqrt(squares));
+    };
+    for (const BlockUnknowns& u : blocks_) {
+      if (u.rigid) force_at(u.body[0], u.body[1], u.body[2]);
+      for (const auto& of_point : u.gridpoint) force_at(of_point[0], of_point[1], of_point[2]);
+    }
+    // Moments of rigid blocks, over the size of the model.
+    for (const BlockUnknowns& u : blocks_) {
+      for (std::size_t c = 3; c < 6 && u.rigid; ++c)
+        if (u.body[c] >= 0) largest = std::max(largest, std::abs(rest(u.body[c])) / s_.extent);
+    }
+    return largest == 0.0 ? 0.0 : largest / std::max(mean, 1e-300);
+  }
+
+  // ---- Stiffness
+  // -----------------------------------------------------------------------------------------------------
+
+  static std::vector<std::uint8_t> states_of(const std::vector<ContactPoint>& points) {
+    std::vector<std::uint8_t> states;
+    for (const ContactPoint& p : points) {
+      const bool carries_nothing = p.traction[0] == 0.0 && p.jump[0] > 0.0;
+      const bool sliding = (p.flags & QUOIN_FLAG_SLIPPING) != 0;
+      states.push_back(carries_nothing ? open : sliding ? slides : closed);
+    }
+    return states;
+  }
+
+  Eigen::SparseMatrix<double> stiffness_of(const std::vector<ContactPoint>& points,
+                                           const std::vector<std::uint8_t>& states, double kept) {
+    std::vector<Triplet> entries;
+    add_zones(&entries);
+    std::vector<Share> shares;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const ContactPoint& p = points[i];
+      const quoin_stiffness_bounds& bounds = s_.model.families[at(p.family)].material->stiffness_bounds();
+      const double normal = p.area * bounds.normal * (states[i] == open ? std::max(kOpen, kept) : 1.0);
+      const double shear = p.area * bounds.shear *
+                           (states[i] == open     ? std::max(kOpen, kept)
+                            : states[i] == slides ? std::max(kSlides, kept)
+                                                  : 1.0);
+      shares_of(p, &shares);
+      const Vector n = geometry::vector(p.normal);
+      for (const Share& row : shares) {
+        const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
+        for (const Share& column : shares)
+          if (column.unknown <= row.unknown)
+            entries.emplace_back(row.unknown, column.unknown, dot(force, column.moves));
+      }
+    }
+    const auto n = static_cast<Eigen::Index>(count_);
+    Eigen::SparseMatrix<double> stiffness(n, n);
+    double largest = 0.0;
+    for (const Triplet& entry : entries) largest = std::max(largest, entry.value());
+    for (int i = 0; i < count_; ++i) entries.emplace_back(i, i, kHeld * largest);
+    stiffness.setFromTriplets(entries.begin(), entries.end());
+    return stiffness;
+  }
+
+  // Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
+  static void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient,
+                       double volume, double lambda, double mu, std::vector<Triplet>* entries) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        const double along = mu * dot(gradient[i], gradient[j]);
+        for (int c = 0; c < 3; ++c) {
+          const int row = unknown[i][at(c)];
+          for (int d = 0; row >= 0 && d < 3; ++d) {
+            const int column = unknown[j][at(d)];
+            if (column < 0 || column > row) continue;
+            const double k = lambda * gradient[i][c] * gradient[j][d] + mu * gradient[j][c] * gradient[i][d];
+            entries->emplace_back(row, column, volume * (k + (c == d ? along : 0.0)));
+          }
+        }
+      }
+    }
+  }
+
+  void add_zones(std::vector<Triplet>* entries) const {
+    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+      const BlockUnknowns& u = blocks_[at(b)];
+      std::array<std::array<int, 3>, 4> unknown;
+      std::array<Vector, 4> gradient;
+      if (u.rigid) continue;
+      if (!s_.riding) {
+        const BrickTemplate& shape = s_.model.template_of(b);
+        for (const auto& zone : shape.zone) {
+          for (std::size_t i = 0; i < 4; ++i)
+            unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = geometry::vector(zone.shape_gradient[i]);
+          add_zone(unknown, gradient, zone.volume, shape.lambda, shape.shear_modulus, entries);
+        }
+        continue;
+      }
+      const blocks::ModelBlock& block = s_.riding->block(b);
+      const geometry::Matrix turned = s_.riding->orientation(b);
+      for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
+        const blocks::Zone& zone = s_.riding->zones()[at(z)];
+        for (std::size_t i = 0; i < 4; ++i)
+          unknown[i] = u.gridpoint[at(zone.node[i] - block.first_node)], gradient[i] = turned * zone.gradient[i];
+        add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
+      }
+    }
+  }
+
+  void shares_of(const ContactPoint& p, std::vector<Share>* shares) {
+    shares->clear();
+    add_side(p, p.block_a, -1.0, shares);
+    add_side(p, p.block_b, 1.0, shares);
+  }
+
+  void add_side(const ContactPoint& p, int b, double sign, std::vector<Share>* shares) {
+    const BlockUnknowns& u = blocks_[at(b)];
+    const Vector place = geometry::vector(p.position);
+    const auto add = [&](const std::array<int, 3>& unknown, double weight) {
+      for (int c = 0; c < 3; ++c) {
+        if (unknown[at(c)] < 0 || weight == 0.0) continue;
+        Share share{unknown[at(c)], {}};
+        share.moves[c] = sign * weight;
+        shares->push_back(share);
+      }
+    };
+    if (u.rigid) {
+      add({u.body[0], u.body[1], u.body[2]}, 1.0);
+      for (int c = 0; c < 3; ++c) {
+        Vector spin{};
+        spin[c] = sign;
+        if (u.body[at(c + 3)] >= 0) shares->push_back({u.body[at(c + 3)], cross(spin, place - u.centre)});
+      }
+    } else if (s_.riding) {
+      const auto [node, weight] = on_surface(b, place);
+      for (std::size_t i = 0; i < 3; ++i) add(u.gridpoint[at(node[i] - s_.riding->block(b).first_node)], weight[i]);
+    } else {
+      add(u.gridpoint[at(gridpoint_at(b, place))], 1.0);
+    }
+  }
+
+  // Corners of the triangle of its surface that the place is closest to, and their weights there.
+  std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int b, const Vector& place) const {
+    const auto& x = s_.riding->node_positions();
+    std::pair<std::array<int, 3>, std::array<double, 3>> best{};
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& triangle : s_.riding->block(b).surface) {
+      const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
+      const Vector normal = cross(q - p, r - p);
+      const double twice = dot(normal, normal);
+      std::array<double, 3> weight{dot(cross(q - place, r - place), normal) / twice,
+                                   dot(cross(r - place, p - place), normal) / twice, 0.0};
+      weight[2] = 1.0 - weight[0] - weight[1];
+      double sum = 0.0;
+      for (double& w : weight) w = std::max(0.0, w), sum += w;
+      for (double& w : weight) w /= sum;
+      const double distance = norm(weight[0] * p + weight[1] * q + weight[2] * r - place);
+      if (distance < least) least = distance, best = {triangle.node, weight};
+    }
+    return best;
+  }
+
+  // On the lattice points lie at gridpoints of both blocks.
+  int gridpoint_at(int b, const Vector& place) const {
+    int nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < static_cast<int>(blocks_[at(b)].gridpoint.size()); ++n) {
+      const double distance = norm(geometry::vector(s_.model.gridpoint_position(b, n)) - place);
+      if (distance < least) least = distance, nearest = n;
+    }
+    return nearest;
+  }
+
+  // ---- Motion
+  // --------------------------------------------------------------------------------------------------------
+
+  void require_held(const Eigen::MatrixXd& moved) const {
+    for (std::size_t g = 0; g < groups_.place.size(); ++g) {
+      for (int i = groups_.begin[g]; i < std::min(groups_.begin[g + 1], groups_.begin[g] + 3); ++i) {
+        if (std::abs(moved(i, 0)) <= kFlies * s_.extent) continue;
+        throw Error(Exit::numerical,
+                    fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on; "
+                                "quoin limit tells whether it stands",
+                                s_.scene.stages[at(s_.stage)].name, s_.block_label(block_of_group_[g])));
+      }
+    }
+  }
+
+  static Vector of(const VectorXd& moved, const std::array<int, 3>& unknown) {
+    Vector v{};
+    for (int c = 0; c < 3; ++c)
+      if (unknown[at(c)] >= 0) v[c] = moved(unknown[at(c)]);
+    return v;
+  }
+
+  // Moves all blocks, lets the laws follow, and leaves all at rest.
+  void move(const VectorXd& moved) {
+    if (s_.riding) return move_riding(moved);
+    // Laws see sliding as velocity times the step. Once more at rest, since some settle in two answers.
+    for (const bool moving : {true, false}) {
+      for (int b = 0; b < static_cast<int>(blocks_.size()); ++b)
+        blocks_[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);
+      for (const int i : s_.chunks_here()) {
+        const ContactChunk& chunk = s_.model.chunks[at(i)];
+        contact_jumps(s_.model, chunk, s_.data, s_.jumps[0].get());
+        s_.evaluate_law(i, *s_.jumps[0], false, false);
+        contact_forces(s_.model, chunk, s_.data);
+      }
+    }
+    if (s_.law_failed.load(std::memory_order_relaxed)) s_.report_failed_points();
+  }
+
+  void move_gridpoints(int b, const VectorXd& moved, bool moving) {
+    std::size_t n = 0;
+    s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
+      const Vector by = of(moved, blocks_[at(b)].gridpoint[n++]);
+      for (int c = 0; c < 3; ++c) {
+        const std::size_t o = offset + at(c) * kLanes;
+        if (moving) s_.displacement[o] += by[c];
+        s_.velocity[o] = moving ? by[c] / s_.data.time_step : 0.0;
+      }
+    });
+  }
+
+  void move_body(int b, const VectorXd& moved, bool moving) {
+    const std::array<int, 6>& u = blocks_[at(b)].body;
+    const int index = s_.model.place[at(b)].body;
+    const RigidBody& body = s_.model.bodies[at(index)];
+    const auto [record, lane] = s_.body_place[at(index)];
+    BodyLanes& lanes = s_.body_lanes[at(record)];
+    const Vector by = of(moved, {u[0], u[1], u[2]}), turn = of(moved, {u[3], u[4], u[5]});
+    Vector displacement{}, rotation{};
+    for (int c = 0; c < 3; ++c) {
+      if (moving) lanes.displacement[c][lane] += by[c], lanes.rotation[c][lane] += turn[c];
+      displacement[c] = lanes.displacement[c][lane], rotation[c] = lanes.rotation[c][lane];
+      if (!moving) lanes.velocity[c][lane] = lanes.spin[c][lane] = 0.0;
+    }
+    // Its gridpoints have what their points read: displacement along the normal, velocity across.
+    for (std::size_t k = 0; k < body.slave.size(); ++k) {
+      const Vector arm = geometry::vector(body.arm[k]);
+      const Vector place = displacement + cross(rotation, arm), speed = by + cross(turn, arm);
+      const int n = s_.model.point_axis[at(body.point[k])];
+      for (int c = 0; c < 3; ++c) {
+        const std::size_t o = static_cast<std::size_t>(body.slave[k]) + at(c) * kLanes;
+        if (c == n)
+          s_.displacement[o] = place[c];
+        else
+          s_.velocity[o] = moving ? speed[c] / s_.data.time_step : 0.0;
+      }
+    }
+  }
+
+  void move_riding(const VectorXd& moved) {
+    blocks::Model& m = *s_.riding;
+    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+      BlockUnknowns& u = blocks_[at(b)];
+      if (u.rigid) {
+        blocks::Body& body = m.body(b);
+        body.x += of(moved, {u.body[0], u.body[1], u.body[2]});
+        body.turn_to(normalized(geometry::rotation(of(moved, {u.body[3], u.body[4], u.body[5]})) * body.q));
+        body.v = body.omega = body.momentum = {};
+        u.centre = body.x;
+        continue;
+      }
+      const int first = m.block(b).first_node;
+      for (std::size_t n = 0; n < u.gridpoint.size(); ++n) {
+        m.node_positions()[at(first) + n] += of(moved, u.gridpoint[n]);
+        m.node_velocities()[at(first) + n] = {};
+      }
+    }
+    m.begin_step();
+    for (int chunk = 0; chunk < m.chunk_count(); ++chunk) m.advance_contacts(chunk);
+  }
+
+  Simulation& simulation_;
+  Simulation::Impl& s_;
+  std::vector<BlockUnknowns> blocks_;
+  UnknownGroups groups_;
+  std::vector<int> block_of_group_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+void find_rest(Simulation& simulation, Simulation::Impl& impl) {
+  const Stage& stage = impl.scene.stages[at(impl.stage)];
+  if (impl.ranks)
+    throw Error(Exit::bad_input, fmt::format("{}: a stage of rest runs in one process; start quoin without mpirun, or "
+                                             "give the stage equilibrium_ratio without kind = \"rest\"",
+                                             stage.source.text));
+  const auto out_of_books = [&] {
+    const std::optional<Energies> energies = simulation.measure().energies;
+    return energies ? energies->balance_error() : 0.0;
+  };
+  const double before = impl.step_count > 0 ? out_of_books() : 0.0;
+  Search(simulation, impl).run(stage.equilibrium_ratio.value_or(1e-4));
+  // Loads are booked to have done what blocks and joints have taken up, as loads that grow slowly do.
+  impl.step_once(true, true);
+  const double taken_up = out_of_books() - before;
+  impl.energy_external += taken_up;
+}
+
+#else
+
+void find_rest(Simulation&, Simulation::Impl& impl) {
+  throw Error(Exit::bad_input,
+              fmt::format("{}: this program finds no states of rest; build it with libopenblas-serial-dev",
+                          impl.scene.stages[static_cast<std::size_t>(impl.stage)].source.text));
+}
+
+#endif
+
+}  // namespace quoin
