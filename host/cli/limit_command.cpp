@@ -16,7 +16,9 @@
 #include "cli/prepare.h"
 #include "files/csv_text.h"
 #include "files/file.h"
+#include "files/notice.h"
 #include "results/json_file.h"
+#include "results/report.h"
 #include "results/virtual_motion.h"
 #include "step/simulation.h"
 
@@ -62,6 +64,18 @@ void write_forces(const std::filesystem::path& file, const SceneLimit& limit) {
                           p.position.y, p.position.z, f[0], f[1], f[2]);
   }
   write_file(file, forces);
+}
+
+// Where three.js is installed; else ParaView shows the mechanism.
+void write_page(const std::filesystem::path& mechanism, const Scene& scene, double multiplier) {
+  try {
+    const std::string of = scene.title.empty() ? scene.file : scene.title;
+    const ShownMotion motion{"velocity",
+                             fmt::format("mechanism at the multiplier {:.4f}, associated flow", multiplier)};
+    fmt::print("{}\n", write_motion_report(mechanism, "Mechanism: " + of, {motion}, true).string());
+  } catch (const Error& error) {
+    notice(fmt::format("quoin: no report.html: {}", error.what()));
+  }
 }
 
 void print(const LimitWithoutDilation& without) {
@@ -127,6 +141,7 @@ void run(const Options& options) {
     write_json(folder / "limit.json", json_of(scene.file, limit, options.limit));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
     fmt::print("{}\n", (folder / "limit.json").string());
+    if (limit.limit) write_page(folder / "mechanism.vtu", scene, limit.limit->multiplier);
   }
   if (!limit.stands.stands)
     throw Error(Exit::numerical, fmt::format("{}: the given loads cannot be carried; out of balance:{}", scene.file,
@@ -149,7 +164,10 @@ void add_limit_command(CLI::App& app) {
   command->add_flag("--associated", options->limit.associated, "No search for answers without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
-  command->add_option("--out", options->out, "Folder for limit.json, mechanism.csv, mechanism.vtu and forces.csv")
+  command
+      ->add_option(
+          "--out", options->out,
+          "Folder for limit.json, mechanism.csv, mechanism.vtu, forces.csv and report.html, where the mechanism moves")
       ->type_name("DIR");
   command->footer(
       "Static theorem on the contact points of the scene: rigid blocks, brittle strength from the properties of the "

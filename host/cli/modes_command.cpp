@@ -17,6 +17,7 @@
 #include "files/file.h"
 #include "files/notice.h"
 #include "results/json_file.h"
+#include "results/report.h"
 #include "results/virtual_motion.h"
 
 namespace quoin {
@@ -61,17 +62,41 @@ void print(const Vibrating& v, const Modes& modes) {
         r.ratios[0], r.frequencies[0], r.ratios[1], r.frequencies[1], r.mass_damping, r.stiffness_damping);
 }
 
+std::string name_of_shape(const Modes& modes, std::size_t m) {
+  return fmt::format("mode_{}_{:.4g}_Hz", m + 1, modes.mode[m].frequency);
+}
+
 void write_shapes(const std::filesystem::path& file, const Vibrating& v, const Modes& modes) {
   std::vector<StillBlock> blocks;
   for (const DrawnBlock& b : v.drawn) blocks.push_back({b.point, b.zone, b.face});
   std::vector<VirtualMotion> motions;
   for (std::size_t m = 0; m < modes.mode.size(); ++m) {
     VirtualMotion& motion = motions.emplace_back();
-    motion.name = fmt::format("mode_{}_{:.4g}_Hz", m + 1, modes.mode[m].frequency);
+    motion.name = name_of_shape(modes, m);
     for (std::size_t b = 0; b < v.drawn.size(); ++b)
       motion.displacement.push_back(shape_of_block(v, modes, static_cast<int>(b), static_cast<int>(m)));
   }
   write_motions(file, blocks, motions);
+}
+
+// Where three.js is installed; else ParaView shows the shapes.
+void write_page(const std::filesystem::path& shapes, const Scene& scene, const Modes& modes) {
+  std::vector<ShownMotion> motions;
+  for (std::size_t m = 0; m < modes.mode.size(); ++m) {
+    const Mode& mode = modes.mode[m];
+    std::string label = fmt::format("mode {}: {:.4g} Hz; effective mass", m + 1, mode.frequency);
+    for (std::size_t c = 0; c < 3; ++c)
+      label +=
+          fmt::format("{} {:.1f} % along {}", c > 0 ? "," : "",
+                      modes.free_mass[c] > 0.0 ? 100.0 * mode.effective_mass[c] / modes.free_mass[c] : 0.0, "xyz"[c]);
+    motions.push_back({name_of_shape(modes, m), label});
+  }
+  try {
+    const std::string of = scene.title.empty() ? scene.file : scene.title;
+    fmt::print("{}\n", write_motion_report(shapes, "Natural modes: " + of, motions, false).string());
+  } catch (const Error& error) {
+    notice(fmt::format("quoin: no report.html: {}", error.what()));
+  }
 }
 
 void run(const Options& options) {
@@ -93,6 +118,7 @@ void run(const Options& options) {
   write_json(folder / "modes.json", json_of(scene.file, v, modes));
   write_shapes(folder / "modes.vtu", v, modes);
   fmt::print("{}\n", (folder / "modes.json").string());
+  write_page(folder / "modes.vtu", scene, modes);
 }
 
 }  // namespace
@@ -111,7 +137,8 @@ void add_modes_command(CLI::App& app) {
       ->type_name("F1 F2");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
-  command->add_option("--out", options->out, "Folder for modes.json and modes.vtu")->type_name("DIR");
+  command->add_option("--out", options->out, "Folder for modes.json, modes.vtu and report.html, where the shapes swing")
+      ->type_name("DIR");
   command->footer(
       "Of the scene as it is at the start, undamaged and without stress: joints closed, with the stiffness of their "
       "laws,\n"

@@ -49,7 +49,7 @@ void ProgressLine::message(const std::string& text) {
   notice(text);
 }
 
-void ProgressLine::show(const Progress& p, double displacement, double force) {
+void ProgressLine::show(const Progress& p, const RunSoFar& so_far) {
   const auto now = std::chrono::steady_clock::now();
   const bool new_stage = p.stage != last_stage_;
   if (!terminal_ && !new_stage && std::chrono::duration<double>(now - last_).count() < kLineInterval) return;
@@ -57,9 +57,10 @@ void ProgressLine::show(const Progress& p, double displacement, double force) {
   last_stage_ = p.stage;
   const std::string stage = fmt::format("{}/{} {}", p.stage + 1, p.stage_count, p.settings ? p.settings->name : "");
   const std::string numbers =
-      fmt::format("{:3.0f} %  left {}  {:.3f} mm  {:.2f} kN  unbalanced {:.1e}  {:.0f} steps/s", 100 * p.fraction,
-                  time_left(p.seconds_left), without_sign_of_zero(displacement * 1e3, 1e-3),
-                  without_sign_of_zero(force / 1e3, 1e-2), p.unbalanced_ratio, p.steps_per_second);
+      fmt::format("{:3.0f} %  left {}  {:.3f} mm  {:.2f} kN  peak {:.2f} kN  unbalanced {:.1e}  {:.0f} steps/s",
+                  100 * p.fraction, time_left(p.seconds_left), without_sign_of_zero(so_far.displacement * 1e3, 1e-3),
+                  without_sign_of_zero(so_far.force / 1e3, 1e-2), without_sign_of_zero(so_far.peak / 1e3, 1e-2),
+                  p.unbalanced_ratio, p.steps_per_second);
   if (!terminal_) {
     notice(fmt::format("[{}] {}", stage, numbers));
   } else {

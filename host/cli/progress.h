@@ -8,10 +8,18 @@
 
 namespace quoin {
 
+// What a run has come to.
+struct RunSoFar {
+  double displacement = 0.0, force = 0.0;         // m, N
+  double peak = 0.0, displacement_at_peak = 0.0;  // N, m
+  double cracked = 0.0;                           // share of contact points that are no longer elastic
+  double kinetic_energy = 0.0;                    // J
+};
+
 class ProgressLine {
  public:
   ProgressLine();
-  void show(const Progress& progress, double displacement, double force);
+  void show(const Progress& progress, const RunSoFar& so_far);
   void message(const std::string& text);  // a line of its own, above the bar
 
  private:

@@ -71,7 +71,7 @@ bool is_done(const fs::path& folder) {
 bool is_kept(const std::string& name, std::size_t frames) {
   if (name == kRecord || name == "checkpoint.bin") return true;
   for (std::size_t i = 0; i < frames; ++i) {
-    for (const char* kind : {"blocks", "joints"}) {
+    for (const char* kind : {"blocks", "joints", "forces"}) {
       const std::string frame = fmt::format("{}_{:04}", kind, i);
       if (name == frame + ".vtu" || name == frame + ".pvtu" || name.starts_with(frame + "_r")) return true;
     }

@@ -9,12 +9,14 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <thread>
 
 #include "base/any_error.h"
 #include "cli/again.h"
+#include "cli/live_run.h"
 #include "cli/prepare.h"
 #include "cli/progress.h"
 #include "cli/resume.h"
@@ -112,21 +114,24 @@ struct RunOptions {
   bool report = false, compressed = false;
   bool isolate_law = false;
   double law_seconds = kLawSeconds;  // for one batch; 0: any time
+  int serve = -1;                    // port of a page of the run while it goes on; 0: any, < 0: none
 };
 
 // Takes what the simulation reports: rows to the history, frames to VTK, progress to the terminal; and checkpoints.
 class Recorder : public Observer {
  public:
   // before: what the run that goes on has recorded.
-  Recorder(const fs::path& folder, const Scene& scene, Surfaces& surfaces, Identity identity, double checkpoint_every,
-           const Checkpoint& before, bool compressed, Pieces pieces)
-      : scene_(scene),
+  Recorder(const fs::path& folder, const Simulation& simulation, Surfaces& surfaces, Identity identity,
+           double checkpoint_every, const Checkpoint& before, bool compressed, Pieces pieces)
+      : scene_(simulation.scene()),
         surfaces_(surfaces),
-        history_(folder / "history.csv", scene, before.rows),
+        history_(folder / "history.csv", simulation, before.rows),
         frames_(folder, surfaces, before.frame_times, compressed, pieces),
         checkpoint_(folder / "checkpoint.bin"),
         identity_(std::move(identity)),
-        clock_(checkpoint_every) {}
+        clock_(checkpoint_every) {
+    for (const HistoryRow& row : before.rows) take(row);
+  }
 
   void on_stage_begin(const Simulation& simulation, int stage) override {
     const Stage& s = scene_.stages[static_cast<size_t>(stage)];
@@ -165,7 +170,14 @@ class Recorder : public Observer {
   void on_row(const HistoryRow& row) override {
     history_.add(row);
     if (monitors_) monitors_->add(row);
-    last_ = shown(row, scene_);
+    take(row);
+    if (live_) live_->add_row(row);
+  }
+  // Shows the run while it goes on: what it has come to so far, and from now on.
+  void serve(int port, const fs::path& folder, const Simulation& simulation) {
+    simulation_ = &simulation;
+    live_ = std::make_unique<LiveRun>(port, folder, simulation, history_.rows(), frames_.times());
+    progress_.message("the run goes on at " + live_->address());
   }
   void follow(const fs::path& folder, const Simulation& simulation, std::vector<Monitor> monitors,
               const std::vector<std::vector<double>>& before) {
@@ -191,11 +203,18 @@ class Recorder : public Observer {
     }
     clock_.taken();
   }
-  void on_progress(const Progress& progress) override { progress_.show(progress, last_.displacement, last_.force); }
+  void on_progress(const Progress& progress) override {
+    if (live_) {
+      so_far_.cracked = cracked_share(*simulation_);
+      live_->show(progress, so_far_);
+    }
+    progress_.show(progress, so_far_);
+  }
   void on_frame(const Simulation& simulation, int, int) override {
     if (frames_fault_) return frames_.leave_out(simulation);
     try {
       frames_.add_piece(simulation);
+      if (live_) live_->add_frame(simulation, history_.rows());
     } catch (const Error& error) {  // the run goes on without
       frames_fault_ = error;
       progress_.message(fmt::format("quoin: warning: no more frames for ParaView: {}", error.what()));
@@ -225,6 +244,21 @@ class Recorder : public Observer {
   ProgressLine& progress() { return progress_; }
 
  private:
+  void take(const HistoryRow& row) {
+    const Shown now = shown(row, scene_);
+    so_far_.displacement = now.displacement, so_far_.force = now.force;
+    so_far_.kinetic_energy = row.kinetic_energy;
+    if (std::abs(now.force) > std::abs(so_far_.peak))
+      so_far_.peak = now.force, so_far_.displacement_at_peak = now.displacement;
+  }
+  // Of contact points: those that are not as they were, elastic or dry.
+  static double cracked_share(const Simulation& simulation) {
+    const auto counts = simulation.condition_counts();
+    const long all = std::accumulate(counts.begin(), counts.end(), 0L);
+    const long elastic = counts[static_cast<std::size_t>(Condition::elastic)];
+    return all > 0 ? static_cast<double>(all - elastic) / static_cast<double>(all) : 0.0;
+  }
+
   const Scene& scene_;
   Surfaces& surfaces_;
   History history_;
@@ -234,7 +268,9 @@ class Recorder : public Observer {
   fs::path checkpoint_;
   Identity identity_;
   CheckpointClock clock_;
-  Shown last_;
+  RunSoFar so_far_;
+  const Simulation* simulation_ = nullptr;  // that is served
+  std::unique_ptr<LiveRun> live_;           // null: nobody looks
   std::set<std::string> reported_;
   std::optional<Error> frames_fault_;
 };
@@ -351,7 +387,7 @@ class Follower : public Observer {
 
 // Of frames; one process alone writes all of them.
 Pieces pieces_of(const Scene& scene, const Ranks* ranks) {
-  if (!ranks || !scene.output.pieces || scene.output.frames == 0) return {};
+  if (!ranks || !scene.output.pieces || !scene.has_frames()) return {};
   return {ranks->rank(), ranks->count()};
 }
 
@@ -367,7 +403,7 @@ void gather_for_pictures(Simulation& simulation) {
 // What keep_results of rank 0 waits for.
 void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {
   const OutputSettings& output = simulation.scene().output;
-  if (failed && output.frames > 0) bring_frame(simulation, surfaces);
+  if (failed && simulation.scene().has_frames()) bring_frame(simulation, surfaces);
   find_crushed_out(simulation);
   gather_for_pictures(simulation);
   if (output.plots && !shows_blocks(simulation)) bring_cracks(simulation, surfaces);
@@ -379,11 +415,15 @@ Scene scene_of(RunOptions* options, const Ranks* ranks) {
   Scene scene = prepare_scene(options->scene);
   if (options->report && pieces_of(scene, ranks).count > 1)
     throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");
-  if (options->report && scene.output.frames == 0)
+  if (options->report && !scene.has_frames())
     throw Error(Exit::usage,
                 "--report: the page shows frames, and with output.frames = 0 there are none; set output.frames, for "
                 "instance with --set output.frames=20, or leave --report out");
-  if (options->report && (!ranks || ranks->rank() == 0)) require_report_library();
+  if (options->serve >= 0 && (!scene.has_frames() || scene.output.pieces))
+    throw Error(Exit::usage,
+                "--live, --serve: the page shows frames, each in one file: leave output.pieces out, and set "
+                "output.frames, for instance with --set output.frames=20");
+  if ((options->report || options->serve >= 0) && (!ranks || ranks->rank() == 0)) require_report_library();
   return scene;
 }
 
@@ -456,10 +496,11 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
       simulation.instruction_set()));
 
   const OutputSettings& output = simulation.scene().output;
-  if (options.compressed && output.frames == 0)
+  const bool has_frames = simulation.scene().has_frames();
+  if (options.compressed && !has_frames)
     say("--compressed: without effect, as output.frames = 0 writes no files for ParaView");
-  if (output.pieces && output.frames == 0) say("output.pieces: without effect, as output.frames = 0 writes no frames");
-  if (output.pieces && output.frames > 0 && pieces_of(simulation.scene(), ranks).count <= 1)
+  if (output.pieces && !has_frames) say("output.pieces: without effect, as output.frames = 0 writes no frames");
+  if (output.pieces && has_frames && pieces_of(simulation.scene(), ranks).count <= 1)
     say("output.pieces: without effect in one process, which writes each frame as one file");
   if (simulation.thread_count() < wanted_threads)
     say(fmt::format(
@@ -526,7 +567,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (recorder.frames_fault() && exit_code == 0) exit_code = static_cast<int>(recorder.frames_fault()->exit_code);
   keep([&] { recorder.finish_tables(); });
   keep([&] {
-    if (output.frames == 0) return;
+    if (!simulation.scene().has_frames()) return;
     const bool shows_end = failure && has_all && info.law_answers;
     if (shows_end && recorder.frames_fault()) bring_frame(simulation, surfaces);
     if (shows_end && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
@@ -575,6 +616,15 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
   if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));
   print_isolation(simulation);
+}
+
+// Before the work, as far as it can be known: a full disk is found out about too late otherwise.
+void require_room(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces) {
+  const Scene& scene = simulation.scene();
+  double frames = 2.0;
+  for (std::size_t i = 0; i < scene.stages.size(); ++i) frames += scene.frames_in(i);
+  require_space(folder, 1e6 + frames * (scene.has_frames() ? frame_bytes(simulation, surfaces) : 0.0),
+                fmt::format("the results with output.frames = {}", scene.output.frames));
 }
 
 void run(RunOptions options, Ranks* ranks, int& exit_code) {
@@ -636,17 +686,15 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   if (!lock) write_run_record(folder, options.scene, simulation.scene().text);
 
   Surfaces surfaces;
-  // Before the work, as far as it can be known: a full disk is found out about too late otherwise.
-  const OutputSettings& output = simulation.scene().output;
-  require_space(folder, 1e6 + (output.frames + 2) * (output.frames > 0 ? frame_bytes(simulation, surfaces) : 0.0),
-                fmt::format("the results with output.frames = {}", output.frames));
-  Recorder recorder(folder, simulation.scene(), surfaces, std::move(identity), options.checkpoint_every, before,
+  require_room(folder, simulation, surfaces);
+  Recorder recorder(folder, simulation, surfaces, std::move(identity), options.checkpoint_every, before,
                     options.compressed, pieces);
   if (!monitors.empty() && ranks)
     recorder.progress().message("quoin: no monitors.csv, as no rank has all blocks; run it in one process for that");
   else if (!monitors.empty())
     recorder.follow(folder, simulation, std::move(monitors), of_monitors);
   say_what_begins(options, simulation, ranks, wanted, lock != nullptr, goes_on, recorder);
+  if (options.serve >= 0) recorder.serve(options.serve, folder, simulation);
 
   std::optional<Error> failure;
   const LawWatchdog watchdog(options.law_seconds, [&](const Material& material, const quoin_batch& batch) {
@@ -682,6 +730,8 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
   const std::unique_ptr<Ranks> ranks = join_ranks();
   if (!ranks) return run(options, nullptr, exit_code);
   notices_wanted = ranks->rank() == 0;
+  if (options.serve >= 0)
+    throw Error(Exit::usage, "--live, --serve: not with several ranks; run the scene in one process, or write frames");
   if (options.isolate_law)
     throw Error(Exit::usage,
                 "--isolate-law: not with several ranks, which would each start processes that MPI does not know; run "
@@ -729,6 +779,12 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
+  command->add_flag(
+      "--live", [options](std::int64_t) { options->serve = 0; },
+      "Show the run in a browser while it goes on, at an address of this machine that is printed");
+  command->add_option("--serve", options->serve, "The same at this port; 0: any that is free")
+      ->type_name("PORT")
+      ->check(CLI::Range(0, 65535));
   command->add_flag("--compressed", options->compressed, "Compress the files for ParaView");
   command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
   command->add_flag("--isolate-law", options->isolate_law,
@@ -759,9 +815,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->type_name("DIR")
       ->excludes(scene, law, set, resume);
   command->footer(
-      "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd and joints.pvd (for ParaView).\n"
+      "Results: history.csv, summary.json, curve.png, cracks.png, blocks.pvd, joints.pvd and forces.pvd (for "
+      "ParaView).\n"
       "Examples:\n"
       "  quoin run host/scenes/solid_wall_030.toml\n"
+      "  quoin run host/scenes/solid_wall_030.toml --live        in a browser while it goes on\n"
       "  quoin run host/scenes/solid_wall_030.toml --out /tmp/brittle --law coulomb_slip\n"
       "  quoin run host/scenes/solid_wall_030.toml --law ./my_law.so --threads 2\n"
       "  quoin run host/scenes/solid_wall_030.toml --set solver.quality=fast       or reference: slower, smaller "

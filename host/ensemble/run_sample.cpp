@@ -65,7 +65,7 @@ Values inputs_of(const Study& study, std::uint64_t number) {
 
 class Recorder : public Observer {
  public:
-  Recorder(const fs::path& folder, const Scene& scene) : history_(folder / "history.csv", scene) {}
+  Recorder(const fs::path& folder, const Simulation& simulation) : history_(folder / "history.csv", simulation) {}
   void on_row(const HistoryRow& row) override { history_.add(row); }
   History& history() { return history_; }
 
@@ -226,7 +226,7 @@ void run_sample(const Study& study, std::uint64_t number, const std::function<Sc
   require_start(study);
   if (simulation) {
     add_drawn(*simulation, sample.inputs);
-    Recorder recorder(folder, simulation->scene());
+    Recorder recorder(folder, *simulation);
     attempt([&] { simulation->run(recorder); });
     recorder.history().finish();
     const auto& rows = recorder.history().rows();

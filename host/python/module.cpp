@@ -279,7 +279,7 @@ PYBIND11_MODULE(_quoin, m) {
       .def_property_readonly("time", [](const Session& s) { return s.use().time(); })
       .def("require_report",
            [](const Session& s) {
-             if (s.use().scene().output.frames == 0)
+             if (!s.use().scene().has_frames())
                throw quoin::Error(quoin::Exit::bad_input,
                                   "report: the page shows frames, and with output.frames = 0 there are none; set "
                                   "scene.output.frames, for instance to 20");

@@ -125,13 +125,13 @@ Session::Session(Scene scene, int threads, bool keep_frames, const std::string& 
   files_ = input_files(simulation_->scene());
   for (const HashedFile& law : law_files(simulation_->scene())) files_.push_back(law);
   if (!folder.empty() && simulation_->scene().output.end_state) provenance_ = provenance_of(*simulation_, {});
-  columns_ = history_columns(simulation_->scene());
+  columns_ = history_columns(simulation_->scene(), simulation_->restraints());
   if (keep_frames || !folder.empty()) surfaces_ = std::make_unique<Surfaces>();
   if (!folder.empty()) {
     own_ = std::make_unique<ResultFolder>(folder_);
-    file_.emplace(folder_ / "history.csv", simulation_->scene());
-    if (simulation_->scene().output.frames > 0) series_.emplace(folder_, *surfaces_);
-    if (simulation_->scene().output.frames > 0 && simulation_->scene().output.pieces) {
+    file_.emplace(folder_ / "history.csv", *simulation_);
+    if (simulation_->scene().has_frames()) series_.emplace(folder_, *surfaces_);
+    if (simulation_->scene().has_frames() && simulation_->scene().output.pieces) {
       const py::gil_scoped_acquire lock;
       if (PyErr_WarnEx(PyExc_UserWarning,
                        "output.pieces: without effect in one process, which writes each frame as one file", 1) != 0)

@@ -11,7 +11,7 @@ namespace quoin {
 
 namespace {
 
-using Value = double(const HistoryRow&, const Stage&);
+using Value = std::function<double(const HistoryRow&, const Stage&)>;
 constexpr auto kNumber = HistoryColumn::Kind::number;
 
 Energies energies(const HistoryRow& row) { return row.energies.value_or(Energies{}); }
@@ -43,13 +43,6 @@ std::string text_of(const HistoryColumn& column, const HistoryRow& row, const St
 
 }  // namespace
 
-Response response(const HistoryRow& row, const Stage& stage) {
-  // A stage monitored along y still has a horizontal response: the one along the wall.
-  const size_t axis = stage.direction == 1 ? 0 : static_cast<size_t>(stage.direction);
-  const double force = stage.direction == 1 ? -row.joint_force[0] : row.resistance;
-  return {row.monitor_displacement[axis], force, row.vertical_force};
-}
-
 namespace {
 
 // By component: a body is moved along it.
@@ -64,18 +57,27 @@ std::array<bool, 3> driven_along(const Stage& stage) {
 
 }  // namespace
 
+int axis_of(const Stage& stage) {
+  if (stage.direction != 0 || stage.whiffletree || stage.cycles || !stage.beyond_lattice().empty())
+    return stage.direction;
+  const std::array<bool, 3> driven = driven_along(stage);
+  return driven == std::array{false, true, false} ? 1 : driven == std::array{false, false, true} ? 2 : 0;
+}
+
+bool is_vertical(const Stage& stage) { return axis_of(stage) == 1; }
+
+Response response(const HistoryRow& row, const Stage& stage) {
+  // A stage monitored along y still has a horizontal response: the one along the wall.
+  const size_t axis = axis_of(stage) == 2 ? 2 : 0;
+  const bool along = static_cast<size_t>(stage.direction) == axis;
+  return {row.monitor_displacement[axis], along ? row.resistance : -row.joint_force[axis], row.vertical_force};
+}
+
 const char* curve_kind(const Stage& stage) {
   if (stage.ground) return "earthquake";
   if (stage.collapse) return "collapse";
   const bool pushed = stage.whiffletree || stage.cycles || driven_along(stage) != std::array{false, false, false};
   return pushed ? "push" : "rest";
-}
-
-bool is_vertical(const Stage& stage) {
-  if (stage.direction == 1) return true;
-  const std::array<bool, 3> driven = driven_along(stage);
-  return stage.direction == 0 && driven == std::array{false, true, false} && !stage.whiffletree && !stage.cycles &&
-         stage.beyond_lattice().empty();
 }
 
 bool is_vertical(const Scene& scene) { return !scene.stages.empty() && is_vertical(scene.stages.back()); }
@@ -86,37 +88,10 @@ Shown shown(const HistoryRow& row, const Scene& scene) {
   return {r.displacement, r.horizontal_force};
 }
 
-std::vector<HistoryColumn> history_columns(const Scene& scene) {
-  using Kind = HistoryColumn::Kind;
-  std::vector<HistoryColumn> columns{
-      {"stage", Kind::integer, [](const HistoryRow& row, const Stage&) { return row.stage + 1.0; }},
-      {"stage_name", Kind::text, nullptr},
-      {"step", Kind::integer, [](const HistoryRow& row, const Stage&) { return static_cast<double>(row.step); }},
-      {"time_s", kNumber, number<&HistoryRow::time>},
-      {"displacement_m", kNumber, [](const HistoryRow& row, const Stage& s) { return response(row, s).displacement; }},
-      {"vertical_displacement_m", kNumber, component<&HistoryRow::monitor_displacement, 1>},
-      {"horizontal_force_N", kNumber,
-       [](const HistoryRow& row, const Stage& s) { return response(row, s).horizontal_force; }},
-      {"vertical_force_N", kNumber, number<&HistoryRow::vertical_force>},
-      {"unbalanced_ratio", kNumber, number<&HistoryRow::unbalanced_ratio>},
-      {"kinetic_energy_J", kNumber, number<&HistoryRow::kinetic_energy>}};
-  const auto add = [&](const char* name, Value* value) { columns.push_back({name, kNumber, value}); };
-  if (scene.output.energy) {
-    add("strain_energy_J", energy<&Energies::strain>);
-    add("contact_energy_J", energy<&Energies::contact_stored>);
-    add("dissipated_tension_J", dissipated<0>);
-    add("dissipated_cohesion_J", dissipated<1>);
-    add("dissipated_friction_J", dissipated<2>);
-    add("dissipated_crushing_J", dissipated<3>);
-    add("external_work_J", energy<&Energies::external>);
-    add("damping_work_J", energy<&Energies::damping>);
-    add("energy_balance_error_J", [](const HistoryRow& row, const Stage&) { return energies(row).balance_error(); });
-  }
-  const auto& stages = scene.stages;
-  const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
-  const bool acts =
-      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
-  if (!scene.blocks && !acts) return columns;
+namespace {
+
+// What blocks of any shape have.
+void add_block_columns(const Scene& scene, bool on_ground, const std::function<void(const std::string&, Value)>& add) {
   add("multiplier", number<&HistoryRow::multiplier>);
   add("monitor_dx_m", component<&HistoryRow::monitor_displacement, 0>);
   add("monitor_dy_m", component<&HistoryRow::monitor_displacement, 1>);
@@ -138,19 +113,82 @@ std::vector<HistoryColumn> history_columns(const Scene& scene) {
   add("monitor_fy_N", component<&HistoryRow::joint_force, 1>);
   add("monitor_fz_N", component<&HistoryRow::joint_force, 2>);
   add("largest_displacement_m", number<&HistoryRow::largest_displacement>);
-  if (!scene.output.energy) return columns;
+  if (!scene.output.energy) return;
   add("kinetic_J", energy<&Energies::kinetic>);
   add("strain_J", energy<&Energies::strain>);
   add("contact_stored_J", energy<&Energies::contact_stored>);
   add("damping_J", energy<&Energies::damping>);
   add("external_J", energy<&Energies::external>);
   add("detection_J", energy<&Energies::detection>);
+}
+
+// What supports give: the sum, and each of those that have a name; of those that are driven how far they have come.
+void add_reaction_columns(const std::vector<Restraint>& restraints,
+                          const std::function<void(const std::string&, Value)>& add) {
+  constexpr const char* kAxes[] = {"x", "y", "z"};
+  const auto add_each = [&](const std::string& name, const auto& reaction_of) {
+    for (std::size_t c = 0; c < 3; ++c)
+      add(name + kAxes[c] + "_N", [=](const HistoryRow& row, const Stage&) { return reaction_of(row).force[c]; });
+    for (std::size_t c = 0; c < 3; ++c)
+      add(name + "m" + kAxes[c] + "_Nm",
+          [=](const HistoryRow& row, const Stage&) { return reaction_of(row).moment[c]; });
+  };
+  add_each("reaction_", [](const HistoryRow& row) -> const Reaction& { return row.reaction_sum; });
+  for (std::size_t i = 0; i < restraints.size(); ++i) {
+    const auto reaction_of = [i](const HistoryRow& row) -> const Reaction& { return row.reactions[i]; };
+    add_each("reaction_" + restraints[i].name + "_", reaction_of);
+    for (std::size_t c = 0; restraints[i].driven && c < 3; ++c)
+      add(fmt::format("driven_{}_d{}_m", restraints[i].name, kAxes[c]),
+          [=](const HistoryRow& row, const Stage&) { return reaction_of(row).displacement[c]; });
+  }
+}
+
+}  // namespace
+
+std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector<Restraint>& restraints) {
+  using Kind = HistoryColumn::Kind;
+  std::vector<HistoryColumn> columns{
+      {"stage", Kind::integer, [](const HistoryRow& row, const Stage&) { return row.stage + 1.0; }},
+      {"stage_name", Kind::text, nullptr},
+      {"step", Kind::integer, [](const HistoryRow& row, const Stage&) { return static_cast<double>(row.step); }},
+      {"time_s", kNumber, number<&HistoryRow::time>},
+      {"displacement_m", kNumber, [](const HistoryRow& row, const Stage& s) { return response(row, s).displacement; }},
+      {"vertical_displacement_m", kNumber, component<&HistoryRow::monitor_displacement, 1>},
+      {"horizontal_force_N", kNumber,
+       [](const HistoryRow& row, const Stage& s) { return response(row, s).horizontal_force; }},
+      {"vertical_force_N", kNumber, number<&HistoryRow::vertical_force>},
+      {"unbalanced_ratio", kNumber, number<&HistoryRow::unbalanced_ratio>},
+      {"kinetic_energy_J", kNumber, number<&HistoryRow::kinetic_energy>}};
+  const auto add = [&](const std::string& name, const Value& value) { columns.push_back({name, kNumber, value}); };
+  if (scene.output.energy) {
+    add("strain_energy_J", energy<&Energies::strain>);
+    add("contact_energy_J", energy<&Energies::contact_stored>);
+    add("dissipated_tension_J", dissipated<0>);
+    add("dissipated_cohesion_J", dissipated<1>);
+    add("dissipated_friction_J", dissipated<2>);
+    add("dissipated_crushing_J", dissipated<3>);
+    add("external_work_J", energy<&Energies::external>);
+    add("damping_work_J", energy<&Energies::damping>);
+    add("energy_balance_error_J", [](const HistoryRow& row, const Stage&) { return energies(row).balance_error(); });
+  }
+  const auto& stages = scene.stages;
+  const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  const bool acts =
+      std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+  if (scene.blocks || acts) add_block_columns(scene, on_ground, add);
+  add_reaction_columns(restraints, add);
   return columns;
 }
 
-History::History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before)
-    : path_(path), scene_(scene), columns_(history_columns(scene)), stream_(begin_file(path), std::ios::trunc) {
-  for (const HistoryColumn& column : columns_) stream_ << (&column == columns_.data() ? "" : ",") << column.name;
+History::History(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& before)
+    : path_(path),
+      scene_(simulation.scene()),
+      columns_(history_columns(scene_, simulation.restraints())),
+      stream_(begin_file(path), std::ios::trunc) {
+  for (const HistoryColumn& column : columns_) {
+    const bool plain = column.name.find_first_of(",\"\r\n") == std::string::npos;  // blocks have any name
+    stream_ << (&column == columns_.data() ? "" : ",") << (plain ? column.name : csv_text(column.name));
+  }
   stream_ << '\n';
   for (const HistoryRow& row : before) add(row);
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct Response {
 };
 Response response(const HistoryRow& row, const Stage& stage);
 
+// 0, 1, 2: what a stage is measured along, or else driven along and nowhere else.
+int axis_of(const Stage& stage);
 // Measured along y, or driven along y and nowhere else. Where the last stage is, what is shown of the run is upright.
 bool is_vertical(const Stage& stage);
 bool is_vertical(const Scene& scene);
@@ -36,15 +39,16 @@ struct HistoryColumn {
   enum class Kind { integer, text, number };
   std::string name;
   Kind kind;
-  double (*value)(const HistoryRow& row, const Stage& stage);
+  std::function<double(const HistoryRow& row, const Stage& stage)> value;
 };
-std::vector<HistoryColumn> history_columns(const Scene& scene);  // in the order of the file
+// In the order of the file.
+std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector<Restraint>& restraints);
 
 class History {
  public:
   // Rows go to the partial file of PATH (file.h) as they come; finish() renames it.
   // before: rows of a run that this one goes on with.
-  History(const std::filesystem::path& path, const Scene& scene, const std::vector<HistoryRow>& before = {});
+  History(const std::filesystem::path& path, const Simulation& simulation, const std::vector<HistoryRow>& before = {});
   // Both throw Error(bad_input) where the file cannot be written.
   void add(const HistoryRow& row);
   void finish();

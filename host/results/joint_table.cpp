@@ -44,8 +44,11 @@ Points read_points(const VtuFile& file) {
   return p;
 }
 
-// Of these points of a joint: how far the centre of compression is from that of the joint, over the depth that way.
-double eccentricity_of(const Points& p, const std::vector<std::size_t>& points) {
+std::array<double, 3> array_of(const Vector& v) { return {v.x, v.y, v.z}; }
+
+// Of these points of a joint: the centre of compression, and how far it is from that of the joint, over the depth that
+// way.
+void find_centre(const Points& p, const std::vector<std::size_t>& points, JointSum* sum) {
   Vector middle, pressed;
   double area = 0.0, pressure = 0.0;
   for (const std::size_t i : points) {
@@ -53,8 +56,11 @@ double eccentricity_of(const Points& p, const std::vector<std::size_t>& points) 
     const double a = p.area[i], push = -a * std::min(0.0F, p.traction[3 * i]);
     area += a, middle += a * Points::at(p.place, i), pressure += push, pressed += push * Points::at(p.place, i);
   }
-  if (!(area > 0.0) || !(pressure > 0.0)) return 0.0;
+  if (!(area > 0.0)) return;
   middle = middle / area;
+  sum->place = array_of(middle);
+  if (!(pressure > 0.0)) return;
+  sum->place = array_of(pressed / pressure);
   const Vector off = pressed / pressure - middle;
   const double away = norm(off);
   double low = 0.0, high = 0.0;
@@ -63,13 +69,13 @@ double eccentricity_of(const Points& p, const std::vector<std::size_t>& points) 
     const double along = dot(Points::at(p.place, i) - middle, off) / away;
     low = std::min(low, along), high = std::max(high, along);
   }
-  return high > low ? away / (high - low) : 0.0;
+  sum->eccentricity = high > low ? away / (high - low) : 0.0;
 }
 
 JointSum sum_of(const Points& p, const std::vector<std::size_t>& points) {
   JointSum sum;
   double normal = 0.0;
-  Vector force;
+  Vector force, along, across;
   for (const std::size_t i : points) {
     sum.opening = std::max(sum.opening, double{p.opening[i]});
     sum.slip = std::max(sum.slip, std::abs(double{p.slip[i]}));
@@ -78,11 +84,15 @@ JointSum sum_of(const Points& p, const std::vector<std::size_t>& points) {
     if (!p.touches(i)) continue;
     sum.area += p.area[i];
     const double n = double{p.area[i]} * double{p.traction[3 * i]};
-    normal += n, force += p.force(i) - n * Points::at(p.normal, i);
+    normal += n, across += p.force(i) - n * Points::at(p.normal, i);
+    const double first = p.block_a[i] <= p.block_b[i] ? 1.0 : -1.0;
+    force += first * p.force(i), along += first * double{p.area[i]} * Points::at(p.normal, i);
   }
   if (!(sum.area > 0.0)) return sum;
-  sum.normal = normal / sum.area, sum.shear = norm(force) / sum.area;
-  sum.eccentricity = eccentricity_of(p, points);
+  sum.normal = normal / sum.area, sum.shear = norm(across) / sum.area;
+  sum.force = array_of(force);
+  if (const double length = norm(along); length > 0.0) sum.direction = array_of(along / length);
+  find_centre(p, points, &sum);
   return sum;
 }
 

@@ -183,6 +183,7 @@ Surface surface_of(const VtuFile& blocks) {
     for (; i < grid.end[c]; ++i) of_point[grid.corner[i]] = block[c];
   }
   for (const std::uint32_t p : s.vertex) s.block.push_back(of_point[p]);
+  if (!blocks.has("unit")) return s;
   const auto unit = blocks.read<std::int32_t>("unit", VtkRows::cell);
   for (std::size_t c = 0; c < grid.cells(); ++c) {
     if (grid.type[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
@@ -611,6 +612,9 @@ float shortened(double value) {
   return result;
 }
 
+// Joints times frames whose forces a page draws: more would make it too large to open.
+constexpr std::size_t kMostForces = 1'500'000;
+
 // Joints of all frames, in one order.
 void add_joints(const std::vector<Frame>& frames, Blob* blob) {
   std::set<BlockPair> pairs;
@@ -640,6 +644,20 @@ void add_joints(const std::vector<Frame>& frames, Blob* blob) {
     }
     blob->add(fmt::format("joint_crack{}", f), cracks);
   }
+  if (pairs.size() * frames.size() > kMostForces) return;
+  using Vectors = std::pair<const char*, std::array<double, 3> JointSum::*>;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    for (const auto& [name, vector] : {Vectors{"force", &JointSum::force}, Vectors{"place", &JointSum::place},
+                                       Vectors{"axis", &JointSum::direction}}) {
+      std::vector<float> values;
+      for (const BlockPair& pair : pairs) {
+        const auto found = frames[f].sums.find(pair);
+        for (std::size_t c = 0; c < 3; ++c)
+          values.push_back(found == frames[f].sums.end() ? 0.0F : shortened((found->second.*vector)[c]));
+      }
+      blob->add(fmt::format("joint_{}{}", name, f), values);
+    }
+  }
 }
 
 // The furthest that a vertex has come, m.
@@ -654,27 +672,13 @@ double largest_of(const std::vector<Frame>& frames) {
   return std::sqrt(double{squares});
 }
 
-Part part_of(const fs::path& folder, const OnFrame& on_frame) {
-  require_results(folder);
-  const std::vector<double> times = read_collection(folder, "blocks");
-  if (times.empty()) throw Error(Exit::bad_input, fmt::format("{}: has no frames", (folder / "blocks.pvd").string()));
-  Part part;
-  part.head["name"] = fs::weakly_canonical(folder).filename().string();
-  part.head["summary"] = read_summary(folder / "summary.json");
-  part.head["history"] = read_history(folder / "history.csv");
-  part.head["times"] = times;
-  part.head["colours"] = colours();
-
-  Start start{VtuFile(frame_path(folder, "blocks", 0)), held_blocks(part.head["summary"])};
-  std::vector<Frame> frames;
+// The surface, and all frames in few bits. head: arrays and ranges go there.
+std::string pack_frames(const Start& start, const std::vector<Frame>& frames, Json* head) {
   Quantised moved, rim_moved, stress, opening, slip, damage{0.0, 1.0};
-  for (std::size_t f = 0; f < times.size(); ++f) {
-    if (on_frame) on_frame(folder, f + 1, times.size());
-    const Frame& frame = frames.emplace_back(read_frame(folder, f, &start));
+  for (const Frame& frame : frames) {
     moved.see(frame.displacement), rim_moved.see(frame.rim), stress.see(frame.stress);
     opening.see(frame.joints.opening), slip.see(frame.joints.slip);
   }
-
   Blob blob;
   blob.add("position", start.position);
   std::vector<std::uint32_t> corners;
@@ -699,15 +703,34 @@ Part part_of(const fs::path& folder, const OnFrame& on_frame) {
     blob.add(name("point_crack"), frame.point_crack);
   }
   const auto range = [](const Quantised& q) { return Json{q.lower, q.upper}; };
-  part.head["range"] = {{"stress", range(stress)},
-                        {"damage", range(damage)},
-                        {"opening", range(opening)},
-                        {"slip", range(slip)},
-                        {"moved", std::max(moved.upper, -moved.lower)},
-                        {"rim_moved", std::max(rim_moved.upper, -rim_moved.lower)}};
-  part.head["largest_displacement"] = largest_of(frames);
-  part.head["arrays"] = blob.arrays();
-  part.data = blob.text();
+  (*head)["range"] = {{"stress", range(stress)},
+                      {"damage", range(damage)},
+                      {"opening", range(opening)},
+                      {"slip", range(slip)},
+                      {"moved", std::max(moved.upper, -moved.lower)},
+                      {"rim_moved", std::max(rim_moved.upper, -rim_moved.lower)}};
+  (*head)["largest_displacement"] = largest_of(frames);
+  (*head)["arrays"] = blob.arrays();
+  return blob.text();
+}
+
+Part part_of(const fs::path& folder, const OnFrame& on_frame) {
+  require_results(folder);
+  const std::vector<double> times = read_collection(folder, "blocks");
+  if (times.empty()) throw Error(Exit::bad_input, fmt::format("{}: has no frames", (folder / "blocks.pvd").string()));
+  Part part;
+  part.head["name"] = fs::weakly_canonical(folder).filename().string();
+  part.head["summary"] = read_summary(folder / "summary.json");
+  part.head["history"] = read_history(folder / "history.csv");
+  part.head["times"] = times;
+  part.head["colours"] = colours();
+  Start start{VtuFile(frame_path(folder, "blocks", 0)), held_blocks(part.head["summary"])};
+  std::vector<Frame> frames;
+  for (std::size_t f = 0; f < times.size(); ++f) {
+    if (on_frame) on_frame(folder, f + 1, times.size());
+    frames.push_back(read_frame(folder, f, &start));
+  }
+  part.data = pack_frames(start, frames, &part.head);
   return part;
 }
 
@@ -755,22 +778,86 @@ std::string three_js() {
 
 void require_report_library() { three_js_files(); }
 
+namespace {
+
+// scripts: of the runs that the page shows, or of where they come from.
+std::string page_text(const std::string& title, const std::string& scripts) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n"
+      "<style>{}</style></head><body>\n{}{}<script>{}</script>\n<script>{}</script>\n"
+      "</body></html>\n",
+      escaped(title), kReportStyle, kReportBody, scripts, three_js(), kReportScript);
+}
+
+std::string run_scripts(const Part& part) {
+  return fmt::format(
+      "<script type=\"application/json\" class=\"head\">{}</script>\n<script type=\"text/plain\" "
+      "class=\"data\">{}</script>\n",
+      json_in_page(part.head), part.data);
+}
+
+}  // namespace
+
+std::string live_page_text(const std::string& title) {
+  return page_text(title, "<script type=\"application/json\" class=\"live\">{}</script>\n");
+}
+
+struct GrowingRun::Frames {
+  std::optional<Start> start;
+  std::vector<Frame> all;
+};
+
+GrowingRun::GrowingRun(fs::path folder) : folder_(std::move(folder)), frames_(std::make_unique<Frames>()) {}
+GrowingRun::~GrowingRun() = default;
+
+std::string GrowingRun::part(const std::string& summary, const std::string& history, const std::vector<double>& times) {
+  Json head;
+  head["name"] = fs::weakly_canonical(folder_).filename().string();
+  head["summary"] = Json::parse(summary);
+  head["history"] = Json::parse(history);
+  head["times"] = times;
+  head["colours"] = colours();
+  if (!frames_->start) frames_->start.emplace(VtuFile(frame_path(folder_, "blocks", 0)), held_blocks(head["summary"]));
+  while (frames_->all.size() < times.size())
+    frames_->all.push_back(read_frame(folder_, frames_->all.size(), &*frames_->start));
+  const std::string data = pack_frames(*frames_->start, frames_->all, &head);
+  return Json{{"head", head}, {"data", data}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 fs::path write_report(const std::vector<fs::path>& folders, const OnFrame& on_frame) {
-  const std::string library = three_js();
   std::string runs, title;
   for (const fs::path& folder : folders) {
     const Part part = part_of(folder, on_frame);
     title += fmt::format("{}{}", title.empty() ? "" : " | ", part.head.at("name").get<std::string>());
-    runs += fmt::format(
-        "<script type=\"application/json\" class=\"head\">{}</script>\n<script type=\"text/plain\" "
-        "class=\"data\">{}</script>\n",
-        json_in_page(part.head), part.data);
+    runs += run_scripts(part);
   }
   const fs::path path = folders.front() / "report.html";
-  write_file(path, fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{}</title>\n"
-                               "<style>{}</style></head><body>\n{}{}<script>{}</script>\n<script>{}</script>\n"
-                               "</body></html>\n",
-                               escaped(title), kReportStyle, kReportBody, runs, library, kReportScript));
+  write_file(path, page_text(title, runs));
+  return path;
+}
+
+fs::path write_motion_report(const fs::path& vtu, const std::string& title, const std::vector<ShownMotion>& motions,
+                             bool one_way) {
+  const VtuFile file(vtu);
+  const Start start(file, {});
+  std::vector<Frame> frames;
+  Json head = {{"name", title}, {"summary", {{"title", title}, {"one_way", one_way}}}, {"labels", Json::array()}};
+  head["colours"] = colours();
+  head["times"] = Json::array();
+  for (const ShownMotion& motion : motions) {
+    Frame& frame = frames.emplace_back();
+    frame.displacement = vectors_at(start.surface.vertex, file.read<float>(motion.array, VtkRows::point, 3));
+    float largest = 0.0F;  // shapes have no scale
+    for (std::size_t i = 0; i < frame.displacement.size(); i += 3) {
+      const auto u = at(frame.displacement, i / 3);
+      largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
+    }
+    for (float& u : frame.displacement) u = largest > 0.0F ? u / largest : 0.0F;
+    head["labels"].push_back(motion.label), head["times"].push_back(frames.size() - 1);
+  }
+  const std::string data = pack_frames(start, frames, &head);
+  const fs::path path = vtu.parent_path() / "report.html";
+  write_file(path, page_text(title, run_scripts({head, data})));
   return path;
 }
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace quoin {
@@ -16,5 +18,32 @@ void require_report_library();
 // on_frame: told before each frame of a folder is read, from 1 on, and how many there are.
 using OnFrame = std::function<void(const std::filesystem::path& folder, std::size_t frame, std::size_t frames)>;
 std::filesystem::path write_report(const std::vector<std::filesystem::path>& folders, const OnFrame& on_frame = {});
+
+// A motion that no run has made: an array of a file of virtual_motion.h, and what the page says of it.
+struct ShownMotion {
+  std::string array, label;
+};
+// report.html beside that file: the shapes, swinging; one_way: from rest and back, as mechanisms do. Its path. Throws
+// as write_report.
+std::filesystem::path write_motion_report(const std::filesystem::path& vtu, const std::string& title,
+                                          const std::vector<ShownMotion>& motions, bool one_way);
+
+// A run that goes on, for its page: frames are read once, as they come.
+class GrowingRun {
+ public:
+  explicit GrowingRun(std::filesystem::path folder);
+  ~GrowingRun();
+  GrowingRun(const GrowingRun&) = delete;
+  GrowingRun& operator=(const GrowingRun&) = delete;
+  // JSON {head, data}, as a page holds it. summary, history: as JSON; times: of the frames in the folder, s.
+  std::string part(const std::string& summary, const std::string& history, const std::vector<double>& times);
+
+ private:
+  struct Frames;
+  std::filesystem::path folder_;
+  std::unique_ptr<Frames> frames_;
+};
+// A page that asks for `state` and `run` beside it, until nobody answers. Throws as require_report_library.
+std::string live_page_text(const std::string& title);
 
 }  // namespace quoin

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "records/record.h"
+#include "records/response_spectrum.h"
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
@@ -39,6 +40,33 @@ Json laws_of(const Simulation& simulation) {
 }
 
 // direction and end_velocity_m_per_s are of the first component.
+// As pictures show it: of each of so many spans the largest sample.
+Json thinned(const TimeSeries& series) {
+  constexpr std::size_t kSpans = 600;
+  Json time = Json::array(), value = Json::array();
+  const std::size_t count = series.time.size();
+  for (std::size_t span = 0; span < std::min(kSpans, count); ++span) {
+    const std::size_t first = span * count / std::min(kSpans, count),
+                      end = (span + 1) * count / std::min(kSpans, count);
+    std::size_t most = first;
+    for (std::size_t i = first; i < end; ++i)
+      if (std::abs(series.value[i]) > std::abs(series.value[most])) most = i;
+    time.push_back(series.time[most]), value.push_back(series.value[most]);
+  }
+  return {{"time_s", time}, {"acceleration_m_per_s2", value}};
+}
+
+Json spectrum_of(const TimeSeries& acceleration) {
+  constexpr double kDamping = 0.05, kLongest = 3.0;  // of critical; s
+  constexpr std::size_t kPeriods = 150;
+  std::vector<double> periods = default_periods(kPeriods);
+  std::erase_if(periods, [](double period) { return period > kLongest; });
+  Json values = Json::array();
+  for (const SpectralOrdinates& at : response_spectrum(acceleration, kDamping, periods))
+    values.push_back(at.pseudo_acceleration);
+  return {{"damping", kDamping}, {"period_s", periods}, {"pseudo_acceleration_m_per_s2", values}};
+}
+
 Json ground_of(const GroundMotion& ground) {
   Json json;
   for (const GroundMotion::Component& c : ground.components) {
@@ -50,6 +78,8 @@ Json ground_of(const GroundMotion& ground) {
                                {"end_displacement_m", m.end_displacement}};
     if (json.empty()) json = of_component;
     json["components"].push_back(of_component);
+    json["components"].back()["record"] = thinned(c.acceleration);
+    json["components"].back()["spectrum"] = spectrum_of(c.acceleration);
   }
   json["notes"] = ground.notes;
   return json;
@@ -90,9 +120,7 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     }
     j["controls"] = controls;
     j["curve"] = {{"kind", curve_kind(stage)},
-                  {"along", is_vertical(stage)     ? "y"
-                            : stage.direction == 2 ? "z"
-                                                   : "x"},
+                  {"along", std::string(1, "xyz"[axis_of(stage)])},
                   {"of", moved_part(scene, stage)}};
     stages.push_back(j);
   }

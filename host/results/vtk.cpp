@@ -11,6 +11,7 @@
 
 #include "base/attempt.h"
 #include "files/result_folder.h"
+#include "results/joint_table.h"
 #include "results/parted_joints.h"
 #include "results/vtk_file.h"
 
@@ -238,7 +239,7 @@ void add_parted_points(const Simulation& simulation, const std::vector<std::stri
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
 
-constexpr std::array kKinds{"blocks", "joints"};
+constexpr std::array kKinds{"blocks", "joints"};  // whose frames may be in pieces
 
 std::string piece_name(const char* kind, size_t frame, int rank) {
   return fmt::format("{}_{:04}_r{}.vtu", kind, frame, rank);
@@ -387,6 +388,41 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   if (target.written) sink.finish();
 }
 
+// ---- Forces --------------------------------------------------------------------------------------------------------
+
+// One point a joint, where its compression has its centre.
+void write_forces(const std::filesystem::path& path, const std::map<BlockPair, JointSum>& sums, bool compressed) {
+  std::vector<VtkArray> arrays = arrays_of_grid();
+  using Value = std::array<double, 3> JointSum::*;
+  using Number = double JointSum::*;
+  for (const char* name : {"force_N", "normal"}) arrays.push_back({"PointData", name, kVtkType<float>, 3});
+  const auto number_of = [](const JointSum& sum, std::size_t k) {
+    double along = 0.0, squares = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) along += sum.force[c] * sum.direction[c];
+    for (std::size_t c = 0; c < 3; ++c) squares += std::pow(sum.force[c] - along * sum.direction[c], 2.0);
+    constexpr Number kOthers[] = {&JointSum::eccentricity, &JointSum::area, &JointSum::opening, &JointSum::slip,
+                                  &JointSum::damage};
+    return k == 0 ? along : k == 1 ? std::sqrt(squares) : sum.*kOthers[k - 2];
+  };
+  constexpr const char* kNumbers[] = {"normal_force_N", "shear_force_N", "eccentricity", "area_m2",
+                                      "opening_m",      "slip_m",        "damage"};
+  for (const char* name : kNumbers) arrays.push_back({"PointData", name, kVtkType<float>});
+  for (const char* name : {"crack", "block_a", "block_b"})
+    arrays.push_back({"PointData", name, kVtkType<std::int32_t>});
+  Rows rows(arrays.size());
+  for (const auto& [pair, sum] : sums) {
+    rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
+    std::size_t field = kPosition;
+    rows.add(field, sum.place), field = kFirstField;
+    for (const Value value : {&JointSum::force, &JointSum::direction}) rows.add(field++, sum.*value);
+    for (std::size_t k = 0; k < std::size(kNumbers); ++k) rows.add(field++, static_cast<float>(number_of(sum, k)));
+    for (const std::int32_t code : {std::int32_t{sum.crack}, pair.first, pair.second}) rows.add(field++, code);
+  }
+  VtkFile file(path, arrays, {sums.size(), sums.size(), sums.size()}, compressed);
+  rows.append_to(file);
+  file.finish();
+}
+
 }  // namespace
 
 double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
@@ -439,6 +475,10 @@ void VtkSeries::add(const Simulation& simulation, bool piece) {
       write_blocks(simulation, target, attempt);
     else
       write_joints(simulation, surfaces_, target, attempt);
+    if (!blocks && !piece)
+      attempt([&] {
+        write_forces(folder_ / fmt::format("forces_{:04}.vtu", frame), joint_sums(VtuFile(target.path)), compressed_);
+      });
     if (!piece || pieces_.rank > 0) continue;
     std::vector<std::string> all;
     for (int r = 0; r < pieces_.count; ++r) all.push_back(piece_name(kind, frame, r));
@@ -471,6 +511,7 @@ void VtkSeries::note_pieces() const {
 void VtkSeries::finish() const {
   write_collection(folder_, "blocks", times_);
   write_collection(folder_, "joints", times_);
+  if (pieces_.count <= 1) write_collection(folder_, "forces", times_);
 }
 
 }  // namespace quoin

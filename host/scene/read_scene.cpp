@@ -284,6 +284,7 @@ void read_stage_basics(Table& t, Stage& stage, const Stage* previous) {
   t.number("duration", stage.duration, kPositive, "s");
   t.integer("max_steps", stage.max_steps, 1, 1000000000000L);
   t.integer("record_interval", stage.record_interval, 0, 1000000000L);
+  if (int frames = 0; t.integer("frames", frames, 0, 100000)) stage.frames = frames;
   t.number("equilibrium_ratio", stage.equilibrium_ratio, above_to(0, 1), "(unbalanced/mean contact force)");
 }
 
@@ -817,6 +818,9 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   if (const auto* table = t.table("output", "a table [output]")) {
     Table o(context, *table, "output");
     o.integer("frames", scene.output.frames, 0, 100000);
+    std::string of = scene.output.all_stages ? "all" : "last";
+    o.choice("frames_of", of, {"all", "last"});
+    scene.output.all_stages = of == "all";
     o.boolean("plots", scene.output.plots);
     o.boolean("picture", scene.output.plots);
     o.boolean("energy", scene.output.energy);

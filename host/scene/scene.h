@@ -208,7 +208,8 @@ struct Stage {
   // history rows of this stage: the bodies named `monitor`, direction 0, 1, 2 of displacement (mean) and force (sum)
   std::string monitor;
   int direction = 0;
-  long record_interval = 0;  // steps; 0: chosen so that the stage has about 1000 rows
+  long record_interval = 0;   // steps; 0: chosen so that the stage has about 1000 rows
+  std::optional<int> frames;  // of this stage, in place of OutputSettings::frames; 0: none
 
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
   std::optional<Cycles> cycles;            // of the whiffletree, or of controls
@@ -416,7 +417,8 @@ struct Damage {
 };
 
 struct OutputSettings {
-  int frames = 20;  // VTU frames over the last stage; 0: none
+  int frames = 20;         // VTU frames over a stage; 0: none
+  bool all_stages = true;  // have frames; else the last one alone
   bool plots = true;
   bool energy = false;           // energies by mode in history.csv
   std::string monitor;           // block that the history shows; empty: as the stages say
@@ -426,6 +428,16 @@ struct OutputSettings {
 };
 
 struct Scene {
+  // Over a stage, after the one that shows its begin.
+  int frames_in(std::size_t stage) const {
+    if (stages[stage].frames) return *stages[stage].frames;
+    return output.all_stages || stage + 1 == stages.size() ? output.frames : 0;
+  }
+  bool has_frames() const {
+    for (std::size_t i = 0; i < stages.size(); ++i)
+      if (frames_in(i) > 0) return true;
+    return false;
+  }
   std::string title, file;
   std::string text;                 // of the file, as read
   std::vector<std::string> inputs;  // other files that it takes in: meshes, series

@@ -53,6 +53,7 @@ HistoryRow Simulation::Impl::measure() const {
   row.unbalanced_ratio = unbalanced_ratio;
   row.kinetic_energy = kinetic;
   row.energies = energies;
+  measure_reactions(row);
   if (riding) {
     measure_riding(row);
     return row;
@@ -141,7 +142,7 @@ Vec3 Simulation::Impl::of_body_at(int body, BodyLanes::Quantity BodyLanes::*tran
 }
 
 Vec3 Simulation::Impl::joint_force(int body) const {
-  return has_all() ? sum_joint_force(body) : body_force[static_cast<std::size_t>(body)];
+  return has_all() ? sum_joint_force(body) : body_wrench[static_cast<std::size_t>(body)].force;
 }
 
 Vec3 Simulation::Impl::sum_joint_force(int body) const {

@@ -238,16 +238,18 @@ void Simulation::Impl::leave_lattice() {
     for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;
   }
   build_riding(shapes, materials);
+  find_restraints();
   bind_step();
 }
 
 void Simulation::Impl::return_to_lattice() {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  riding.reset();
+  riding.reset(), restrained_blocks.clear();
   drives.clear(), monitor_blocks.clear();
   take_bricks(std::move(*left), materials);
   left.reset();
+  find_restraints();
   bind_step();
 }
 

@@ -572,7 +572,12 @@ void Simulation::Impl::fetch_for_frame() {
 }
 
 void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemory& visit) {
-  if (riding) return riding->each_memory_of_piece(part, item, visit);
+  if (riding) {
+    riding->each_memory_of_piece(part, item, visit);
+    for (std::size_t i = 0; in_parts && part != Part::motion && i < restrained_of_item[at(item)].size(); ++i)
+      visit_value(block_wrench[at(restrained_of_item[at(item)][i])], visit);
+    return;
+  }
   visit_value(measured[at(item)], visit);
   if (part == Part::sums) return;
   for (const int b : blocks_of_item(item)) visit_value(whole_motions[at(b)], visit);
@@ -582,7 +587,7 @@ void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemor
     BodyLanes& lanes = body_lanes[i];
     for (auto* quantity : {&lanes.displacement, &lanes.rotation, &lanes.velocity, &lanes.spin})
       visit(quantity, sizeof *quantity);
-    for (const int b : bodies_of_item(item)) visit_value(body_force[at(b)], visit);
+    for (const int b : bodies_of_item(item)) visit_value(body_wrench[at(b)], visit);
   }
   if (part != Part::all) return;
   const auto each_gridpoint_field = [&](const auto& of_field) {
@@ -640,13 +645,22 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
 }
 
 void Simulation::Impl::prepare_row() {
-  if (riding && in_parts) riding->look_for_row(share.chunks, share.items);
+  if (riding && in_parts) {
+    riding->look_for_row(share.chunks, share.items);
+    std::vector<int> own;
+    for (const int item : share.items) {
+      const std::vector<int>& some = restrained_of_item[at(item)];
+      own.insert(own.end(), some.begin(), some.end());
+    }
+    const std::vector<JointWrench> wrenches = sum_riding_wrenches(own);
+    for (std::size_t i = 0; i < own.size(); ++i) block_wrench[at(own[i])] = wrenches[i];
+  }
   if (riding) return;
   whole_motions.resize(model.assembly.bricks.size());
-  body_force.resize(model.bodies.size());
+  body_wrench.resize(model.bodies.size());
   for (const int item : share.items) {
     for (const int b : blocks_of_item(item)) whole_motions[at(b)] = whole_motion_of(at(b));
-    for (const int b : bodies_of_item(item)) body_force[at(b)] = sum_joint_force(b);
+    for (const int b : bodies_of_item(item)) body_wrench[at(b)] = sum_joint_wrench(b);
   }
 }
 

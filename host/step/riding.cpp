@@ -19,6 +19,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                                     std::vector<std::shared_ptr<const Material>> materials) {
   in_parts = may_ride_in_parts(shapes);
   riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials), in_parts ? ranks : nullptr);
+  find_restrained_blocks();
   if (in_parts) {
     agree_on_model();
     divide_work();

@@ -21,6 +21,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   take_bricks(std::move(assembly), materials);
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_riding(*shapes, std::move(materials));
+  find_restraints();
   take_damage();
   const auto before = Clock::now();
   bind_step();
@@ -232,6 +233,11 @@ void Simulation::Impl::divide_work() {
   for (int p = 0; riding && p < riding->piece_count(); ++p) {
     for (const std::int32_t block : riding->blocks_of_piece(p))
       item_of_riding_block[static_cast<std::size_t>(block)] = p;
+  }
+  restrained_of_item.assign(item_cost.size(), {});
+  for (const int block : restrained_blocks) {
+    const int item = riding ? item_of_riding_block[static_cast<std::size_t>(block)] : -1;
+    if (item >= 0) restrained_of_item[static_cast<std::size_t>(item)].push_back(block);
   }
   share = share_of_this_rank();
 }

@@ -109,7 +109,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   if (begins) s.warn_of_loose_blocks(&warnings), warn();
   for (const LawSwap& swap : s.swaps) observer.on_law_swap(swap);
   const Stage& settings = s.scene.stages[static_cast<std::size_t>(index)];
-  const int frames = index + 1 == stage_count ? s.scene.output.frames : 0;
+  const int frames = s.scene.frames_in(static_cast<std::size_t>(index));
   auto last_progress = Clock::now();
   long steps_then = s.stage_step;
   double fraction_then = s.stage_fraction();
@@ -230,6 +230,7 @@ HistoryRow Simulation::measure() const { return impl_->measure(); }
 const MotionSeen& Simulation::motion_seen() const { return impl_->motion_seen; }
 std::string Simulation::batch_text(const quoin_batch& batch) const { return impl_->batch_text(batch); }
 const Watch& Simulation::watch() const { return impl_->watch; }
+const std::vector<Restraint>& Simulation::restraints() const { return impl_->restraints; }
 double Simulation::allowed_overlap() const { return impl_->allowed_overlap(); }
 std::string Simulation::past_motion_bound() const { return impl_->past_motion_bound(); }
 LaneVector<double>& Simulation::displacement() { return impl_->displacement; }

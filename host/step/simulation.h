@@ -49,6 +49,15 @@ struct Energies {
   }
 };
 
+// What a support, or what drives a block, gives to the joints of what it holds; 0 along what is free. Its own weight is
+// not in it.
+struct Reaction {
+  Vec3 force{};         // N
+  Vec3 moment{};        // about the centre at the start, N m; of the sum of all about the origin
+  Vec3 displacement{};  // since the start, m
+};
+constexpr std::size_t kMostRestraints = 12;  // that a history tells of one by one
+
 // One line of the history. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryRow {
   int stage = 0;
@@ -70,8 +79,16 @@ struct HistoryRow {
   Vec3 base_force{};           // on the fixed blocks by what stands on them, N
   // Of these about the centre of the base, which moves with the ground, N m; not a number where ranks share the points.
   Vec3 overturning_moment{NAN, NAN, NAN};
-  double largest_displacement = 0.0;  // of any block since the start, m; blocks of any shape only
-  std::optional<Energies> energies;   // when Scene::output.energy
+  double largest_displacement = 0.0;                // of any block since the start, m; blocks of any shape only
+  std::optional<Energies> energies;                 // when Scene::output.energy
+  std::array<Reaction, kMostRestraints> reactions;  // of Simulation::restraints
+  Reaction reaction_sum;                            // of these and of all others
+};
+
+// A support, or what drives blocks: by name, in the order in which stages name them, then fixed blocks that have one.
+struct Restraint {
+  std::string name;
+  bool driven = false;  // by some stage
 };
 
 struct Progress {
@@ -149,7 +166,7 @@ struct Observer {
   // A moment whose save() a run may go on from, with every row and frame until then reported; last: the run stops here.
   virtual void on_pause(const Simulation&, bool /*last*/) {}
   virtual void on_progress(const Progress&) {}  // about four times a second
-  // OutputSettings::frames over the last stage. With ranks and OutputSettings::pieces a rank then knows of its own
+  // Scene::frames_in of each stage, numbered in it. With ranks and OutputSettings::pieces a rank then knows of its own
   // blocks alone, and of the joints that touch them.
   virtual void on_frame(const Simulation&, int /*stage*/, int /*frame*/) {}
   virtual void on_stage_end(const Simulation&, int /*stage*/, const HistoryRow& /*last*/) {}
@@ -254,6 +271,8 @@ class Simulation {
   };
   Supports supports(int stage) const;
   std::string block_label(int block) const;  // as messages call it
+  // Those that a history tells of; empty where there are more than it can.
+  const std::vector<Restraint>& restraints() const;
 
   // Results by block. Cold.
   struct BlockMesh {

@@ -55,7 +55,8 @@ void Simulation::Impl::begin_stage(int index) {
       monitor_start[0] += floor_displacement(f) / static_cast<double>(whiffletree.size());
   }
   calm_checks = 0;
-  next_frame = 0;
+  // The end of the stage before shows how this one begins.
+  next_frame = index > 0 && scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;
   next_row = 0;
   next_motion_look = step_count;  // what drives blocks is new
   force_loss = {};

@@ -113,6 +113,13 @@ struct Drive {
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
 
+// Of the joints of a rigid body, or a block, as a row of the history takes it.
+struct JointWrench {
+  Vec3 force{};             // N
+  Vec3 moment{}, centre{};  // about its centre at the start, N m; where that is, m
+  Vec3 displacement{};      // since the start, m
+};
+
 // One chunk's call of its law, with all columns in place; only the jumps differ by thread.
 struct LawCall {
   quoin_batch batch{};
@@ -186,6 +193,14 @@ struct Simulation::Impl {
   HistoryRow measure() const;
   double largest_displacement() const;         // of any block that is not fixed, m
   void require_finite(const HistoryRow& row);  // throws Error(numerical)
+
+  // --- what supports give (reactions.cpp) ---------------------------------------------------------------------------
+  void find_restraints();
+  void find_restrained_blocks();
+  void measure_reactions(HistoryRow& row) const;
+  JointWrench sum_joint_wrench(int body) const;
+  std::vector<JointWrench> sum_riding_wrenches(const std::vector<int>& blocks) const;
+  std::vector<std::uint8_t> held_now() const;  // by body, or by block
 
   // --- what holds blocks (supports.cpp) -----------------------------------------------------------------------------
   std::vector<std::uint8_t> held_in(const Stage& settings) const;  // by block; bits 0..2: x, y, z are imposed
@@ -465,6 +480,10 @@ struct Simulation::Impl {
   std::optional<Energies> energies;
   double kinetic = 0.0;
   std::vector<int> monitor;  // bodies that the history shows
+  std::vector<Restraint> restraints;
+  bool restraints_found = false;
+  std::vector<int> restrained_blocks;  // in large motion: fixed, or held by some stage
+  std::vector<int> restraint_of;       // by body, or by block: index into restraints; -1: none
   JointSliding joint_sliding;
   UnjoinedBlocks unjoined;
   std::vector<std::uint8_t> held_blocks;                      // held_in of the stage
@@ -507,10 +526,12 @@ struct Simulation::Impl {
   std::vector<int> unit_of_group;         // by block group: its item
   std::vector<int> item_of_riding_block;  // with ranks
   Clock::time_point run_start = Clock::now();
-  std::vector<Vec3> body_force;                    // of joints, by body, of the last row, N; with ranks
-  bool gathered = true, gathered_by_first = true;  // all of it, since the last step: by everybody, by rank 0
-  bool stop_wanted = false, stop_agreed = false;   // here; by any rank
-  RankTraffic traffic;                             // of this rank
+  std::vector<JointWrench> body_wrench;              // of joints, by body, of the last row; with ranks
+  std::vector<std::vector<int>> restrained_of_item;  // with ranks, in large motion: restrained_blocks, by item
+  std::vector<JointWrench> block_wrench;             // of these, by block, of the last row; with ranks
+  bool gathered = true, gathered_by_first = true;    // all of it, since the last step: by everybody, by rank 0
+  bool stop_wanted = false, stop_agreed = false;     // here; by any rank
+  RankTraffic traffic;                               // of this rank
   RankBalance balance;
   RankWindow window;
   std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet

@@ -254,7 +254,7 @@ TEST(ProgressLine, TellsATimeThatIsKnown) {
   testing::internal::CaptureStderr();
   for (const double left : {59.0, 6001.0, -1.0, 360000.0, std::nan(""), 60.0, 3599.0, 3661.0}) {
     progress.seconds_left = left;
-    line.show(progress, 0.0, 0.0);
+    line.show(progress, {});
     ++progress.stage;  // a new stage is printed at once
   }
   const std::string reported = testing::internal::GetCapturedStderr();

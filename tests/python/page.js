@@ -35,6 +35,7 @@ const body = new Element('body');
 globalThis.window = globalThis.self = globalThis;
 globalThis.location = {hash: ''};
 globalThis.addEventListener = () => {};
+globalThis.requestAnimationFrame = act => setTimeout(act, 0);
 globalThis.document = {
   body, createElement: tag => new Element(tag), createElementNS: (_, tag) => new Element(tag),
   getElementById: id => byId[id], addEventListener() {}, removeEventListener() {},

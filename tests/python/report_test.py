@@ -120,6 +120,23 @@ const look = async () => {
   document.getElementById('save').click();
   for (let k = 0; k < 200 && !quoinBar.saved; ++k) await new Promise(resolve => setTimeout(resolve, 20));
   told.saved = await painted(quoinBar.saved);
+  send('colour', 'damage');
+  told.forces = {};
+  for (const kind of ['none', 'joints', 'thrust']) {
+    send('forces', kind);
+    told.forces[kind] = [run.model.forces.parts.length, pixels(run)[1]];
+    told.crossing.push(...crossing());
+  }
+  send('forces', 'none');
+  told.cuts = [];
+  for (const share of [100, 50]) {
+    send('cut', '0'); send('cutat', share);
+    told.cuts.push([run.model.surface.geometry.index.count, pixels(run)[0]]);
+  }
+  send('cut', 'none');
+  told.whole = run.model.surface.geometry.index.count;
+  await quoinBar.film(40);
+  told.film = [quoinBar.filmed.type, quoinBar.filmed.size];
   return told;
 };
 const began = performance.now();
@@ -222,6 +239,14 @@ class Report(Folder):
         self.assertGreater(width, 1000)
         self.assertGreater(height, 800)
         self.assertGreater(dark, 0.01)
+        self.assertGreater(told["forces"]["joints"][0], 0)
+        self.assertEqual(len({drawn for _, drawn in told["forces"].values()}), 3, "each kind of forces is seen")
+        (every, filled), (half, left) = told["cuts"]
+        self.assertEqual(told["whole"], every)
+        self.assertLess(half, every)
+        self.assertLess(left, filled)
+        self.assertEqual(told["film"][0], "video/webm")
+        self.assertGreater(told["film"][1], 2000)
 
     def test_a_wall_can_be_looked_at(self):
         self.run_scene("wall", SMALL_WALL, "--report")
@@ -274,6 +299,21 @@ class Report(Folder):
         self.assert_works(told)
         print(f"ready after {told['seconds']:.2f} s")
         self.assertLess(told["seconds"], 10)  # 2 s are wanted of a machine that does nothing else and draws in software
+
+    def test_shapes_of_modes_and_mechanisms_swing(self):
+        done = self.command("modes", SMALL_WALL, "--count", "3", "--out", "modes")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        head, array = self.page_of("modes")
+        self.assertEqual(len(head["labels"]), 3)
+        self.assertRegex(head["labels"][0], r"mode 1: [0-9.]+ Hz; effective mass [0-9.]+ % along x")
+        for k in range(3):  # each drawn as large as the others
+            largest = np.linalg.norm(array(f"moved{k}") * head["range"]["moved"] / 32767, axis=1).max()
+            self.assertAlmostEqual(largest, 1.0, delta=1e-3)
+        done = self.command("limit", SCENES + "/arch.toml", "--out", "limit")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        head, array = self.page_of("limit")
+        self.assertTrue(head["summary"]["one_way"])
+        self.assertIn("mechanism at the multiplier", head["labels"][0])
 
     def test_two_runs_side_by_side(self):
         self.run_scene("wall", SMALL_WALL)

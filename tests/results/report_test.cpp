@@ -66,15 +66,15 @@ class Report : public InFolder {
   struct Recorder : Observer {
     History history;
     VtkSeries frames;
-    Recorder(const fs::path& folder, const Scene& scene, const Surfaces& surfaces, bool compressed)
-        : history(folder / "history.csv", scene), frames(folder, surfaces, {}, compressed) {}
+    Recorder(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, bool compressed)
+        : history(folder / "history.csv", simulation), frames(folder, surfaces, {}, compressed) {}
     void on_row(const HistoryRow& row) override { history.add(row); }
     void on_frame(const Simulation& simulation, int, int) override { frames.add_frame(simulation); }
   };
   void write_run(const std::string& scene, bool compressed = false) {
     Simulation simulation(read_scene_text(scene, "page.toml", {}), 1);
     const Surfaces surfaces;
-    Recorder recorder(folder_, simulation.scene(), surfaces, compressed);
+    Recorder recorder(folder_, simulation, surfaces, compressed);
     simulation.run(recorder);
     recorder.history.finish();
     recorder.frames.finish();

@@ -5,6 +5,7 @@ import numpy as np
 
 from . import _quoin
 from .errors import Error
+from .forces import pressed, thrust_lines
 
 ENERGIES = {"kinetic_energy_J": "kinetic", "strain_energy_J": "strain", "contact_energy_J": "joints",
             "dissipated_tension_J": "tension", "dissipated_cohesion_J": "cohesion", "dissipated_friction_J": "friction",
@@ -197,6 +198,34 @@ class Pictures:
         figure.colorbar(scale, ax=axes, shrink=0.8, label=label,
                         extend={(False, False): "neither", (True, False): "min", (False, True): "max",
                                 (True, True): "both"}[values.min() < low, values.max() > high])
+        return _finished(figure, file)
+
+    def plot_forces(self, kind="joints", frame=-1, file=None):
+        """The model as it stands at a frame, and "joints": the resultant of each pressed joint, as wide as it is large; or "thrust":
+        the line of thrust of arches, walls and buttresses. True to scale."""
+        from matplotlib.collections import LineCollection
+        if kind not in ("joints", "thrust"):
+            raise ValueError(f"kind = {kind!r}: joints or thrust")
+        moment = self.frames[frame]
+        paper = _Paper(moment)
+        figure, axes = self._sheet(paper, moment, 1.0)
+        self._draw_faces(axes, paper, 1.0, [BRICK] * len(paper.faces))
+        pens = _quoin.colours()["pens"]
+        if kind == "thrust":
+            lines = [paper.flat(np.array(piece)) for piece in thrust_lines(moment)]
+            axes.add_collection(LineCollection(lines, colors=pens[0], linewidths=2.0, zorder=5))
+            handle = axes.plot([], [], color=pens[0], linewidth=2.0, label="line of thrust")[0]
+        else:
+            joints = pressed(moment)
+            force, place = joints["force_N"].astype(float), joints["position"].astype(float)
+            size = np.linalg.norm(force, axis=1)
+            most = size.max(initial=0.0) or 1.0
+            half = 0.02 * paper.size * force / np.where(size > 0, size, 1.0)[:, None]
+            lines = [paper.flat(np.array([p - h, p + h])) for p, h in zip(place, half)]
+            axes.add_collection(LineCollection(lines, colors=pens[1], linewidths=6.0 * size / most, zorder=5))
+            whole = (self.summary.get("symmetry_factor") or 1.0) * most / 1e3
+            handle = axes.plot([], [], color=pens[1], linewidth=6.0, label=f"force in a joint: {whole:.3g} kN")[0]
+        figure.legend(handles=[handle], loc="lower center", frameon=False)
         return _finished(figure, file)
 
     def plot_histories(self, columns=None, file=None):

@@ -10,6 +10,7 @@ import numpy as np
 
 from .errors import BadInput
 from .pictures import Pictures
+from .xdmf import save_xdmf
 
 KINDS = {"Float32": "<f4", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
 UNITS = {"m": "m", "m2": "m2", "N": "N", "Pa": "Pa", "s": "s", "J": "J", "kg": "kg", "rad": "rad"}
@@ -68,7 +69,10 @@ class Moment:
     """A frame of a run, read when it is asked for. time, s; stage, from 1 on; row, of the history. blocks and joints: arrays by
     name, as the files for ParaView have them, units at the end of their names: position, displacement_m, stress_Pa (xx yy
     zz xy yz zx), block ...; position, displacement_m, traction_Pa (normal, two shears, tension positive), opening_m, slip_m,
-    damage_tension, area_m2, block_a, block_b ..."""
+    damage_tension, area_m2, block_a, block_b ... forces: one row for each two blocks that touch or were joined: position (of the
+    centre of compression, as it stands), force_N (on block_a), normal (from block_a to block_b), normal_force_N (tension
+    positive), shear_force_N, eccentricity (over the depth of the joint; 0.5 is an edge), area_m2 (in contact), opening_m,
+    slip_m, damage, crack. Where half of the thickness is computed, forces are those of the half."""
 
     def __init__(self, folder, number, time, stage, row):
         self.number, self.time, self.stage, self.row = number, time, stage, row
@@ -85,6 +89,7 @@ class Moment:
 
     blocks = property(lambda self: self._all("blocks"))
     joints = property(lambda self: self._all("joints"))
+    forces = property(lambda self: self._all("forces"))
 
     def faces(self):
         """Surface of the model: (corners as indices of points, block), counter-clockwise from outside."""
@@ -166,10 +171,22 @@ class Results(Pictures):
         with open(collection, encoding="utf-8") as file:
             times = [float(t) for t in re.findall(r'timestep="([^"]*)"', file.read())]
         for k, time in enumerate(times):
-            row = min(np.searchsorted(self.history["time_s"], time * (1 - 1e-9)), len(self.history) - 1)
+            row = min(np.searchsorted(self.history["time_s"], time * (1 - 1e-8)), len(self.history) - 1)
             self.frames.append(Moment(self.folder, k, time, int(self.history["stage"][row]), int(row)))
 
     unit = staticmethod(unit)
+    save_xdmf = save_xdmf
+
+    def joint_histories(self, name="opening_m"):
+        """An array of `forces` along the run: (pairs of blocks, times in s, values by frame and pair); not a number where a pair
+        does not touch and never did. joint_histories() gives the widths of cracks."""
+        tables = []
+        for moment in self.frames:
+            forces = moment.forces
+            tables.append(dict(zip(zip(forces["block_a"].tolist(), forces["block_b"].tolist()), forces[name].astype(float))))
+        pairs = sorted(set().union(*tables)) if tables else []
+        values = np.array([[table.get(pair, np.nan) for pair in pairs] for table in tables]).reshape(len(tables), len(pairs))
+        return np.array(pairs, int).reshape(-1, 2), np.array([moment.time for moment in self.frames]), values
 
     @property
     def title(self):

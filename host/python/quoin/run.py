@@ -10,7 +10,7 @@ from .simulation import Simulation, table
 
 
 class Frame:
-    """A moment of the last stage. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by
+    """A moment of the run. time, s; displacement of the gridpoints of all blocks, m; joints: a structured array by
     contact point, position, displacement, traction, opening, slip, damage_tension, damage_shear, crack, block_a, block_b,
     joint, gap: in large motion, where the blocks of a joint of the start have come apart, it stays with its last damage, and
     gap (m) leads from its place on block_a to that on block_b; opening is the length of it."""
@@ -41,6 +41,9 @@ class Run(Pictures):
 
     def plot_cracks(self, *args, **named):
         return self._written("plot_cracks").plot_cracks(*args, **named)
+
+    def plot_forces(self, *args, **named):
+        return self._written("plot_forces").plot_forces(*args, **named)
 
     def plot_field(self, *args, **named):
         return self._written("plot_field").plot_field(*args, **named)

@@ -1,9 +1,11 @@
 // Curves of a history, with a dot at the moment shown.
 
+const ROUNDED = 1e-8;  // times of frames have 9 digits
+
 // The last row of a history at or before a time, but for rounding; else the first.
 function rowAt(history, time) {
   const times = history.time_s;
-  const row = times.findIndex(t => t >= time * (1 - 1e-9));
+  const row = times.findIndex(t => t >= time * (1 - ROUNDED));
   return row < 0 ? times.length - 1 : row;
 }
 
@@ -105,8 +107,9 @@ class Curve {
       this.dots.push(mark(this.svg, 'circle', {r: 4.5, fill: this.pens[n % this.pens.length], stroke: '#fff'}));
     });
   }
-  // The dots where the history had come to row.
+  // The dots where the history had come to row; none where it says nothing of when.
   at(row) {
+    if (!this.rows) { for (const dot of this.dots) dot.setAttribute('r', 0); return; }
     let k = this.rows.findIndex(r => r >= row);
     if (k < 0) k = this.rows.length - 1;
     this.lines.forEach((line, n) => {
@@ -116,13 +119,29 @@ class Curve {
   }
 }
 
+// Of an earthquake: the record along that axis, and its spectrum. Empty: the summary has none.
+function recordOf(stage, way) {
+  const along = c => c.direction.every((d, k) => (Math.abs(d) > 0.5) === ('xyz'[k] === way));
+  return (((stage || {}).ground_motion || {}).components || []).find(c => c.record && along(c));
+}
+
 // The curves of a stage, and the energies of the run.
 function curvesOf(parent, head, stage) {
   const h = head.history, stages = (head.summary.settings || {}).stages || [], pens = head.colours.pens;
   const rows = rowsLike(stage, stages, h);
-  const width = Math.max(CHART.narrowest, Math.min(CHART.widest, Math.floor((parent.clientWidth - CHART.gap) / 2) - 2));
-  const made = axesOf(stage, h).map(([x, y]) => new Curve(parent, width, rows, rows.map(i => h[x.key][i] * x.factor),
+  const axes = axesOf(stage, h), way = (/ along ([xz]),/.exec(axes[0][1].label) || [])[1], record = way && recordOf(stage, way);
+  const count = record ? 4 : 2;
+  const width = Math.max(CHART.narrowest, Math.min(CHART.widest, Math.floor((parent.clientWidth - (count - 1) * CHART.gap) / count) - 2));
+  const made = axes.map(([x, y]) => new Curve(parent, width, rows, rows.map(i => h[x.key][i] * x.factor),
     [{values: rows.map(i => h[y.key][i] * y.factor)}], x.label, y.label, pens));
+  if (record) {
+    const begin = h.time_s[h.stage.indexOf(stages.indexOf(stage) + 1)], times = record.record.time_s.map(t => begin + t), last = h.time_s[rows[rows.length - 1]];
+    const within = times.filter(t => t <= last).length, {period_s: periods, damping} = record.spectrum;
+    made.push(new Curve(parent, width, times.slice(0, within).map(t => rowAt(h, t)), times.slice(0, within),
+      [{values: record.record.acceleration_m_per_s2.slice(0, within)}], 'time [s]', `ground acceleration along ${way} [m/s\u00b2]`, pens));
+    made.push(new Curve(parent, width, null, periods, [{values: record.spectrum.pseudo_acceleration_m_per_s2}], 'period [s]',
+      `pseudo-acceleration, ${Math.round(100 * damping)} % damping [m/s\u00b2]`, pens));
+  }
   if (made.length > 1) return made;
   const energies = ENERGIES.filter(([key]) => h[key]).map(([key, name]) => ({name, values: h[key]}));
   made.push(new Curve(parent, width, h.time_s.map((_, i) => i), h.time_s, energies, 'time [s]', 'energy [J]', pens));

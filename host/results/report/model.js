@@ -3,6 +3,7 @@
 const VIEWS = {front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0], iso: [0.55, 0.45, 1]};
 const EDGE = {legend: 240, below: 62, around: 14};  // pixels of the picture that the model leaves free
 const LOWEST = 280, ROOM = 70;  // pixels: of the picture, and of title, borders and gaps around it
+const LARGE = 2e5;  // vertices, of some 25,000 blocks
 const PICKED = 4;  // pixels across that are looked at for a block
 
 class Model {
@@ -21,9 +22,14 @@ class Model {
     this.block = sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)];  // size of an ordinary one, m
     this.scene = new THREE.Scene();
     this.build();
+    this.forces = new Forces(this);
+    this.scene.add(this.forces.mesh);
     this.overlay = drawing(parent);
     this.resize();
-    this.controls.addEventListener('change', () => this.paint());
+    this.controls.addEventListener('change', () => this.paintSoon());
+    // What makes large models slow to turn is left out until they stand still.
+    this.controls.addEventListener('start', () => { this.edges.visible = this.vertices < LARGE; });
+    this.controls.addEventListener('end', () => { this.edges.visible = true; this.paintSoon(); });
   }
   build() {
     // From where the viewer stands: what faces him has the colours of the legend.
@@ -36,12 +42,14 @@ class Model {
     surface.setAttribute('position', this.position);
     surface.setAttribute('color', this.colour);
     surface.setIndex(new THREE.BufferAttribute(this.array('triangle'), 1));
-    this.scene.add(new THREE.Mesh(surface, new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true,
-      side: THREE.DoubleSide, shininess: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1})));
+    this.surface = new THREE.Mesh(surface, new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true,
+      side: THREE.DoubleSide, shininess: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, transparent: true}));
+    this.scene.add(this.surface);
     const edges = new THREE.BufferGeometry();
     edges.setAttribute('position', this.position);
     edges.setIndex(new THREE.BufferAttribute(this.array('edge'), 1));
-    this.scene.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x555550, transparent: true, opacity: 0.5})));
+    this.edges = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x555550, transparent: true, opacity: 0.5}));
+    this.scene.add(this.edges);
     this.rim = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(
       {vertexColors: THREE.VertexColors, depthFunc: THREE.LessEqualDepth}));
     this.dots = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial(
@@ -50,6 +58,27 @@ class Model {
     for (const thing of this.scene.children) thing.frustumCulled = false;
     this.buildPicking();
   }
+  // Blocks whose centre lies beyond a share of the model along an axis (0, 1, 2) are left out; null: none are.
+  cut(axis, share) {
+    const key = axis === null ? '' : `${axis} ${share}`;
+    if (key === (this.cutKey || '')) return;
+    this.cutKey = key;
+    const centre = this.forces.centre.map(c => c ? c[axis || 0] : 0), moving = this.forces.boxes.filter(b => b && b.moves);
+    const low = Math.min(...moving.map(b => b.low[axis || 0])), high = Math.max(...moving.map(b => b.high[axis || 0]));
+    this.left = axis === null ? null : centre.map(c => c > low + share * (high - low));
+    const block = this.array('block'), kept = (index, size) => {
+      if (!this.left) return new THREE.BufferAttribute(index, 1);
+      const to = [];
+      for (let i = 0; i < index.length; i += size)
+        if (!this.left[block[index[i]]]) for (let k = 0; k < size; ++k) to.push(index[i + k]);
+      return new THREE.BufferAttribute(Uint32Array.from(to), 1);
+    };
+    const faces = kept(this.array('triangle'), 3);
+    this.surface.geometry.setIndex(faces); this.picking.children[0].geometry.setIndex(faces);
+    this.edges.geometry.setIndex(kept(this.array('edge'), 2));
+    this.limit = axis === null ? null : {axis, at: low + share * (high - low)};
+  }
+  hidden(block) { return Boolean(this.left && this.left[block]); }
   // The same surface, each block in a colour of its own that is its number.
   buildPicking() {
     const block = this.array('block'), ids = new Uint8Array(3 * this.vertices), surface = new THREE.BufferGeometry();
@@ -114,6 +143,15 @@ class Model {
     this.camera.updateMatrixWorld();
     this.fit();
   }
+  // The view of another model of the same blocks.
+  seenAs(other) {
+    this.viewed = other.viewed;
+    for (const key of ['left', 'right', 'top', 'bottom', 'zoom']) this.camera[key] = other.camera[key];
+    this.camera.position.copy(other.camera.position); this.camera.quaternion.copy(other.camera.quaternion);
+    this.controls.target.copy(other.controls.target);
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+  }
   // Extents on paper of what moves, at the start and now; of supports only what is near.
   fit() {
     const x = new THREE.Vector3(), y = new THREE.Vector3(), z = new THREE.Vector3();
@@ -158,6 +196,7 @@ class Model {
   // The magnification at which the model is seen to move; large motion is drawn as it is.
   get magnification() {
     const moved = this.head.range.moved, {motion} = this.head.summary;
+    if (this.head.labels) return Number((0.06 * this.size / (moved || 1)).toPrecision(2));
     if (motion && motion.small_displacements === false || moved === 0) return 1;
     return Math.max(1, roundDown(0.05 * this.size / moved));
   }
@@ -191,6 +230,10 @@ class Model {
     const values = this.values(frame, what.quantity), scale = this.scaleOf(what);
     for (let v = 0; v < this.vertices; ++v) paint.set(scale(values[v]), 3 * v);
     this.position.needsUpdate = this.colour.needsUpdate = true;
+    this.cut(what.cut ? what.cut.axis : null, what.cut ? what.cut.share : 1);
+    this.forces.show(frame, what.forces || 'none', what.magnified);
+    this.surface.material.opacity = this.forces.kind === 'none' ? 1 : 0.3;
+    this.surface.material.depthWrite = this.forces.kind === 'none';
     this.drawCracks(frame, what.magnified, what.cracks);
     this.paint();
   }
@@ -205,6 +248,7 @@ class Model {
     const step = this.head.range.rim_moved / 32767, at = [], paint = [], styles = this.head.colours.cracks;
     for (let s = 0; cracks && moved.length === rim.length && s < kind.length; s += 2) {
       if (kind[s] === 0 || kind[s + 1] === 0) continue;
+      if (this.limit && rim[3 * s + this.limit.axis] > this.limit.at) continue;
       const colour = new THREE.Color(styles[Math.max(kind[s], kind[s + 1])].colour);
       for (let i = 3 * s; i < 3 * s + 6; ++i) at.push(rim[i] + magnified * step * moved[i]);
       for (let end = 0; end < 2; ++end) paint.push(colour.r, colour.g, colour.b);
@@ -212,14 +256,23 @@ class Model {
     this.fill(this.rim.geometry, at, paint);
     const points = this.array('points' + frame), moved_points = this.array('points_moved' + frame);
     const kinds = this.array('point_crack' + frame), dots = [], stand = [];
-    if (cracks) points.forEach((x, i) => stand.push(x + magnified * moved_points[i]));
-    for (const k of cracks ? kinds : []) { const c = new THREE.Color(styles[k].colour); dots.push(c.r, c.g, c.b); }
+    for (let p = 0; cracks && p < kinds.length; ++p) {
+      if (this.limit && points[3 * p + this.limit.axis] > this.limit.at) continue;
+      const c = new THREE.Color(styles[kinds[p]].colour);
+      for (let i = 3 * p; i < 3 * p + 3; ++i) stand.push(points[i] + magnified * moved_points[i]);
+      dots.push(c.r, c.g, c.b);
+    }
     this.fill(this.dots.geometry, stand, dots);
     this.cracked = at.length / 6 + dots.length / 3;
   }
   fill(geometry, at, paint) {
     geometry.setAttribute('position', new THREE.Float32BufferAttribute(at, 3));
     geometry.setAttribute('color', new THREE.Float32BufferAttribute(paint.slice(0, at.length), 3));
+  }
+  // Once before the browser shows the page anew, however often the pointer moves until then.
+  paintSoon() {
+    if (!this.awaited) requestAnimationFrame(() => { this.awaited = false; this.paint(); });
+    this.awaited = true;
   }
   paint() {
     if (!this.shown) return;
@@ -237,7 +290,7 @@ class Model {
     mark(this.overlay, 'path', {d: `M 76 ${base - 5} v 5 h ${pixels} v -5`, stroke: '#222', fill: 'none', 'stroke-width': 1.5, class: 'bar'});
     mark(this.overlay, 'text', {x: 76 + pixels / 2, y: base - 6, 'text-anchor': 'middle'}, length < 1 ? `${short(length * 100)} cm` : `${length} m`);
     const {magnified, moment} = this.shown;
-    const scale = 'displacements ' + (magnified === 1 ? 'true to scale' : `\u00d7 ${short(magnified)}`), whole = `${moment}; ${scale}`;
+    const scale = this.head.labels ? 'shape, at no scale' : 'displacements ' + (magnified === 1 ? 'true to scale' : `\u00d7 ${short(magnified)}`), whole = `${moment}; ${scale}`;
     const lines = 96 + pixels + widthOf(whole) < this.width ? [whole] : [moment, scale];
     lines.forEach((line, k) => mark(this.overlay, 'text', {x: 96 + pixels, y: base - 15 * (lines.length - 1 - k), class: 'caption'}, line));
     this.drawAxes(34, base - 24);
@@ -252,7 +305,7 @@ class Model {
     });
   }
   drawLegend() {
-    const {quantity, low, high, cracks} = this.shown, {name, unit, factor} = QUANTITIES[quantity];
+    const {quantity, low, high, cracks} = this.shown, {name, unit, factor} = this.head.labels ? SHAPE : QUANTITIES[quantity];
     const width = 205, x = this.width - width - 18, scale = this.scaleOf(this.shown), n = 34;
     let y = 22;
     mark(this.overlay, 'text', {x, y, class: 'legend', 'font-weight': 600}, name + (unit ? ` [${unit}]` : ' [\u2013]'));
@@ -263,6 +316,14 @@ class Model {
     y += 25;
     const ticks = ticksThatFit(low * factor, high * factor, 5, width), range = high - low || 1;
     ticks.forEach(t => mark(this.overlay, 'text', {x: x + width * (t / factor - low) / range, y, 'text-anchor': 'middle'}, short(t)));
+    if (this.forces.kind !== 'none') {
+      const whole = this.head.summary.symmetry_factor || 1, largest = short(whole * this.forces.largest / 1e3);
+      const thrust = this.forces.kind === 'thrust', label = thrust ? 'line of thrust' : `force in a joint: ${largest} kN`;
+      y += 23;
+      mark(this.overlay, 'path', {d: thrust ? `M ${x} ${y - 4} h 30` : `M ${x} ${y - 4} l 15 -5 l 15 5 l -15 5 z`, class: 'force',
+        fill: this.forces.colour, stroke: this.forces.colour, 'stroke-width': thrust ? 3 : 0.5});
+      mark(this.overlay, 'text', {x: x + 36, y, class: 'force'}, label);
+    }
     if (!cracks) return;
     y += 6;
     for (const {label, colour} of this.head.colours.cracks.slice(1)) {

@@ -14,20 +14,23 @@ class Run {
       const a = head.arrays[name];
       return arrays[name] = arrays[name] || (a ? new globalThis[a.type](buffer, a.offset, a.count) : new Float32Array(0));
     };
-    const box = element(byId('runs'), 'div', {className: 'run'});
+    const box = this.box = element(byId('runs'), 'div', {className: 'run'});
     element(box, 'h2', {textContent: head.summary.title || head.name});
     const holder = element(box, 'div', {className: 'model'});
     this.model = new Model(holder, head, array);
     this.curveBox = element(box, 'div', {className: 'curves'});
+    this.curves = [];
     this.followPointer(holder);
     this.tell(element(box, 'div', {className: 'told'}));
   }
+  close() { this.box.remove(); this.model.renderer.dispose(); this.model.renderer.forceContextLoss(); }
   get frames() { return this.head.times.length; }
   get stages() { return (this.head.summary.settings || {}).stages || []; }
   rowOf(frame) { return rowAt(this.head.history, this.head.times[frame]); }
   stageOf(frame) { return this.head.history.stage[this.rowOf(frame)] - 1; }
   // Stage, and how far it has come: a displacement, a multiplier, a time.
   momentOf(frame) {
+    if (this.head.labels) return this.head.labels[frame];
     const h = this.head.history, row = this.rowOf(frame), s = this.stageOf(frame), stage = this.stages[s];
     const [[x, y]] = axesOf(stage, h), told = [`stage ${s + 1} of ${Math.max(this.stages.length, s + 1)}`];
     if (stage && stage.name) told[0] += ` ${stage.name}`;
@@ -37,6 +40,7 @@ class Run {
     return told.join(', ');
   }
   show(frame, what) {
+    if (this.head.labels) return this.model.show(frame, {...what, moment: this.momentOf(frame)});
     const stage = this.stages[this.stageOf(frame)], like = JSON.stringify([stage && stage.curve, this.curveBox.clientWidth]);
     if (like !== this.like) {
       this.curveBox.textContent = '';
@@ -69,8 +73,9 @@ class Run {
 
   // ---- Words ----
   tell(box) {
+    if (this.head.labels) return this.table(box, this.head.labels.map((label, k) => [String(k + 1), label]));
     const s = this.head.summary, q = s.quality || {};
-    if (s.status !== 'done') element(box, 'div', {className: 'fault', textContent: `${s.status}: ${s.message || ''}`});
+    if (s.status !== 'done' && s.status !== 'running') element(box, 'div', {className: 'fault', textContent: `${s.status}: ${s.message || ''}`});
     const told = (s.warnings || []).map(w => w.text);
     if (s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
     for (const text of told) element(box, 'div', {className: 'warning', textContent: text});
@@ -89,7 +94,7 @@ class Run {
       `${stage.damping} ${short(stage.local_damping)}`]), ['stage', 'moved or loaded', 'ends', 'damping']);
     const fold = element(box, 'details');
     element(fold, 'summary', {textContent: 'all settings (JSON)'});
-    element(fold, 'pre', {textContent: JSON.stringify(s.settings || {}, null, 1)});
+    element(fold, 'pre', {textContent: JSON.stringify(s.settings || {}, (key, value) => key === 'record' || key === 'spectrum' ? undefined : value, 1)});
   }
   table(box, rows, heads = null) {
     if (!rows.length) return;
@@ -173,57 +178,79 @@ function frameLike(first, of, other) {
   return frames.reduce((a, b) => away(b) < away(a) ? b : a);
 }
 
-// The picture of all models and curves of the page, as a data URL.
-async function pictureOf(runs) {
+// Models and curves of the page in one picture, as it is now, on a canvas.
+async function paintPicture(runs, canvas, scale) {
   const gap = 10, width = runs.reduce((w, r) => w + r.model.width + gap, gap);
-  const tallest = Math.max(...runs.map(r => r.model.height)), curve = 260;
-  const canvas = document.createElement('canvas'), scale = 2;
-  canvas.width = scale * width; canvas.height = scale * (tallest + 40 + curve);
-  const c = canvas.getContext('2d');
-  c.scale(scale, scale);
-  c.fillStyle = '#fff'; c.fillRect(0, 0, width, tallest + 40 + curve);
-  const draw = async (svg, x, y, w, h) => {
+  const tallest = Math.max(...runs.map(r => r.model.height)), curve = 260, height = tallest + 40 + curve;
+  const even = x => 2 * Math.round(x / 2);  // films have even sides
+  if (canvas.width !== even(scale * width)) canvas.width = even(scale * width);
+  if (canvas.height !== even(scale * height)) canvas.height = even(scale * height);
+  const images = new Map(), drawings = runs.flatMap(r => [[r.model.overlay, r.model.width, r.model.height],
+    ...r.curves.map(c => [c.svg, c.width, CHART.height])]);
+  await Promise.all(drawings.map(async ([svg, w, h]) => {
     const copy = svg.cloneNode(true), image = new Image();
     copy.setAttribute('width', scale * w); copy.setAttribute('height', scale * h);
     image.src = 'data:image/svg+xml;charset=utf-8,' + encodeURIComponent(new XMLSerializer().serializeToString(copy));
     await image.decode();
-    c.drawImage(image, x, y, w, h);
-  };
+    images.set(svg, image);
+  }));
+  const c = canvas.getContext('2d');
+  c.setTransform(scale, 0, 0, scale, 0, 0);
+  c.fillStyle = '#fff'; c.fillRect(0, 0, width, height);
   let x = gap;
   for (const run of runs) {
     const m = run.model;
     c.fillStyle = '#222'; c.font = '600 16px sans-serif';
     c.fillText(run.head.summary.title || run.head.name, x, 24, m.width);
     c.drawImage(m.renderer.domElement, x, 34, m.width, m.height);
-    await draw(m.overlay, x, 34, m.width, m.height);
-    for (let k = 0, left = x; k < run.curves.length; ++k) {
-      await draw(run.curves[k].svg, left, tallest + 44, run.curves[k].width, CHART.height);
-      left += run.curves[k].width + gap;
-    }
+    c.drawImage(images.get(m.overlay), x, 34, m.width, m.height);
+    let left = x;
+    for (const {svg, width: wide} of run.curves) { c.drawImage(images.get(svg), left, tallest + 44, wide, CHART.height); left += wide + gap; }
     x += m.width + gap;
   }
-  return canvas.toDataURL('image/png');
 }
 
 class Bar {
   constructor(runs) {
-    this.runs = runs; this.ranges = new Ranges(runs); this.playing = 0;
-    this.longest = runs.reduce((a, b) => b.frames > a.frames ? b : a);
-    byId('time').max = this.longest.frames - 1;
+    this.playing = 0; this.swung = 1;
+    this.take(runs);
     byId('time').value = this.longest.frames - 1;
     byId('magnification').value = Math.min(...runs.map(r => r.model.magnification));
     // Where most joints are dry from the start, damage says nothing.
     const dry = run => run.model.array('damage0').reduce((sum, d) => sum + d, 0) > 0.3 * 255 * run.model.vertices;
     if (runs.some(dry)) byId('colour').value = 'displacement';
-    for (const id of ['time', 'colour', 'range', 'magnification', 'cracks']) byId(id).addEventListener('input', () => this.show());
+    for (const id of ['time', 'colour', 'range', 'magnification', 'cracks', 'forces', 'cut', 'cutat']) byId(id).addEventListener('input', () => this.show());
     for (const id of ['lowest', 'highest']) byId(id).addEventListener('input', () => { byId('range').value = 'given'; this.show(); });
     byId('play').addEventListener('click', () => this.play());
     byId('save').addEventListener('click', () => this.save());
+    const still = runs.some(r => r.head.labels);  // motions that no run has made: they swing from the first
+    if (still) {
+      byId('colour').value = 'displacement'; byId('time').value = 0;
+      for (const id of ['colour', 'range', 'lowest', 'highest', 'cracks']) byId(id).disabled = true;
+    }
+    byId('film').addEventListener('click', () => this.film());
+    byId('forces').disabled = !runs.some(r => r.model.forces.known);
     for (const button of document.querySelectorAll('#views button'))
-      button.addEventListener('click', () => { for (const run of runs) run.model.look(button.dataset.view); });
-    window.addEventListener('resize', () => { for (const run of runs) { run.model.resize(); run.model.fit(); } this.show(); });
+      button.addEventListener('click', () => { for (const run of this.runs) run.model.look(button.dataset.view); });
+    window.addEventListener('resize', () => { for (const run of this.runs) { run.model.resize(); run.model.fit(); } this.show(); });
     this.show();
     for (const run of runs) run.model.look(run.model.natural);
+    if (still && location.hash !== '#picture') this.play();
+  }
+  take(runs) {
+    this.runs = runs; this.ranges = new Ranges(runs);
+    this.longest = runs.reduce((a, b) => b.frames > a.frames ? b : a);
+    byId('time').max = this.longest.frames - 1;
+  }
+  // More of the same runs: who looks at the end goes on to look at that.
+  renew(runs) {
+    const slider = byId('time'), atEnd = Number(slider.value) >= this.longest.frames - 1;
+    this.take(runs);
+    if (atEnd) {
+      slider.value = this.longest.frames - 1;
+      byId('magnification').value = Math.min(...runs.map(r => r.model.magnification));
+    }
+    this.show();
   }
   range(quantity) {
     const how = byId('range').value, {factor, unit} = QUANTITIES[quantity];
@@ -241,29 +268,107 @@ class Bar {
     const frames = this.runs.map(run => run === this.longest ? at : frameLike(this.longest, at, run));
     this.runs.forEach((run, k) => { run.model.frame = frames[k]; });
     const [low, high] = this.range(quantity);
-    this.runs.forEach((run, k) => run.show(frames[k], {quantity, low, high, magnified: Number(byId('magnification').value) || 0,
-      cracks: byId('cracks').checked}));
+    this.runs.forEach((run, k) => run.show(frames[k], {quantity, low, high, magnified: (Number(byId('magnification').value) || 0) * this.swung,
+      cracks: byId('cracks').checked, forces: byId('forces').value,
+      cut: byId('cut').value === 'none' || !byId('cut').value ? null : {axis: Number(byId('cut').value), share: Number(byId('cutat').value) / 100}}));
     byId('moment').textContent = this.runs.map((run, k) => run.momentOf(frames[k])).join(' | ');
   }
   play() {
-    if (this.playing) { clearInterval(this.playing); this.playing = 0; byId('play').textContent = 'play'; return; }
+    if (this.playing) { clearInterval(this.playing); this.playing = 0; this.swung = 1; byId('play').textContent = 'play'; this.show(); return; }
     byId('play').textContent = 'stop';
+    if (this.longest.head.labels) { this.playing = setInterval(() => this.swing(), 40); return; }
     const slider = byId('time');
     this.playing = setInterval(() => {
       slider.value = Number(slider.value) >= this.longest.frames - 1 ? 0 : Number(slider.value) + 1;
       this.show();
     }, 250);
   }
+  // A mode to and fro, a mechanism away and back.
+  swing() {
+    const phase = 2 * Math.PI * performance.now() / 2000;
+    this.swung = this.longest.head.summary.one_way ? (1 - Math.cos(phase)) / 2 : Math.sin(phase);
+    this.show();
+  }
   async save() {
     const link = document.createElement('a');
-    link.href = this.saved = await pictureOf(this.runs);
+    const canvas = document.createElement('canvas');
+    await paintPicture(this.runs, canvas, 2);
+    link.href = this.saved = canvas.toDataURL('image/png');
     link.download = this.runs.map(r => r.head.name).join('_') + '.png';
+    link.click();
+  }
+  // All frames, one after the other, as WebM.
+  async film(pause = 200) {
+    const canvas = document.createElement('canvas'), link = document.createElement('a'), pieces = [], slider = byId('time'), at = slider.value;
+    await paintPicture(this.runs, canvas, 1);
+    const recorder = new MediaRecorder(canvas.captureStream(25), {videoBitsPerSecond: 8e6});
+    const done = new Promise(resolve => { recorder.onstop = resolve; });
+    recorder.ondataavailable = event => pieces.push(event.data);
+    recorder.start();
+    byId('film').disabled = true;
+    for (slider.value = 0; ; slider.value = Number(slider.value) + 1) {
+      this.show();
+      await paintPicture(this.runs, canvas, 1);
+      const last = Number(slider.value) >= this.longest.frames - 1;
+      await new Promise(resolve => setTimeout(resolve, last ? 4 * pause : pause));
+      if (last) break;
+    }
+    recorder.stop();
+    await done;
+    byId('film').disabled = false;
+    slider.value = at; this.show();
+    this.filmed = new Blob(pieces, {type: 'video/webm'});
+    link.href = URL.createObjectURL(this.filmed);
+    link.download = this.runs.map(r => r.head.name).join('_') + '.webm';
     link.click();
   }
 }
 
+// A run that goes on: what it has come to every second, and the model anew whenever a frame has come.
+async function follow() {
+  const told = element(document.body, 'div', {id: 'live', textContent: 'the run begins'});
+  document.body.insertBefore(told, byId('runs'));
+  for (let frames = 0, missed = 0; missed < 3;) {
+    try {
+      const state = await (await fetch('state')).json();
+      told.textContent = liveText(state);
+      if (state.frames > frames) {
+        const {head, data} = await (await fetch('run')).json();
+        frames = head.times.length;
+        renew(new Run(head, await unpack(data)));
+      }
+      missed = 0;
+    } catch (fault) { ++missed; }
+    await new Promise(resolve => setTimeout(resolve, 1000));
+  }
+  told.textContent += '. The run has ended: quoin report makes a page of its folder';
+  document.body.dataset.live = 'ended';
+}
+function liveText(state) {
+  if (!state.stage) return 'the first steps are taken';
+  const left = state.seconds_left >= 0 ? `, ${short(state.seconds_left)} s left of it` : '';
+  return `stage ${state.stage} of ${state.stages} ${state.name}: ${Math.round(100 * state.fraction)} %${left}; ` +
+    `${short(1e3 * state.displacement_m)} mm, ${short(state.force_N / 1e3)} kN, peak so far ${short(state.peak_N / 1e3)} kN at ` +
+    `${short(1e3 * state.displacement_at_peak_m)} mm; ${short(100 * state.cracked)} % of contact points no longer elastic; ` +
+    `kinetic energy ${short(state.kinetic_energy_J)} J`;
+}
+// In place of the run that was shown, seen as that one was.
+function renew(run) {
+  const old = window.quoinRuns && window.quoinRuns[0], bar = window.quoinBar;
+  window.quoinRuns = [run];
+  if (!old) {
+    window.quoinBar = new Bar([run]);
+    document.body.dataset.ready = 'yes';
+    return;
+  }
+  run.model.seenAs(old.model);
+  old.close();
+  bar.renew([run]);
+}
+
 async function open() {
   if (location.hash === '#picture') document.body.className = 'picture';  // the model alone, in the whole window
+  if (document.querySelectorAll('script.live').length) return follow();
   const heads = [...document.querySelectorAll('script.head')], data = [...document.querySelectorAll('script.data')], runs = [];
   for (let i = 0; i < heads.length; ++i) runs.push(new Run(JSON.parse(heads[i].textContent), await unpack(data[i].textContent)));
   window.quoinRuns = runs;  // for who looks into the page, as its test does

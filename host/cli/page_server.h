@@ -1,0 +1,37 @@
+// Serves a few texts to a browser on this machine: loopback only, GET only, no files, one request at a time.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <thread>
+
+namespace quoin {
+
+struct PageAnswer {
+  std::string type, body;  // "text/html", ...
+};
+
+class PageServer {
+ public:
+  // By path, "/" first of all. They are called by a thread of the server; what they throw is answered by 503.
+  using Answers = std::map<std::string, std::function<PageAnswer()>>;
+  // port 0: any that is free. Throws Error(bad_input): the port is taken, or not allowed.
+  PageServer(int port, Answers answers);
+  ~PageServer();  // ends the request that is being answered
+  PageServer(const PageServer&) = delete;
+  PageServer& operator=(const PageServer&) = delete;
+  int port() const { return port_; }
+
+ private:
+  void serve();
+  void answer(int connection) const;
+
+  Answers answers_;
+  int socket_ = -1, port_ = 0;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace quoin

@@ -1,0 +1,69 @@
+"""Resultants of joints, and the line of thrust through them."""
+import numpy as np
+
+BED = 0.7     # least |y| of the normal of a bed joint
+LEVEL = 0.3   # gap between two levels of bed joints, over the height of a block
+
+
+def pressed(moment, least=0.01):
+    """Joints in compression whose force is above a share of the largest: rows of moment.forces, as a dict of arrays."""
+    forces = moment.forces
+    size = np.linalg.norm(forces["force_N"].astype(float), axis=1)
+    chosen = (forces["normal_force_N"] < 0) & (size > least * max(size.max(initial=0.0), 1e-300))
+    return {name: forces[name][chosen] for name in ("position", "force_N", "normal", "block_a", "block_b")}
+
+
+def boxes(moment):
+    """By block: lower and upper corner at the start, and whether it has moved."""
+    blocks, found = moment.blocks, {}
+    start, moved = blocks["position"].astype(float), np.any(blocks["displacement_m"] != 0, axis=1)
+    block = np.repeat(blocks["block"], np.diff(blocks["offsets"], prepend=0))
+    corner = blocks["connectivity"]
+    for b in np.unique(block):
+        of = corner[block == b]
+        found[int(b)] = start[of].min(axis=0), start[of].max(axis=0), bool(moved[of].any())
+    return found
+
+
+def thrust_lines(moment):
+    """Pieces of the line of thrust, (from, to) each, m: from joint to joint of blocks with two of them, as in arches and columns;
+    else, as in walls, piers and buttresses, through the resultants of bed joints of one level that share blocks."""
+    joints, box = pressed(moment), boxes(moment)
+    pairs, places = np.stack([joints["block_a"], joints["block_b"]], axis=1).tolist(), joints["position"].astype(float)
+    of = {}
+    for j, pair in enumerate(pairs):
+        for b in pair:
+            if box[b][2]:
+                of.setdefault(b, []).append(j)
+    if not of:
+        return []
+    if np.quantile([len(list_of) for list_of in of.values()], 0.9) <= 2:
+        return [(places[l[0]], places[l[1]]) for l in of.values() if len(l) == 2]
+    middle = {b: (low + high) / 2 for b, (low, high, _) in box.items()}
+    level = np.array([(middle[a][1] + middle[b][1]) / 2 for a, b in pairs])
+    heights = [high[1] - low[1] for low, high, moves in box.values() if moves]
+    beds = sorted((j for j in range(len(pairs)) if abs(joints["normal"][j, 1]) > BED), key=lambda j: level[j])
+    levels = []
+    for j in beds:
+        if levels and level[j] - level[levels[-1][-1]] < LEVEL * np.median(heights):
+            levels[-1].append(j)
+        else:
+            levels.append([j])
+    cuts = [_resultants(some, pairs, places, abs(joints["force_N"][:, 1].astype(float)), middle) for some in levels]
+    return [(below[0], above[0]) for lower, upper in zip(cuts, cuts[1:]) for below in lower for above in upper
+            if below[1] & above[2]]
+
+
+def _resultants(joints, pairs, places, push, middle):
+    """Of joints that share blocks: (place, blocks above, blocks below)."""
+    groups = []
+    for j in joints:
+        touching = [g for g in groups if g[0] & set(pairs[j])]
+        groups = [g for g in groups if g not in touching]
+        groups.append((set(pairs[j]).union(*(g[0] for g in touching)), [j] + [k for g in touching for k in g[1]]))
+    result = []
+    for _, of in groups:
+        upper = {max(pairs[j], key=lambda b: middle[b][1]) for j in of}
+        lower = {min(pairs[j], key=lambda b: middle[b][1]) for j in of}
+        result.append((np.average(places[of], axis=0, weights=push[of] + 1e-300), upper, lower))
+    return result
