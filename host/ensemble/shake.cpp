@@ -68,7 +68,7 @@ ShakenRun read_run(const fs::path& file) {
 class CollapseWatch : public Observer {
  public:
   CollapseWatch(const fs::path& folder, Simulation* simulation, const RecordSuite& suite)
-      : history_(folder / "history.csv", simulation->scene()), simulation_(simulation), suite_(suite) {
+      : history_(folder / "history.csv", *simulation), simulation_(simulation), suite_(suite) {
     for (int block = 0; block < simulation->block_count(); ++block) {
       Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
       for (const Vec3& x : simulation->block_mesh(block).gridpoint) {
