@@ -310,6 +310,7 @@ ramp_time = 0.1
 duration = 0.5
 [output]
 frames = 1
+frames_of = "last"
 plots = false
 )");
   ASSERT_EQ(quoin({"run", scene, "--out", out(), "--threads", "1"}), 0) << error_;
@@ -354,6 +355,7 @@ body = "bottom_beam"
 body = "top_beam"
 [output]
 frames = 1
+frames_of = "last"
 plots = false
 )";
   ASSERT_EQ(quoin({"run", write("weight.toml", text), "--out", out(), "--threads", "1"}), 0) << error_;

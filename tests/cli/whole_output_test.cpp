@@ -172,19 +172,21 @@ TEST_F(WholeOutput, ShearedWall) { expect_run("wall", small_, {"stage.2.displace
 
 TEST_F(WholeOutput, WallInCycles) {
   const std::string text = read_all(small_), scene = (folder_ / "cycles.toml").string();
-  std::ofstream(scene) << text.substr(0, text.rfind("[[stage]]"))
-                       << "[[stage]]\nname = \"cycles\"\nkind = \"cycles\"\namplitudes = [1e-5, 2e-5]\n"
-                          "velocity = 0.002\nramp_time = 0.002\n[output]\nframes = 2\nenergy = true\n";
+  std::ofstream(scene)
+      << text.substr(0, text.rfind("[[stage]]"))
+      << "[[stage]]\nname = \"cycles\"\nkind = \"cycles\"\namplitudes = [1e-5, 2e-5]\n"
+         "velocity = 0.002\nramp_time = 0.002\n[output]\nframes = 2\nframes_of = \"last\"\nenergy = true\n";
   expect_run("cycles", scene, {});
 }
 
 TEST_F(WholeOutput, BuildingWithFloors) {
-  expect_run("building", QUOIN_TESTS "/host/small_building.toml", {"stage.push.displacement=1e-4", "output.frames=1"});
+  expect_run("building", QUOIN_TESTS "/host/small_building.toml",
+             {"stage.push.displacement=1e-4", "output.frames=1", "output.frames_of=last"});
 }
 
 TEST_F(WholeOutput, WallPostAndArch) {
   expect_run("mixed", QUOIN_SCENES "/mixed.toml",
-             {"stage.weight.duration=0.02", "stage.push.duration=0.02", "output.frames=1"});
+             {"stage.weight.duration=0.02", "stage.push.duration=0.02", "output.frames=1", "output.frames_of=last"});
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ def wall(**solver):
     scene = quoin.Scene.load(SMALL_WALL)
     scene.solver = dict(large_motion="never", past_motion_bound="warn", **solver)
     scene.stage[1].velocity = 0.2
-    scene.output = dict(frames=3, energy=True)
+    scene.output = dict(frames=3, frames_of="last", energy=True)
     return scene
 
 
@@ -25,7 +25,7 @@ def slab():
     scene = quoin.Scene.load(SCENES + "/arch.toml")
     scene.stage[1].collapse.rate = 0.2
     scene.stage[1].collapse.displacement = 0.1
-    scene.output.frames = 2
+    scene.output.frames, scene.output.frames_of = 2, "last"
     return scene
 
 

@@ -77,7 +77,7 @@ class Compas(Folder):
 
     def test_it_is_drawn_and_named(self):
         scene = self.scene(compas_2([((0, 0, 0), True), ((0, 0, 1), False)]))
-        scene.output.frames = 2
+        scene.output.frames, scene.output.frames_of = 2, "last"
         scene.stage[0].duration = 0.05
         scene.write(self.path("scene.toml"))
         done = self.command("run", "scene.toml", "--out", "out")
@@ -355,7 +355,7 @@ class Tetrahedra(Folder):
         scene = self.column([quoin.Block(name="column", material="stone", rigid=False, vertices=points,
                                          tetrahedra=tetrahedra)])
         scene.stage[0].duration = 0.05
-        scene.output.frames = 2
+        scene.output.frames, scene.output.frames_of = 2, "last"
         scene.write(self.path("scene.toml"))
         self.assertEqual(quoin.Scene.load(self.path("scene.toml")), scene)
         for arguments in (("check", "scene.toml"), ("run", "scene.toml", "--out", "out"), ("report", "out")):

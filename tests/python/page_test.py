@@ -66,7 +66,7 @@ class Wall(Shown, unittest.TestCase):
         scene = quoin.Scene.load(SMALL_WALL)
         scene.solver = dict(large_motion="never", past_motion_bound="warn")
         scene.stage[1].velocity = 0.2
-        scene.output = dict(frames=3, energy=True)
+        scene.output = dict(frames=3, frames_of="last", energy=True)
         return scene
 
     def values(self, what, k):
@@ -213,7 +213,7 @@ class Arch(Shown, unittest.TestCase):
     def scene():
         scene = quoin.Scene.load(SCENES + "/arch.toml")
         scene.stage[1].collapse = dict(rate=0.2, displacement=0.1)
-        scene.output.frames = 2
+        scene.output.frames, scene.output.frames_of = 2, "last"
         return scene
 
     def test_curve_is_that_of_the_multiplier(self):

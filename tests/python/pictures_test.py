@@ -21,7 +21,7 @@ except ImportError:
 
 def small_wall():
     scene = quoin.Scene.load(SMALL_WALL)
-    scene.output = dict(frames=2, energy=True, plots=False)
+    scene.output = dict(frames=2, frames_of="last", energy=True, plots=False)
     return scene
 
 

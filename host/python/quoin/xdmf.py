@@ -34,7 +34,7 @@ def _item(data, name, values):
     data.create_dataset(name, data=values, **packed)
     kind = "Int" if np.issubdtype(values.dtype, np.integer) else "Float"
     shape = " ".join(map(str, values.shape))
-    place = os.path.basename(data.filename) + ":" + data.name.rstrip("/") + "/" + name
+    place = os.path.basename(data.file.filename) + ":" + data.name.rstrip("/") + "/" + name
     return f'<DataItem Format="HDF" NumberType="{kind}" Precision="{values.dtype.itemsize}" Dimensions="{shape}">{place}</DataItem>'
 
 
