@@ -825,6 +825,7 @@ std::string GrowingRun::part(const std::string& summary, const std::string& hist
 }
 
 fs::path write_report(const std::vector<fs::path>& folders, const OnFrame& on_frame) {
+  require_report_library();
   std::string runs, title;
   for (const fs::path& folder : folders) {
     const Part part = part_of(folder, on_frame);

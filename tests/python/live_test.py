@@ -10,7 +10,7 @@ import unittest
 import quoin  # noqa: F401
 from support import PROGRAM, SMALL_WALL, Folder
 
-SLOW = ["--set", "stage.shear.velocity=0.002", "--set", "output.plots=false", "--set", "output.frames_of=all", "--threads", "1"]
+SLOW = ["--set", "stage.shear.velocity=0.0002", "--set", "output.plots=false", "--set", "output.frames_of=all", "--threads", "1"]
 
 
 class Live(Folder):
