@@ -1,7 +1,7 @@
 // Forces between blocks: a spindle in each pressed joint, and the line of thrust.
 
 const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; of the largest force
-const THRUST = {width: 0.05, bed: 0.7, level: 0.3};  // over the size of a block; least |y| of a bed's normal; gap of levels over a height
+const THRUST = {width: 0.02, bed: 0.7, level: 0.3};  // over the size of a block; least |y| of a bed's normal; gap of levels over a height
 
 class Forces {
   constructor(model) {
@@ -43,9 +43,11 @@ class Forces {
   pressed(frame, magnified) {
     const force = this.array('joint_force' + frame), place = this.array('joint_place' + frame), normal = this.array('joint_normal' + frame);
     const axis = this.array('joint_axis' + frame), moved = this.moved(frame), all = [];
+    let most = 0;  // of this frame: impacts of another one hide nothing here
+    for (let i = 0; i < force.length; i += 3) most = Math.max(most, Math.hypot(force[i], force[i + 1], force[i + 2]));
     for (let j = 0; j < this.a.length; ++j) {
       const F = [0, 1, 2].map(k => force[3 * j + k]), size = Math.hypot(...F), a = this.a[j], b = this.b[j];
-      if (!(normal[j] < 0) || !(size > SPINDLE.least * this.largest) || !this.centre[a] || !this.centre[b]) continue;
+      if (!(normal[j] < 0) || !(size > SPINDLE.least * most) || !this.centre[a] || !this.centre[b]) continue;
       if (this.model.hidden(a) || this.model.hidden(b)) continue;
       const at = [0, 1, 2].map(k => place[3 * j + k] + (magnified - 1) * (moved[a][k] + moved[b][k]) / 2);
       all.push({j, a, b, F, size, at, bed: Math.abs(axis[3 * j + 1]), level: (this.centre[a][1] + this.centre[b][1]) / 2});
