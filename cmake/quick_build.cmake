@@ -17,7 +17,7 @@ set(batches
     quoin_scene:6:generate_building.cpp,read_building.cpp,size.cpp
     quoin_host_law:5:law_trial.cpp
     quoin_host_path:3
-    quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp
+    quoin_ensemble:4:page.cpp,run_sample.cpp,sensitivity.cpp,statistics.cpp
     quoin_reproduce:6:cyclic_studies.cpp,parameter_studies.cpp,run_cache.cpp
     quoin:5:limit_command.cpp,modes_command.cpp,run_command.cpp
     quoin_python:3
