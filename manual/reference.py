@@ -5,6 +5,7 @@ usage: manual/reference.py            writes manual/REFERENCE.md
        manual/reference.py --check    exit code 1 if that page is old, a key is on no page, or a page has a key of no code
 """
 import ast
+import functools
 import glob
 import os
 import re
@@ -28,6 +29,7 @@ MADE = {"velocity": "a list of 3: numbers in m/s, or \"free\"", "x": "", "y": ""
 FREE = {"anything else"}
 
 
+@functools.cache
 def read(path):
     with open(os.path.join(ROOT, path), encoding="utf-8") as file:
         return file.read()
@@ -112,13 +114,15 @@ def keys_of_code():
     return keys
 
 
+@functools.cache
 def headings(page):
     """(line, heading) of a page, headings as its links have them."""
-    heading = ""
+    heading, lines = "", []
     for line in read(page).splitlines():
         if line.startswith("#") and re.match(r"#+ ", line):
             heading = line.lstrip("# ")
-        yield line, heading
+        lines.append((line, heading))
+    return lines
 
 
 def places(word, pages):
