@@ -44,6 +44,14 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
         !(p.crushing > 0.0) || !std::isfinite(p.friction + p.tension + p.cohesion + p.live_cohesion))
       refuse(fmt::format("contact point {} has a strength below 0 or a value that is not finite", i));
   }
+  for (std::size_t i = 0; i < problem.ties.size(); ++i) {
+    const LimitTie& tie = problem.ties[i];
+    if (tie.a < 0 || tie.a >= count || tie.b < 0 || tie.b >= count || tie.a == tie.b)
+      refuse(fmt::format("tie {} joins blocks {} and {} of {}", i, tie.a, tie.b, count));
+    if (!finite(tie.from) || !finite(tie.to) || !(norm(tie.to - tie.from) > 0.0) || !(tie.tension > 0.0) ||
+        !(tie.compression >= 0.0) || !std::isfinite(tie.tension + tie.compression))
+      refuse(fmt::format("tie {} has no length, a strength below 0 or a value that is not finite", i));
+  }
 }
 
 // The linear programme of a problem. Forces in multiples of the mean load of a block, lengths in multiples of the mean
@@ -56,6 +64,7 @@ class Programme {
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
     add_multiplier();
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_columns(i);
+    for (const LimitTie& tie : problem.ties) add_tie(tie);
   }
 
   const LinearProgram& linear() const { return linear_; }
@@ -65,6 +74,7 @@ class Programme {
     r.multiplier = solution.objective;
     r.gap = std::abs(solution.dual_objective - solution.objective) / std::max(1.0, std::abs(solution.objective));
     for (std::size_t i = 0; i < problem_.points.size(); ++i) r.force.push_back(force_at(i, solution.x));
+    for (const int column : tie_columns_) r.tie_force.push_back(force_ * solution.x[static_cast<std::size_t>(column)]);
     r.velocity.resize(problem_.blocks.size());
     for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
       if (rows_[k] < 0) continue;
@@ -122,15 +132,21 @@ class Programme {
       if (columns_[i].shear_row >= 0) linear_.add(columns_[i].shear_row, -problem_.points[i].live_cohesion / force_);
   }
 
-  // The column that was added last is a unit force f on block a, and the opposite on b.
-  void act(const LimitPoint& p, const Vector& f) {
-    for (const auto& [block, sign] : {std::pair(p.a, 1.0), std::pair(p.b, -1.0)}) {
-      const int row = rows_[static_cast<std::size_t>(block)];
-      if (row < 0) continue;
-      const Vector moment = cross(p.position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
-      for (int c = 0; c < 3; ++c) linear_.add(row + c, sign * f[c]);
-      for (int c = 0; c < 3; ++c) linear_.add(row + 3 + c, sign * moment[c] / length_);
-    }
+  // The column that was added last is a force f on this block.
+  void act(int block, const Vector& position, const Vector& f) {
+    const int row = rows_[static_cast<std::size_t>(block)];
+    if (row < 0) return;
+    const Vector moment = cross(position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
+    for (int c = 0; c < 3; ++c) linear_.add(row + c, f[c]);
+    for (int c = 0; c < 3; ++c) linear_.add(row + 3 + c, moment[c] / length_);
+  }
+  // And the opposite on b.
+  void act(const LimitPoint& p, const Vector& f) { act(p.a, p.position, f), act(p.b, p.position, -f); }
+
+  void add_tie(const LimitTie& tie) {
+    const Vector along = normalized(tie.to - tie.from);
+    tie_columns_.push_back(linear_.add_column(0.0, -tie.compression / force_, tie.tension / force_));
+    act(tie.a, tie.from, along), act(tie.b, tie.to, -along);
   }
 
   // Traction inside a pyramid with its apex at sigma = tension: normal force tension - N, shear = sum of e_i d_i over
@@ -220,6 +236,7 @@ class Programme {
   LinearProgram linear_;
   std::vector<int> rows_;  // first of each block; -1: fixed
   std::vector<Columns> columns_;
+  std::vector<int> tie_columns_;
 };
 
 // Which blocks are out of balance when the sum of all residuals under dead loads is as small as it can be.
@@ -292,6 +309,10 @@ std::vector<int> unconnected_blocks(const LimitProblem& problem) {
   for (const LimitPoint& p : problem.points) {
     neighbours[static_cast<std::size_t>(p.a)].push_back(p.b);
     neighbours[static_cast<std::size_t>(p.b)].push_back(p.a);
+  }
+  for (const LimitTie& tie : problem.ties) {
+    neighbours[static_cast<std::size_t>(tie.a)].push_back(tie.b);
+    neighbours[static_cast<std::size_t>(tie.b)].push_back(tie.a);
   }
   std::vector<bool> joined(problem.blocks.size(), false);
   std::vector<int> next;

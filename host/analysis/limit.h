@@ -38,9 +38,18 @@ struct LimitPoint {
   double live_cohesion = 0.0;                                 // what a multiplier of 1 adds to the cohesion, N
 };
 
+// A tie: pulls its ends together with any force up to its yield force.
+struct LimitTie {
+  int a = 0, b = 0;
+  geometry::Vector from, to;  // on block a, on block b, m
+  double tension = 0.0;       // N, > 0
+  double compression = 0.0;   // N, >= 0
+};
+
 struct LimitProblem {
   std::vector<LimitBlock> blocks;
   std::vector<LimitPoint> points;
+  std::vector<LimitTie> ties{};
 };
 
 struct LimitSettings {
@@ -69,6 +78,7 @@ struct LimitResult {
   double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the linear programme
   // On block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
+  std::vector<double> tie_force;  // N, tension positive
   // Mechanism: virtual velocity of the centre and spin of each block, scaled so that the largest velocity of a centre
   // or contact point is 1 (m/s, rad/s).
   std::vector<Wrench> velocity;  // force: velocity, moment: spin

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
+#include "members/members.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -74,6 +75,25 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
   return s;
 }
 
+// Each with any force up to that at which it yields; without hardening.
+void add_ties(const members::Members& members, const std::string& file, SceneLimit* limit) {
+  if (!members.beds().empty())
+    throw Error(Exit::bad_input, fmt::format("{}: blocks on [[spring]] stand on no strength that limit analysis knows; "
+                                             "give what is below them fixed = true instead",
+                                             file));
+  if (!members.strips().empty())
+    throw Error(Exit::bad_input, fmt::format("{}: [[strip]] debonds by softening, which limit analysis does not know; "
+                                             "leave strips out, or run the scene",
+                                             file));
+  for (const members::Tie& tie : members.ties()) {
+    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
+                        &to = members.nodes()[static_cast<std::size_t>(tie.to)];
+    limit->problem.ties.push_back(
+        {from.block, to.block, from.start, to.start, tie.law.yield, tie.law.compression ? tie.law.yield : 0.0});
+    limit->tie_names.push_back(tie.name);
+  }
+}
+
 // Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
 void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
@@ -113,6 +133,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
+  if (shapes && shapes->members()) add_ties(*shapes->members(), scene.file, limit);
 }
 
 void require_supports(const std::string& file, const SceneLimit& limit) {
@@ -242,6 +263,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["gravity_m_s2"] = geometry::array(limit.gravity);
   json["blocks"] = limit.problem.blocks.size(), json["contact_points"] = limit.problem.points.size();
   json["facets"] = options.settings.facets;
+  if (limit.limit && !limit.tie_names.empty()) json["tie_force_N"] = limit.limit->tie_force;
   return json;
 }
 

@@ -27,6 +27,7 @@ struct SceneLimit {
   std::optional<geometry::Vector> direction;  // none: no collapse stage, and none was given
   LimitProblem problem;                       // dead: weight and what is given; live: the weight along the direction
   std::vector<std::string> names, labels;     // of blocks: of the scene, and as messages have them
+  std::vector<std::string> tie_names;
 
   Stands stands;
   std::optional<LimitWithoutDilation> friction;  // smallest factors without dilation

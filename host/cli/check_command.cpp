@@ -13,6 +13,7 @@
 #include "cli/prepare.h"
 #include "files/memory.h"
 #include "law/material_point.h"
+#include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
 #include "scene/damping_text.h"
@@ -250,6 +251,21 @@ void print_what_sets_step(const blocks::Model& model) {
              blocks::label(model.assembly(), limit.block), zone);
 }
 
+void print_members(const members::Members& members, const blocks::Assembly& assembly) {
+  fmt::print("members\n");
+  for (const members::Tie& tie : members.ties()) {
+    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
+                        &to = members.nodes()[static_cast<std::size_t>(tie.to)];
+    fmt::print("  tie {:<12} {:.3f} m from block {} to {}; {:.4g} N/m, {:.4g} N at first, yields at {:.4g} N\n",
+               tie.name, tie.length, blocks::label(assembly, from.block), blocks::label(assembly, to.block),
+               tie.law.stiffness, tie.law.pretension, tie.law.yield);
+  }
+  for (const members::Bed& bed : members.beds())
+    fmt::print("  spring {:<9} {:.4g} m2 on the ground, {} points\n", bed.name, bed.area, bed.end - bed.first);
+  for (const members::Strip& strip : members.strips())
+    fmt::print("  strip {:<10} {} nodes\n", strip.name(), strip.places().size());
+}
+
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {
   Simulation simulation(scene, 0);
   const TimeStepReport& step = simulation.time_step_report();
@@ -278,6 +294,8 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_what_sets_step(*simulation.riding());
   print_notes(step);
   print_supports(simulation);
+  if (const members::Members* const members = simulation.riding()->members())
+    print_members(*members, simulation.riding()->assembly());
   print_time(simulation, print_stages(scene, step), options.force);
 }
 

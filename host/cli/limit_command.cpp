@@ -117,6 +117,9 @@ void print_multiplier(const SceneLimit& limit, int facets) {
   fmt::print("multiplier {:.5f} of the weight along {}, associated flow, cones of {} facets; gap {:.1e}\n",
              limit.limit->multiplier, direction_text(*limit.direction), facets, limit.limit->gap);
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
+  for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
+    fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->tie_force[i],
+               limit.problem.ties[i].tension);
   if (!limit.without_dilation) return;
   if (limit.without_dilation->settled)
     fmt::print("multiplier {:.5f} without dilation\n", limit.without_dilation->multiplier);

@@ -38,6 +38,7 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
 
 // Why a wall or building has no part of its run on the lattice; empty: it may have.
 std::string why_free_from_start(const Scene& scene) {
+  if (scene.members) return "the scene has members";
   if (scene.solver.damping == DampingKind::impact) return "solver.damping = \"impact\"";
   const std::string first = scene.stages.empty() ? "" : scene.stages.front().beyond_lattice();
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
@@ -48,7 +49,8 @@ std::string why_free_from_start(const Scene& scene) {
 void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   const auto beyond = std::find_if(scene.stages.begin(), scene.stages.end(),
                                    [](const Stage& s) { return !s.beyond_lattice().empty(); });
-  if (beyond == scene.stages.end()) return;
+  const bool acts = beyond != scene.stages.end();
+  if (!acts && !scene.members) return;
   const SolverSettings& s = scene.solver;
   const char* const against = s.kernels == Kernels::lattice          ? "kernels = \"lattice\""
                               : s.large_motion == LargeMotion::never ? "large_motion = \"never\""
@@ -57,9 +59,12 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   if (against)
     throw Error(
         Exit::bad_input,
-        fmt::format("{}: stage '{}' {}, which takes blocks in large motion and is not to be had with solver.{}; "
-                    "remove that setting",
-                    beyond->source.text, beyond->name, beyond->beyond_lattice(), against));
+        fmt::format("{}, which takes blocks in large motion and is not to be had with solver.{}; remove that "
+                    "setting",
+                    acts ? fmt::format("{}: stage '{}' {}", beyond->source.text, beyond->name, beyond->beyond_lattice())
+                         : scene.file + ": the scene has members",
+                    against));
+  if (!acts) return;
   const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
   const bool on_beam = std::any_of(bricks.bricks.begin(), bricks.bricks.end(), stands_on);
   for (Brick& brick : bricks.bricks) brick.fixed = on_beam ? stands_on(brick) : brick.body == "bottom_course";
@@ -98,7 +103,11 @@ Motion choose_motion(Scene scene) {
   }
   blocks::Assembly shapes = blocks::assemble(scene);
   std::string why_not;
-  std::optional<blocks::OnLattice> found = blocks::to_bricks(shapes, scene, &why_not);
+  std::optional<blocks::OnLattice> found;
+  if (scene.members)
+    why_not = "the scene has members";
+  else
+    found = blocks::to_bricks(shapes, scene, &why_not);
   const Kernels kernels = scene.solver.kernels;
   if (!found && kernels == Kernels::lattice) refuse(scene, "solver.kernels = \"lattice\": " + why_not);
   if (found && kernels != Kernels::general) return {std::move(found->scene), std::move(found->bricks), {}, {}};

@@ -582,28 +582,34 @@ void World::set_velocity(int block, const Vector& velocity, const Vector& omega)
 }
 
 void World::add(Load load) {
-  const ModelBlock& b = blocks_.at(load.block);
-  if (b.body >= 0) {
+  if (blocks_.at(load.block).body >= 0) {
     const Pose& start = start_[size_t(load.block)];
     load.arm = transposed_times(start.r, load.point - start.x);
   } else {
-    // inside the zone that holds the point, or the nearest one: by shape functions
-    double best = -1e300;
-    for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-      double n[4], least = 1e300;
-      for (int k = 0; k < 4; ++k) {
-        n[k] = (k == 0 ? 1.0 : 0.0) + dot(zones_[z].gradient[k], load.point - node_reference_[zones_[z].node[0]]);
-        least = std::min(least, n[k]);
-      }
-      if (least <= best) continue;
-      best = least;
-      load.share.clear();
-      for (int k = 0; k < 4; ++k) load.share.push_back({zones_[z].node[k], n[k]});
-      if (least >= -1e-9) break;
-    }
+    load.share = shares_at(load.block, load.point);
   }
   loaded_[size_t(load.block)] = 1;
   loads_.push_back(std::move(load));
+}
+
+// Shape functions of the zone that holds the point, or of the nearest one.
+std::vector<std::pair<int32_t, double>> World::shares_at(int block, const Vector& point) const {
+  const ModelBlock& b = blocks_[size_t(block)];
+  double best = -1e300;
+  std::vector<std::pair<int32_t, double>> share;
+  for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
+    double n[4], least = 1e300;
+    for (int k = 0; k < 4; ++k) {
+      n[k] = (k == 0 ? 1.0 : 0.0) + dot(zones_[z].gradient[k], point - node_reference_[zones_[z].node[0]]);
+      least = std::min(least, n[k]);
+    }
+    if (least <= best) continue;
+    best = least;
+    share.clear();
+    for (int k = 0; k < 4; ++k) share.push_back({zones_[z].node[k], n[k]});
+    if (least >= -1e-9) break;
+  }
+  return share;
 }
 
 void World::add(Pressure pressure) {

@@ -29,6 +29,10 @@
 #include "model/property_columns.h"
 #include "scene/blocks.h"
 
+namespace quoin::members {
+class Members;
+}
+
 namespace quoin::blocks {
 
 // Rigid block. Body frame: principal axes through the centre of mass. In the order in which kernels read it.
@@ -355,10 +359,12 @@ struct Energies {        // J
   // Energy lost (> 0) or gained when contact points were placed anew, and lost with the inertia of halves on each other
   // when a unit came apart.
   double detection = 0.0;
+  double members_stored = 0.0, members_dissipated = 0.0;  // of host/members
   double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
   // what has appeared from nowhere (> 0) or vanished since the start
   double balance_error(double at_start) const {
-    return kinetic + strain + contact_stored + dissipated_total() + damping + detection - external - at_start;
+    return kinetic + strain + contact_stored + members_stored + dissipated_total() + members_dissipated + damping +
+           detection - external - at_start;
   }
 };
 
@@ -461,6 +467,11 @@ class World {
   double dissipated_in_step() const { return dissipated_in_step_; }  // by laws, in the last one, J; with energies
   // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
   void move_ground(const Vector& half_step_ago, const Vector& now) { ground_then_ = half_step_ago, ground_now_ = now; }
+  // Members that hold blocks beside their joints (world_members.cpp); in one process alone. The time step is chosen
+  // anew.
+  void hold_by_members(std::shared_ptr<members::Members> members);
+  const members::Members* members() const { return members_.get(); }
+  members::Members* members() { return members_.get(); }
   // Springs from outside that pull on its blocks, by their eigenvalue on the masses of these, 1/s2: they shorten the
   // time step.
   void hold_by_springs(double eigenvalue);
@@ -619,7 +630,14 @@ class World {
   void number_chunks();
   void bind_points(Chunk& chunk);
   void divide_blocks();
-  int most_gridpoints(const Piece& piece) const;  // of one of its blocks
+  void follow_members();  // to where their nodes are, and what they do there, before a step
+  // Of bodies and gridpoints: velocities, or what acts on them.
+  struct Columns {
+    LaneVector<Vector>&linear, &angular, &node;
+  };
+  void add_member_springs(const Unit* alone, const Columns& velocity, const Columns& force) const;
+  std::vector<std::pair<int32_t, double>> shares_at(int block, const Vector& point) const;  // of its gridpoints
+  int most_gridpoints(const Piece& piece) const;                                            // of one of its blocks
   void fill_columns(Piece& piece);
   void follow_held();  // in the columns of pieces, before a step
   std::span<const int32_t> blocks_of(const Piece& piece) const {
@@ -707,10 +725,11 @@ class World {
   int facets_a_point(const Contact& c) const {
     return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
   }
-  // Springs of contact points, normal and along the joint, by family; and a factor on the forces of zones.
+  // Springs of contact points, normal and along the joint, by family; and factors on the forces of zones and of
+  // members.
   struct Stiffness {
     std::vector<std::array<double, 2>> of_family;
-    double of_zones;
+    double of_zones, of_members;
   };
   Stiffness stiffness() const;        // Pa/m, 1
   Stiffness impact_dashpots() const;  // Pa s/m, s
@@ -855,6 +874,8 @@ class World {
   long divisions_ = 0;                    // how often the work has been divided anew
   std::function<void()> fetch_ = [] {};
 
+  std::shared_ptr<members::Members> members_;  // null: none
+  double members_work_ = 0.0;                     // of them, that energies_ has, J
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it

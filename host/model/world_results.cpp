@@ -1,8 +1,10 @@
 // What can be asked of a model.
+#include <bit>
 #include <cstring>
 #include <limits>
 
 #include "base/fnv_hash.h"
+#include "members/members.h"
 #include "model/fields.h"
 #include "model/world.h"
 
@@ -251,6 +253,7 @@ uint64_t World::hash(const GiveParts& parts) const {
     });
   };
   WorldFields::each(*this, add_field);
+  if (members_) members_->each_number([&](double x) { hash.add(std::bit_cast<std::uint64_t>(x)); });
   return hash.value();
 }
 

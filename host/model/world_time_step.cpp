@@ -138,13 +138,13 @@ struct World::FrequencyHalo {
 };
 
 World::Stiffness World::stiffness() const {
-  Stiffness springs{{}, 1.0};
+  Stiffness springs{{}, 1.0, 1.0};
   for (const Family& f : families_) springs.of_family.push_back({f.kn, f.ks});
   return springs;
 }
 
 World::Stiffness World::impact_dashpots() const {
-  Stiffness springs{{}, impact_zone_beta_};
+  Stiffness springs{{}, impact_zone_beta_, 0.0};
   for (size_t f = 0; f < families_.size(); ++f)
     springs.of_family.push_back({impact_beta_[2 * f] * families_[f].kn, impact_beta_[2 * f + 1] * families_[f].ks});
   return springs;
@@ -277,6 +277,7 @@ double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double
         f[i] += force, m[i] += cross(at - bodies_[i].x, force);
       }
     }
+    if (members_ && stiffness.of_members != 0.0) add_member_springs(alone, {v, w, nv}, {f, m, nf});
     if (splits_motion()) scale_motion(blocks, inertia, nf, true);
     each_body([&](size_t i) {
       const Vector torque = transposed_times(bodies_[i].r, m[i]);

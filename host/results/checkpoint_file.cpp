@@ -30,7 +30,7 @@ namespace {
 struct Head {
   std::array<char, 8> mark{'Q', 'U', 'O', 'I', 'N', 'R', 'U', 'N'};
   std::uint32_t word_order = 0x01020304;
-  std::uint32_t format = 1;
+  std::uint32_t format = 2;
   std::array<std::uint8_t, 4> word_sizes{sizeof(int), sizeof(long), sizeof(void*), sizeof(double)};
   std::uint32_t unused = 0;
   std::uint64_t bytes = 0;     // of what follows the head
@@ -97,6 +97,16 @@ void transfer_identity(Archive& archive, Parts& parts) {
   });
 }
 
+template <class Archive, class Rows>
+void transfer_rows(Archive& archive, Rows& rows) {
+  archive.list(rows, [](auto& a, auto& row) {
+    using Numbers = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(row)>>, const HistoryNumbers,
+                                       HistoryNumbers>;
+    a.value(static_cast<Numbers&>(row));
+    a.array(row.members);
+  });
+}
+
 }  // namespace
 
 void add_series(const TimeSeries& series, Sha256& hash) {
@@ -148,7 +158,7 @@ void write_stored(const std::filesystem::path& path, const Identity& identity, c
     std::vector<std::uint8_t> bytes;
     ArchiveWriter writer{bytes};
     transfer_identity(writer, identity.parts);
-    writer.array(rows);
+    transfer_rows(writer, rows);
     writer.array(frame_times);
     writer.value(state_bytes);
     file = std::make_unique<DurableFile>(path);
@@ -211,7 +221,7 @@ Stored read_stored(const std::filesystem::path& path, const Fault& fault) {
   ArchiveReader reader{file};
   Stored stored;
   transfer_identity(reader, stored.identity.parts);
-  reader.array(stored.checkpoint.rows);
+  transfer_rows(reader, stored.checkpoint.rows);
   reader.array(stored.checkpoint.frame_times);
   const std::uint64_t bytes = reader.count_of(1);
   stored.checkpoint.stored = {file.position(), bytes, head.checksum, false};

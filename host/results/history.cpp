@@ -6,6 +6,7 @@
 
 #include "files/csv_text.h"
 #include "files/file.h"
+#include "members/members.h"
 
 namespace quoin {
 
@@ -24,11 +25,11 @@ template <double Energies::*part>
 double energy(const HistoryRow& row, const Stage&) {
   return energies(row).*part;
 }
-template <double HistoryRow::*part>
+template <double HistoryNumbers::*part>
 double number(const HistoryRow& row, const Stage&) {
   return row.*part;
 }
-template <Vec3 HistoryRow::*part, std::size_t c>
+template <Vec3 HistoryNumbers::*part, std::size_t c>
 double component(const HistoryRow& row, const Stage&) {
   return (row.*part)[c];
 }
@@ -122,6 +123,17 @@ void add_block_columns(const Scene& scene, bool on_ground, const std::function<v
   add("detection_J", energy<&Energies::detection>);
 }
 
+void add_member_columns(const Scene& scene, const std::function<void(const std::string&, Value)>& add) {
+  const std::vector<std::string> names = members::column_names(*scene.members);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    add(names[i],
+        [i](const HistoryRow& row, const Stage&) { return i < row.members.size() ? row.members[i] : std::nan(""); });
+  }
+  if (!scene.output.energy) return;
+  add("members_stored_J", energy<&Energies::members_stored>);
+  add("members_dissipated_J", energy<&Energies::members_dissipated>);
+}
+
 // What supports give: the sum, and each of those that have a name; of those that are driven how far they have come.
 void add_reaction_columns(const std::vector<Restraint>& restraints,
                           const std::function<void(const std::string&, Value)>& add) {
@@ -175,6 +187,7 @@ std::vector<HistoryColumn> history_columns(const Scene& scene, const std::vector
   const bool on_ground = std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   const bool acts =
       std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+  if (scene.members) add_member_columns(scene, add);
   if (scene.blocks || acts) add_block_columns(scene, on_ground, add);
   add_reaction_columns(restraints, add);
   return columns;

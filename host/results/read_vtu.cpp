@@ -29,6 +29,8 @@ long corners_of(std::uint8_t type) {
   switch (type) {
     case 1:
       return 1;
+    case 3:
+      return 2;
     case 7:
       return 0;
     case 9:

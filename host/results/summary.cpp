@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "members/members.h"
 #include "records/record.h"
 #include "records/response_spectrum.h"
 #include "results/history.h"
@@ -140,6 +141,22 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
           {"stages", stages}};
 }
 
+Json of_ties(const members::Members& members, const std::vector<HistoryRow>& rows) {
+  Json ties = Json::array();
+  for (std::size_t i = 0; i < members.ties().size(); ++i) {
+    const members::Tie& tie = members.ties()[i];
+    double largest = tie.state.force;
+    for (const HistoryRow& row : rows) largest = std::max(largest, row.members[i]);
+    ties.push_back({{"name", tie.name},
+                    {"force_N", tie.state.force},
+                    {"largest_force_N", largest},
+                    {"yield_force_N", tie.law.yield},
+                    {"plastic_elongation_m", tie.state.plastic},
+                    {"broken", tie.state.broken}});
+  }
+  return ties;
+}
+
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -150,6 +167,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
+  if (m.members()) json["ties"] = of_ties(*m.members(), rows);
   if (m.impact_damping_in_use() > 0.0) json["impact_damping_in_use"] = m.impact_damping_in_use();
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
@@ -163,6 +181,8 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
                         {"damping_share", taken > 0.0 ? Json(e.damping / taken) : Json(nullptr)},
                         {"external", e.external},
                         {"detection", e.detection},
+                        {"members_stored", e.members_stored},
+                        {"members_dissipated", e.members_dissipated},
                         {"balance_error", e.balance_error()}};
   }
   return json;

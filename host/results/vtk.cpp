@@ -11,15 +11,18 @@
 
 #include "base/attempt.h"
 #include "files/result_folder.h"
+#include "members/members.h"
 #include "results/joint_table.h"
 #include "results/parted_joints.h"
 #include "results/vtk_file.h"
+#include "step/large_motion.h"
 
 namespace quoin {
 
 namespace {
 
-constexpr std::uint8_t kVtkVertex = 1, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10, kVtkHexahedron = 12;
+constexpr std::uint8_t kVtkVertex = 1, kVtkLine = 3, kVtkPolygon = 7, kVtkQuad = 9, kVtkTetrahedron = 10,
+                       kVtkHexahedron = 12;
 constexpr const char* kStressComponents =
     " ComponentName0=\"xx\" ComponentName1=\"yy\" ComponentName2=\"zz\" ComponentName3=\"xy\" ComponentName4=\"yz\" "
     "ComponentName5=\"zx\"";
@@ -235,6 +238,40 @@ void add_parted_points(const Simulation& simulation, const std::vector<std::stri
                state < 0 ? std::nanf("") : static_cast<float>(p.state[static_cast<std::size_t>(state)]));
     }
   }
+}
+
+// ---- Members -------------------------------------------------------------------------------------------------------
+
+// A line a member, as members stand.
+void write_members(const std::filesystem::path& path, const members::Members& members, bool compressed) {
+  std::vector<VtkArray> arrays = arrays_of_grid();
+  for (const char* name : {"force_N", "plastic_m"})
+    arrays.push_back({"CellData", name, kVtkType<float>, 1, VtkRows::cell});
+  for (const char* name : {"kind", "member", "broken"})
+    arrays.push_back({"CellData", name, kVtkType<std::int32_t>, 1, VtkRows::cell});
+  const std::vector<members::Line> lines = members.lines();
+  Rows rows(arrays.size());
+  for (const members::Line& line : lines) {
+    const auto first = static_cast<std::int64_t>(rows.points());
+    rows.add(kPosition, geometry::array(line.from)), rows.add(kPosition, geometry::array(line.to));
+    rows.add_corner(first), rows.add_corner(first + 1);
+    rows.end_cell(kVtkLine);
+    std::size_t field = kFirstField;
+    for (const double value : {line.force, line.plastic}) rows.add(field++, static_cast<float>(value));
+    for (const int value : {line.kind, line.member, static_cast<int>(line.broken)})
+      rows.add(field++, static_cast<std::int32_t>(value));
+  }
+  VtkFile file(path, arrays, {rows.points(), lines.size(), rows.corners()}, compressed);
+  rows.append_to(file);
+  file.finish();
+}
+
+std::filesystem::path members_file(const std::filesystem::path& folder, size_t frame) {
+  return folder / fmt::format("members_{:04}.vtu", frame);
+}
+
+const members::Members* members_of(const Simulation& simulation) {
+  return simulation.riding() ? simulation.riding()->members() : nullptr;
 }
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
@@ -487,6 +524,8 @@ void VtkSeries::add(const Simulation& simulation, bool piece) {
                       blocks ? arrays_of_blocks() : arrays_of_joints(simulation, state_ids(simulation)), all);
     });
   }
+  if (const members::Members* const members = members_of(simulation))
+    attempt([&] { write_members(members_file(folder_, frame), *members, compressed_); });
   attempt.rethrow();
   times_.push_back(simulation.time());
   note_pieces();
@@ -512,6 +551,8 @@ void VtkSeries::finish() const {
   write_collection(folder_, "blocks", times_);
   write_collection(folder_, "joints", times_);
   if (pieces_.count <= 1) write_collection(folder_, "forces", times_);
+  if (!times_.empty() && std::filesystem::exists(members_file(folder_, 0)))
+    write_collection(folder_, "members", times_);
 }
 
 }  // namespace quoin

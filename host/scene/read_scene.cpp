@@ -18,6 +18,7 @@
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 #include "scene/read_damage.h"
+#include "scene/read_members.h"
 #include "scene/read_monitors.h"
 #include "scene/read_opening.h"
 #include "scene/read_scatter.h"
@@ -798,6 +799,8 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 
+  scene.members = read_members(t, scene);
+  if (scene.members) scene.quality_as_is = false;  // its errors were measured without them
   for (size_t i = 0; const auto* table : t.tables("damage", "tables [[damage]]"))
     scene.damage.push_back(read_damage({context, *table, fmt::format("damage.{}", ++i)}, scene));
   if (t.text("start", scene.start, "the folder of a run with output.end_state = true")) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -427,6 +428,8 @@ struct OutputSettings {
   bool end_state = false;        // end_state.bin: where other scenes may begin
 };
 
+struct MemberSpecs;  // members.h
+
 struct Scene {
   // Over a stage, after the one that shows its begin.
   int frames_in(std::size_t stage) const {
@@ -450,6 +453,7 @@ struct Scene {
   std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
+  std::shared_ptr<const MemberSpecs> members;  // null: none
   std::vector<Damage> damage;
   std::string start;  // folder of the run whose end is where this one begins; empty: at rest
   std::vector<Stage> stages;

@@ -16,7 +16,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '4'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '5'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "members/members.h"
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
@@ -391,6 +392,12 @@ void Model::each_load_on_gridpoints(int block, double since, const Visit& visit)
   }
 }
 
+template <class Visit>
+void Model::each_member_force(int block, const Visit& visit) const {
+  if (!members_) return;
+  for (const int node : members_->nodes_of(block)) visit(members_->nodes()[size_t(node)]);
+}
+
 Vector Model::forces_on_gridpoints(int block, double* force) {
   const ModelBlock& b = blocks_[size_t(block)];
   const auto add = [&](int32_t node, const Vector& f) {
@@ -422,6 +429,10 @@ Vector Model::forces_on_gridpoints(int block, double* force) {
       contacts -= p.force;
     }
   }
+  each_member_force(block, [&](const members::Node& node) {
+    for (const auto& [i, weight] : node.share) add(i, weight * node.force);
+    contacts += node.force;
+  });
   block_contact_force_[size_t(block)] = contacts;
   if (!loaded_[size_t(block)]) return acceleration;
   each_load_on_gridpoints(block, 0.0, add);
@@ -450,6 +461,10 @@ void Model::forces_on_body(int block) {
       body.torque -= cross(p.at - body.x, p.force);
     }
   }
+  each_member_force(block, [&](const members::Node& node) {
+    body.force += node.force;
+    body.torque += cross(node.x - body.x, node.force);
+  });
   block_contact_force_[size_t(block)] = body.force;
   body.force += body.weight_mass * (gravity_factor_.at(time_) * gravity_);
   if (!loaded_[size_t(block)]) return;
@@ -556,6 +571,14 @@ void Model::leave_frames() {
   divide_work();
 }
 
+void Model::sum_up_members() {
+  const members::Work work = members_->work();
+  dissipated_in_step_ += work.dissipated - energies_.members_dissipated;
+  energies_.members_stored = work.stored, energies_.members_dissipated = work.dissipated;
+  energies_.external += work.outside - members_work_;
+  members_work_ = work.outside;
+}
+
 void Model::sum_up() {
   unbalanced_ = measured_kinetic_ = 0.0;
   net_ = {};
@@ -581,6 +604,7 @@ void Model::sum_up() {
   energies_.external += later_.external;
   energies_.detection += later_.detection;
   later_ = {};
+  if (members_) sum_up_members();
   for (const BlockSums& sums : block_sums_) {
     energies_.kinetic += sums.kinetic;
     energies_.strain += sums.strain;

@@ -45,6 +45,7 @@ class Model : public World {
   void begin_step(bool measured = false) {
     measured_ = measured || energy_;
     follow_held();
+    if (members_) follow_members();
   }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
@@ -107,8 +108,11 @@ class Model : public World {
   // before and after it, as of all other forces.
   double power_on_gridpoints(int block, double since) const;
   void sum_up();
-  void leave_frames();  // blocks that have deformed too much for theirs
-  void watch() const;   // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
+  void sum_up_members();
+  template <class Visit>
+  void each_member_force(int block, const Visit& visit) const;  // visit(node)
+  void leave_frames();                                          // blocks that have deformed too much for theirs
+  void watch() const;  // throws Error(numerical): a block that is nowhere, with its name, its place of the start, step
   [[noreturn]] void report_failure(const Chunk& chunk) const;
   double zone_damping() const;
   void share_work();

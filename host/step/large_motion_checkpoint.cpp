@@ -1,6 +1,7 @@
 // Everything of a model that changes while it runs, as bytes; what follows from the scene alone is built, not stored.
 #include "base/archive.h"
 #include "base/error.h"
+#include "members/members.h"
 #include "model/fields.h"
 #include "step/large_motion.h"
 
@@ -73,6 +74,8 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.net_);
   archive.value(m.energies_);
   archive.value(m.later_);
+  archive.value(m.members_work_);
+  if (m.members_) members::Members::transfer(archive, *m.members_);
 }
 
 namespace {

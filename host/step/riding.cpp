@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "law/at_rest.h"
+#include "members/members.h"
 #include "model/time_step.h"
 #include "scene/generate_blocks.h"
 #include "step/law_swap.h"
@@ -28,6 +29,7 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
     riding->before_dividing([this] { gather(Part::all); });
   }
   riding->track_energy(want_energy);
+  build_members();
   find_blocks_on_base();
   require_moving_ground();
   if (!left) extent = riding->extent();
@@ -185,7 +187,7 @@ void Simulation::Impl::measure_riding_step() {
   kinetic = riding->measured_kinetic_energy();
   if (sample_energy) {
     Energies now;
-    now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored;
+    now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored + e.members_stored;
     const double work = e.external - e.damping - e.detection;  // since energies were booked first
     look_at_energies(now, riding->dissipated_in_step(), work, -work);
     if (!watch.pending) stop_look();
@@ -199,7 +201,9 @@ void Simulation::Impl::measure_riding_step() {
                       energy_dissipated,
                       energy_external + e.external,
                       energy_damping + e.damping,
-                      e.detection - jump};
+                      e.detection - jump,
+                      e.members_stored,
+                      e.members_dissipated};
   for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] += e.dissipated[k];
 }
 
@@ -245,6 +249,7 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
   row.multiplier = multiplier;
   row.largest_displacement = largest_displacement();
   const double whole = model.assembly.symmetry_factor;
+  if (const members::Members* const members = riding->members()) row.members = members->columns();
   row.dynamic_force = whole * riding->net_force()[static_cast<int>(direction)];
   measure_base(row);
   if (monitor_blocks.empty()) return;

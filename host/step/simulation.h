@@ -43,9 +43,10 @@ struct Energies {
   double external = 0.0;               // work of weight, forces and prescribed velocities since the start
   double damping = 0.0;                // work taken by damping since the start
   double detection = 0.0;              // stored energy lost (> 0) or gained where contact points were placed anew
+  double members_stored = 0.0, members_dissipated = 0.0;  // ties
   double balance_error() const {
-    return kinetic + strain + contact_stored + dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3] + damping +
-           detection - external;
+    return kinetic + strain + contact_stored + members_stored + dissipated[0] + dissipated[1] + dissipated[2] +
+           dissipated[3] + members_dissipated + damping + detection - external;
   }
 };
 
@@ -58,8 +59,8 @@ struct Reaction {
 };
 constexpr std::size_t kMostRestraints = 12;  // that a history tells of one by one
 
-// One line of the history. Forces include the symmetry factor: they are those of the whole wall.
-struct HistoryRow {
+// The numbers that every line of the history has. Forces include the symmetry factor: they are those of the whole wall.
+struct HistoryNumbers {
   int stage = 0;
   long step = 0;                  // since the start of the simulation
   double time = 0.0;              // s, since the start of the simulation
@@ -89,6 +90,11 @@ struct HistoryRow {
 struct Restraint {
   std::string name;
   bool driven = false;  // by some stage
+};
+
+// One line of the history.
+struct HistoryRow : HistoryNumbers {
+  std::vector<double> members;  // what the scene's members show, by members::column_names
 };
 
 struct Progress {

@@ -262,6 +262,7 @@ struct Simulation::Impl {
 
   // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
   void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
+  void build_members();  // of the scene
   void find_blocks_on_base();
   bool may_ride_in_parts(const blocks::Assembly& shapes) const;
   std::vector<int> rank_of_riding_blocks() const;
@@ -288,6 +289,7 @@ struct Simulation::Impl {
   void scale_pressures(const Stage& settings, double ramp);
   void apply_gravity(const Stage& settings, double ramp);
   void apply_collapse(const Stage& settings, double ramp);
+  void jack_members(const Stage& settings, double ramp);
   geometry::Vector record_velocity(const Stage& of_stage, double time) const;  // of its ground motion, m/s
   void add_forces(const Stage& settings);
   void add_pressures(const Stage& settings);

@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 
+#include "members/members.h"
 #include "step/large_motion.h"
 #include "step/state.h"
 
@@ -70,6 +71,11 @@ std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
     const blocks::Contact& c = riding->contacts()[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
+  const members::Members* const members = riding ? riding->members() : nullptr;
+  for (std::size_t i = 0; members && i < members->ties().size(); ++i) {
+    const members::Tie& tie = members->ties()[i];
+    join(members->nodes()[at(tie.from)].block, members->nodes()[at(tie.to)].block);
+  }
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
   return first;
 }
@@ -81,6 +87,9 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
+  const members::Members* const members = riding ? riding->members() : nullptr;
+  for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
+    imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
   std::vector<int> loose;
   for (std::size_t i = 0; i < held.size(); ++i) {
     if ((imposed[group[i]] & along) != along) loose.push_back(static_cast<int>(i));
@@ -90,6 +99,7 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
 
 void Simulation::Impl::require_moving_ground() const {
   const auto& blocks = riding->assembly().blocks;
+  if (riding->members() && !riding->members()->beds().empty()) return;
   if (std::any_of(blocks.begin(), blocks.end(), [](const blocks::Block& b) { return b.fixed; })) return;
   for (const Stage& each : scene.stages) {
     if (!each.ground) continue;

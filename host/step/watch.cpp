@@ -213,7 +213,8 @@ std::vector<Warning> Simulation::Impl::look() {
   }
   if (want_energy && energies) {
     const Energies& e = *energies;
-    double moved = e.kinetic + e.strain + e.contact_stored + std::abs(e.damping);
+    double moved =
+        e.kinetic + e.strain + e.contact_stored + e.members_stored + e.members_dissipated + std::abs(e.damping);
     for (const double d : e.dissipated) moved += d;
     watch.energy_missing = e.balance_error();
     watch.energy_moved = std::max({watch.energy_moved, moved, std::abs(e.external)});

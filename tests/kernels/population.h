@@ -14,7 +14,7 @@
 
 namespace quoin::test {
 
-inline constexpr const char* laws[] = {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint"};
+inline constexpr const char* laws[] = {"elastic", "coulomb_slip", "fracture_energy", "cyclic_joint", "bond_slip"};
 
 // Every branch of the law: shape, coupling, and elastic in compression, crushing, or that with residuals and dilation.
 inline std::vector<Values> materials(const std::string& law) {
@@ -28,6 +28,13 @@ inline std::vector<Values> materials(const std::string& law) {
         residual.numbers.end(),
         {{"tensile_strength_residual", 0.02e6}, {"cohesion_residual", 0.05e6}, {"friction_angle_residual", 28.0}});
     return {first(5), residual};
+  }
+  if (law == "bond_slip") {
+    Values bonded = first(2), peels = bonded;
+    bonded.numbers.insert(bonded.numbers.end(), {{"bond_strength", 0.3e6}, {"fracture_energy", 15.0}});
+    peels.numbers.insert(peels.numbers.end(),
+                         {{"bond_strength", 0.3e6}, {"peel_strength", 0.2e6}, {"fracture_energy", 5.0}});
+    return {first(2), bonded, peels};
   }
   std::vector<Values> all;
   if (law == "cyclic_joint") {

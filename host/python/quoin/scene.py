@@ -8,7 +8,7 @@ import numpy as np
 from . import _quoin
 
 # Keys that are lists of tables: they need not be there before something is appended.
-LISTS = ("block", "dry_wall", "arch", "joint_rule", "damage", "stage")
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
@@ -94,6 +94,18 @@ class DryWall(Table):
 
 class Arch(Table):
     """[[arch]]"""
+
+
+class Tie(Table):
+    """[[tie]]: a bar between points of two blocks."""
+
+
+class Spring(Table):
+    """[[spring]]: springs and dashpots between a face and the ground."""
+
+
+class Strip(Table):
+    """[[strip]]: fibres along a line on faces, bonded by a law."""
 
 
 class JointRule(Table):

@@ -30,6 +30,7 @@ std::span<const Simulation::Impl::Action> Simulation::Impl::Action::all() {
       {"force", pushed, &Impl::bind_forces, &Impl::scale_forces},
       {"pressure", pressed, &Impl::bind_pressures, &Impl::scale_pressures},
       {"gravity", nullptr, nullptr, &Impl::apply_gravity},
+      {"members", nullptr, nullptr, &Impl::jack_members},
       {"collapse", nullptr, &Impl::bind_collapse, &Impl::apply_collapse},
       {"whiffletree", of_floors, nullptr, nullptr},  // on the lattice too: see pull_whiffletree
   };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "members/members.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/action.h"
 
@@ -54,8 +55,10 @@ void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
 // What damping brakes against. It moves as its first block does.
 void Simulation::Impl::follow_ground(const Stage& settings, double s) {
   const auto ground = std::find_if(drives.begin(), drives.end(), [](const Drive& d) { return d.of_ground == 7; });
-  if (ground == drives.end()) return riding->move_ground({}, {});
-  const Vector left_over = ground->velocity_from + s * (ground->velocity_to - ground->velocity_from);
+  const bool on_springs = riding->members() && !riding->members()->beds().empty();
+  if (ground == drives.end() && !on_springs) return riding->move_ground({}, {});
+  const Vector left_over =
+      ground == drives.end() ? Vector{} : ground->velocity_from + s * (ground->velocity_to - ground->velocity_from);
   const double now = riding->time(), half = 0.5 * riding->time_step();
   riding->move_ground(left_over + record_velocity(settings, now - half), left_over + record_velocity(settings, now));
 }
@@ -75,6 +78,10 @@ void Simulation::Impl::measure_base(HistoryRow& row) const {
     if (!blocks[static_cast<std::size_t>(block)].fixed) continue;
     const Vec3 joints = geometry::array(riding->contact_force(block));
     for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints[c];
+  }
+  for (std::size_t i = 0; riding->members() && i < riding->members()->beds().size(); ++i) {
+    const Vec3 bed = geometry::array(riding->members()->force_of(riding->members()->beds()[i]));
+    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] -= bed[c];
   }
   if (in_parts) return;  // no rank has all contact points
   const Vector centre = base_centre + geometry::vector(moved);

@@ -1,0 +1,192 @@
+#include "members/members.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+#include "scene/generate_blocks.h"
+
+namespace quoin::members {
+
+namespace {
+
+// Of the largest extent of a block, by which an end may lie off it: coordinates are typed in round numbers.
+constexpr double kOffBlock = 1e-3;
+
+// How far a point is outside of a block, at least, m; < 0: inside.
+double outside_by(const blocks::Assembly& assembly, int block, const Vector& point) {
+  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
+  const Vector own = transposed_times(matrix(b.orientation), point - b.position);
+  double outside = -1e300;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
+    outside = std::max(outside, dot(shape.normals[f], own - on_face));
+  }
+  return outside;
+}
+
+double allowed_off(const blocks::Assembly& assembly, int block) {
+  const int shape = assembly.blocks[static_cast<std::size_t>(block)].shape;
+  return kOffBlock * geometry::longest_extent(assembly.shapes[static_cast<std::size_t>(shape)].vertices);
+}
+
+TieLaw law_of(const TieSpec& spec, double length) {
+  TieLaw law;
+  law.stiffness = spec.young_modulus * spec.area / length;
+  law.yield = spec.yield_force();
+  law.hardening = spec.hardening / (1.0 - spec.hardening) * law.stiffness;
+  law.pretension = spec.pretension;
+  law.rupture = spec.rupture_strain * length;
+  law.slack = spec.slack;
+  law.compression = spec.compression;
+  return law;
+}
+
+std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"; }
+
+}  // namespace
+
+Members::Members(const MemberSpecs& specs, const blocks::Assembly& assembly) {
+  for (const TieSpec& spec : specs.ties) add_tie(spec, assembly);
+  for (const SpringSpec& spec : specs.springs) add_bed(spec, assembly);
+  for (const StripSpec& spec : specs.strips) add_strip(spec, assembly);
+  sort_nodes(assembly.blocks.size());
+}
+
+void Members::add_tie(const TieSpec& spec, const blocks::Assembly& assembly) {
+  Tie tie{spec.name, node_at(spec.from, assembly), node_at(spec.to, assembly), 0.0, {}, {}};
+  const Node &from = nodes_[static_cast<std::size_t>(tie.from)], &to = nodes_[static_cast<std::size_t>(tie.to)];
+  if (from.block == to.block)
+    throw Error(Exit::bad_input, fmt::format("{}: both ends of tie '{}' are on block {}; give them blocks of their own",
+                                             spec.source.text, spec.name, label(assembly, from.block)));
+  tie.length = norm(to.start - from.start);
+  if (!(tie.length > 0.0))
+    throw Error(Exit::bad_input, fmt::format("{}: tie '{}' begins and ends at {}; its length must be more than 0",
+                                             spec.source.text, spec.name, geometry::place(from.start)));
+  tie.law = law_of(spec, tie.length);
+  ties_.push_back(tie);
+}
+
+void Members::sort_nodes(std::size_t blocks) {
+  const auto block_of = [&](int node) { return nodes_[static_cast<std::size_t>(node)].block; };
+  by_block_.resize(nodes_.size());
+  std::iota(by_block_.begin(), by_block_.end(), 0);
+  std::stable_sort(by_block_.begin(), by_block_.end(), [&](int a, int b) { return block_of(a) < block_of(b); });
+  end_of_block_.assign(blocks, 0);
+  std::size_t n = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    while (n < by_block_.size() && block_of(by_block_[n]) == static_cast<int>(b)) ++n;
+    end_of_block_[b] = n;
+  }
+}
+
+int Members::node_at(const MemberEnd& end, const blocks::Assembly& assembly) {
+  Node node;
+  node.start = node.x = geometry::vector(end.point);
+  std::vector<int> candidates;
+  if (end.block.empty()) {
+    for (std::size_t b = 0; b < assembly.blocks.size(); ++b) candidates.push_back(static_cast<int>(b));
+  } else {
+    candidates = blocks::find_blocks(assembly, end.block, end.source.text);
+  }
+  double least = 1e300;
+  int nearest = -1;
+  std::vector<int> has;
+  for (const int block : candidates) {
+    const double outside = outside_by(assembly, block, node.start);
+    if (outside < least) least = outside, nearest = block;
+    if (outside <= allowed_off(assembly, block)) has.push_back(block);
+  }
+  if (has.empty())
+    throw Error(Exit::bad_input,
+                fmt::format("{}: the end at {} is in the air: {} {} is {:.3g} m away at least; allowed: a point in a "
+                            "block or on its face",
+                            end.source.text, geometry::place(node.start),
+                            end.block.empty() ? "the nearest block," : "block", label(assembly, nearest), least));
+  node.block = nearest;
+  // On a face between two, both have it, and neither more than the other.
+  for (const int block : has) {
+    if (block == nearest || outside_by(assembly, block, node.start) > least + 1e-9) continue;
+    throw Error(Exit::bad_input,
+                fmt::format("{}: the end at {} is where blocks {} and {} meet; {}", end.source.text,
+                            geometry::place(node.start), label(assembly, nearest), label(assembly, block),
+                            end.block.empty() ? "move it into one of them, or name that as block"
+                                              : "move it into one of them"));
+  }
+  nodes_.push_back(node);
+  return static_cast<int>(nodes_.size()) - 1;
+}
+
+std::span<const int> Members::nodes_of(int block) const {
+  const std::size_t first = block > 0 ? end_of_block_[static_cast<std::size_t>(block) - 1] : 0;
+  return std::span(by_block_).subspan(first, end_of_block_[static_cast<std::size_t>(block)] - first);
+}
+
+void Members::pull(const Vector& ground_way, double dt) {
+  for (Node& node : nodes_) node.force = {};
+  pull_beds(ground_way, dt);
+  for (Strip& strip : strips_) strip.pull(nodes_, dt);
+  for (Tie& tie : ties_) {
+    Node &from = nodes_[static_cast<std::size_t>(tie.from)], &to = nodes_[static_cast<std::size_t>(tie.to)];
+    const Vector span = to.x - from.x;
+    const double length = norm(span);
+    tie.state.follow(tie.law, length - tie.length, jack_);
+    const Vector force = (tie.state.force / length) * span;
+    from.force += force, to.force -= force;
+  }
+}
+
+Work Members::work() const {
+  Work sum;
+  for (const Tie& tie : ties_) {
+    sum.stored += tie.state.stored, sum.dissipated += tie.state.dissipated;
+    sum.outside += tie.state.jack_work;
+  }
+  for (const SpringPoint& p : points_) sum.stored += p.state.stored, sum.dissipated += p.state.dissipated;
+  for (const Strip& strip : strips_) sum.stored += strip.stored(), sum.dissipated += strip.dissipated();
+  sum.outside += ground_work_;
+  return sum;
+}
+
+std::vector<double> Members::columns() const {
+  std::vector<double> values;
+  for (const Tie& tie : ties_) values.push_back(tie.state.force);
+  for (const Bed& bed : beds_) {
+    const Vector force = force_of(bed);
+    values.insert(values.end(), {force.x, force.y, force.z});
+  }
+  for (const Strip& strip : strips_) values.insert(values.end(), {strip.largest_force(), strip.debonded_length()});
+  return values;
+}
+
+std::vector<Line> Members::lines() const {
+  std::vector<Line> lines;
+  for (std::size_t i = 0; i < ties_.size(); ++i) {
+    const Tie& tie = ties_[i];
+    lines.push_back({0, static_cast<int>(i), nodes_[static_cast<std::size_t>(tie.from)].x,
+                     nodes_[static_cast<std::size_t>(tie.to)].x, tie.state.force, tie.state.plastic, tie.state.broken});
+  }
+  for (std::size_t i = 0; i < strips_.size(); ++i) {
+    const Strip& strip = strips_[i];
+    for (std::size_t k = 0; k < strip.forces().size(); ++k)
+      lines.push_back(
+          {1, static_cast<int>(i), strip.nodes()[k], strip.nodes()[k + 1], strip.forces()[k], 0.0, strip.is_broken(k)});
+  }
+  return lines;
+}
+
+std::vector<std::string> column_names(const MemberSpecs& specs) {
+  std::vector<std::string> names;
+  for (const TieSpec& tie : specs.ties) names.push_back(column_of_tie(tie.name));
+  for (const SpringSpec& spring : specs.springs) {
+    for (const char* axis : {"x", "y", "z"}) names.push_back(fmt::format("spring_{}_{}_N", spring.name, axis));
+  }
+  for (const StripSpec& strip : specs.strips)
+    names.insert(names.end(), {fmt::format("strip_{}_N", strip.name), fmt::format("strip_{}_debonded_m", strip.name)});
+  return names;
+}
+
+}  // namespace quoin::members

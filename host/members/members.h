@@ -1,0 +1,142 @@
+// Members of a model: ties between blocks, springs to the ground, strips on faces. They pull at nodes; where nodes are,
+// and what becomes of the forces there, is the model's to know (model/world_members.cpp).
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "members/node.h"
+#include "members/spring.h"
+#include "members/strip.h"
+#include "members/tie.h"
+#include "scene/blocks.h"
+#include "scene/members.h"
+
+namespace quoin::members {
+
+struct Tie {
+  std::string name;
+  int from = 0, to = 0;  // nodes
+  double length = 0.0;   // at the start, m
+  TieLaw law;
+  TieState state;
+};
+
+// One point of a face on springs.
+struct SpringPoint {
+  int node = 0;
+  Vector out;  // of the block, unit, at the start
+  SpringLaw law;
+  SpringState state;
+};
+// A [[spring]]: a run of them.
+struct Bed {
+  std::string name;
+  std::size_t first = 0, end = 0;
+  double area = 0.0;  // m2
+};
+
+inline constexpr int kGround = -1;  // in place of a node
+
+// A stretch of a member, as pictures show it.
+struct Line {
+  int kind = 0, member = 0;  // 0: tie, 1: strip; index among those of the kind
+  Vector from, to;           // m
+  double force = 0.0;        // N, tension positive
+  double plastic = 0.0;      // m
+  bool broken = false;
+};
+
+// What members have done since the start, J.
+struct Work {
+  double stored = 0.0, dissipated = 0.0;
+  double outside = 0.0;  // done on them by jacks and by the ground that moves
+};
+
+class Members {
+ public:
+  // Throws Error(bad_input): an end that is in no block, with place and what is nearest.
+  Members(const MemberSpecs& specs, const blocks::Assembly& assembly);
+
+  std::vector<Node>& nodes() { return nodes_; }
+  const std::vector<Node>& nodes() const { return nodes_; }
+  std::span<const int> nodes_of(int block) const;
+  const std::vector<Tie>& ties() const { return ties_; }
+  const std::vector<Bed>& beds() const { return beds_; }
+  const std::vector<Strip>& strips() const { return strips_; }
+  const std::vector<SpringPoint>& spring_points() const { return points_; }
+  Vector force_of(const Bed& bed) const;  // on its blocks, N
+
+  // Share of the pretension that jacks have given, from the next step on.
+  void jack(double share) { jack_ = share; }
+  // Before a step: way of the ground since the last one, m; time since then, s.
+  void pull(const Vector& ground_way, double dt);
+  // Time step that dashpots are to be stable with, s.
+  void reckon_with(double dt) { reckoned_step_ = dt; }
+  bool has_dashpots() const;
+  Work work() const;
+  // Upper bound of the stiffness in any direction, N/m, with 2/dt of dashpots: visit(node, other node or -1: the
+  // ground, stiffness).
+  template <class Visit>
+  void each_spring(const Visit& visit) const {
+    for (const Tie& tie : ties_) visit(tie.from, tie.to, tie.law.stiffness);
+    // K is at most the sum of sizes in its rows. Nodes of strips have inertia for theirs; blocks need twice the bond.
+    for (const Strip& strip : strips_) {
+      for (std::size_t i = 0; i < strip.places().size(); ++i)
+        visit(strip.places()[i].node, kGround, 2.0 * strip.bond_stiffness(i));
+    }
+    const double rate = reckoned_step_ > 0.0 ? 2.0 / reckoned_step_ : 0.0;
+    for (const SpringPoint& p : points_)
+      visit(p.node, kGround,
+            std::max(p.law.normal + rate * p.law.normal_dashpot, p.law.shear + rate * p.law.shear_dashpot));
+  }
+
+  std::vector<double> columns() const;  // of the history, by column_names
+  std::vector<Line> lines() const;
+
+  // Of the hash of the state: visit(number).
+  template <class Visit>
+  void each_number(const Visit& visit) const {
+    for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
+    for (const SpringPoint& p : points_) visit(p.state.slid.x), visit(p.state.slid.y), visit(p.state.slid.z);
+    for (const Strip& strip : strips_) strip.each_number(visit);
+  }
+
+  template <class Archive, class Self>
+  static void transfer(Archive& archive, Self& m) {
+    archive.value(m.jack_);
+    for (auto& tie : m.ties_) archive.value(tie.state);
+    archive.value(m.ground_), archive.value(m.ground_work_);
+    for (auto& point : m.points_) archive.value(point.state);
+    for (auto& strip : m.strips_) Strip::transfer(archive, strip);
+  }
+
+ private:
+  int node_at(const MemberEnd& end, const blocks::Assembly& assembly);
+  void add_tie(const TieSpec& spec, const blocks::Assembly& assembly);
+  void add_bed(const SpringSpec& spec, const blocks::Assembly& assembly);
+  void add_strip(const StripSpec& spec, const blocks::Assembly& assembly);
+  void add_points(const SpringSpec& spec, const std::array<Vector, 3>& triangle, int block, const Vector& out);
+  void sort_nodes(std::size_t blocks);
+  void pull_beds(const Vector& ground_way, double dt);
+
+  std::vector<Node> nodes_;
+  std::vector<int> by_block_;              // nodes, block after block
+  std::vector<std::size_t> end_of_block_;  // by block
+  std::vector<Tie> ties_;
+  std::vector<Bed> beds_;
+  std::vector<SpringPoint> points_;
+  std::vector<Strip> strips_;
+  double jack_ = 0.0;
+  Vector ground_;             // since the start, m
+  double ground_work_ = 0.0;  // J
+  double reckoned_step_ = 0.0;
+};
+
+// Of the history, of what a scene has.
+std::vector<std::string> column_names(const MemberSpecs& specs);
+
+}  // namespace quoin::members

@@ -1,0 +1,91 @@
+// A strip: bars between nodes of their own, each held to a face by a contact law. Equations: README.md.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "law/law_library.h"
+#include "members/node.h"
+
+namespace quoin::members {
+
+class Strip {
+ public:
+  // Where it is bonded: at the start.
+  struct Place {
+    int node = 0;          // of the block
+    Vector at;             // m
+    Vector normal, along;  // unit: out of the block, along the strip
+    double area = 0.0;     // m2
+  };
+  struct Fibres {
+    double stiffness = 0.0;  // E A, N
+    double strength = 0.0;   // N
+    bool compression = false;
+  };
+  Strip(std::string name, std::vector<Place> places, const Fibres& fibres, std::shared_ptr<const Material> bond,
+        const std::string& initial_state);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Place>& places() const { return places_; }
+  double bond_stiffness(std::size_t place) const;  // upper bound, N/m
+  // Forces on the blocks, and the nodes of the strip on by a step, s. Throws Error(numerical): the law has failed.
+  void pull(std::vector<Node>& nodes, double dt);
+
+  double stored() const { return stored_; }
+  double dissipated() const { return dissipated_; }
+  double largest_force() const;    // of its bars, N
+  double debonded_length() const;  // m
+  const std::vector<Vector>& nodes() const { return x_; }
+  const std::vector<double>& forces() const { return force_; }  // of bars, N
+  bool is_broken(std::size_t bar) const { return broken_[bar] != 0; }
+  double added_mass() const;  // kg
+
+  template <class Visit>
+  void each_number(const Visit& visit) const {
+    for (const Vector& x : x_) visit(x.x), visit(x.y), visit(x.z);
+    for (const auto& column : state_) {
+      for (const double value : column) visit(value);
+    }
+  }
+  template <class Archive, class Self>
+  static void transfer(Archive& archive, Self& s) {
+    archive.array(s.x_), archive.array(s.v_), archive.array(s.mass_), archive.array(s.force_), archive.array(s.broken_);
+    for (auto& column : s.jump_) archive.array(column);
+    for (auto& column : s.traction_) archive.array(column);
+    for (auto& column : s.state_) archive.array(column);
+    archive.array(s.flags_);
+    archive.value(s.mass_step_), archive.value(s.stored_), archive.value(s.dissipated_);
+  }
+
+ private:
+  void bind();
+  void find_masses(double dt);
+  void find_jumps(const std::vector<Node>& nodes);
+  void ask_law();
+  void pull_bars(std::vector<Vector>& force);
+  void advance(const std::vector<Vector>& force, double dt);
+
+  std::string name_;
+  std::vector<Place> places_;
+  Fibres fibres_;
+  std::vector<double> length_;  // of bars at the start, m
+  std::shared_ptr<const Material> bond_;
+
+  std::vector<Vector> x_, v_;    // m, m/s half a step ago
+  std::vector<double> mass_;     // kg
+  std::vector<double> force_;    // of bars, N
+  std::vector<uint8_t> broken_;  // bars
+  std::vector<double> jump_[3], slip_[2], traction_[3];
+  std::vector<std::vector<double>> state_;
+  std::vector<double> energy_[1 + QUOIN_DISSIPATED_COUNT];  // stored, dissipated in the step, J/m2
+  std::vector<std::uint32_t> flags_;
+  double mass_step_ = 0.0;  // s, that masses are for
+  double stored_ = 0.0, dissipated_ = 0.0;
+  quoin_batch batch_{};
+  std::vector<quoin_in> state_old_;
+  std::vector<quoin_out> state_new_;
+};
+
+}  // namespace quoin::members

@@ -1,0 +1,31 @@
+// A tie: what a bar does along its axis. Equations: README.md.
+#pragma once
+
+#include <limits>
+
+namespace quoin::members {
+
+struct TieLaw {
+  double stiffness = 0.0;                                    // E A / L, N/m
+  double yield = 0.0;                                        // N
+  double hardening = 0.0;                                    // of the yield force, by plastic elongation, N/m
+  double pretension = 0.0;                                   // N
+  double rupture = std::numeric_limits<double>::infinity();  // elongation, pretension's included, m
+  double slack = 0.0;                                        // m
+  bool compression = false;
+};
+
+// All but the force is history. Energies in J.
+struct TieState {
+  double force = 0.0;       // N, tension positive
+  double plastic = 0.0;     // elongation, m
+  double shortening = 0.0;  // by the jack, m: pretension over stiffness when it is done
+  bool broken = false;
+  double stored = 0.0, dissipated = 0.0;
+  double jack_work = 0.0;
+
+  // elongation: of the ends since the start, m. jack: share of the pretension, 0 to 1.
+  void follow(const TieLaw& law, double elongation, double jack);
+};
+
+}  // namespace quoin::members

@@ -1,0 +1,25 @@
+// Members: their pretension grows over the ramp of the first stage.
+#include "members/members.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "step/actions/action.h"
+
+namespace quoin {
+
+void Simulation::Impl::build_members() {
+  if (!scene.members) return;
+  if (ranks)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: members ([[tie]]) pull at blocks of several processes, which do not tell each other "
+                            "of them; run the scene in one process, with as many threads as there are cores",
+                            scene.file));
+  riding->hold_by_members(std::make_shared<members::Members>(*scene.members, riding->assembly()));
+}
+
+void Simulation::Impl::jack_members(const Stage&, double s) {
+  if (riding->members()) riding->members()->jack(stage == 0 ? s : 1.0);
+}
+
+}  // namespace quoin

@@ -1,0 +1,130 @@
+// Faces on springs of the ground against closed forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "scenes.h"
+
+namespace quoin {
+namespace {
+
+using members_cases::box;
+
+constexpr double kWidth = 1.0, kHeight = 1.2, kDepth = 0.5, kGravity = 9.81;
+constexpr double kMass = 2000.0 * kWidth * kHeight * kDepth, kWeight = kMass * kGravity;
+
+// A block that nothing but its springs hold, and a stage.
+Scene on_springs(const std::string& spring, const std::string& stage, const std::string& solver) {
+  return read_scene_text(R"([materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 30
+[output]
+frames = 0
+plots = false
+monitor = "block"
+[solver]
+)" + solver + box("block", "[-0.5, 0, 0]", "[1, 1.2, 0.5]") +
+                             "[[spring]]\nname = \"soil\"\nblock = \"block\"\n" + spring +
+                             "[[stage]]\ngravity = [0, -9.81, 0]\n" + stage,
+                         "springs.toml");
+}
+
+const char* const kCalm = "damping = \"viscous\"\nmass_damping = 60.0\n";
+
+struct Rest {
+  double settled, tilt;  // m, rad
+  std::vector<double> force;
+};
+Rest rest_of(const Scene& scene) {
+  Simulation simulation(scene, 1);
+  Observer nobody;
+  simulation.run(nobody);
+  const blocks::Model& m = *simulation.riding();
+  return {m.start_position(0).y - m.position(0).y, std::asin(m.orientation(0).row[0].y), m.members()->columns()};
+}
+
+// u = W/(kn A); theta = F h/(kn I - W h/2), the weight turning it on: the points are exact for linear pressures.
+TEST(Springs, BlockSettlesAndTiltsAsItsFaceSays) {
+  const double kn = 4e7, force = 600.0;
+  const Rest rest = rest_of(on_springs("normal_stiffness = 4e7\nshear_stiffness = 2e7\ndivisions = 1\n",
+                                       "ramp_time = 0.5\nduration = 3.0\n[[stage.force]]\nblock = \"block\"\n"
+                                       "point = [0.5, 1.2, 0.25]\nforce = [600, 0, 0]\n",
+                                       kCalm));
+  const double area = kWidth * kDepth, second = kDepth * std::pow(kWidth, 3) / 12.0;
+  EXPECT_NEAR(rest.settled / (kWeight / (kn * area)), 1.0, 1e-3);
+  EXPECT_NEAR(rest.tilt / (force * kHeight / (kn * second - kWeight * kHeight / 2)), 1.0, 2e-3);
+  EXPECT_NEAR(rest.force[0], -force, 1e-3 * force);
+  EXPECT_NEAR(rest.force[1], kWeight, 1e-3 * kWeight);
+}
+
+// Without tension and with e = M/N beyond b/6 the face presses on x = 3 (b/2 - e) alone: theta = 2 N/(kn d x^2).
+// Divisions of b/16: the edge of what presses lies within one of them, 2 %.
+TEST(Springs, FaceLiftsOffWithoutTension) {
+  const double kn = 4e8;
+  const std::string stage =
+      "ramp_time = 0.5\nduration = 3.0\n[[stage.force]]\nblock = \"block\"\npoint = [0.5, 0.6, 0.25]\n"
+      "force = [0, -12000, 0]\n";
+  const Rest rest =
+      rest_of(on_springs("normal_stiffness = 4e8\nshear_stiffness = 2e8\ndivisions = 16\n", stage, kCalm));
+  const double pressing = kWeight + 12000.0, e = 12000.0 * 0.5 / pressing;
+  ASSERT_GT(e, kWidth / 6);
+  const double x = 3 * (kWidth / 2 - e), expected = 2 * pressing / (kn * kDepth * x * x);
+  std::printf("  | lifted face: tilt %.4e, closed form %.4e\n", rest.tilt, expected);
+  EXPECT_NEAR(rest.tilt / expected, 1.0, 0.02);
+  // With tension nothing lifts: theta = M/(kn I).
+  const Rest bonded = rest_of(
+      on_springs("normal_stiffness = 4e8\nshear_stiffness = 2e8\ndivisions = 1\ntension = true\n", stage, kCalm));
+  EXPECT_NEAR(bonded.tilt / (12000.0 * 0.5 * 12 / (kn * kDepth)), 1.0, 5e-3);
+}
+
+// A horizontal force beyond friction moves the block on; below it does not.
+TEST(Springs, FrictionHoldsUpToItsAngle) {
+  const auto force = [](double share) {
+    return rest_of(
+               on_springs("normal_stiffness = 1e9\nshear_stiffness = 5e8\nfriction_angle = 30\n",
+                          fmt::format("ramp_time = 0.5\nduration = 1.5\n[[stage.force]]\nblock = \"block\"\npoint = "
+                                      "[0, 0.0, 0.25]\nforce = [{}, 0, 0]\n",
+                                      share * std::tan(std::numbers::pi / 6) * kWeight),
+                          kCalm))
+        .force[0];
+  };
+  const double most = std::tan(std::numbers::pi / 6) * kWeight;
+  EXPECT_NEAR(force(0.95), -0.95 * most, 1e-3 * most);
+  EXPECT_NEAR(force(1.2), -most, 0.01 * most);
+}
+
+// Dropped onto its springs: heave with xi = c/(2 sqrt(k m)). A peak is exp(-2 pi xi/sqrt(1 - xi^2)) of the one before,
+// over the position of rest. The energy closes.
+TEST(Springs, DashpotsDampHeave) {
+  const double kn = 4e7, k = kn * kWidth * kDepth, xi = 0.1, c = 2 * xi * std::sqrt(k * kMass) / (kWidth * kDepth);
+  Simulation simulation(on_springs(fmt::format("normal_stiffness = 4e7\nshear_stiffness = 2e7\nnormal_dashpot = {}\n"
+                                               "shear_dashpot = {}\ntension = true\n",
+                                               c, c),
+                                   "duration = 0.4\n", "damping = \"none\"\ntime_step_fraction = 0.1\n"),
+                        1);
+  const double omega = std::sqrt(k / kMass), still = kWeight / k;
+  std::vector<double> troughs;
+  double before = 0.0, last = 0.0;
+  while (simulation.time() < 3.2 * 2 * std::numbers::pi / omega) {
+    simulation.advance(1);
+    const double now = simulation.riding()->start_position(0).y - simulation.riding()->position(0).y;
+    if (last > before && last > now) troughs.push_back(last - still);
+    before = last, last = now;
+  }
+  ASSERT_GE(troughs.size(), 3u);
+  const double expected = std::exp(-2 * std::numbers::pi * xi / std::sqrt(1 - xi * xi));
+  EXPECT_NEAR(troughs[1] / troughs[0] / expected, 1.0, 0.01);
+  EXPECT_NEAR(troughs[2] / troughs[1] / expected, 1.0, 0.01);
+  const blocks::Energies& e = simulation.riding()->energies();
+  EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
+  EXPECT_GT(e.members_dissipated, 0.3 * e.external);
+}
+
+}  // namespace
+}  // namespace quoin
