@@ -875,7 +875,7 @@ class World {
   std::function<void()> fetch_ = [] {};
 
   std::shared_ptr<members::Members> members_;  // null: none
-  double members_work_ = 0.0;                     // of them, that energies_ has, J
+  double members_work_ = 0.0;                  // of them, that energies_ has, J
   std::vector<Load> loads_;
   std::vector<Pressure> pressures_;
   std::vector<uint8_t> loaded_;  // by block: some load or pressure acts on it
