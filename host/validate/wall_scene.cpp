@@ -198,7 +198,7 @@ TestScene scene_of(const WallRow& row, bool cyclic, const ScatterFactor& scatter
                    row.folder_name(), cyclic ? "cyclic" : "monotonic", n.young_modulus, n.poisson_ratio, n.density) +
                family("bed", n.bed, cyclic, true) + family("head", n.head, cyclic, true) +
                family("inside", n.inside_units, cyclic, false) + wall_table(layout, row, scene.load_height, turns) +
-               stages(row, scene, turns, cyclic) + "\n[output]\nframes = 1\n";
+               stages(row, scene, turns, cyclic) + "\n[output]\nframes = 1\nframes_of = \"last\"\n";
   return scene;
 }
 

@@ -90,7 +90,7 @@ void run(const quoin_law& law, const Values& values, bool with_columns, Comparis
       std::vector<quoin_out> new_states;
       quoin_batch view = batch.view(0, batch.count, extras, old_states, new_states);
       if (with_columns) {
-        const bool angles = std::strcmp(law.id, "elastic") != 0;
+        const bool angles = std::strcmp(law.id, "elastic") != 0 && std::strcmp(law.id, "bond_slip") != 0;
         view.property_columns = angles ? properties.columns : properties.columns + 1;
         view.property_column_count = angles ? 2 : 1;
       }
