@@ -79,8 +79,8 @@ void measure_steps(Simulation& simulation, benchmark::State& state) {
   double block_count = 0.0, body_count = 0.0, bytes[3] = {0.0, 0.0, 0.0};
   for (const Model::BlockPlace& place : simulation.model().place) ++(place.body < 0 ? block_count : body_count);
   const double counts[3] = {block_count, body_count, static_cast<double>(simulation.model().point_count)};
-  const blocks::Model* const riding = simulation.riding();
-  const double points = riding ? static_cast<double>(riding->point_count()) : counts[2];
+  const blocks::Model* const large_motion = simulation.large_motion();
+  const double points = large_motion ? static_cast<double>(large_motion->point_count()) : counts[2];
   for (const HotArray& array : simulation.hot_arrays())
     bytes[static_cast<int>(array.of)] += static_cast<double>(array.bytes);
   state.counters["contacts_us"] = contacts * 1e6 / kWindow;

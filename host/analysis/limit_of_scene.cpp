@@ -97,7 +97,7 @@ void add_ties(const members::Members& members, const std::string& file, SceneLim
 // Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
 void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
   const Scene& scene = simulation.scene();
-  const blocks::Model* const shapes = simulation.riding();
+  const blocks::Model* const shapes = simulation.large_motion();
   for (int i = 0; i < static_cast<int>(simulation.block_count()); ++i) {
     const auto k = static_cast<std::size_t>(i);
     std::vector<Vector> corners;

@@ -64,7 +64,7 @@ StageStep step_under_impacts(const Scene& scene, std::size_t stage) {
   alone.stages = {scene.stages[stage]};
   alone.stages.front().solver.reset();
   const Simulation simulation(std::move(alone), 0);
-  return {simulation.time_step_report().time_step, simulation.riding()->impact_damping_in_use()};
+  return {simulation.time_step_report().time_step, simulation.large_motion()->impact_damping_in_use()};
 }
 
 // What ends each stage, and how many steps that takes where it is known. Returns the steps of these stages.
@@ -272,30 +272,30 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   fmt::print("{}: {}\n  blocks {}  zones {}  contact points {}  mass {:.4g} kg\n", options.scene,
              scene.title.empty() ? "(no title)" : scene.title, simulation.block_count(), simulation.zone_count(),
              simulation.point_count(), step.model_mass);
-  const auto& families = simulation.riding()->families();
+  const auto& families = simulation.large_motion()->families();
   for (std::size_t f = 0; f < families.size(); ++f) {
-    print_family(simulation.riding()->assembly().families[f], *families[f].material,
+    print_family(simulation.large_motion()->assembly().families[f], *families[f].material,
                  static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
-    print_corner_points(simulation.riding()->assembly().families[f], families[f].material,
-                        corner_joints(*simulation.riding(), static_cast<int>(f)), more_points(scene));
+    print_corner_points(simulation.large_motion()->assembly().families[f], families[f].material,
+                        corner_joints(*simulation.large_motion(), static_cast<int>(f)), more_points(scene));
   }
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
-  const auto count_of = [&](Kind kind) { return simulation.riding()->count_of(kind); };
+  const auto count_of = [&](Kind kind) { return simulation.large_motion()->count_of(kind); };
   fmt::print(
       "  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} in a frame of their own, {} zone "
       "by zone\n",
-      simulation.riding()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
+      simulation.large_motion()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
       count_of(Kind::alike), count_of(Kind::unlike), count_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
-  for (const std::string& note : simulation.riding()->assembly().notes) fmt::print("  {}\n", note);
+  for (const std::string& note : simulation.large_motion()->assembly().notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,
              step.time_step / step.critical.value, step.critical.value);
-  print_what_sets_step(*simulation.riding());
+  print_what_sets_step(*simulation.large_motion());
   print_notes(step);
   print_supports(simulation);
-  if (const members::Members* const members = simulation.riding()->members())
-    print_members(*members, simulation.riding()->assembly());
+  if (const members::Members* const members = simulation.large_motion()->members())
+    print_members(*members, simulation.large_motion()->assembly());
   print_time(simulation, print_stages(scene, step), options.force);
 }
 

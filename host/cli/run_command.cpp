@@ -142,7 +142,7 @@ class Recorder : public Observer {
       text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
                           step.time_step / step.critical.value);
     const SolverSettings& solver = scene_.solver_in(static_cast<size_t>(stage));
-    const double in_use = simulation.riding() ? simulation.riding()->impact_damping_in_use() : 0.0;
+    const double in_use = simulation.large_motion() ? simulation.large_motion()->impact_damping_in_use() : 0.0;
     if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
       text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
     progress_.message(text);
@@ -392,7 +392,7 @@ Pieces pieces_of(const Scene& scene, const Ranks* ranks) {
 }
 
 // Pictures of blocks, not of bricks.
-bool shows_blocks(const Simulation& simulation) { return simulation.riding() || simulation.scene().blocks; }
+bool shows_blocks(const Simulation& simulation) { return simulation.large_motion() || simulation.scene().blocks; }
 
 // So that rank 0 has what its pictures show, where that is little. By all ranks.
 void gather_for_pictures(Simulation& simulation) {
@@ -510,13 +510,13 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
     say(fmt::format("resumed at step {}, {:.6g} s", simulation.step(), simulation.time()));
   else if (resumed)
     say("resumed before its first checkpoint: from the start");
-  if (simulation.riding() && !simulation.scene().blocks && !simulation.outcome().promotion) {
+  if (simulation.large_motion() && !simulation.scene().blocks && !simulation.outcome().promotion) {
     const bool at_once = simulation.scene().solver.large_motion == LargeMotion::always;
     say(at_once ? "large motion from the start" : "general kernels");
   }
   if (!step.warning().empty()) recorder.on_warning({"time_step", step.warning()});
-  if (simulation.riding()) {
-    for (const std::string& note : simulation.riding()->assembly().notes) say("quoin: " + note);
+  if (simulation.large_motion()) {
+    for (const std::string& note : simulation.large_motion()->assembly().notes) say("quoin: " + note);
   }
 }
 

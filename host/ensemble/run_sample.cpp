@@ -86,9 +86,9 @@ void add_drawn(const Simulation& simulation, Values& inputs) {
     inputs.emplace_back(name_of_least, least);
   };
   const auto& names = simulation.assembly().families;
-  if (const blocks::Model* riding = simulation.riding()) {
-    for (std::size_t f = 0; f < riding->families().size(); ++f) {
-      const blocks::Family& family = riding->families()[f];
+  if (const blocks::Model* large_motion = simulation.large_motion()) {
+    for (std::size_t f = 0; f < large_motion->families().size(); ++f) {
+      const blocks::Family& family = large_motion->families()[f];
       for (const PropertyColumn& c : family.columns)
         add(names[f].name, c, [&](std::size_t i) { return family.point[i].area; });
     }

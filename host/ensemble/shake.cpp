@@ -88,7 +88,7 @@ class CollapseWatch : public Observer {
     run.time = row.time - begin_;
     run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
     run.residual = 0.0;
-    const blocks::Model* const model = simulation_->riding();
+    const blocks::Model* const model = simulation_->large_motion();
     for (int block = 0; model && block < model->block_count(); ++block) {
       if (!model->assembly().blocks[static_cast<std::size_t>(block)].fixed) look(*model, block, row, stage.gravity);
     }

@@ -303,7 +303,7 @@ PYBIND11_MODULE(_quoin, m) {
                                return names;
                              })
       .def_property_readonly("threads", [](const Session& s) { return s.use().thread_count(); })
-      .def_property_readonly("large_motion", [](const Session& s) { return s.use().riding() != nullptr; })
+      .def_property_readonly("large_motion", [](const Session& s) { return s.use().large_motion() != nullptr; })
       .def_property_readonly("collapse_multiplier",
                              [](const Session& s) { return s.use().outcome().collapse_multiplier; })
       .def_property_readonly("hash", [](const Session& s) { return s.use().hash(); });

@@ -412,13 +412,13 @@ int Session::block_named(const py::object& block) const {
     const auto name = block.cast<std::string>();
     // On the lattice only what stages move has kept its name.
     std::optional<blocks::Assembly> as_read;
-    if (!simulation.riding() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
+    if (!simulation.large_motion() && simulation.scene().blocks) as_read = blocks::assemble(simulation.scene());
     std::vector<std::string> names;
     for (int b = 0; b < count; ++b) {
       const auto i = static_cast<std::size_t>(b);
-      const std::string& is = simulation.riding() ? simulation.riding()->assembly().blocks[i].name
-                              : as_read           ? as_read->blocks[i].name
-                                                  : simulation.assembly().bricks[i].body;
+      const std::string& is = simulation.large_motion() ? simulation.large_motion()->assembly().blocks[i].name
+                              : as_read                 ? as_read->blocks[i].name
+                                                        : simulation.assembly().bricks[i].body;
       if (is == name) return b;
       names.push_back(is);
     }

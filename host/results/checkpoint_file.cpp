@@ -333,8 +333,8 @@ std::string geometry_hash(const Simulation& simulation) {
     const geometry::Vector lower = geometry::vector(brick.origin);
     add(lower, lower + geometry::vector(brick.size), brick.rigid);
   }
-  if (!simulation.riding()) return hash.end();
-  const blocks::Assembly& assembly = simulation.riding()->assembly();
+  if (!simulation.large_motion()) return hash.end();
+  const blocks::Assembly& assembly = simulation.large_motion()->assembly();
   for (const blocks::Block& block : assembly.blocks) {
     geometry::Vector lower{1e300, 1e300, 1e300}, upper = -1.0 * lower;
     for (const geometry::Vector& corner : assembly.shapes[static_cast<std::size_t>(block.shape)].vertices) {

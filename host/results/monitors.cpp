@@ -88,7 +88,7 @@ MonitorFile::MonitorFile(const fs::path& folder, const Simulation& simulation, s
 
 // Once more when a run goes over to large motion, which has gridpoints in an order of its own.
 void MonitorFile::find_places() {
-  const blocks::Model* const model = simulation_.riding();
+  const blocks::Model* const model = simulation_.large_motion();
   found_in_ = model;
   places_.clear();
   const blocks::Assembly shapes = model ? model->assembly() : blocks::from_bricks(simulation_.assembly());
@@ -138,7 +138,7 @@ MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
 // The velocity is that of a fixed block that has moved as the ground has.
 MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
-  const blocks::Model* const model = simulation_.riding();
+  const blocks::Model* const model = simulation_.large_motion();
   for (int block = 0; model && block < model->block_count(); ++block) {
     if (!model->assembly().blocks[at(block)].fixed) continue;
     const Motion of_block = motion_of({{{block, -1}}, {}});
@@ -153,7 +153,7 @@ MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
 }
 
 void MonitorFile::add(const HistoryRow& row) {
-  if (found_in_ != simulation_.riding()) find_places();
+  if (found_in_ != simulation_.large_motion()) find_places();
   std::vector<double> values{static_cast<double>(row.step), row.time};
   const std::vector<double>* const before = rows_.empty() ? nullptr : &rows_.back();
   const auto append = [&](const Vec3& of_axes) { values.insert(values.end(), of_axes.begin(), of_axes.end()); };

@@ -160,7 +160,7 @@ Json of_ties(const members::Members& members, const std::vector<HistoryRow>& row
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  const blocks::Model& m = *simulation.riding();
+  const blocks::Model& m = *simulation.large_motion();
   Json json;
   json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
@@ -197,8 +197,8 @@ Json block_names(const Simulation& simulation) {
       if (!name(blocks[i]).empty()) names[std::to_string(i)] = name(blocks[i]);
     }
   };
-  if (simulation.scene().blocks && simulation.riding())
-    add(simulation.riding()->assembly().blocks, [](const auto& block) { return block.name; });
+  if (simulation.scene().blocks && simulation.large_motion())
+    add(simulation.large_motion()->assembly().blocks, [](const auto& block) { return block.name; });
   else
     add(simulation.assembly().bricks, [](const Brick& brick) { return brick.body; });
   return names;
@@ -207,7 +207,7 @@ Json block_names(const Simulation& simulation) {
 Json motion_of(const Simulation& simulation) {
   const MotionSeen& seen = simulation.motion_seen();
   const SolverSettings& solver = simulation.scene().solver;
-  const bool large = simulation.riding() && !simulation.riding()->small_displacement();
+  const bool large = simulation.large_motion() && !simulation.large_motion()->small_displacement();
   const std::string past = simulation.past_motion_bound();
   Json promoted = nullptr;
   if (const auto& p = simulation.outcome().promotion) {
@@ -223,9 +223,9 @@ Json motion_of(const Simulation& simulation) {
                                                                        : "automatic"},
           {"small_displacements", !large},
           {"largest_rotation_rad", seen.rotation},
-          {"largest_sliding_over_length", simulation.riding() ? Json(nullptr) : Json(seen.sliding)},
-          {"largest_opening_over_side", simulation.riding() ? Json(nullptr) : Json(seen.opening)},
-          {"largest_translation_over_model", simulation.riding() ? Json(nullptr) : Json(seen.translation)},
+          {"largest_sliding_over_length", simulation.large_motion() ? Json(nullptr) : Json(seen.sliding)},
+          {"largest_opening_over_side", simulation.large_motion() ? Json(nullptr) : Json(seen.opening)},
+          {"largest_translation_over_model", simulation.large_motion() ? Json(nullptr) : Json(seen.translation)},
           {"rotation_bound_rad", solver.motion_bound.rotation},
           {"sliding_bound", solver.motion_bound.sliding},
           {"within_bound", large ? Json(nullptr) : Json(past.empty())},
@@ -343,8 +343,9 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
   const auto count_beams = [](const auto& blocks) {
     return std::count_if(blocks.begin(), blocks.end(), [](const auto& b) { return b.beam; });
   };
-  const blocks::Model* const riding = simulation.riding();
-  const auto beams = riding ? count_beams(riding->assembly().blocks) : count_beams(simulation.assembly().bricks);
+  const blocks::Model* const large_motion = simulation.large_motion();
+  const auto beams =
+      large_motion ? count_beams(large_motion->assembly().blocks) : count_beams(simulation.assembly().bricks);
   json["blocks"] = simulation.block_count() - beams;
   json["beams"] = beams;
   json["block_names"] = block_names(simulation);
@@ -384,7 +385,7 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
   json["motion"] = motion_of(simulation);
-  if (riding) json.update(of_blocks(simulation, rows));
+  if (large_motion) json.update(of_blocks(simulation, rows));
   json["watch"] = watch_of(simulation);
   Json warnings = Json::array();
   for (const Warning& w : info.warnings)

@@ -88,7 +88,7 @@ std::vector<std::int32_t> points_by_joint(const Simulation& simulation) {
 const std::vector<Surfaces::Quad>& Surfaces::quads(const Simulation& simulation) const {
   // In large motion contact points come and go: they know their place themselves.
   const Model& model = simulation.model();
-  if (simulation.riding() || of_layout_ == model.layouts()) return quads_;
+  if (simulation.large_motion() || of_layout_ == model.layouts()) return quads_;
   of_layout_ = model.layouts();
   quads_.clear();
   const std::vector<std::int32_t> order = points_by_joint(simulation);
@@ -118,7 +118,7 @@ std::span<const Surfaces::Quad> Surfaces::quads_of_joints(const Simulation& simu
 JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact, const LawView& law) {
   JointPoint p{};
   p.contact = contact;
-  if (!simulation.riding()) {
+  if (!simulation.large_motion()) {
     std::tie(p.side_a, p.side_b) = simulation.displacement_of_sides(contact.index);
     for (size_t axis = 0; axis < 3; ++axis) p.displacement[axis] = (p.side_a[axis] + p.side_b[axis]) / 2;
   }
@@ -133,7 +133,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
   p.closure = std::isfinite(law.closure) ? law.closure : 0.0;
   // Points of blocks in large motion are placed anew: how far they have slid only their law has.
-  const bool slip_known = std::isfinite(law.slip) || !simulation.riding();
+  const bool slip_known = std::isfinite(law.slip) || !simulation.large_motion();
   if (contact.condition == Condition::crushed_out || contact.condition == Condition::crushing)
     p.crack = Crack::crushed;
   else if (simulation.assembly().families[static_cast<size_t>(contact.family)].initial_state == "dry")

@@ -117,7 +117,7 @@ std::vector<VtkArray> arrays_of_blocks() {
 VtkSizes sizes_of_block(const Simulation& simulation, int block) {
   const Simulation::BlockSize size = simulation.block_size(block);
   if (size.zones > 0) return {size.gridpoints, size.zones, 4 * size.zones};
-  if (!simulation.riding()) return {size.gridpoints, 1, 8};
+  if (!simulation.large_motion()) return {size.gridpoints, 1, 8};
   return {size.gridpoints, size.faces, size.face_corners};
 }
 
@@ -137,7 +137,7 @@ void add_block(const Simulation& simulation, int b, Rows& rows) {
     for (const double s : tensor) rows.add(kStress, static_cast<float>(s));
   }
   if (!mesh.zone.empty()) return;
-  if (!simulation.riding())
+  if (!simulation.large_motion())
     add_cell(std::array{0, 1, 3, 2, 4, 5, 7, 6}, kVtkHexahedron);
   else
     for (const auto& face : mesh.face) add_cell(face, kVtkPolygon);
@@ -191,7 +191,7 @@ std::vector<VtkArray> arrays_of_joints(const Simulation& simulation, const std::
     add(name, kVtkType<float>);
   for (const char* name : {"family", "condition", "crack"}) add(name, kVtkType<std::int32_t>);
   for (const std::string& id : states) arrays.push_back({"PointData", "state_" + id, kVtkType<float>});
-  if (simulation.riding()) add("gap_m", kVtkType<float>, 3);  // the last one
+  if (simulation.large_motion()) add("gap_m", kVtkType<float>, 3);  // the last one
   return arrays;
 }
 
@@ -199,7 +199,7 @@ std::vector<VtkArray> arrays_of_joints(const Simulation& simulation, const std::
 void add_point(const Simulation& simulation, const JointPoint& p, Rows& rows) {
   const auto number = [&](std::size_t field, double value) { rows.add(field, static_cast<float>(value)); };
   const auto code = [&](std::size_t field, auto value) { rows.add(field, static_cast<std::int32_t>(value)); };
-  if (simulation.riding()) rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
+  if (simulation.large_motion()) rows.add_corner(static_cast<std::int64_t>(rows.points())), rows.end_cell(kVtkVertex);
   rows.add(kPosition, p.contact.position);
   rows.add(kMeanDisplacement, p.displacement);
   rows.add(kTraction, p.contact.traction);
@@ -211,7 +211,7 @@ void add_point(const Simulation& simulation, const JointPoint& p, Rows& rows) {
   number(kDamageTension, p.damage_tension), number(kDamageShear, p.damage_shear);
   number(kClosure, p.closure);
   code(kFamily, p.contact.family), code(kCondition, p.contact.condition), code(kCrack, p.crack);
-  if (simulation.riding()) rows.add(rows.arrays() - 1, p.gap);
+  if (simulation.large_motion()) rows.add(rows.arrays() - 1, p.gap);
 }
 
 // Their quads come by themselves; where blocks move freely points stand alone.
@@ -271,7 +271,7 @@ std::filesystem::path members_file(const std::filesystem::path& folder, size_t f
 }
 
 const members::Members* members_of(const Simulation& simulation) {
-  return simulation.riding() ? simulation.riding()->members() : nullptr;
+  return simulation.large_motion() ? simulation.large_motion()->members() : nullptr;
 }
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
@@ -351,7 +351,7 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
   Sink sink(attempt);
   const std::vector<std::string> states = state_ids(simulation);
   const std::size_t arrays = arrays_of_joints(simulation, states).size();
-  const bool quads = !simulation.riding();
+  const bool quads = !simulation.large_motion();
   const auto points_of = [&](const Run& run) {
     Rows rows(arrays);
     add_points(simulation, surfaces, states, {run.first, run.end}, target.piece, rows);
@@ -474,7 +474,7 @@ double frame_bytes(const Simulation& simulation, const Surfaces& surfaces) {
   // With ranks as if other points had as many quads as those that are here.
   const auto points = static_cast<std::uint64_t>(simulation.point_count());
   VtkSizes of_joints{points, points, points};
-  if (!simulation.riding()) {
+  if (!simulation.large_motion()) {
     double here = 0.0;
     for (const ContactChunk& chunk : simulation.model().chunks) {
       const auto index = static_cast<int>(&chunk - simulation.model().chunks.data());

@@ -35,7 +35,7 @@ std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
   std::vector<Run> runs;
   const Impl& s = *impl_;
   for (std::int32_t b = 0; b < static_cast<std::int32_t>(block_count()); ++b) {
-    const int item = s.riding ? s.item_of_riding_block[at(b)] : s.item_of_block(b);
+    const int item = s.large_motion ? s.item_by_block[at(b)] : s.item_of_block(b);
     extend(runs, b + 1, rank_in(s.share.rank_of_item, at(item)), kBlocks);
   }
   return runs;
@@ -45,11 +45,11 @@ std::vector<Simulation::Run> Simulation::runs_of_points() const {
   std::vector<Run> runs;
   const Impl& s = *impl_;
   std::int32_t end = 0;
-  for (int c = 0; s.riding && c < s.riding->chunk_count(); ++c) {
-    end += static_cast<std::int32_t>(s.riding->range_of_chunk(c).count);  // family after family
+  for (int c = 0; s.large_motion && c < s.large_motion->chunk_count(); ++c) {
+    end += static_cast<std::int32_t>(s.large_motion->range_of_chunk(c).count);  // family after family
     extend(runs, end, rank_in(s.share.rank_of_chunk, at(c)), kPoints);
   }
-  for (std::size_t c = 0; !s.riding && c < s.model.chunks.size(); ++c)
+  for (std::size_t c = 0; !s.large_motion && c < s.model.chunks.size(); ++c)
     extend(runs, s.model.chunks[c].first_point + s.model.chunks[c].point_count, rank_in(s.share.rank_of_chunk, c),
            kPoints);
   return runs;
@@ -132,8 +132,8 @@ double Simulation::sum_of_ranks(double brought) const {
 
 void Simulation::each_own_point(const std::function<void(std::int32_t)>& visit) const {
   const Impl& s = *impl_;
-  if (s.riding)
-    return s.each_riding_point_here([&](std::int32_t point, int block_a) {
+  if (s.large_motion)
+    return s.each_point_in_large_motion([&](std::int32_t point, int block_a) {
       if (owns_block(block_a)) visit(point);
     });
   for (std::int32_t point = 0; point < s.model.point_count; ++point) {

@@ -57,11 +57,11 @@ void transfer(Archive& archive, Impl& s) {
   });
   archive.value(s.force_loss);
   archive.array(s.outcome.force_losses);
-  if (!s.riding) return;
+  if (!s.large_motion) return;
   archive.array(s.drives);
   archive.value(s.fading_loads);
   archive.value(s.fading_pressures);
-  archive.value(s.riding_stage_start);
+  archive.value(s.stage_start_time);
   archive.value(s.multiplier);
   archive.value(s.first_load);
   archive.array(s.monitor_blocks);
@@ -163,10 +163,10 @@ struct PartsWriter : ArchiveWriter {
   }
 };
 
-void save(ArchiveWriter& writer, blocks::Model& riding) { riding.save(writer); }
+void save(ArchiveWriter& writer, blocks::Model& large_motion) { large_motion.save(writer); }
 template <class Writer>
-void save(Writer& writer, blocks::Model& riding) {
-  riding.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
+void save(Writer& writer, blocks::Model& large_motion) {
+  large_motion.save(writer, [&](ArchiveWriter&, const void* first, std::size_t bytes) { writer.give(first, bytes); });
 }
 
 // Takes of arrays by gridpoint and contact point what this rank holds.
@@ -199,9 +199,9 @@ void write_state(Writer& writer, const Simulation::Impl& s) {
     writer.value(family.material->api().state_schema);
   }
   // The step of blocks of any shape follows their contacts: it is part of what they save.
-  writer.value(s.riding ? 0.0 : s.data.time_step);
+  writer.value(s.large_motion ? 0.0 : s.data.time_step);
   transfer(writer, s);
-  if (s.riding) save(writer, *s.riding);
+  if (s.large_motion) save(writer, *s.large_motion);
 }
 
 }  // namespace
@@ -253,10 +253,10 @@ void Simulation::Impl::give_array(const void* array, std::size_t whole, const Si
   const auto note_of = [&](int rank) {
     return [&note, rank](const void* memory, std::size_t bytes) { note(rank, memory, bytes); };
   };
-  if (riding) riding->each_owned_memory(note);
-  for (std::size_t i = 0; !riding && i < share.rank_of_item.size(); ++i)
+  if (large_motion) large_motion->each_owned_memory(note);
+  for (std::size_t i = 0; !large_motion && i < share.rank_of_item.size(); ++i)
     each_memory_of_item(Part::all, static_cast<int>(i), note_of(share.rank_of_item[i]));
-  for (std::size_t c = 0; !riding && c < share.rank_of_chunk.size(); ++c)
+  for (std::size_t c = 0; !large_motion && c < share.rank_of_chunk.size(); ++c)
     each_memory_of_chunk(Part::all, static_cast<int>(c), note_of(share.rank_of_chunk[c]));
   std::sort(stretches.begin(), stretches.end(), [](const Stretch& x, const Stretch& y) { return x.begin < y.begin; });
 
@@ -322,7 +322,7 @@ void Simulation::Impl::restore(ByteSource& source) {
   if (promoted) {
     Promotion promotion;
     transfer_promotion(reader, promotion);
-    if (!riding) leave_lattice();
+    if (!large_motion) leave_lattice();
     outcome.promotion = promotion;
   } else if (outcome.promotion) {
     return_to_lattice();
@@ -332,7 +332,7 @@ void Simulation::Impl::restore(ByteSource& source) {
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     ContactFamily& family = model.families[f];
     family.material = material_in_stage(f, stage);
-    if (riding) riding->take_law(static_cast<int>(f), family.material);
+    if (large_motion) large_motion->take_law(static_cast<int>(f), family.material);
     const quoin_law& api = family.material->api();
     law_state[f].resize(api.state_count * at(family.point_count));
     std::string law;
@@ -353,12 +353,12 @@ void Simulation::Impl::restore(ByteSource& source) {
   note_sizes(expected);
   double dt = 0.0;
   reader.value(dt);
-  if (const double here = riding ? 0.0 : data.time_step; dt != here) {
+  if (const double here = large_motion ? 0.0 : data.time_step; dt != here) {
     throw Error(Exit::bad_input,
                 fmt::format("checkpoint: time step {:.17g} s, here {:.17g} s: another model or other solver settings",
                             dt, here));
   }
-  if (in_parts && !riding) {
+  if (in_parts && !large_motion) {
     PartsReader of_rank{{source}, *this, rows_elsewhere(held_with(share))};
     transfer(of_rank, *this);
   } else {
@@ -368,10 +368,10 @@ void Simulation::Impl::restore(ByteSource& source) {
   note_sizes(sizes);
   if (sizes != expected || (!normal_shift.empty() && normal_shift.size() != at(model.point_count)))
     throw of_another_model();
-  if (riding) {
-    const auto is_block = [&](int i) { return i >= 0 && i < riding->block_count(); };
-    if (!want_energy) riding->book_energy(watch.pending);
-    riding->restore(reader);
+  if (large_motion) {
+    const auto is_block = [&](int i) { return i >= 0 && i < large_motion->block_count(); };
+    if (!want_energy) large_motion->book_energy(watch.pending);
+    large_motion->restore(reader);
     if (!std::all_of(monitor_blocks.begin(), monitor_blocks.end(), is_block)) throw of_another_model();
     for (const Drive& drive : drives) {
       if (!is_block(drive.block)) throw of_another_model();

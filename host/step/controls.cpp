@@ -10,7 +10,7 @@ namespace quoin {
 void Simulation::Impl::apply_controls() {
   if (!controls_settled)
     follow_ramps();
-  else if (riding && scene.stages[static_cast<std::size_t>(stage)].collapse)
+  else if (large_motion && scene.stages[static_cast<std::size_t>(stage)].collapse)
     apply_actions(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
   else if (!rest_known)
     find_bodies_at_rest();
@@ -33,8 +33,8 @@ void Simulation::Impl::apply_load(std::size_t loaded) {
 
 void Simulation::Impl::follow_ramps() {
   const double ramp = stage >= 0 ? scene.stages[static_cast<std::size_t>(stage)].ramp_time : 0.0;
-  const double elapsed =
-      riding ? stage_time() + 0.5 * riding->time_step() : (static_cast<double>(stage_step) + 0.5) * data.time_step;
+  const double elapsed = large_motion ? stage_time() + 0.5 * large_motion->time_step()
+                                      : (static_cast<double>(stage_step) + 0.5) * data.time_step;
   const double s = ramp > 0.0 ? smooth_step(elapsed / ramp) : 1.0;
   const auto between = [s](double from, double to) { return s >= 1.0 ? to : from + s * (to - from); };
   for (const int body : ramped_bodies) {
@@ -56,7 +56,7 @@ void Simulation::Impl::follow_ramps() {
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
   const bool shakes = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].ground.has_value();
   controls_settled = s >= 1.0 && !(cycles && whiffletree.empty()) && !shakes;
-  if (riding) apply_actions(s);
+  if (large_motion) apply_actions(s);
 }
 
 double Simulation::Impl::velocity_in_cycles(double initial_velocity) const {

@@ -10,7 +10,7 @@
 namespace quoin {
 
 void Simulation::Impl::sum_measurements() {
-  if (riding) return measure_riding_step();
+  if (large_motion) return measure_large_motion_step();
   double unbalanced = 0.0, damping_before = 0.0, damping_after = 0.0, external_before = 0.0, external_after = 0.0;
   Energies now;
   for (const Measured& m : measured) {
@@ -54,8 +54,8 @@ HistoryRow Simulation::Impl::measure() const {
   row.kinetic_energy = kinetic;
   row.energies = energies;
   measure_reactions(row);
-  if (riding) {
-    measure_riding(row);
+  if (large_motion) {
+    measure_large_motion(row);
     return row;
   }
   if (scene.blocks) row.largest_displacement = largest_displacement();

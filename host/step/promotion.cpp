@@ -176,7 +176,7 @@ void Simulation::Impl::promote(const std::string& why) {
 
   // The same blocks in large motion, at rest, then where they are.
   leave_lattice();
-  blocks::Model& m = *riding;
+  blocks::Model& m = *large_motion;
   m.start_at(promotion.time, step_count);
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
@@ -211,7 +211,7 @@ void Simulation::Impl::promote(const std::string& why) {
 
   drives = std::move(continued);
   const Stage& settings = scene.stages[at(stage)];
-  riding_stage_start = promotion.time - static_cast<double>(stage_step) * dt;
+  stage_start_time = promotion.time - static_cast<double>(stage_step) * dt;
   watch_blocks(settings);
   bind_whiffletree();
   controls_settled = false;  // what they impose is bound again
@@ -237,7 +237,7 @@ void Simulation::Impl::leave_lattice() {
     shapes.family_of = std::move(given.family_of);
     for (std::size_t i = 0; i < shapes.blocks.size(); ++i) shapes.blocks[i].fixed = given.blocks[i].fixed;
   }
-  build_riding(shapes, materials);
+  build_large_motion(shapes, materials);
   find_restraints();
   bind_step();
 }
@@ -245,7 +245,7 @@ void Simulation::Impl::leave_lattice() {
 void Simulation::Impl::return_to_lattice() {
   std::vector<std::shared_ptr<const Material>> materials;
   for (const ContactFamily& family : model.families) materials.push_back(family.material);
-  riding.reset(), restrained_blocks.clear();
+  large_motion.reset(), restrained_blocks.clear();
   drives.clear(), monitor_blocks.clear();
   take_bricks(std::move(*left), materials);
   left.reset();

@@ -82,9 +82,9 @@ void Simulation::Impl::hold_all() {
 void Simulation::Impl::hold_part() {
   if (!in_parts) return;
   gathered = gathered_by_first = has_row = false;
-  if (riding) {
+  if (large_motion) {
     holds_all = false;
-    return riding->hold(rank_of_riding_blocks(), followed_blocks());
+    return large_motion->hold(rank_by_block(), followed_blocks());
   }
   const std::vector<int> units = own_units();
   model.keep_alone(units, share.chunks);

@@ -20,7 +20,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // What a side of a contact point costs, evaluation and fetching, in the units of what blocks cost (partition_work).
-constexpr double kLatticeSide = 60.0, kRidingSide = 4.0;
+constexpr double kLatticeSide = 60.0, kSideInLargeMotion = 4.0;
 
 // Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
@@ -80,7 +80,7 @@ void Simulation::Impl::begin_with_ranks() {
 
 // Before anything is asked for that only ranks with the same model can tell each other.
 void Simulation::Impl::agree_on_model() const {
-  double here[] = {static_cast<double>(riding ? riding->block_count() : long(model.assembly.bricks.size())),
+  double here[] = {static_cast<double>(large_motion ? large_motion->block_count() : long(model.assembly.bricks.size())),
                    static_cast<double>(contact_point_count()),
                    data.time_step,
                    0,
@@ -98,7 +98,7 @@ void Simulation::Impl::agree_on_model() const {
 bool Simulation::owns_block(int block) const {
   const Impl& s = *impl_;
   if (!s.ranks) return true;
-  return s.share.owns_item(s.riding ? s.item_of_riding_block[at(block)] : s.item_of_block(block), s.ranks->rank());
+  return s.share.owns_item(s.large_motion ? s.item_by_block[at(block)] : s.item_of_block(block), s.ranks->rank());
 }
 bool Simulation::ranks_together() const { return impl_->together; }
 const std::vector<RankTraffic>& Simulation::rank_traffic() const { return impl_->traffic_of_all; }
@@ -113,8 +113,8 @@ int Simulation::Impl::item_of_block(int block) const {
 
 std::vector<int> Simulation::Impl::blocks_of_item(int item) const {
   std::vector<int> blocks;
-  if (riding) {
-    const auto of_piece = riding->blocks_of_piece(item);
+  if (large_motion) {
+    const auto of_piece = large_motion->blocks_of_piece(item);
     return {of_piece.begin(), of_piece.end()};
   }
   auto i = at(item);
@@ -132,7 +132,7 @@ std::vector<int> Simulation::Impl::blocks_of_item(int item) const {
 
 std::vector<int> Simulation::Impl::bodies_of_item(int item) const {
   auto i = at(item);
-  if (riding || i < model.unit_groups.size()) return {};
+  if (large_motion || i < model.unit_groups.size()) return {};
   i -= model.unit_groups.size();
   if (i >= model.body_groups.size()) return {model.lone_bodies[i - model.body_groups.size()]};
   const BodyGroup& group = model.body_groups[i];
@@ -142,12 +142,12 @@ std::vector<int> Simulation::Impl::bodies_of_item(int item) const {
 std::vector<double> Simulation::Impl::estimated_costs() const {
   std::vector<double> cost = item_cost;
   for (int c = 0; c < static_cast<int>(chunk_cost.size()); ++c)
-    each_item(c, [&](int item) { cost[at(item)] += riding ? kRidingSide : kLatticeSide; });
+    each_item(c, [&](int item) { cost[at(item)] += large_motion ? kSideInLargeMotion : kLatticeSide; });
   return cost;
 }
 
-Vec3 Simulation::Impl::riding_place(int block) const {
-  return geometry::array(in_parts ? riding->rough_place(block) : riding->position(block));
+Vec3 Simulation::Impl::place_in_large_motion(int block) const {
+  return geometry::array(in_parts ? large_motion->rough_place(block) : large_motion->position(block));
 }
 
 RankShare Simulation::Impl::share_of_this_rank() const {
@@ -168,7 +168,7 @@ RankShare Simulation::Impl::share_of_this_rank() const {
     mean.emplace_back();
     const std::vector<int> blocks = blocks_of_item(i);
     for (const int b : blocks) {
-      const Vec3 centre = riding ? riding_place(b) : centre_of(model.assembly.bricks[at(b)]);
+      const Vec3 centre = large_motion ? place_in_large_motion(b) : centre_of(model.assembly.bricks[at(b)]);
       for (std::size_t c = 0; c < 3; ++c) mean.back()[c] += centre[c] / static_cast<double>(blocks.size());
       if (b == blocks.front()) first.push_back(centre);
     }
@@ -333,8 +333,8 @@ void Simulation::Impl::hear_all_of_borders() {
 // On the lattice a key is a gridpoint and the axis of the joint: its points read displacements along that and
 // velocities across.
 void Simulation::Impl::each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const {
-  if (riding) {
-    riding->each_side(chunk, [&](int block, std::int64_t key) { visit(item_of_riding_block[at(block)], key); });
+  if (large_motion) {
+    large_motion->each_side(chunk, [&](int block, std::int64_t key) { visit(item_by_block[at(block)], key); });
     return;
   }
   const ContactChunk& c = model.chunks[at(chunk)];
@@ -346,8 +346,8 @@ void Simulation::Impl::each_side(int chunk, const std::function<void(int, std::i
 }
 
 void Simulation::Impl::each_item(int chunk, const std::function<void(int)>& visit) const {
-  if (riding) {
-    riding->each_block_of_chunk(chunk, [&](int block) { visit(item_of_riding_block[at(block)]); });
+  if (large_motion) {
+    large_motion->each_block_of_chunk(chunk, [&](int block) { visit(item_by_block[at(block)]); });
     return;
   }
   const ContactChunk& c = model.chunks[at(chunk)];
@@ -358,18 +358,18 @@ void Simulation::Impl::each_item(int chunk, const std::function<void(int)>& visi
 }
 
 void Simulation::Impl::numbers_of(std::int64_t key, std::vector<double*>& numbers) {
-  if (riding) return riding->numbers_of(key, numbers);
+  if (large_motion) return large_motion->numbers_of(key, numbers);
   const auto gridpoint = static_cast<std::size_t>(key / 3), n = static_cast<std::size_t>(key % 3);
   numbers.push_back(&displacement[gridpoint + n * kLanes]);
   for (const std::size_t c : {(n + 1) % 3, (n + 2) % 3}) numbers.push_back(&velocity[gridpoint + c * kLanes]);
 }
 
 void Simulation::Impl::each_watched(const std::function<void(int, const std::vector<double*>&)>& visit) {
-  const auto of_riding = [&](const std::vector<int>& blocks) {
+  const auto of_large_motion = [&](const std::vector<int>& blocks) {
     for (const int block : blocks) {
       std::vector<double*> numbers;
-      riding->motion_of(block, numbers);
-      visit(item_of_riding_block[at(block)], numbers);
+      large_motion->motion_of(block, numbers);
+      visit(item_by_block[at(block)], numbers);
     }
   };
   const auto of_bodies = [&](const std::vector<int>& bodies) {
@@ -383,12 +383,12 @@ void Simulation::Impl::each_watched(const std::function<void(int, const std::vec
       visit(static_cast<int>(model.unit_groups.size()) + place, numbers);
     }
   };
-  if (riding)
-    of_riding(monitor_blocks);
+  if (large_motion)
+    of_large_motion(monitor_blocks);
   else
     of_bodies(monitor);
   for (const Floor& floor : whiffletree) {
-    if (riding) of_riding(floor.riding);
+    if (large_motion) of_large_motion(floor.large_motion);
     of_bodies(floor.bodies);
     for (const int i : floor.loaded) {
       const int block = loaded_blocks[at(i)].block;
@@ -416,10 +416,11 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
-  bool startled = riding && riding->is_startled(share.items), leaves = riding && riding->leaves_frame(share.items);
-  if (riding) ranks_failed = agree(riding->in_trouble(share.chunks, share.items), &startled, &leaves);
-  if (riding && in_parts) {
-    if (startled) riding->startle();
+  bool startled = large_motion && large_motion->is_startled(share.items),
+       leaves = large_motion && large_motion->leaves_frame(share.items);
+  if (large_motion) ranks_failed = agree(large_motion->in_trouble(share.chunks, share.items), &startled, &leaves);
+  if (large_motion && in_parts) {
+    if (startled) large_motion->startle();
     if (measure_step)
       gather(Part::row);
     else if (want_energy || leaves || ranks_failed)
@@ -427,9 +428,9 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
     return;
   }
   if (leaves) gather(Part::all);
-  if (measure_step || (riding && want_energy))
-    gather(riding ? Part::row : Part::sums);
-  else if (riding && (startled || riding->looks_at_motion()))
+  if (measure_step || (large_motion && want_energy))
+    gather(large_motion ? Part::row : Part::sums);
+  else if (large_motion && (startled || large_motion->looks_at_motion()))
     gather(Part::motion);
 }
 
@@ -478,13 +479,13 @@ void Simulation::Impl::divide_anew() {
   const auto before = Clock::now();
   if (!in_parts) gather(Part::all);
   const std::vector<double> of_rank = balance.measured_over_estimated();
-  measured_over_estimated.resize(riding ? at(riding->block_count()) : model.assembly.bricks.size(), 1.0);
+  measured_over_estimated.resize(large_motion ? at(large_motion->block_count()) : model.assembly.bricks.size(), 1.0);
   for (int item = 0; item < static_cast<int>(share.rank_of_item.size()); ++item) {
     for (const int b : blocks_of_item(item))
       measured_over_estimated[at(b)] *= of_rank[at(share.rank_of_item[at(item)])];
   }
   const std::vector<int> before_it = share.rank_of_item;
-  if (in_parts && !riding) {
+  if (in_parts && !large_motion) {
     const RankShare next = share_of_this_rank();
     gather(Part::all, Who::holders, &next);
   }
@@ -523,8 +524,8 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
   if (part == Part::row || part == Part::all) prepare_row();
   std::size_t whole = 0;
   const Part asked = part;
-  if (riding && in_parts) {  // whose sums say what a row takes of blocks and contact points
-    if (part == Part::all) whole = riding->tell_everything(who == Who::everybody);
+  if (large_motion && in_parts) {  // whose sums say what a row takes of blocks and contact points
+    if (part == Part::all) whole = large_motion->tell_everything(who == Who::everybody);
     part = Part::sums;
   }
   const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && ranks->rank() == 0);
@@ -546,7 +547,7 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
         part, c, [&](void* first, std::size_t bytes) { rows.add(share.rank_of_chunk[at(c)], first, bytes, wanted); });
   }
   whole += rows.tell();
-  has_row = riding && in_parts && asked == Part::row;
+  has_row = large_motion && in_parts && asked == Part::row;
   gathered = asked == Part::all && who == Who::everybody;
   gathered_by_first = gathered_by_first || gathered || (asked == Part::all && who == Who::first);
   traffic.gathers += 1.0;
@@ -560,10 +561,10 @@ void Simulation::Impl::fetch_for_frame() {
   if (!in_parts && !scene.output.pieces) return gather(Part::all, Who::first);
   if (!ranks) return;
   // What was a joint shows how far its blocks are apart, wherever they are.
-  if (!in_parts && riding && riding->has_placed_anew()) return gather(Part::all);
+  if (!in_parts && large_motion && large_motion->has_placed_anew()) return gather(Part::all);
   const auto before = Clock::now();
-  if (riding)
-    riding->tell_parted_blocks();
+  if (large_motion)
+    large_motion->tell_parted_blocks();
   else
     hear_all_of_borders();
   const double seconds = seconds_since(before);
@@ -572,8 +573,8 @@ void Simulation::Impl::fetch_for_frame() {
 }
 
 void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemory& visit) {
-  if (riding) {
-    riding->each_memory_of_piece(part, item, visit);
+  if (large_motion) {
+    large_motion->each_memory_of_piece(part, item, visit);
     for (std::size_t i = 0; in_parts && part != Part::motion && i < restrained_of_item[at(item)].size(); ++i)
       visit_value(block_wrench[at(restrained_of_item[at(item)][i])], visit);
     return;
@@ -620,7 +621,7 @@ void Simulation::Impl::each_memory_of_item(Part part, int item, const VisitMemor
 }
 
 void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit) {
-  if (riding) return riding->each_memory_of_chunk(part, chunk, visit);
+  if (large_motion) return large_motion->each_memory_of_chunk(part, chunk, visit);
   LawCall& call = calls[at(chunk)];
   visit_value(call.force_sum, visit);
   visit_value(call.deepest, visit);
@@ -645,17 +646,17 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
 }
 
 void Simulation::Impl::prepare_row() {
-  if (riding && in_parts) {
-    riding->look_for_row(share.chunks, share.items);
+  if (large_motion && in_parts) {
+    large_motion->look_for_row(share.chunks, share.items);
     std::vector<int> own;
     for (const int item : share.items) {
       const std::vector<int>& some = restrained_of_item[at(item)];
       own.insert(own.end(), some.begin(), some.end());
     }
-    const std::vector<JointWrench> wrenches = sum_riding_wrenches(own);
+    const std::vector<JointWrench> wrenches = sum_large_motion_wrenches(own);
     for (std::size_t i = 0; i < own.size(); ++i) block_wrench[at(own[i])] = wrenches[i];
   }
-  if (riding) return;
+  if (large_motion) return;
   whole_motions.resize(model.assembly.bricks.size());
   body_wrench.resize(model.bodies.size());
   for (const int item : share.items) {

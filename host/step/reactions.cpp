@@ -30,8 +30,8 @@ bool moves(const BodyControl& control) {
 // Of the bodies and blocks of now; names are those of the first time, as the history has its columns by then.
 void Simulation::Impl::find_restraints() {
   std::vector<std::string> names;
-  if (riding) {
-    for (const blocks::Block& block : riding->assembly().blocks) names.push_back(block.name);
+  if (large_motion) {
+    for (const blocks::Block& block : large_motion->assembly().blocks) names.push_back(block.name);
   } else {
     for (const RigidBody& body : model.bodies) names.push_back(body.name);
   }
@@ -48,8 +48,8 @@ void Simulation::Impl::find_restraints() {
       for (const BodyControl& control : of.controls)
         if (holds(control)) add(control.body, moves(control));
     }
-    for (std::size_t b = 0; riding && b < names.size() && restraints.size() <= kMostRestraints; ++b)
-      if (riding->assembly().blocks[b].fixed && !names[b].empty()) add(names[b], false);
+    for (std::size_t b = 0; large_motion && b < names.size() && restraints.size() <= kMostRestraints; ++b)
+      if (large_motion->assembly().blocks[b].fixed && !names[b].empty()) add(names[b], false);
     if (restraints.size() > kMostRestraints) restraints.clear();
     restraints_found = true;
   }
@@ -61,7 +61,7 @@ void Simulation::Impl::find_restraints() {
 }
 
 void Simulation::Impl::find_restrained_blocks() {
-  const auto& blocks = riding->assembly().blocks;
+  const auto& blocks = large_motion->assembly().blocks;
   std::set<int> found;
   for (std::size_t b = 0; b < blocks.size(); ++b)
     if (blocks[b].fixed) found.insert(static_cast<int>(b));
@@ -96,23 +96,23 @@ JointWrench Simulation::Impl::sum_joint_wrench(int body) const {
 }
 
 // Viscous forces of contacts included.
-std::vector<JointWrench> Simulation::Impl::sum_riding_wrenches(const std::vector<int>& blocks) const {
+std::vector<JointWrench> Simulation::Impl::sum_large_motion_wrenches(const std::vector<int>& blocks) const {
   std::vector<JointWrench> sums(blocks.size());
-  std::vector<int> place(at(riding->block_count()), -1);
+  std::vector<int> place(at(large_motion->block_count()), -1);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     place[at(blocks[i])] = static_cast<int>(i);
-    sums[i].centre = geometry::array(riding->start_position(blocks[i]));
-    sums[i].displacement = riding_displacement_at_forces({blocks[i]});
-    sums[i].force = geometry::array(riding->contact_force(blocks[i]));
+    sums[i].centre = geometry::array(large_motion->start_position(blocks[i]));
+    sums[i].displacement = block_translation_at_forces({blocks[i]});
+    sums[i].force = geometry::array(large_motion->contact_force(blocks[i]));
   }
   if (blocks.empty()) return sums;
-  for (const blocks::Contact& c : riding->contacts()) {
+  for (const blocks::Contact& c : large_motion->contacts()) {
     const int of_a = place[at(c.pair.a)], of_b = place[at(c.pair.b)];
     if (of_a < 0 && of_b < 0) continue;
-    const blocks::Family& f = riding->families()[at(c.family)];
+    const blocks::Family& f = large_motion->families()[at(c.family)];
     for (std::size_t i = c.first; i < c.first + c.count; ++i) {
-      const geometry::Matrix frame = riding->frame_of(f.point[i]);
-      const Vector place_of_point = riding->place_of(f.point[i]);
+      const geometry::Matrix frame = large_motion->frame_of(f.point[i]);
+      const Vector place_of_point = large_motion->place_of(f.point[i]);
       Vector on_a;
       for (std::size_t k = 0; k < 3; ++k)
         on_a += f.point[i].area * (f.traction[k][i] + (f.viscous[k].empty() ? 0.0 : f.viscous[k][i])) *
@@ -131,14 +131,14 @@ std::vector<JointWrench> Simulation::Impl::sum_riding_wrenches(const std::vector
 // Bits 0..2: x, y, z of a body or block are imposed now; 3..5: its rotation about them.
 std::vector<std::uint8_t> Simulation::Impl::held_now() const {
   std::vector<std::uint8_t> held;
-  for (std::size_t b = 0; !riding && b < model.bodies.size(); ++b) {
+  for (std::size_t b = 0; !large_motion && b < model.bodies.size(); ++b) {
     const auto [index, lane] = body_place[b];
     unsigned bits = 0;
     for (unsigned c = 0; c < 6; ++c) bits |= body_lanes[at(index)].prescribed[c][lane] != 0.0 ? 1u << c : 0u;
     held.push_back(static_cast<std::uint8_t>(bits));
   }
-  if (!riding) return held;
-  for (const blocks::Block& block : riding->assembly().blocks) held.push_back(block.fixed ? 0x3f : 0);
+  if (!large_motion) return held;
+  for (const blocks::Block& block : large_motion->assembly().blocks) held.push_back(block.fixed ? 0x3f : 0);
   for (const Drive& drive : drives) held[at(drive.block)] = drive.held;
   return held;
 }
@@ -147,9 +147,9 @@ void Simulation::Impl::measure_reactions(HistoryRow& row) const {
   const std::vector<std::uint8_t> held = held_now();
   std::vector<int> members = restrained_blocks;
   std::vector<JointWrench> wrenches;
-  if (riding && (!in_parts || has_all())) {
-    wrenches = sum_riding_wrenches(members);
-  } else if (riding) {
+  if (large_motion && (!in_parts || has_all())) {
+    wrenches = sum_large_motion_wrenches(members);
+  } else if (large_motion) {
     for (const int b : members) wrenches.push_back(block_wrench[at(b)]);
   } else {
     members.clear();

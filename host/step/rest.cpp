@@ -96,7 +96,7 @@ class Search {
     groups_.begin = {0};
     for (int b = 0; b < static_cast<int>(simulation_.block_count()); ++b) {
       blocks_.emplace_back();
-      s_.riding ? number_riding(b) : number_lattice(b);
+      s_.large_motion ? number_large_motion(b) : number_lattice(b);
     }
   }
   int next(bool held) { return held ? -1 : count_++; }
@@ -124,23 +124,23 @@ class Search {
     });
   }
 
-  void number_riding(int b) {
+  void number_large_motion(int b) {
     BlockUnknowns& u = blocks_.back();
-    const blocks::ModelBlock& block = s_.riding->block(b);
+    const blocks::ModelBlock& block = s_.large_motion->block(b);
     if (block.body >= 0) {
-      const blocks::Body& body = s_.riding->body(b);
+      const blocks::Body& body = s_.large_motion->body(b);
       u.rigid = true, u.centre = body.x;
       for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((body.held | body.support) >> c & 1u) != 0);
       return close_group(b, u.centre);
     }
-    unsigned held = s_.riding->assembly().blocks[at(b)].fixed ? 7u : 0u;
+    unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;
     for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
-    const bool halved = s_.riding->assembly().symmetry_plane_z0;
+    const bool halved = s_.large_motion->assembly().symmetry_plane_z0;
     for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
       auto& of_point = u.gridpoint.emplace_back();
-      const bool on_plane = halved && s_.riding->node_reference()[at(n)].z == 0.0;
+      const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
       for (unsigned c = 0; c < 3; ++c) of_point[c] = next((held >> c & 1u) != 0 || (on_plane && c == 2));
-      close_group(b, s_.riding->node_positions()[at(n)]);
+      close_group(b, s_.large_motion->node_positions()[at(n)]);
     }
   }
 
@@ -154,7 +154,7 @@ class Search {
 
   VectorXd out_of_balance(const std::vector<ContactPoint>& points) {
     VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(count_));
-    s_.riding ? add_riding_loads(&sum) : add_lattice_loads(&sum);
+    s_.large_motion ? add_large_motion_loads(&sum) : add_lattice_loads(&sum);
     add_contacts(points, &sum);
     return sum;
   }
@@ -165,8 +165,8 @@ class Search {
     add_to(sum, {u.body[3], u.body[4], u.body[5]}, cross(place - u.centre, force));
   }
 
-  void add_riding_loads(VectorXd* sum) const {
-    blocks::Model& m = *s_.riding;
+  void add_large_motion_loads(VectorXd* sum) const {
+    blocks::Model& m = *s_.large_motion;
     const Vector g = geometry::vector(s_.data.gravity);
     std::vector<Vector> applied(blocks_.size());
     for (const Drive& drive : s_.drives) applied[at(drive.block)] += drive.force_to;
@@ -202,7 +202,7 @@ class Search {
   }
 
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
-    blocks::Model& m = *s_.riding;
+    blocks::Model& m = *s_.large_motion;
     const double pressure = p.scale * p.value * p.factor.at(m.time());
     const BlockUnknowns& u = blocks_[at(p.block)];
     if (u.rigid) {
@@ -360,7 +360,7 @@ class Search {
       std::array<std::array<int, 3>, 4> unknown;
       std::array<Vector, 4> gradient;
       if (u.rigid) continue;
-      if (!s_.riding) {
+      if (!s_.large_motion) {
         const BrickTemplate& shape = s_.model.template_of(b);
         for (const auto& zone : shape.zone) {
           for (std::size_t i = 0; i < 4; ++i)
@@ -369,10 +369,10 @@ class Search {
         }
         continue;
       }
-      const blocks::ModelBlock& block = s_.riding->block(b);
-      const geometry::Matrix turned = s_.riding->orientation(b);
+      const blocks::ModelBlock& block = s_.large_motion->block(b);
+      const geometry::Matrix turned = s_.large_motion->orientation(b);
       for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-        const blocks::Zone& zone = s_.riding->zones()[at(z)];
+        const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
         for (std::size_t i = 0; i < 4; ++i)
           unknown[i] = u.gridpoint[at(zone.node[i] - block.first_node)], gradient[i] = turned * zone.gradient[i];
         add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
@@ -404,9 +404,10 @@ class Search {
         spin[c] = sign;
         if (u.body[at(c + 3)] >= 0) shares->push_back({u.body[at(c + 3)], cross(spin, place - u.centre)});
       }
-    } else if (s_.riding) {
+    } else if (s_.large_motion) {
       const auto [node, weight] = on_surface(b, place);
-      for (std::size_t i = 0; i < 3; ++i) add(u.gridpoint[at(node[i] - s_.riding->block(b).first_node)], weight[i]);
+      for (std::size_t i = 0; i < 3; ++i)
+        add(u.gridpoint[at(node[i] - s_.large_motion->block(b).first_node)], weight[i]);
     } else {
       add(u.gridpoint[at(gridpoint_at(b, place))], 1.0);
     }
@@ -414,10 +415,10 @@ class Search {
 
   // Corners of the triangle of its surface that the place is closest to, and their weights there.
   std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int b, const Vector& place) const {
-    const auto& x = s_.riding->node_positions();
+    const auto& x = s_.large_motion->node_positions();
     std::pair<std::array<int, 3>, std::array<double, 3>> best{};
     double least = std::numeric_limits<double>::infinity();
-    for (const auto& triangle : s_.riding->block(b).surface) {
+    for (const auto& triangle : s_.large_motion->block(b).surface) {
       const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
       const Vector normal = cross(q - p, r - p);
       const double twice = dot(normal, normal);
@@ -468,7 +469,7 @@ class Search {
 
   // Moves all blocks, lets the laws follow, and leaves all at rest.
   void move(const VectorXd& moved) {
-    if (s_.riding) return move_riding(moved);
+    if (s_.large_motion) return move_large_motion(moved);
     // Laws see sliding as velocity times the step. Once more at rest, since some settle in two answers.
     for (const bool moving : {true, false}) {
       for (int b = 0; b < static_cast<int>(blocks_.size()); ++b)
@@ -523,8 +524,8 @@ class Search {
     }
   }
 
-  void move_riding(const VectorXd& moved) {
-    blocks::Model& m = *s_.riding;
+  void move_large_motion(const VectorXd& moved) {
+    blocks::Model& m = *s_.large_motion;
     for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
       BlockUnknowns& u = blocks_[at(b)];
       if (u.rigid) {

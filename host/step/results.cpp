@@ -92,14 +92,14 @@ std::vector<HotArray> Simulation::hot_arrays() const {
 }
 
 long Simulation::block_count() const {
-  if (impl_->riding) return impl_->riding->block_count();
+  if (impl_->large_motion) return impl_->large_motion->block_count();
   return static_cast<long>(impl_->model.assembly.bricks.size());
 }
 long Simulation::zone_count() const {
-  return static_cast<long>(impl_->riding ? impl_->riding->zones().size() : impl_->model.zone_count());
+  return static_cast<long>(impl_->large_motion ? impl_->large_motion->zones().size() : impl_->model.zone_count());
 }
 std::size_t Simulation::Impl::contact_point_count() const {
-  return riding ? static_cast<std::size_t>(riding->point_count()) : at(model.point_count);
+  return large_motion ? static_cast<std::size_t>(large_motion->point_count()) : at(model.point_count);
 }
 long Simulation::point_count() const { return static_cast<long>(impl_->contact_point_count()); }
 
@@ -110,7 +110,7 @@ const char* condition_name(Condition condition) {
 }
 
 Simulation::BlockMesh Simulation::block_mesh(int block) const {
-  if (impl_->riding) return impl_->riding_mesh(block);
+  if (impl_->large_motion) return impl_->mesh_in_large_motion(block);
   const Model& model = impl_->model;
   const Brick& brick = model.assembly.bricks[at(block)];
   const Model::BlockPlace& place = model.place[at(block)];
@@ -135,7 +135,7 @@ Simulation::BlockMesh Simulation::block_mesh(int block) const {
 }
 
 Simulation::BlockSize Simulation::block_size(int block) const {
-  if (impl_->riding) return impl_->riding_size(block);
+  if (impl_->large_motion) return impl_->size_in_large_motion(block);
   constexpr std::uint64_t kFaces = 6, kFaceCorners = 24, kCorners = 8;
   if (impl_->model.place[at(block)].body >= 0) return {kCorners, 0, kFaces, kFaceCorners};
   const BrickTemplate& shape = impl_->model.template_of(block);
@@ -160,17 +160,17 @@ std::vector<Vec3> block_values(const Simulation::Impl& s, int block, const LaneV
 }  // namespace
 
 std::vector<Vec3> Simulation::block_displacement(int block) const {
-  if (impl_->riding) return impl_->riding_displacements(block);
+  if (impl_->large_motion) return impl_->gridpoint_displacements(block);
   return block_values(*impl_, block, impl_->displacement, &BodyLanes::displacement, &BodyLanes::rotation);
 }
 
 std::vector<Vec3> Simulation::block_velocity(int block) const {
-  if (impl_->riding) return impl_->riding_velocities(block);
+  if (impl_->large_motion) return impl_->gridpoint_velocities(block);
   return block_values(*impl_, block, impl_->velocity, &BodyLanes::velocity, &BodyLanes::spin);
 }
 
 std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
-  if (impl_->riding) return impl_->riding_stress(block);
+  if (impl_->large_motion) return impl_->zone_stresses(block);
   const Model& model = impl_->model;
   const Model::BlockPlace& place = model.place[at(block)];
   std::vector<std::array<double, 6>> result;
@@ -188,7 +188,7 @@ std::vector<std::array<double, 6>> Simulation::block_stress(int block) const {
 
 void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointRange& range,
                                    const PointOutputs& outputs) const {
-  if (riding) return ask_riding_at_rest(capability, range, outputs);
+  if (large_motion) return ask_large_motion_at_rest(capability, range, outputs);
   std::vector<double> zero(kChunk, 0.0), normal(kChunk), scratch_columns;
   const auto begin = std::partition_point(model.chunks.begin(), model.chunks.end(),
                                           [&](const ContactChunk& c) { return c.first_point < range.first; });
@@ -222,7 +222,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointRange& r
 
 // Flags of the last step when it reported them, otherwise those of a step that moves nothing.
 std::vector<std::uint32_t> Simulation::Impl::current_flags(const PointRange& range) const {
-  if (!riding && flags_step == step_count - 1) return {flags.begin() + range.first, flags.begin() + range.end};
+  if (!large_motion && flags_step == step_count - 1) return {flags.begin() + range.first, flags.begin() + range.end};
   std::vector<std::uint32_t> result(at(range.end - range.first), 0);
   ask_at_rest(QUOIN_CAN_FLAGS, range, [&](quoin_batch& batch, std::size_t first) {
     batch.flags = {result.data() + first - at(range.first), 1};
@@ -243,7 +243,7 @@ Simulation::DamageColumns Simulation::damage(const PointRange& range) const {
 
 std::vector<ContactPoint> Simulation::contact_points(const PointRange& range, bool own_alone) const {
   const auto wanted = [&](int block_a) { return !own_alone || owns_block(block_a); };
-  if (impl_->riding) return impl_->riding_points(range, wanted);
+  if (impl_->large_motion) return impl_->points_in_large_motion(range, wanted);
   const Model& model = impl_->model;
   const std::vector<std::uint32_t> flags = impl_->current_flags(range);
   std::vector<ContactPoint> result;
@@ -274,7 +274,7 @@ std::pair<Vec3, Vec3> Simulation::displacement_of_sides(std::int32_t point) cons
 }
 
 std::vector<double> Simulation::state(const std::string& id, const PointRange& range) const {
-  if (impl_->riding) return impl_->riding_state(id, range);
+  if (impl_->large_motion) return impl_->state_in_large_motion(id, range);
   std::vector<double> result(at(range.end - range.first), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t f = 0; f < impl_->model.families.size(); ++f) {
     const ContactFamily& family = impl_->model.families[f];
@@ -296,8 +296,8 @@ bool Simulation::keeps_state(const std::string& id) const {
     const int k = families[f].material->law().state_index(id);
     if (k < 0) continue;
     const bool diagnostic = families[f].material->api().states[k]->role == QUOIN_ROLE_DIAGNOSTIC;
-    if (impl_->riding ? impl_->riding->families()[f].size() > 0
-                      : families[f].point_count > 0 && (!diagnostic || impl_->keep_diagnostics))
+    if (impl_->large_motion ? impl_->large_motion->families()[f].size() > 0
+                            : families[f].point_count > 0 && (!diagnostic || impl_->keep_diagnostics))
       return true;
   }
   return false;
@@ -333,14 +333,14 @@ void add_to_hash(const std::vector<BodyLanes>& bodies, FnvHash* hash) {
 std::array<long, kConditionCount> Simulation::Impl::own_conditions() {
   const std::vector<std::uint32_t> now = current_flags(all_points());
   std::vector<std::size_t> first_of_family{0};
-  for (std::size_t f = 0; riding && f < riding->families().size(); ++f)
-    first_of_family.push_back(first_of_family.back() + riding->families()[f].size());
+  for (std::size_t f = 0; large_motion && f < large_motion->families().size(); ++f)
+    first_of_family.push_back(first_of_family.back() + large_motion->families()[f].size());
   std::array<long, kConditionCount> counts{};
   for (const int c : share.chunks) {
     if (!share.owns_chunk(c, ranks->rank())) continue;
     std::size_t first, count;
-    if (riding) {
-      const auto range = riding->range_of_chunk(c);
+    if (large_motion) {
+      const auto range = large_motion->range_of_chunk(c);
       first = first_of_family[at(range.family)] + range.first, count = range.count;
     } else {
       first = at(model.chunks[at(c)].first_point), count = at(model.chunks[at(c)].point_count);
@@ -361,8 +361,8 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
 // What results are made of that rank 0 writes afterwards; all of it only where it is not in parts.
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
-  if (riding)
-    riding->tell_parted_blocks();
+  if (large_motion)
+    large_motion->tell_parted_blocks();
   else
     hear_all_of_borders();
   end_conditions = conditions_of_all();
@@ -372,7 +372,7 @@ void Simulation::Impl::end_run() {
 
 void Simulation::Impl::note_start() {
   start_hash.reset();
-  if (!in_parts || (scene.damage.empty() && !riding)) return;
+  if (!in_parts || (scene.damage.empty() && !large_motion)) return;
   prepare_row();
   start_hash = hash_by_parts(true);
 }
@@ -382,7 +382,7 @@ std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
   const auto give = [&](const void* first, std::size_t bytes, const TakeBytes& take) {
     give_array(first, bytes, take);
   };
-  if (riding) return riding->hash(give);
+  if (large_motion) return large_motion->hash(give);
   FnvHash hash;
   each_lattice_field(*this, [&](const Field& field, const auto& array, int family) {
     if (field.hashed == 0) return;
@@ -397,7 +397,7 @@ std::uint64_t Simulation::Impl::hash_by_parts(bool at_rest) {
 std::uint64_t Simulation::hash() const {
   if (impl_->end_conditions && !impl_->has_all()) return impl_->end_hash;
   if (impl_->start_hash && impl_->step_count == 0 && !impl_->has_all()) return *impl_->start_hash;
-  if (impl_->riding) return impl_->riding->hash();
+  if (impl_->large_motion) return impl_->large_motion->hash();
   FnvHash hash;
   each_lattice_field(*impl_, [&](const Field& field, const auto& array, int f) {
     if (field.hashed == 0) return;

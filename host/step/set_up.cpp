@@ -20,7 +20,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   if (ranks) begin_with_ranks();
   take_bricks(std::move(assembly), materials);
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
-  if (shapes) build_riding(*shapes, std::move(materials));
+  if (shapes) build_large_motion(*shapes, std::move(materials));
   find_restraints();
   take_damage();
   const auto before = Clock::now();
@@ -208,7 +208,8 @@ void Simulation::Impl::partition_work() {
 void Simulation::Impl::divide_work() {
   chunk_cost.clear(), item_cost.clear(), unit_of_group.clear();
   for (const ContactChunk& chunk : model.chunks) chunk_cost.push_back(chunk.point_count);
-  for (int c = 0; riding && c < riding->chunk_count(); ++c) chunk_cost.push_back(riding->chunk_work(c));
+  for (int c = 0; large_motion && c < large_motion->chunk_count(); ++c)
+    chunk_cost.push_back(large_motion->chunk_work(c));
 
   // One contact point of a lone body costs about as much as 20 coefficients of a group, 8 of a body group as 12.
   constexpr double kBodyPoint = 20.0, kBodySlot = 12.0;
@@ -228,15 +229,16 @@ void Simulation::Impl::divide_work() {
   for (const int b : model.lone_bodies)
     item_cost.push_back(kBodyPoint *
                         (static_cast<double>(model.bodies[static_cast<std::size_t>(b)].point.size()) + 2.0));
-  for (int p = 0; riding && p < riding->piece_count(); ++p) item_cost.push_back(riding->piece_work(p));
-  item_of_riding_block.assign(riding ? static_cast<std::size_t>(riding->block_count()) : 0, -1);
-  for (int p = 0; riding && p < riding->piece_count(); ++p) {
-    for (const std::int32_t block : riding->blocks_of_piece(p))
-      item_of_riding_block[static_cast<std::size_t>(block)] = p;
+  for (int p = 0; large_motion && p < large_motion->piece_count(); ++p)
+    item_cost.push_back(large_motion->piece_work(p));
+  item_by_block.assign(large_motion ? static_cast<std::size_t>(large_motion->block_count()) : 0, -1);
+  for (int p = 0; large_motion && p < large_motion->piece_count(); ++p) {
+    for (const std::int32_t block : large_motion->blocks_of_piece(p))
+      item_by_block[static_cast<std::size_t>(block)] = p;
   }
   restrained_of_item.assign(item_cost.size(), {});
   for (const int block : restrained_blocks) {
-    const int item = riding ? item_of_riding_block[static_cast<std::size_t>(block)] : -1;
+    const int item = large_motion ? item_by_block[static_cast<std::size_t>(block)] : -1;
     if (item >= 0) restrained_of_item[static_cast<std::size_t>(item)].push_back(block);
   }
   share = share_of_this_rank();

@@ -96,10 +96,10 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
   const int index = s.stage < 0 ? 0 : s.in_stage ? s.stage : s.stage + 1;
   if (index >= stage_count) return false;
   const bool begins = !s.in_stage;
-  const bool on_lattice = !s.riding;
+  const bool on_lattice = !s.large_motion;
   if (begins) s.begin_stage(index);
   if (begins && s.scene.stages[static_cast<std::size_t>(index)].kind == "rest") find_rest(*this, s);
-  if (on_lattice && s.riding) observer.on_promotion(*this);
+  if (on_lattice && s.large_motion) observer.on_promotion(*this);
   observer.on_stage_begin(*this, index);
   std::vector<Warning> warnings;
   const auto warn = [&] {
@@ -128,7 +128,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
 
     done = check && s.equilibrium_reached(settings);
     if (s.stage_fraction() >= 1.0 || s.force_lost()) done = true;
-    if (s.riding && s.stage_step % kCollapseInterval == 0 && s.collapse_ended(&warnings)) done = true;
+    if (s.large_motion && s.stage_step % kCollapseInterval == 0 && s.collapse_ended(&warnings)) done = true;
     if (done) s.step_once(true, true);  // so that the last row and what follows it are complete
     bool show = frame;
     const auto show_frame = [&] {
@@ -152,7 +152,7 @@ bool Simulation::run_stage(Observer& observer, long most_steps) {
       s.require_finite(now);
       tell([&] { observer.on_row(now); });
       const auto watched = Clock::now();
-      if (s.riding) s.look_at_riding_motion();
+      if (s.large_motion) s.look_at_rotations();
       if (done) s.watch.next_stiffness = std::min(s.watch.next_stiffness, s.step_count);  // what ends a stage is seen
       const std::vector<Warning> of_watch = s.look();
       warnings.insert(warnings.end(), of_watch.begin(), of_watch.end());
@@ -222,7 +222,7 @@ const Model& Simulation::model() const { return impl_->model; }
 const TimeStepReport& Simulation::time_step_report() const { return impl_->time_step; }
 long Simulation::step() const { return impl_->step_count; }
 double Simulation::time() const { return impl_->now(); }
-const blocks::Model* Simulation::riding() const { return impl_->riding.get(); }
+const blocks::Model* Simulation::large_motion() const { return impl_->large_motion.get(); }
 const Outcome& Simulation::outcome() const { return impl_->outcome; }
 int Simulation::thread_count() const { return impl_->pool.thread_count(); }
 const char* Simulation::instruction_set() const { return kernel_instruction_set(); }

@@ -249,7 +249,7 @@ class Simulation {
   const Scene& scene() const;
   const Assembly& assembly() const;
   const Model& model() const;
-  const blocks::Model* riding() const;  // blocks of any shape; null: none
+  const blocks::Model* large_motion() const;  // blocks of any shape; null: none
   const Outcome& outcome() const;
   long block_count() const;
   long zone_count() const;

@@ -93,14 +93,14 @@ void Simulation::Impl::look_at_motion() {
 }
 
 std::string Simulation::Impl::past_motion_bound() const {
-  if (!riding) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
+  if (!large_motion) return past_bound(motion_seen, scene.solver.motion_bound, model.assembly);
   // Blocks of any shape leave small displacements by themselves.
-  if (scene.solver.large_motion != LargeMotion::never || riding->small_displacement()) return "";
+  if (scene.solver.large_motion != LargeMotion::never || large_motion->small_displacement()) return "";
   return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }
 
 bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* told) {
-  if (!riding) {
+  if (!large_motion) {
     if (step_count < next_motion_look && !stage_ends) return false;
     gather(Part::row);
     const auto before = Clock::now();
@@ -122,7 +122,7 @@ bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* told
                               "solver.past_motion_bound = \"warn\" to go on all the same",
                               stage_step, scene.stages[static_cast<std::size_t>(stage)].name, past));
   }
-  if (riding || outcome.promotion || solver.large_motion != LargeMotion::automatic) return false;
+  if (large_motion || outcome.promotion || solver.large_motion != LargeMotion::automatic) return false;
   gather(Part::all);
   promote(past);
   return true;

@@ -21,22 +21,22 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
-  if (const std::string beyond = settings.beyond_lattice(); !riding && !beyond.empty()) {
+  if (const std::string beyond = settings.beyond_lattice(); !large_motion && !beyond.empty()) {
     gather(Part::all);
     promote(fmt::format("stage '{}' {}", settings.name, beyond));
   }
   gather(Part::row);
   const bool swaps_laws = !settings.law_swaps.empty();
-  if (!in_parts || (riding && swaps_laws))
+  if (!in_parts || (large_motion && swaps_laws))
     gather(Part::all);
-  else if (settings.whiffletree && !riding)
+  else if (settings.whiffletree && !large_motion)
     gather(Part::all, Who::holders);
   else if (swaps_laws)
     hear_all_of_borders();
   const Stage* const previous = index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr;
-  if (riding && in_parts) tell_blocks_of_stage(settings, previous);
-  if (riding)
-    begin_riding_stage(settings, previous);
+  if (large_motion && in_parts) tell_blocks_of_stage(settings, previous);
+  if (large_motion)
+    begin_large_motion_stage(settings, previous);
   else
     control_bodies(settings);
   gravity_from = data.gravity;
@@ -70,7 +70,7 @@ void Simulation::Impl::begin_stage(int index) {
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
   const SolverSettings& settings = scene.solver;
-  if (riding) riding->settle(settling);
+  if (large_motion) large_motion->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
 
@@ -125,9 +125,9 @@ double Simulation::Impl::stage_fraction() const {
     const Collapse& c = *settings.collapse;
     fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - c.start) / (c.limit - c.start)));
   }
-  if (settings.displacement && riding) {
+  if (settings.displacement && large_motion) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    fraction = std::max(fraction, std::abs((whiffletree.empty() ? riding_displacement(monitor_blocks)[c]
+    fraction = std::max(fraction, std::abs((whiffletree.empty() ? block_translation(monitor_blocks)[c]
                                                                 : floor_displacement_now(whiffletree.size() - 1)) -
                                            monitor_start[c]) /
                                       *settings.displacement);
@@ -157,7 +157,7 @@ void Simulation::Impl::swap_law(const std::string& name, const std::string& law)
   }
   const auto f = static_cast<std::size_t>(found - families.begin());
   auto material = successor(*found, law);
-  if (riding) return swap_riding_law(f, std::move(material));
+  if (large_motion) return swap_law_in_large_motion(f, std::move(material));
   swap_lattice_law(f, std::move(material));
 }
 

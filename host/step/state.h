@@ -199,7 +199,7 @@ struct Simulation::Impl {
   void find_restrained_blocks();
   void measure_reactions(HistoryRow& row) const;
   JointWrench sum_joint_wrench(int body) const;
-  std::vector<JointWrench> sum_riding_wrenches(const std::vector<int>& blocks) const;
+  std::vector<JointWrench> sum_large_motion_wrenches(const std::vector<int>& blocks) const;
   std::vector<std::uint8_t> held_now() const;  // by body, or by block
 
   // --- what holds blocks (supports.cpp) -----------------------------------------------------------------------------
@@ -260,20 +260,21 @@ struct Simulation::Impl {
   long chosen_record_interval() const;
   void sum_measurements();
 
-  // --- blocks of any shape (riding.cpp) -----------------------------------------------------------------------------
-  void build_riding(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
+  // --- blocks of any shape (large_motion_run.cpp)
+  // -----------------------------------------------------------------------------
+  void build_large_motion(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   void build_members();  // of the scene
   void find_blocks_on_base();
   bool may_ride_in_parts(const blocks::Assembly& shapes) const;
-  std::vector<int> rank_of_riding_blocks() const;
+  std::vector<int> rank_by_block() const;
   std::vector<int> followed_blocks() const;
   void tell_blocks_of_stage(const Stage& settings, const Stage* previous);
   std::vector<int> blocks_named(const std::string& name, const std::string& where) const;
   void watch_blocks(const Stage& settings);                       // the monitor of the stage
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
-  void begin_riding_stage(const Stage& settings, const Stage* previous);
-  void swap_riding_law(std::size_t family, std::shared_ptr<const Material> material);
-  void follow_time_step();  // of the riding model, which may have chosen a new one
+  void begin_large_motion_stage(const Stage& settings, const Stage* previous);
+  void swap_law_in_large_motion(std::size_t family, std::shared_ptr<const Material> material);
+  void follow_time_step();  // of the large_motion model, which may have chosen a new one
   struct Action;            // step/actions
   std::vector<int> blocks_named_in(const Stage& settings) const;  // by its actions
   void bind_actions(const Stage& settings, const Stage* previous);
@@ -297,23 +298,24 @@ struct Simulation::Impl {
   bool stands_below(const std::vector<int>& blocks) const;
   bool collapse_ended(std::vector<Warning>* told);
   void watch_uplift();
-  Vec3 riding_displacement(int block) const;                                 // of the centre of mass since the start, m
-  Vec3 riding_displacement(const std::vector<int>& blocks) const;            // on average
-  Vec3 riding_displacement_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
-  void measure_riding(HistoryRow& row) const;
+  Vec3 block_translation(int block) const;                                 // of the centre of mass since the start, m
+  Vec3 block_translation(const std::vector<int>& blocks) const;            // on average
+  Vec3 block_translation_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
+  void measure_large_motion(HistoryRow& row) const;
   void measure_base(HistoryRow& row) const;
-  void look_at_riding_motion();
-  BlockMesh riding_mesh(int block) const;
-  BlockSize riding_size(int block) const;
-  std::vector<Vec3> riding_displacements(int block) const;  // of its gridpoints since the start, m
-  std::vector<Vec3> riding_velocities(int block) const;
-  std::vector<std::array<double, 6>> riding_stress(int block) const;  // by zone, Cauchy
-  std::vector<ContactPoint> riding_points(const PointRange& range, const std::function<bool(int block)>& wanted) const;
-  std::vector<double> riding_state(const std::string& id, const PointRange& range) const;
-  void each_riding_point_here(const std::function<void(std::int32_t point, int block_a)>& visit) const;
-  std::vector<int> riding_chunks_here() const;
-  void end_riding_step(double timed);  // how many steps this one's time stands for; 0: not timed
-  void measure_riding_step();
+  void look_at_rotations();
+  BlockMesh mesh_in_large_motion(int block) const;
+  BlockSize size_in_large_motion(int block) const;
+  std::vector<Vec3> gridpoint_displacements(int block) const;  // of its gridpoints since the start, m
+  std::vector<Vec3> gridpoint_velocities(int block) const;
+  std::vector<std::array<double, 6>> zone_stresses(int block) const;  // by zone, Cauchy
+  std::vector<ContactPoint> points_in_large_motion(const PointRange& range,
+                                                   const std::function<bool(int block)>& wanted) const;
+  std::vector<double> state_in_large_motion(const std::string& id, const PointRange& range) const;
+  void each_point_in_large_motion(const std::function<void(std::int32_t point, int block_a)>& visit) const;
+  std::vector<int> chunks_in_large_motion() const;
+  void end_large_motion_step(double timed);  // how many steps this one's time stands for; 0: not timed
+  void measure_large_motion_step();
   double stage_time() const;  // s, since the stage began
   double now() const;         // s, since the start
 
@@ -329,7 +331,7 @@ struct Simulation::Impl {
 
   // --- one model on several processes (ranks.cpp); nothing is done without them -------------------------------------
   std::vector<double> estimated_costs() const;  // by item, its contact points included; any unit
-  Vec3 riding_place(int block) const;           // all ranks find the same
+  Vec3 place_in_large_motion(int block) const;  // all ranks find the same
   RankShare share_of_this_rank() const;         // in large motion once all has been gathered: positions count
   void bind_halo();  // what neighbours ask for in every step, and all ranks of what stages watch
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
@@ -400,7 +402,7 @@ struct Simulation::Impl {
   // The lattice of these bricks at rest, with its time step; none for an assembly of joint families alone.
   void take_bricks(Assembly assembly, const std::vector<std::shared_ptr<const Material>>& materials);
   void take_damage();  // of the scene: states and openings before the first stage
-  void damage_riding(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
+  void damage_large_motion(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
   void damage_lattice(std::size_t family, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit);
   void bind_step();     // what a step reads, for the model of now
   void bind_columns();  // pointers of step data and law calls
@@ -416,7 +418,7 @@ struct Simulation::Impl {
   using PointOutputs = std::function<void(quoin_batch&, std::size_t first_point)>;
   // A step that moves nothing, into scratch but for these outputs: of the points whose law has the capability.
   void ask_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
-  void ask_riding_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
+  void ask_large_motion_at_rest(std::uint64_t capability, const PointRange& range, const PointOutputs& outputs) const;
   std::size_t contact_point_count() const;
   PointRange all_points() const { return {0, static_cast<std::int32_t>(contact_point_count())}; }
 
@@ -452,12 +454,12 @@ struct Simulation::Impl {
   ForceLoss force_loss;  // in cycles
 
   // Blocks of any shape in large motion; null: none.
-  std::unique_ptr<blocks::Model> riding;
+  std::unique_ptr<blocks::Model> large_motion;
   std::vector<std::uint8_t> on_base;  // by block: a free one that rests on fixed ones at the start
   geometry::Vector base_centre;       // of the area between these at the start, m
   std::vector<Drive> drives;
   std::size_t fading_loads = 0, fading_pressures = 0;  // the first of the model's, from the stage before
-  double riding_stage_start = 0.0;                     // s
+  double stage_start_time = 0.0;                       // s
   double multiplier = 0.0;                             // of the body force of a collapse stage
   FirstLoad first_load;
   std::vector<int> monitor_blocks;
@@ -494,8 +496,8 @@ struct Simulation::Impl {
   std::vector<WholeMotion> whole_motions;                     // by brick
   struct Floor {
     std::vector<int> bodies, loaded;  // loaded: indices into loaded_blocks
-    std::vector<int> riding;          // blocks in large motion, in place of both
-    double count() const { return static_cast<double>(bodies.size() + loaded.size() + riding.size()); }
+    std::vector<int> large_motion;    // blocks in large motion, in place of both
+    double count() const { return static_cast<double>(bodies.size() + loaded.size() + large_motion.size()); }
   };
   std::vector<Floor> whiffletree;            // in stages that have one
   std::vector<LoadedBlock> loaded_blocks;    // deformable blocks that have a name
@@ -506,7 +508,7 @@ struct Simulation::Impl {
   bool rest_known = true;                    // at_rest of all bodies is up to date
   bool want_energy = false;
   // By what every step measures; blocks that ride add theirs up themselves.
-  bool books_energy() const { return want_energy && !riding; }
+  bool books_energy() const { return want_energy && !large_motion; }
   bool sample_energy = false;  // of this step alone, for the watch
   bool keep_diagnostics = false;
 
@@ -519,14 +521,14 @@ struct Simulation::Impl {
   std::vector<std::unique_ptr<ChunkJumps>> jumps;
   std::atomic<bool> law_failed{false};
 
-  Ranks* ranks = nullptr;                 // null: one process alone
-  Halo halo;                              // of this rank
-  bool in_parts = false;                  // each rank holds a part of the model
-  bool ranks_failed = false;              // one of them in this step
-  bool has_row = false;                   // what a row takes, in large motion in parts, of the last step
-  bool holds_all = true;                  // this one all of it
-  std::vector<int> unit_of_group;         // by block group: its item
-  std::vector<int> item_of_riding_block;  // with ranks
+  Ranks* ranks = nullptr;          // null: one process alone
+  Halo halo;                       // of this rank
+  bool in_parts = false;           // each rank holds a part of the model
+  bool ranks_failed = false;       // one of them in this step
+  bool has_row = false;            // what a row takes, in large motion in parts, of the last step
+  bool holds_all = true;           // this one all of it
+  std::vector<int> unit_of_group;  // by block group: its item
+  std::vector<int> item_by_block;  // with ranks
   Clock::time_point run_start = Clock::now();
   std::vector<JointWrench> body_wrench;              // of joints, by body, of the last row; with ranks
   std::vector<std::vector<int>> restrained_of_item;  // with ranks, in large motion: restrained_blocks, by item

@@ -56,7 +56,7 @@ Simulation::View view_of(Vector* first, std::size_t rows) { return {&first->x, r
 void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
   Impl& s = *impl_;
   if (s.stage < 0) s.begin_stage(0);
-  if (s.riding) return s.steer_drives("velocity", body, velocity, true);
+  if (s.large_motion) return s.steer_drives("velocity", body, velocity, true);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty()) throw no_such_body(body, names_of(s.model));
   s.steer_bodies("velocity", body, bodies, velocity, true);
@@ -65,7 +65,7 @@ void Simulation::set_velocity(const std::string& body, const Vec3& velocity) {
 void Simulation::set_force(const std::string& body, const Vec3& force) {
   Impl& s = *impl_;
   if (s.stage < 0) s.begin_stage(0);
-  if (s.riding) return s.steer_drives("force", body, force, false);
+  if (s.large_motion) return s.steer_drives("force", body, force, false);
   const std::vector<int> bodies = s.model.bodies_named(body);
   if (bodies.empty() && s.model.deformable_blocks_named(body).empty()) throw no_such_body(body, names_of(s.model));
   s.steer_bodies("force", body, bodies, force, false);
@@ -112,7 +112,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
   };
   for (const int block : steered) {
     const auto drive = drive_of(block);
-    const bool fixed = drive == drives.end() && riding->assembly().blocks[at(block)].fixed;
+    const bool fixed = drive == drives.end() && large_motion->assembly().blocks[at(block)].fixed;
     std::array<bool, 3> prescribed{};
     for (std::size_t c = 0; c < 3; ++c) prescribed[c] = drive == drives.end() ? fixed : (drive->held >> c & 1) != 0;
     require_kind(what, name, value, velocities, prescribed);
@@ -122,7 +122,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
     if (drive == drives.end()) {
       Drive added;
       added.block = block;
-      if (riding->assembly().blocks[at(block)].fixed) added.held = 0x3f;
+      if (large_motion->assembly().blocks[at(block)].fixed) added.held = 0x3f;
       drive = drives.insert(drive, added);
     }
     for (std::size_t k = 0; k < 3; ++k) {
@@ -136,7 +136,7 @@ void Simulation::Impl::steer_drives(const char* what, const std::string& name, c
         drive->force_from[c] = drive->force_to[c] = value[k];
       }
     }
-    if (!velocities) riding->apply_force(block, drive->force_to);
+    if (!velocities) large_motion->apply_force(block, drive->force_to);
   }
   controls_settled = false;  // drives reach their blocks with the next step
 }
@@ -158,11 +158,11 @@ LawSwap Simulation::swap_law(const std::string& family, const std::string& law) 
 
 Simulation::View Simulation::view(BlockArray what, int block) {
   Impl& s = *impl_;
-  if (s.riding) {
+  if (s.large_motion) {
     if (what == BlockArray::displacement) return {};
-    const blocks::ModelBlock& b = s.riding->block(block);
-    if (b.body >= 0) return view_of(&s.riding->body(block).v, 1);
-    return view_of(s.riding->node_velocities().data() + b.first_node, at(b.node_count));
+    const blocks::ModelBlock& b = s.large_motion->block(block);
+    if (b.body >= 0) return view_of(&s.large_motion->body(block).v, 1);
+    return view_of(s.large_motion->node_velocities().data() + b.first_node, at(b.node_count));
   }
   const Model::BlockPlace& place = s.model.place[at(block)];
   if (place.body >= 0) {
@@ -180,8 +180,8 @@ Simulation::View Simulation::view(BlockArray what, int block) {
 Simulation::View Simulation::view(PointArray what, int family) {
   Impl& s = *impl_;
   const auto k = static_cast<std::size_t>(what);
-  if (s.riding) {
-    auto& f = const_cast<blocks::Family&>(s.riding->families()[at(family)]);
+  if (s.large_motion) {
+    auto& f = const_cast<blocks::Family&>(s.large_motion->families()[at(family)]);
     if (what == PointArray::area) return {f.area.data(), f.size()};
     if (what != PointArray::position) return {f.traction[k].data(), f.size()};
     constexpr std::ptrdiff_t stride = sizeof(blocks::Point) / sizeof(double);
@@ -209,8 +209,8 @@ Simulation::View Simulation::view_state(int family, const std::string& id) {
     throw Error(Exit::bad_input, fmt::format("state: law {} keeps no state '{}' here; it keeps: {}", law.law->id, id,
                                              ids.empty() ? "none" : fmt::format("{}", fmt::join(ids, ", "))));
   }
-  if (s.riding) {
-    auto& f = const_cast<blocks::Family&>(s.riding->families()[at(family)]);
+  if (s.large_motion) {
+    auto& f = const_cast<blocks::Family&>(s.large_motion->families()[at(family)]);
     return {f.state[at(k)].data(), f.size()};
   }
   const std::size_t count = at(s.model.families[at(family)].point_count);
@@ -218,7 +218,7 @@ Simulation::View Simulation::view_state(int family, const std::string& id) {
 }
 
 void Simulation::velocities_changed() {
-  if (!impl_->riding) impl_->find_bodies_at_rest();
+  if (!impl_->large_motion) impl_->find_bodies_at_rest();
 }
 
 }  // namespace quoin

@@ -25,13 +25,13 @@ double processor_seconds() {
 void Simulation::Impl::step_once(bool measure_step, bool report) {
   begin_step(measure_step);
   each_chunk([&](int thread, int chunk, PhaseClock* clock) {
-    if (riding) return riding->advance_contacts(chunk, clock);
+    if (large_motion) return large_motion->advance_contacts(chunk, clock);
     advance_contacts(thread, chunk, measure_step, report, clock);
   });
   const bool failed = law_failed.load(std::memory_order_relaxed);
-  if (ranks && !riding ? agree(failed) : failed) report_failed_points();
+  if (ranks && !large_motion ? agree(failed) : failed) report_failed_points();
   each_item(measure_step, [&](int thread, int item, PhaseClock* clock) {
-    if (riding) return riding->advance_piece(item, clock);
+    if (large_motion) return large_motion->advance_piece(item, clock);
     advance_item(thread, item, measure_step);
     lap(clock, Phase::motion);
   });
@@ -42,15 +42,15 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
 void Simulation::Impl::begin_step(bool measure_step) {
   apply_controls();
   if (watch.pending && !sample_energy) stop_look();
-  if (riding && sample_energy && !watch.pending) riding->book_energy(true);
-  if (!riding && sample_energy && energy_columns[0].empty()) {
+  if (large_motion && sample_energy && !watch.pending) large_motion->book_energy(true);
+  if (!large_motion && sample_energy && energy_columns[0].empty()) {
     for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
   }
   data.energies = want_energy || sample_energy;
   gathered = gathered_by_first = ranks == nullptr;
   has_row = false;
   timed_steps = time_every_step ? 1.0 : step_count % kTimedSteps == 0 ? static_cast<double>(kTimedSteps) : 0.0;
-  if (riding) riding->begin_step(measure_step);
+  if (large_motion) large_motion->begin_step(measure_step);
 }
 
 // Jumps, law, forces.
@@ -66,7 +66,7 @@ void Simulation::Impl::advance_contacts(int thread, int index, bool measure_step
 }
 
 void Simulation::Impl::end_step(bool measure_step, bool report) {
-  if (riding) end_riding_step(timed_steps);
+  if (large_motion) end_large_motion_step(timed_steps);
   if (measure_step) {
     const auto before = Clock::now();
     sum_measurements();
@@ -240,7 +240,7 @@ std::string Simulation::Impl::batch_text(const quoin_batch& batch) const {
                        chunk.first_point, chunk.first_point + chunk.point_count - 1,
                        model.families[static_cast<std::size_t>(chunk.family)].name, x[0], x[1], x[2]);
   }
-  return riding ? riding->batch_text(batch) : fmt::format("a batch of {} points", batch.count);
+  return large_motion ? large_motion->batch_text(batch) : fmt::format("a batch of {} points", batch.count);
 }
 
 }  // namespace quoin

@@ -35,7 +35,7 @@ bool ends_at_rest_alone(const Stage& stage) {
 
 std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const {
   std::vector<std::uint8_t> held;
-  if (!riding) {
+  if (!large_motion) {
     for (const Brick& brick : model.assembly.bricks) {
       const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
         return brick.rigid && !c.body.empty() && c.body == brick.body;
@@ -48,7 +48,7 @@ std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const
     }
     return held;
   }
-  for (const blocks::Block& block : riding->assembly().blocks) held.push_back(block.fixed ? 7 : 0);
+  for (const blocks::Block& block : large_motion->assembly().blocks) held.push_back(block.fixed ? 7 : 0);
   for (const BodyControl& control : settings.controls) {
     for (const int block : blocks_named(control.body, settings.source.text)) held[at(block)] = imposed_by(control);
   }
@@ -56,7 +56,7 @@ std::vector<std::uint8_t> Simulation::Impl::held_in(const Stage& settings) const
 }
 
 std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
-  std::vector<int> first(riding ? at(riding->block_count()) : model.assembly.bricks.size());
+  std::vector<int> first(large_motion ? at(large_motion->block_count()) : model.assembly.bricks.size());
   std::iota(first.begin(), first.end(), 0);
   const auto find = [&](int i) {
     while (first[at(i)] != i) i = first[at(i)] = first[at(first[at(i)])];
@@ -67,11 +67,11 @@ std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
     first[at(std::max(of_a, of_b))] = std::min(of_a, of_b);
   };
   for (const Joint& j : model.assembly.joints) join(j.block_a, j.block_b);
-  for (std::size_t i = 0; riding && i < riding->contacts().size(); ++i) {
-    const blocks::Contact& c = riding->contacts()[i];
+  for (std::size_t i = 0; large_motion && i < large_motion->contacts().size(); ++i) {
+    const blocks::Contact& c = large_motion->contacts()[i];
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
-  const members::Members* const members = riding ? riding->members() : nullptr;
+  const members::Members* const members = large_motion ? large_motion->members() : nullptr;
   for (std::size_t i = 0; members && i < members->ties().size(); ++i) {
     const members::Tie& tie = members->ties()[i];
     join(members->nodes()[at(tie.from)].block, members->nodes()[at(tie.to)].block);
@@ -87,7 +87,7 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
   for (unsigned c = 0; c < 3; ++c) along |= settings.gravity[c] != 0.0 ? 1u << c : 0u;
   std::map<int, unsigned> imposed;
   for (std::size_t i = 0; i < held.size(); ++i) imposed[group[i]] |= held[i];
-  const members::Members* const members = riding ? riding->members() : nullptr;
+  const members::Members* const members = large_motion ? large_motion->members() : nullptr;
   for (std::size_t i = 0; members && i < members->spring_points().size(); ++i)
     imposed[group[at(members->nodes()[at(members->spring_points()[i].node)].block)]] |= along;
   std::vector<int> loose;
@@ -98,8 +98,8 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
 }
 
 void Simulation::Impl::require_moving_ground() const {
-  const auto& blocks = riding->assembly().blocks;
-  if (riding->members() && !riding->members()->beds().empty()) return;
+  const auto& blocks = large_motion->assembly().blocks;
+  if (large_motion->members() && !large_motion->members()->beds().empty()) return;
   if (std::any_of(blocks.begin(), blocks.end(), [](const blocks::Block& b) { return b.fixed; })) return;
   for (const Stage& each : scene.stages) {
     if (!each.ground) continue;
@@ -129,7 +129,7 @@ void Simulation::Impl::look_for_falling_block(std::vector<Warning>* told) {
   const Stage& settings = scene.stages[at(stage)];
   if (held_blocks.empty()) held_blocks = held_in(settings);
   const auto moved = [&](std::size_t i) {
-    if (riding) return riding->moved(static_cast<int>(i));
+    if (large_motion) return large_motion->moved(static_cast<int>(i));
     return i < whole_motions.size() ? norm(geometry::vector(whole_motions[i].translation)) : 0.0;
   };
   double of_supports = 0.0, farthest = 0.0;
@@ -155,7 +155,7 @@ void Simulation::Impl::look_for_falling_block(std::vector<Warning>* told) {
 }
 
 std::string Simulation::Impl::block_label(int block) const {
-  if (riding) return blocks::label(riding->assembly(), block);
+  if (large_motion) return blocks::label(large_motion->assembly(), block);
   const std::string& body = model.assembly.bricks[at(block)].body;
   return body.empty() ? fmt::format("#{}", block) : fmt::format("#{} '{}'", block, body);
 }
@@ -171,7 +171,7 @@ Simulation::Supports Simulation::supports(int stage) const {
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
     std::vector<std::string>& alike = names[held[i]];
-    std::string name = s.riding ? s.riding->assembly().blocks[i].name : s.model.assembly.bricks[i].body;
+    std::string name = s.large_motion ? s.large_motion->assembly().blocks[i].name : s.model.assembly.bricks[i].body;
     if (name.empty()) name = block_label(static_cast<int>(i));
     if (alike.empty() || alike.back() != name) alike.push_back(std::move(name));
   }

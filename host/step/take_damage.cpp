@@ -25,19 +25,19 @@ void Simulation::Impl::take_damage() {
   std::vector<CrackedBlock> blocks;
   for (const Brick& b : model.assembly.bricks)
     blocks.push_back({{b.origin[0] + b.size[0] / 2, b.origin[1] + b.size[1] / 2, b.origin[2] + b.size[2] / 2}, b.unit});
-  for (int b = 0; riding && b < riding->block_count(); ++b)
-    blocks.push_back({geometry::array(riding->position(b)), riding->assembly().blocks[at(b)].unit});
+  for (int b = 0; large_motion && b < large_motion->block_count(); ++b)
+    blocks.push_back({geometry::array(large_motion->position(b)), large_motion->assembly().blocks[at(b)].unit});
   std::vector<double> hit(scene.damage.size(), 0.0);  // contact points, by entry
   std::optional<Error> fault;
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     try {
-      riding ? damage_riding(f, blocks, hit) : damage_lattice(f, blocks, hit);
+      large_motion ? damage_large_motion(f, blocks, hit) : damage_lattice(f, blocks, hit);
     } catch (const Error& error) {
       if (!fault) fault = error;
     }
   }
   throw_together(fault);
-  if (ranks && !riding) {
+  if (ranks && !large_motion) {
     ranks->largest(hit);
     if (any_rank(!normal_shift.empty())) normal_shift.resize(at(model.point_count));
   }
@@ -49,14 +49,15 @@ void Simulation::Impl::take_damage() {
   }
 }
 
-void Simulation::Impl::damage_riding(std::size_t f, const std::vector<CrackedBlock>& blocks, std::vector<double>& hit) {
-  const blocks::Family& family = riding->families()[f];
+void Simulation::Impl::damage_large_motion(std::size_t f, const std::vector<CrackedBlock>& blocks,
+                                           std::vector<double>& hit) {
+  const blocks::Family& family = large_motion->families()[f];
   std::vector<PlacedPoint> points;
   for (const blocks::Point& p : family.point) points.push_back({geometry::array(p.at), p.area, p.a, p.b});
-  const DamagedFamily damaged = damage_family(scene.damage, riding->assembly().families[f], model.families[f].material,
-                                              points, points, blocks, family.columns, &hit);
+  const DamagedFamily damaged = damage_family(scene.damage, large_motion->assembly().families[f],
+                                              model.families[f].material, points, points, blocks, family.columns, &hit);
   if (damaged.points == 0) return;
-  riding->replace_law(static_cast<int>(f), model.families[f].material, damaged.state, damaged.opening_shift);
+  large_motion->replace_law(static_cast<int>(f), model.families[f].material, damaged.state, damaged.opening_shift);
 }
 
 void Simulation::Impl::damage_lattice(std::size_t f, const std::vector<CrackedBlock>& blocks,

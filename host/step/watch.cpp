@@ -25,7 +25,7 @@ bool Simulation::Impl::begin_look() const {
 // Between a step that was looked at and the next, another one has come, or both are done.
 void Simulation::Impl::stop_look() {
   watch.pending = false;
-  if (riding && !want_energy) riding->book_energy(false);
+  if (large_motion && !want_energy) large_motion->book_energy(false);
 }
 
 // The balance of a step: what it stores more, less what came in, is nothing. Steps that were looked at stand for all.
@@ -52,7 +52,8 @@ double Simulation::Impl::allowed_overlap() const {
   for (const Brick& brick : model.assembly.bricks) {
     if (!brick.beam) least = std::min(least, *std::min_element(brick.size.begin(), brick.size.end()));
   }
-  for (int i = 0; riding && i < riding->block_count(); ++i) least = std::min(least, riding->block(i).least_extent);
+  for (int i = 0; large_motion && i < large_motion->block_count(); ++i)
+    least = std::min(least, large_motion->block(i).least_extent);
   return Watch::kAllowedOverlap * least;
 }
 
@@ -63,11 +64,11 @@ void Simulation::Impl::look_at_points() {
     watch.overlap_at = place();
   };
   long crushed_out = 0;
-  for (int c = 0; riding && c < riding->chunk_count(); ++c) {
-    const blocks::Deepest deepest = riding->deepest_of_chunk(c);
+  for (int c = 0; large_motion && c < large_motion->chunk_count(); ++c) {
+    const blocks::Deepest deepest = large_motion->deepest_of_chunk(c);
     see(deepest.opening, [&] { return geometry::array(deepest.at); });
   }
-  if (!riding) {
+  if (!large_motion) {
     for (const LawCall& call : calls) {
       see(call.deepest, [&] { return model.point_position[static_cast<std::size_t>(call.deepest_point)]; });
       crushed_out += call.crushed_out;
@@ -97,8 +98,8 @@ void Simulation::Impl::look_at_stiffness() {
       for (const auto& column : shear) ratio(column[point], bounds.shear);
     }
   };
-  if (riding) {
-    for (const blocks::Family& f : riding->families()) hold(*f.material, f.kn, f.ks, f.size());
+  if (large_motion) {
+    for (const blocks::Family& f : large_motion->families()) hold(*f.material, f.kn, f.ks, f.size());
     const auto counts = in_parts && !has_all() ? conditions_of_all() : conditions_here();
     watch.crushed_out = std::max(watch.crushed_out, counts[static_cast<std::size_t>(Condition::crushed_out)]);
   } else {
@@ -109,9 +110,9 @@ void Simulation::Impl::look_at_stiffness() {
 }
 
 std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
-  if (riding) {
+  if (large_motion) {
     const bool all = !in_parts || has_all();
-    return riding->wrong_law(all ? whole_share(riding->chunk_count(), 0).chunks : share.chunks);
+    return large_motion->wrong_law(all ? whole_share(large_motion->chunk_count(), 0).chunks : share.chunks);
   }
   // Of `count` points of a family from `first` on.
   const auto look_at = [&](std::size_t f, std::size_t first, std::size_t count) {
@@ -156,24 +157,25 @@ std::string Simulation::Impl::damped_motion() const {
   const auto now_in = static_cast<std::size_t>(stage);
   if (std::string of_ground = ground_damping_warning(scene, now_in); !of_ground.empty()) return of_ground;
   const std::string damping = damping_in_space(scene, now_in);
-  if (!riding || damping.empty()) return "";
+  if (!large_motion || damping.empty()) return "";
   const double weight = norm(geometry::vector(data.gravity)), g = weight > 0.0 ? weight : 9.81;
   std::vector<bool> driven;
-  for (const blocks::Block& b : riding->assembly().blocks) driven.push_back(b.fixed);
+  for (const blocks::Block& b : large_motion->assembly().blocks) driven.push_back(b.fixed);
   for (const Drive& drive : drives) driven[static_cast<std::size_t>(drive.block)] = (drive.held & 7) != 0;
   double most = 1.0, block = -1.0;
-  for (int i = 0; i < riding->block_count(); ++i) {
-    if (!riding->owns(i) || driven[static_cast<std::size_t>(i)] ||
-        !(norm(riding->net_force_on(i)) > kUnbalanced * g * riding->mass_of(i)))
+  for (int i = 0; i < large_motion->block_count(); ++i) {
+    if (!large_motion->owns(i) || driven[static_cast<std::size_t>(i)] ||
+        !(norm(large_motion->net_force_on(i)) > kUnbalanced * g * large_motion->mass_of(i)))
       continue;
-    const Vector v = riding->velocity(i);
-    const double fall = dot(v, v) / (2.0 * g * kFall * riding->block(i).least_extent);
+    const Vector v = large_motion->velocity(i);
+    const double fall = dot(v, v) / (2.0 * g * kFall * large_motion->block(i).least_extent);
     if (fall > most) most = fall, block = i;
   }
   if (in_parts) block = largest_of_ranks(most == largest_of_ranks(most) ? block : -1.0);
   if (block < 0.0) return "";
   return fmt::format("block {} falls, slides or topples, and the {} of stage '{}' brakes it: {}; {}",
-                     blocks::label(riding->assembly(), static_cast<int>(block)), damping, scene.stages[now_in].name,
+                     blocks::label(large_motion->assembly(), static_cast<int>(block)), damping,
+                     scene.stages[now_in].name,
                      local_damping_in(scene, now_in) > 0.0
                          ? "what is not balanced moves it with 1 - gamma of the acceleration that it has without"
                          : "without it such motion is not braked",
@@ -201,7 +203,7 @@ std::vector<Warning> Simulation::Impl::look() {
   if (step_count >= watch.next_stiffness) {
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     if (in_parts) {
-      if (!riding) hear_all_of_borders();
+      if (!large_motion) hear_all_of_borders();
       look_at_stiffness();
       watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
       if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them

@@ -100,15 +100,15 @@ TEST(Columns, GoAlongIntoLargeMotionAndCheckpoints) {
   Rows rows;
   simulation.run(rows);
   ASSERT_TRUE(rows.promoted);
-  const auto& riding = simulation.riding()->families()[0].columns;
-  ASSERT_EQ(riding.size(), 2u);
+  const auto& large_motion = simulation.large_motion()->families()[0].columns;
+  ASSERT_EQ(large_motion.size(), 2u);
   std::multiset<double> before(on_lattice[0].values.begin(), on_lattice[0].values.end()),
-      after(riding[0].values.begin(), riding[0].values.end());
+      after(large_motion[0].values.begin(), large_motion[0].values.end());
   EXPECT_EQ(before, after);
   Simulation other(read_scene(kSmall, settings));
   other.restore(simulation.save());
   EXPECT_EQ(other.hash(), simulation.hash());
-  EXPECT_EQ(other.riding()->families()[0].columns[1].values, riding[1].values);
+  EXPECT_EQ(other.large_motion()->families()[0].columns[1].values, large_motion[1].values);
 }
 
 struct Drawn {
@@ -173,7 +173,7 @@ TEST(Columns, DoNotDependOnTheKernels) {
   const Settings settings = strength("distribution=\"lognormal\",cov=0.2,level=\"point\",correlation_length=0.2");
   const Drawn lattice = drawn(settings);
   const Simulation general(read_scene(kSmall, settings + Settings{"solver.kernels=general"}));
-  const blocks::Family& family = general.riding()->families()[0];
+  const blocks::Family& family = general.large_motion()->families()[0];
   ASSERT_EQ(family.size(), lattice.point.size());
   std::map<std::pair<int, int>, std::vector<std::size_t>> of_pair;
   for (std::size_t i = 0; i < lattice.point.size(); ++i)

@@ -35,7 +35,7 @@ struct Saver : Observer {
     bool take = ++pauses == next;
     if (take) next += std::exchange(before_next, next);
     if (std::exchange(seen_stage, stage) != stage) take = true;
-    if (const blocks::Model* m = simulation.riding()) {
+    if (const blocks::Model* m = simulation.large_motion()) {
       if (detections >= 0 && m->detections() != detections && after_detection++ < 4) take = true;
       detections = m->detections();
     }
@@ -99,16 +99,16 @@ long expect_restores(const Scene& scene) {
       EXPECT_EQ(losses[k].half_cycle, of_whole[k].half_cycle);
       EXPECT_EQ(losses[k].force, of_whole[k].force);
     }
-    if (const blocks::Model* m = again.riding()) {
-      EXPECT_EQ(m->detections(), whole.riding()->detections());
-      EXPECT_EQ(m->time_step(), whole.riding()->time_step());
+    if (const blocks::Model* m = again.large_motion()) {
+      EXPECT_EQ(m->detections(), whole.large_motion()->detections());
+      EXPECT_EQ(m->time_step(), whole.large_motion()->time_step());
     }
     EXPECT_EQ(rest.rows.size(), saver.rows.size() - from.rows);
     for (std::size_t k = 0; k < std::min(rest.rows.size(), saver.rows.size() - from.rows); ++k)
       expect_same(rest.rows[k], saver.rows[from.rows + k]);
     if (::testing::Test::HasFailure()) break;
   }
-  return whole.riding() ? whole.riding()->detections() : 0;
+  return whole.large_motion() ? whole.large_motion()->detections() : 0;
 }
 
 Scene scene_of(const std::string& name, std::vector<std::string> overrides) {
@@ -127,12 +127,12 @@ TEST(Checkpoint, WallInLargeMotionGoesOnBitForBit) {
   const Scene scene =
       scene_of(QUOIN_HOST_TESTS "/halves_part.toml", {"solver.large_motion=always", "output.energy=true"});
   Simulation start(scene, 1);
-  EXPECT_EQ(start.riding()->unit_count(), 2);
+  EXPECT_EQ(start.large_motion()->unit_count(), 2);
   Observer nobody;
   start.run_stage(nobody), start.run_stage(nobody);
-  EXPECT_EQ(start.riding()->unit_count(), 1) << "none came apart";
+  EXPECT_EQ(start.large_motion()->unit_count(), 1) << "none came apart";
   start.run(nobody);
-  EXPECT_EQ(start.riding()->unit_count(), 2) << "they have not met again";
+  EXPECT_EQ(start.large_motion()->unit_count(), 2) << "they have not met again";
   expect_restores(scene);
 }
 

@@ -46,7 +46,7 @@ void expect_closed_form(const std::vector<HistoryRow>& rows, const Stage& stage,
   double largest = 0.0, least = 0.0, before = 0.0;
   const double dt = rows[1].time - rows[0].time;
   for (std::size_t i = 1; i + 1 < rows.size(); ++i) {  // the last row stands two steps after the one before
-    const double time = rows[i].time - start - dt;  // a row has the displacement at the time of its forces
+    const double time = rows[i].time - start - dt;     // a row has the displacement at the time of its forces
     ASSERT_NEAR(rows[i].displacement, motion.position(time), 1e-13) << i;
     largest = std::max(largest, rows[i].displacement), least = std::min(least, rows[i].displacement);
     const double velocity = (rows[i].displacement - rows[i - 1].displacement) / dt;
@@ -69,7 +69,7 @@ TEST(Cycles, OfAWallReachTheirAmplitudes) {
     Simulation s(scene);
     Rows rows(1);
     s.run(rows);
-    EXPECT_FALSE(s.riding());
+    EXPECT_FALSE(s.large_motion());
     expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
     EXPECT_NEAR(rows.rows.back().time - start_of(rows.rows), *scene.stages[1].duration,
                 2 * s.time_step_report().time_step);
@@ -82,7 +82,7 @@ TEST(Cycles, InLargeMotionReachTheirAmplitudes) {
   Simulation s(scene);
   Rows rows(1);
   s.run(rows);
-  ASSERT_TRUE(s.riding());
+  ASSERT_TRUE(s.large_motion());
   expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
 }
 
@@ -216,7 +216,7 @@ TEST(Cycles, OfABlockReachTheirAmplitudesInEveryKindOfMotion) {
     Simulation s(scene);
     Rows rows(1);
     s.run(rows);
-    EXPECT_EQ(s.riding() == nullptr, how == std::string("solver.kernels=lattice"));
+    EXPECT_EQ(s.large_motion() == nullptr, how == std::string("solver.kernels=lattice"));
     expect_closed_form(rows.rows, scene.stages[1], start_of(rows.rows));
     double largest = 0.0;
     for (const HistoryRow& row : rows.rows) largest = std::max(largest, std::abs(row.resistance));

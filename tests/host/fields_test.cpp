@@ -61,7 +61,7 @@ TEST_P(Fields, AreAllThatARunGoesOnFrom) {
   const std::vector<std::uint8_t> state = first.save();
   other.restore(state);
   // Bodies of the lattice also have what controls impose in a step, which the next one sets again.
-  EXPECT_TRUE(!first.riding() || other.save() == state);
+  EXPECT_TRUE(!first.large_motion() || other.save() == state);
   EXPECT_EQ(other.hash(), first.hash());
   Observer nobody;
   for (const long steps : {1, 3, 60}) {

@@ -328,7 +328,7 @@ struct Golden : Observer {
   void on_law_swap(const LawSwap&) override { ++swaps; }
   void on_promotion(const Simulation&) override { ++promotions; }
   void on_row(const HistoryRow& row) override {
-    if (const blocks::Model* m = watched ? watched->riding() : nullptr) {
+    if (const blocks::Model* m = watched ? watched->large_motion() : nullptr) {
       fewest_units = std::min(fewest_units, m->unit_count()), most_units = std::max(most_units, m->unit_count());
     }
     const Energies& e = row.energies.value();
@@ -376,7 +376,7 @@ TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord)
   EXPECT_EQ(golden.promotions > 0, kind.has == GoldenKind::promotion);
   EXPECT_EQ(golden.swaps > 0, kind.has == GoldenKind::swap);
   if (kind.has == GoldenKind::detection) {
-    EXPECT_GT(simulation.riding()->detections(), 2);
+    EXPECT_GT(simulation.large_motion()->detections(), 2);
   }
   if (kind.has == GoldenKind::parting) {
     EXPECT_LT(golden.fewest_units, golden.most_units) << "no halves parted";

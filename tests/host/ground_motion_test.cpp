@@ -141,14 +141,14 @@ TEST(GroundMotion, DampingOfImpactsGoesOnWhereItWasLeft) {
   Observer nobody;
   ASSERT_TRUE(simulation.run_stage(nobody));
   ASSERT_TRUE(simulation.run_stage(nobody, 700));
-  ASSERT_GT(simulation.riding()->impact_damping_in_use(), 0.0);
+  ASSERT_GT(simulation.large_motion()->impact_damping_in_use(), 0.0);
   const std::vector<std::uint8_t> half_way = simulation.save();
   simulation.run(nobody);
   Simulation resumed(shaken, 2);
   resumed.restore(half_way);
   resumed.run(nobody);
   EXPECT_EQ(resumed.hash(), simulation.hash());
-  EXPECT_EQ(resumed.riding()->impact_damping_in_use(), simulation.riding()->impact_damping_in_use());
+  EXPECT_EQ(resumed.large_motion()->impact_damping_in_use(), simulation.large_motion()->impact_damping_in_use());
 }
 
 }  // namespace

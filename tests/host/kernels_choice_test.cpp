@@ -194,7 +194,7 @@ void expect_same_assembly(const Assembly& a, const Assembly& b, std::size_t shif
 TEST(KernelsChoice, ListOfBlocksIsTheWallItself) {
   Simulation wall(read_scene(QUOIN_SCENES "/solid_wall_030.toml", {"output.frames=0"}));
   Simulation blocks(read_text(solid_wall_as_blocks(), {"output.frames=0"}));
-  ASSERT_FALSE(blocks.riding());
+  ASSERT_FALSE(blocks.large_motion());
   expect_same_assembly(blocks.assembly(), wall.assembly(), 0, 0.0);
   const Stopper a = run_for(wall, 500), b = run_for(blocks, 500);
   EXPECT_EQ(blocks.step(), wall.step());
@@ -210,7 +210,7 @@ TEST(KernelsChoice, ListOfBlocksIsTheWallItself) {
 TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
   Simulation wall(read_scene(QUOIN_SCENES "/solid_wall_030.toml", {"output.frames=0"}));
   Simulation blocks(read_scene(QUOIN_SCENES "/solid_wall_030_blocks.toml", {"output.frames=0"}));
-  ASSERT_FALSE(blocks.riding());
+  ASSERT_FALSE(blocks.large_motion());
   expect_same_assembly(blocks.assembly(), wall.assembly(), 2, 1e-12);
   const Stopper a = run_for(wall, 500), b = run_for(blocks, 500);
   ASSERT_EQ(a.rows.size(), b.rows.size());
@@ -224,7 +224,7 @@ TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
 TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
   Simulation wall(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {"output.frames=0"}));
   Simulation blocks(read_text(cube_wall_as_blocks(), {"solver.kernels=lattice", "output.frames=0"}));
-  ASSERT_FALSE(blocks.riding());
+  ASSERT_FALSE(blocks.large_motion());
   EXPECT_EQ(blocks.point_count(), wall.point_count());
   EXPECT_EQ(blocks.model().lone_bodies.size(), 1u);
   long in_lanes = 0;
@@ -440,7 +440,7 @@ TEST(KernelsChoice, BothKernelsCarryTheWeight) {
         read_text(kTwoBlocks, {fmt::format("solver.kernels={}", kernels), "stage.1.duration=1000",
                                "stage.1.equilibrium_ratio=1e-6", "stage.1.monitor=stone", "output.frames=0"});
     Simulation simulation(scene);
-    EXPECT_EQ(simulation.riding() != nullptr, std::string(kernels) == "general");
+    EXPECT_EQ(simulation.large_motion() != nullptr, std::string(kernels) == "general");
     Observer nobody;
     simulation.run(nobody);
     double carried = 0.0;
@@ -460,9 +460,9 @@ TEST(KernelsChoice, WallsCanBeMovedByTheGeneralKernels) {
   general.push_back("solver.kernels=general");
   Simulation lattice(read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", settings));
   Simulation blocks(read_scene(QUOIN_HOST_TESTS "/../cli/small_wall.toml", general));
-  ASSERT_FALSE(lattice.riding());
-  ASSERT_TRUE(blocks.riding());
-  EXPECT_TRUE(blocks.riding()->small_displacement());
+  ASSERT_FALSE(lattice.large_motion());
+  ASSERT_TRUE(blocks.large_motion());
+  EXPECT_TRUE(blocks.large_motion()->small_displacement());
   EXPECT_EQ(blocks.point_count(), lattice.point_count());
 }
 
@@ -491,7 +491,7 @@ TEST(KernelsChoice, AWallStandsBesideBlocks) {
     const Assembly wall = assemble(alone);
     const Model lattice(wall, make_materials(wall));
     Simulation simulation(scene);
-    const auto& families = simulation.riding()->families();
+    const auto& families = simulation.large_motion()->families();
     const auto of_mortar = std::find_if(lattice.families.begin(), lattice.families.end(),
                                         [](const ContactFamily& f) { return f.name == "mortar"; });
     const auto mortar = static_cast<std::size_t>(of_mortar - lattice.families.begin());

@@ -69,7 +69,7 @@ TEST(SmallMotion, ABlockThatFallsLandsOnTheOneBelow) {
   const std::string text = stones(block("a", 0.0) + block("c", 0.3), falls());
   for (const char* kernels : {"automatic", "general"}) {
     Simulation simulation(scene_of(text, {std::string("solver.kernels=") + kernels, "output.monitor=c"}), 1);
-    EXPECT_EQ(simulation.riding() == nullptr, kernels == std::string("automatic"));
+    EXPECT_EQ(simulation.large_motion() == nullptr, kernels == std::string("automatic"));
     Seen seen;
     simulation.run(seen);
     EXPECT_EQ(seen.promotions, kernels == std::string("automatic"));
@@ -217,7 +217,7 @@ TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
       Simulation simulation(scene_of(text, {fmt::format("output.energy={}", with == 1)}), 1);
       Seen seen;
       simulation.run(seen);
-      EXPECT_NE(simulation.riding(), nullptr);
+      EXPECT_NE(simulation.large_motion(), nullptr);
       for (const HistoryRow& row : seen.rows) kinetic[with].push_back(row.kinetic_energy);
     }
     EXPECT_EQ(kinetic[0], kinetic[1]) << damping;

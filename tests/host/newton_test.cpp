@@ -44,7 +44,7 @@ std::string resting_pair() {
 
 // By mass.
 Vec3 mean_velocity(const Simulation& simulation, int block) {
-  if (simulation.riding()) return geometry::array(simulation.riding()->velocity(block));
+  if (simulation.large_motion()) return geometry::array(simulation.large_motion()->velocity(block));
   const auto& model = simulation.model();
   const auto velocity = simulation.block_velocity(block);
   Vec3 mean{};
@@ -155,7 +155,7 @@ TEST_P(Stages, HandOverLoadsDrivesAndSupportsAlongTheirRamps) {
   if (GetParam().kernels == std::string("lattice"))
     settings.insert(settings.end(), {"solver.large_motion=never", "solver.past_motion_bound=warn"});
   Simulation simulation(read_scene_text(text, "stages.toml", settings));
-  ASSERT_EQ(simulation.riding() != nullptr, GetParam().kernels == std::string("general"));
+  ASSERT_EQ(simulation.large_motion() != nullptr, GetParam().kernels == std::string("general"));
   const double dt = simulation.time_step_report().time_step;
   ASSERT_LT(dt, 5e-5);
 
@@ -269,7 +269,7 @@ TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
     }
   }
   EXPECT_EQ(stages.begin.size(), 2u);
-  EXPECT_GT(simulation.riding()->turned(0), 1.0);
+  EXPECT_GT(simulation.large_motion()->turned(0), 1.0);
 }
 
 // A pressure follows its face: stage one spins the block to w t, stage two lets it spin on and presses. Its centre
@@ -307,7 +307,9 @@ TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
                                             "[0, 0, 0]\n" + stage + "[output]\nenergy = true\n",
                                         "spun.toml", {"solver.time_step_fraction=0.02"}));
   Observer nobody;
-  const auto momentum = [&] { return simulation.riding()->angular_momentum(simulation.riding()->position(0)); };
+  const auto momentum = [&] {
+    return simulation.large_motion()->angular_momentum(simulation.large_motion()->position(0));
+  };
   const auto end_stage = [&] {
     simulation.run_stage(nobody);
     return simulation.measure();
@@ -317,7 +319,7 @@ TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
   EXPECT_GT(norm(given), 0.5 * 12 * (0.2 * 0.2 + 0.3 * 0.3) / 12 * 20);
   const HistoryRow free = end_stage();
   EXPECT_LT(norm(momentum() - given), 1e-12 * norm(given));
-  const double energy = 0.5 * dot(momentum(), simulation.riding()->angular_velocity(0));
+  const double energy = 0.5 * dot(momentum(), simulation.large_motion()->angular_velocity(0));
   EXPECT_NEAR(driven, 0.0, 1e-12 * energy) << "what is imposed is none";
   EXPECT_NEAR(free.energies->kinetic, energy, 1e-4 * energy);
   EXPECT_NEAR(free.energies->balance_error(), 0.0, 1e-4 * energy);

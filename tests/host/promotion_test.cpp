@@ -193,7 +193,7 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
   const auto& [small, promoted, of_small, of_promoted] = runs;
   ASSERT_EQ(of_small.warnings, 1);
   ASSERT_EQ(of_promoted.promotions, 1);
-  ASSERT_TRUE(promoted.riding());
+  ASSERT_TRUE(promoted.large_motion());
   const Promotion& p = *promoted.outcome().promotion;
   EXPECT_GT(p.step, 0);
   EXPECT_EQ(p.stage, 1);
@@ -313,7 +313,7 @@ TEST(Promotion, IsKeptByCheckpoints) {
   Simulation resumed(scene, 2);
   const std::vector<std::uint8_t> start = resumed.save();
   resumed.restore(watch.saved);
-  ASSERT_TRUE(resumed.riding());
+  ASSERT_TRUE(resumed.large_motion());
   EXPECT_EQ(resumed.outcome().promotion->step, whole.outcome().promotion->step);
   Watch rest;
   resumed.run(rest);
@@ -321,7 +321,7 @@ TEST(Promotion, IsKeptByCheckpoints) {
   EXPECT_EQ(rest.rows.back().resistance, watch.rows.back().resistance);
 
   resumed.restore(start);
-  EXPECT_FALSE(resumed.riding());
+  EXPECT_FALSE(resumed.large_motion());
   EXPECT_FALSE(resumed.outcome().promotion);
   Watch again;
   resumed.run(again);

@@ -46,7 +46,7 @@ struct Rows : Observer {
       bits.push_back(std::bit_cast<std::uint64_t>(x));
   }
   void on_row(const HistoryRow& row) override {
-    if (const blocks::Model* m = simulation ? simulation->riding() : nullptr)
+    if (const blocks::Model* m = simulation ? simulation->large_motion() : nullptr)
       parted |= std::exchange(units, m->unit_count()) > m->unit_count();
     for (const double x : {row.time, row.displacement, row.resistance, row.vertical_force, row.dynamic_force,
                            row.unbalanced_ratio, row.kinetic_energy, row.multiplier, row.largest_displacement,
@@ -89,7 +89,7 @@ Found alone(const Case& of) {
   simulation.run(rows);
   EXPECT_EQ(simulation.outcome().promotion.has_value(), of.has == Case::promotion);
   if (of.has == Case::detection) {
-    EXPECT_GT(simulation.riding()->detections(), 2);
+    EXPECT_GT(simulation.large_motion()->detections(), 2);
   }
   EXPECT_EQ(rows.parted, of.has == Case::parting);
   EXPECT_EQ(simulation.time_step_report().added_mass > 1e-3 * simulation.time_step_report().model_mass,
@@ -294,7 +294,7 @@ TEST(Ranks, HoldTheirPartsOfLargeMotion) {
     int own = 0, laid_out = 0;
     for (int b = 0; b < simulation.block_count(); ++b) {
       own += simulation.owns_block(b) ? 1 : 0;
-      laid_out += simulation.riding()->is_laid_out(b) ? 1 : 0;
+      laid_out += simulation.large_motion()->is_laid_out(b) ? 1 : 0;
     }
     EXPECT_GT(own, simulation.block_count() / 8);
     EXPECT_GT(laid_out, own) << "neighbours";
@@ -324,7 +324,7 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
   const std::vector<std::uint8_t> last = goes_on(2, goes_on(3, {}, kFirst), kThen);
   Simulation reader(read(), 1);
   reader.restore(last);
-  EXPECT_GT(alone.riding()->detections(), 2);
+  EXPECT_GT(alone.large_motion()->detections(), 2);
   EXPECT_EQ(reader.step(), alone.step());
   EXPECT_EQ(reader.hash(), alone.hash());
 }

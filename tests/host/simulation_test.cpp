@@ -401,11 +401,11 @@ Scene stone_scene(const std::string& more) {
 // A ton that falls, at rest half a step before the start: m v^2/2 with v = g t of half a step ago.
 TEST(Simulation, KineticEnergyOfAFallingStoneIsThatOfItsVelocity) {
   Simulation simulation(stone_scene("position = [0, 5, 0]\n[[stage]]\ngravity = [0, -9.81, 0]\nduration = 1\n"));
-  ASSERT_TRUE(simulation.riding());
+  ASSERT_TRUE(simulation.large_motion());
   simulation.advance(50);
   const double mass = 2000 * 0.5, speed = std::abs(simulation.block_velocity(1)[0][1]);
   EXPECT_NEAR(speed, 9.81 * simulation.time(), 1e-9 * speed);
-  EXPECT_NEAR(simulation.riding()->kinetic_energy(), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
+  EXPECT_NEAR(simulation.large_motion()->kinetic_energy(), mass * speed * speed / 2, 1e-9 * mass * speed * speed);
 }
 
 // What is pushed until it collapses and stands ends at the limit: frames divide the way there from the start.

@@ -45,7 +45,7 @@ Rest rest_of(const Scene& scene) {
   Simulation simulation(scene, 1);
   Observer nobody;
   simulation.run(nobody);
-  const blocks::Model& m = *simulation.riding();
+  const blocks::Model& m = *simulation.large_motion();
   return {m.start_position(0).y - m.position(0).y, std::asin(m.orientation(0).row[0].y), m.members()->columns()};
 }
 
@@ -113,7 +113,7 @@ TEST(Springs, DashpotsDampHeave) {
   double before = 0.0, last = 0.0;
   while (simulation.time() < 3.2 * 2 * std::numbers::pi / omega) {
     simulation.advance(1);
-    const double now = simulation.riding()->start_position(0).y - simulation.riding()->position(0).y;
+    const double now = simulation.large_motion()->start_position(0).y - simulation.large_motion()->position(0).y;
     if (last > before && last > now) troughs.push_back(last - still);
     before = last, last = now;
   }
@@ -121,7 +121,7 @@ TEST(Springs, DashpotsDampHeave) {
   const double expected = std::exp(-2 * std::numbers::pi * xi / std::sqrt(1 - xi * xi));
   EXPECT_NEAR(troughs[1] / troughs[0] / expected, 1.0, 0.01);
   EXPECT_NEAR(troughs[2] / troughs[1] / expected, 1.0, 0.01);
-  const blocks::Energies& e = simulation.riding()->energies();
+  const blocks::Energies& e = simulation.large_motion()->energies();
   EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
   EXPECT_GT(e.members_dissipated, 0.3 * e.external);
 }

@@ -52,10 +52,10 @@ Pull pulled(const Scene& scene) {
   const double end = *scene.stages.front().duration;
   while (simulation.time() < end) {
     simulation.advance(20);
-    const std::vector<double> columns = simulation.riding()->members()->columns();
+    const std::vector<double> columns = simulation.large_motion()->members()->columns();
     result.largest = std::max(result.largest, columns[0]);
     result.debonded = columns[1];
-    const blocks::Energies& e = simulation.riding()->energies();
+    const blocks::Energies& e = simulation.large_motion()->energies();
     result.energy_error = std::max(result.energy_error, std::abs(e.balance_error(0.0)) / std::max(1e-3, e.external));
   }
   return result;

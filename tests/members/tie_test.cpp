@@ -109,7 +109,7 @@ TEST(Ties, RockingBlockRestsWhereTheTieHoldsIt) {
     Simulation simulation(scene, 1);
     Observer nobody;
     simulation.run(nobody);
-    const blocks::Model& m = *simulation.riding();
+    const blocks::Model& m = *simulation.large_motion();
     const geometry::Matrix r = m.orientation(m.assembly().blocks[1].name == "block" ? 1 : 0);
     const double theta = std::asin(r.row[0].y);
     ASSERT_GT(theta, 0.005) << lambda;
@@ -142,12 +142,12 @@ TEST(Members, GoOnFromACheckpointBitForBit) {
   after.restore(bytes);
   whole.advance(2000), after.advance(2000);
   EXPECT_EQ(whole.hash(), after.hash());
-  const auto &one = whole.riding()->members()->ties().front().state,
-             &other = after.riding()->members()->ties().front().state;
+  const auto &one = whole.large_motion()->members()->ties().front().state,
+             &other = after.large_motion()->members()->ties().front().state;
   EXPECT_EQ(one.force, other.force);
   EXPECT_EQ(one.dissipated, other.dissipated);
-  EXPECT_EQ(whole.riding()->energies().external, after.riding()->energies().external);
-  EXPECT_EQ(whole.riding()->energies().members_dissipated, after.riding()->energies().members_dissipated);
+  EXPECT_EQ(whole.large_motion()->energies().external, after.large_motion()->energies().external);
+  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
 }
 
 }  // namespace

@@ -79,7 +79,7 @@ Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* r
     Helper helper;
     simulation.run(helper);
     find_crushed_out(simulation);
-    if (!simulation.riding()) bring_cracks(simulation, {});
+    if (!simulation.large_motion()) bring_cracks(simulation, {});
     EXPECT_TRUE(simulation.ranks_bring()) << "rank 0 has all";
     return {};
   }
@@ -89,7 +89,7 @@ Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* r
   EXPECT_EQ(writer.failed, std::nullopt);
   Written written;
   written.crushed_out = find_crushed_out(simulation);
-  if (!simulation.riding()) plot_cracks(folder, simulation, {}, {}, "law", "");
+  if (!simulation.large_motion()) plot_cracks(folder, simulation, {}, {}, "law", "");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::string extension = entry.path().extension();
     if (extension != ".vtu" && extension != ".dat") continue;

@@ -26,7 +26,7 @@ struct SwapRecorder : Observer {
     if (last.energies) balance.push_back(last.energies->balance_error());
     const std::vector<double> xi = s.state("xi_t");
     least_xi.push_back(std::ranges::min(xi));
-    detections.push_back(s.riding()->detections());
+    detections.push_back(s.large_motion()->detections());
   }
 
   // Every stage begins with the tractions that the one before has left.
@@ -115,7 +115,7 @@ TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
   EXPECT_GT(simulation.measure().largest_displacement, 0.5) << "the wall stands";
 
   const double ground = 1800.0 * 60 * 0.2 * 60, height = 5 * 0.2;
-  const double scale = (simulation.riding()->mass() - ground) * gravity * height / 2;
+  const double scale = (simulation.large_motion()->mass() - ground) * gravity * height / 2;
   double jumps = 0.0;
   for (size_t stage = 0; stage < recorder.balance.size(); ++stage) {
     if (stage == 2 || stage == 4) {  // the single steps that follow a swap
@@ -199,13 +199,13 @@ energy = true
     EXPECT_EQ(sigma, swapped[i].traction[0]);
     EXPECT_NEAR(swapped[i].jump[0], sigma / kn, 1e-18);
     // The stage has one step, and the one after it that completes its last row.
-    const double opening = 2.0 * velocity * simulation.riding()->time_step();
+    const double opening = 2.0 * velocity * simulation.large_motion()->time_step();
     EXPECT_NEAR(after[i].traction[0] - sigma, kn * opening, 1e-6 * sigma + 0.01 * kn * opening);
     jump += before[i].area * (0.5 * sigma * sigma / kn - 0.5 * sigma * before[i].jump[0]);
   }
   EXPECT_NEAR(recorder.swaps[0].energy_jump, jump, 1e-9 * std::abs(jump));
   // The driven block works against the traction of the step; the trapezoid of that work is off by kn (v dt)^2 / 2.
-  const double step = velocity * simulation.riding()->time_step();
+  const double step = velocity * simulation.large_motion()->time_step();
   EXPECT_NEAR(recorder.balance[1] - recorder.balance[0], recorder.swaps[0].energy_jump, 2.0 * kn * step * step);
 }
 TEST(BlockLawSwap, SoftenedJointOnARigidPlaneKeepsItsTraction) { softened_joint(""); }

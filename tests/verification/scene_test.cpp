@@ -108,7 +108,7 @@ family = "none"
 between = ["hull", "mesh"]
 )" + std::string(rest_stage));
   Simulation run(read_scene(path));
-  const blocks::Assembly& a = run.riding()->assembly();
+  const blocks::Assembly& a = run.large_motion()->assembly();
   double wall = 0.0, expected = 0.0;
   for (size_t i = 0; i < a.blocks.size(); ++i) {
     if (a.blocks[i].name.starts_with("long") || a.blocks[i].name.starts_with("cross")) {
@@ -329,9 +329,9 @@ monitor = "block"
   // 0.2)
   const double expected =
       0.02 / 6 + (0.1 * 0.1 + 2 * 0.005 - 40 * 0.001 / 6) + (0.1 * 0.1 - 2 * 0.005 + 20 * 0.001 / 6);
-  check("ground motion: displacement after the record", expected, run.riding()->position(0).x, 1e-3, "m",
+  check("ground motion: displacement after the record", expected, run.large_motion()->position(0).x, 1e-3, "m",
         "exact integral of the record");
-  check("ground motion: the block rides along", expected, run.riding()->position(1).x - 0.25, 2e-3, "m");
+  check("ground motion: the block rides along", expected, run.large_motion()->position(1).x - 0.25, 2e-3, "m");
 }
 
 // Least horizontal body force, over weight, that turns the arch into three links on four hinges: every choice of hinges

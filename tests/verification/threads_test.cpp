@@ -51,10 +51,10 @@ quoin::Scene arch() {
 void same_at_any_number_of_threads(const quoin::Scene& scene, bool detects) {
   Observer nobody;
   Simulation alone(scene, 1);
-  const long at_start = alone.riding()->detections();
+  const long at_start = alone.large_motion()->detections();
   alone.run(nobody);
   if (detects) {
-    EXPECT_GT(alone.riding()->detections(), at_start + 5) << "nothing moves: nothing is tested";
+    EXPECT_GT(alone.large_motion()->detections(), at_start + 5) << "nothing moves: nothing is tested";
   }
   for (int threads = 2; threads <= 4; ++threads) {
     Simulation shared(scene, threads);

@@ -27,26 +27,28 @@ void Simulation::Impl::bind_collapse(const Stage&, const Stage*) {
 void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
   if (!settings.collapse) return;
   multiplier = settings.collapse->start * s +
-               settings.collapse->rate * std::max(0.0, riding->time() - riding_stage_start - settings.ramp_time);
-  riding->set_gravity(geometry::vector(data.gravity) + multiplier * norm(geometry::vector(settings.gravity)) *
-                                                           normalized(geometry::vector(settings.collapse->direction)));
+               settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
+  large_motion->set_gravity(geometry::vector(data.gravity) +
+                            multiplier * norm(geometry::vector(settings.gravity)) *
+                                normalized(geometry::vector(settings.collapse->direction)));
 }
 
 // Blocks on their own side of the border alone: watch_uplift asks each rank for its own.
 void Simulation::Impl::find_blocks_on_base() {
-  const auto& blocks = riding->assembly().blocks;
+  const auto& blocks = large_motion->assembly().blocks;
   on_base.assign(blocks.size(), 0);
   double area = 0.0;
   base_centre = {};
-  const auto& contacts = riding->contacts();
+  const auto& contacts = large_motion->contacts();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const blocks::Contact& c = contacts[i];
-    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(i).separation.normal.y) < kBed) continue;
-    const blocks::Family& family = riding->families()[static_cast<std::size_t>(c.family)];
+    if (c.count == 0 || !large_motion->owns(c) || std::abs(large_motion->place_of_pair(i).separation.normal.y) < kBed)
+      continue;
+    const blocks::Family& family = large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::size_t p = c.first; p < c.first + c.count; ++p) {
       if (blocks[static_cast<std::size_t>(c.pair.a)].fixed == blocks[static_cast<std::size_t>(c.pair.b)].fixed) break;
       area += family.point[p].area;
-      base_centre += family.point[p].area * riding->place_of(family.point[p]);
+      base_centre += family.point[p].area * large_motion->place_of(family.point[p]);
     }
     const auto a = static_cast<std::size_t>(c.pair.a), b = static_cast<std::size_t>(c.pair.b);
     if (blocks[a].fixed) on_base[b] = 1;
@@ -54,7 +56,7 @@ void Simulation::Impl::find_blocks_on_base() {
   }
   if (area > 0.0) base_centre = base_centre / area;
   if (in_parts)
-    tell_all(ranks, std::span(on_base), [rank = rank_of_riding_blocks()](std::size_t block) { return rank[block]; });
+    tell_all(ranks, std::span(on_base), [rank = rank_by_block()](std::size_t block) { return rank[block]; });
 }
 
 bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
@@ -97,19 +99,20 @@ void FirstLoad::look(double time, double moved, double allowed, double needed) {
 void Simulation::Impl::watch_uplift() {
   if (outcome.base_slip_at_uplift) return;
   double opened = 0.0;
-  const auto& contacts = riding->contacts();
+  const auto& contacts = large_motion->contacts();
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const blocks::Contact& c = contacts[k];
-    if (c.count == 0 || !riding->owns(c) || std::abs(riding->place_of_pair(k).separation.normal.y) < kBed) continue;
-    const auto& family = riding->families()[static_cast<std::size_t>(c.family)];
+    if (c.count == 0 || !large_motion->owns(c) || std::abs(large_motion->place_of_pair(k).separation.normal.y) < kBed)
+      continue;
+    const auto& family = large_motion->families()[static_cast<std::size_t>(c.family)];
     for (std::uint32_t i = c.first; i < c.first + c.count; ++i) opened = std::max(opened, family.normal_jump[i]);
   }
   if (in_parts) opened = largest_of_ranks(opened);
   if (opened < kUplift) return;
   double slip = 0.0;
-  for (int b = 0; b < riding->block_count(); ++b) {
-    if (!on_base[static_cast<std::size_t>(b)] || !riding->owns(b)) continue;
-    const Vec3 d = riding_displacement(b);
+  for (int b = 0; b < large_motion->block_count(); ++b) {
+    if (!on_base[static_cast<std::size_t>(b)] || !large_motion->owns(b)) continue;
+    const Vec3 d = block_translation(b);
     slip = std::max(slip, std::hypot(d[0], d[2]));
   }
   outcome.base_slip_at_uplift = in_parts ? largest_of_ranks(slip) : slip;

@@ -14,7 +14,7 @@ using geometry::Vector;
 // Drives of the stage, and what was driven before and is now let go. Velocities grow from those of now, forces of
 // components that are let go from what their support has carried. previous: null: there was no stage.
 void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous) {
-  blocks::Model& m = *riding;
+  blocks::Model& m = *large_motion;
   std::vector<Drive> before = std::move(drives);
   drives.clear();
   // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
@@ -69,7 +69,7 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
 }
 
 void Simulation::Impl::drive_blocks(const Stage& settings, double s) {
-  blocks::Model& m = *riding;
+  blocks::Model& m = *large_motion;
   const Vector record = record_velocity(settings, m.time() + 0.5 * m.time_step());
   for (Drive& d : drives) {
     Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
@@ -89,7 +89,7 @@ void Simulation::Impl::pull_block(int block, double pull) {
   const auto drive = std::find_if(drives.begin(), drives.end(), [block](const Drive& d) { return d.block == block; });
   Vector applied = drive == drives.end() ? Vector{} : drive->force_now;
   applied.x = pull;
-  riding->apply_force(block, applied);
+  large_motion->apply_force(block, applied);
 }
 
 }  // namespace quoin

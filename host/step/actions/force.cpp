@@ -12,7 +12,7 @@ namespace quoin {
 using geometry::Vector;
 
 void Simulation::Impl::add_forces(const Stage& settings) {
-  blocks::Model& m = *riding;
+  blocks::Model& m = *large_motion;
   for (const PointForce& given : settings.forces) {
     blocks::Load added{};
     added.block = blocks_named(given.block, settings.source.text).front();
@@ -24,12 +24,12 @@ void Simulation::Impl::add_forces(const Stage& settings) {
 
 void Simulation::Impl::bind_forces(const Stage& settings, const Stage* previous) {
   if (previous) add_forces(*previous);
-  fading_loads = riding->loads().size();
+  fading_loads = large_motion->loads().size();
   add_forces(settings);
 }
 
 void Simulation::Impl::scale_forces(const Stage&, double s) {
-  auto& loads = riding->loads();
+  auto& loads = large_motion->loads();
   for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < fading_loads ? 1.0 - s : s;
 }
 

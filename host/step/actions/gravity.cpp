@@ -11,6 +11,8 @@ namespace quoin {
 
 using geometry::Vector;
 
-void Simulation::Impl::apply_gravity(const Stage&, double) { riding->set_gravity(geometry::vector(data.gravity)); }
+void Simulation::Impl::apply_gravity(const Stage&, double) {
+  large_motion->set_gravity(geometry::vector(data.gravity));
+}
 
 }  // namespace quoin

@@ -15,11 +15,11 @@ void Simulation::Impl::build_members() {
                 fmt::format("{}: members ([[tie]]) pull at blocks of several processes, which do not tell each other "
                             "of them; run the scene in one process, with as many threads as there are cores",
                             scene.file));
-  riding->hold_by_members(std::make_shared<members::Members>(*scene.members, riding->assembly()));
+  large_motion->hold_by_members(std::make_shared<members::Members>(*scene.members, large_motion->assembly()));
 }
 
 void Simulation::Impl::jack_members(const Stage&, double s) {
-  if (riding->members()) riding->members()->jack(stage == 0 ? s : 1.0);
+  if (large_motion->members()) large_motion->members()->jack(stage == 0 ? s : 1.0);
 }
 
 }  // namespace quoin

@@ -18,9 +18,9 @@ void Simulation::Impl::bind_whiffletree() {
   for (const auto& floor : settings.whiffletree->floors) {
     Floor& indices = whiffletree.emplace_back();
     for (const std::string& name : floor) {
-      if (riding) {
+      if (large_motion) {
         const std::vector<int> named = blocks_named(name, settings.source.text);
-        indices.riding.insert(indices.riding.end(), named.begin(), named.end());
+        indices.large_motion.insert(indices.large_motion.end(), named.begin(), named.end());
         continue;
       }
       const std::vector<int> named = model.bodies_named(name);
@@ -41,7 +41,7 @@ void Simulation::Impl::bind_whiffletree() {
 
 double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
   const Floor& f = whiffletree[floor];
-  if (riding) return riding_displacement(f.riding)[0];
+  if (large_motion) return block_translation(f.large_motion)[0];
   double sum = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::displacement)[0];
   for (const int i : f.loaded) sum += mean_along_x(loaded_blocks[static_cast<std::size_t>(i)], displacement);
   return sum / f.count();
@@ -49,9 +49,9 @@ double Simulation::Impl::floor_displacement_now(std::size_t floor) const {
 
 double Simulation::Impl::floor_displacement(std::size_t floor) const {
   const Floor& f = whiffletree[floor];
-  if (riding) {
+  if (large_motion) {
     double rate = 0.0;
-    for (const int block : f.riding) rate += riding->velocity(block).x / f.count();
+    for (const int block : f.large_motion) rate += large_motion->velocity(block).x / f.count();
     return floor_displacement_now(floor) - data.time_step * rate;
   }
   double rate = static_cast<double>(f.bodies.size()) * mean_of(f.bodies, &BodyLanes::velocity)[0];
@@ -70,7 +70,7 @@ void Simulation::Impl::pull_whiffletree() {
     mean += floor_displacement_now(f) / static_cast<double>(whiffletree.size());
   const double pull = tree.stiffness * (monitor_start[0] + moved - mean);
   for (const Floor& floor : whiffletree) {
-    for (const int block : floor.riding) pull_block(block, pull / floor.count());
+    for (const int block : floor.large_motion) pull_block(block, pull / floor.count());
     for (const int body : floor.bodies) {
       const auto [lanes, lane] = body_place[static_cast<std::size_t>(body)];
       body_lanes[static_cast<std::size_t>(lanes)].applied_force[0][lane] = pull / floor.count();

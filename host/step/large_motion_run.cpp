@@ -16,23 +16,24 @@ namespace quoin {
 
 using geometry::Vector;
 
-void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
-                                    std::vector<std::shared_ptr<const Material>> materials) {
+void Simulation::Impl::build_large_motion(const blocks::Assembly& shapes,
+                                          std::vector<std::shared_ptr<const Material>> materials) {
   in_parts = may_ride_in_parts(shapes);
-  riding = std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials), in_parts ? ranks : nullptr);
+  large_motion =
+      std::make_unique<blocks::Model>(shapes, scene.solver, std::move(materials), in_parts ? ranks : nullptr);
   find_restrained_blocks();
   if (in_parts) {
     agree_on_model();
     divide_work();
-    riding->begin(rank_of_riding_blocks());
+    large_motion->begin(rank_by_block());
   } else {
-    riding->before_dividing([this] { gather(Part::all); });
+    large_motion->before_dividing([this] { gather(Part::all); });
   }
-  riding->track_energy(want_energy);
+  large_motion->track_energy(want_energy);
   build_members();
   find_blocks_on_base();
   require_moving_ground();
-  if (!left) extent = riding->extent();
+  if (!left) extent = large_motion->extent();
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
     blocks_named_in(s);
@@ -44,13 +45,13 @@ void Simulation::Impl::build_riding(const blocks::Assembly& shapes,
                               "output.monitor, the name of a block",
                               s.source.text, s.name));
   }
-  riding->hold_by_springs(whiffletree_eigenvalue(scene.stages, [this](const Stage& s, const std::string& name) {
+  large_motion->hold_by_springs(whiffletree_eigenvalue(scene.stages, [this](const Stage& s, const std::string& name) {
     std::vector<double> compliances;  // scaled masses are larger, and safe
-    for (const int block : blocks_named(name, s.source.text)) compliances.push_back(1.0 / riding->mass_of(block));
+    for (const int block : blocks_named(name, s.source.text)) compliances.push_back(1.0 / large_motion->mass_of(block));
     return compliances;
   }));
   follow_time_step();
-  time_step.model_mass = riding->mass();
+  time_step.model_mass = large_motion->mass();
 }
 
 // Damage and properties that scatter are found over all contact points; a promotion hands over all of a lattice.
@@ -60,9 +61,9 @@ bool Simulation::Impl::may_ride_in_parts(const blocks::Assembly& shapes) const {
                       [](const JointFamily& family) { return family.scatters(); });
 }
 
-std::vector<int> Simulation::Impl::rank_of_riding_blocks() const {
+std::vector<int> Simulation::Impl::rank_by_block() const {
   std::vector<int> rank;
-  for (const int item : item_of_riding_block) rank.push_back(share.rank_of_item[static_cast<std::size_t>(item)]);
+  for (const int item : item_by_block) rank.push_back(share.rank_of_item[static_cast<std::size_t>(item)]);
   return rank;
 }
 
@@ -74,9 +75,10 @@ std::vector<int> Simulation::Impl::followed_blocks() const {
     if (!drive.of_ground || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || drive.of_ground;
   }
-  for (const blocks::Load& given : riding->loads()) followed.push_back(given.block);
-  for (const blocks::Pressure& given : riding->pressures()) followed.push_back(given.block);
-  for (const Floor& floor : whiffletree) followed.insert(followed.end(), floor.riding.begin(), floor.riding.end());
+  for (const blocks::Load& given : large_motion->loads()) followed.push_back(given.block);
+  for (const blocks::Pressure& given : large_motion->pressures()) followed.push_back(given.block);
+  for (const Floor& floor : whiffletree)
+    followed.insert(followed.end(), floor.large_motion.begin(), floor.large_motion.end());
   return followed;
 }
 
@@ -91,8 +93,8 @@ void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* 
   for (const Drive& drive : drives) {
     if (drive.of_ground) told.push_back(drive.block);
   }
-  for (int block = 0; settings.ground && block < riding->block_count(); ++block) {
-    if (riding->assembly().blocks[static_cast<std::size_t>(block)].fixed) told.push_back(block);
+  for (int block = 0; settings.ground && block < large_motion->block_count(); ++block) {
+    if (large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed) told.push_back(block);
   }
   std::vector<int> watched;
   if (const std::string& name = watched_block(settings); !name.empty())
@@ -100,12 +102,12 @@ void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* 
   told.insert(told.end(), watched.begin(), watched.end());
   std::sort(told.begin(), told.end());
   told.erase(std::unique(told.begin(), told.end()), told.end());
-  riding->tell_blocks(told);
-  riding->tell_joints(watched);
+  large_motion->tell_blocks(told);
+  large_motion->tell_joints(watched);
 }
 
 std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {
-  return blocks::find_blocks(riding->assembly(), name, where);
+  return blocks::find_blocks(large_motion->assembly(), name, where);
 }
 
 const std::string& Simulation::Impl::watched_block(const Stage& settings) const {
@@ -121,19 +123,19 @@ void Simulation::Impl::watch_blocks(const Stage& settings) {
 
 // ---- Stages --------------------------------------------------------------------------------------------------------
 
-void Simulation::Impl::begin_riding_stage(const Stage& settings, const Stage* previous) {
-  blocks::Model& m = *riding;
+void Simulation::Impl::begin_large_motion_stage(const Stage& settings, const Stage* previous) {
+  blocks::Model& m = *large_motion;
   m.clear_loads();
   bind_actions(settings, previous);
-  riding_stage_start = m.time();
+  stage_start_time = m.time();
   if (settings.solver) m.set_solver(*settings.solver);
   follow_time_step();
   watch_blocks(settings);
-  monitor_start = riding_displacement(monitor_blocks);
+  monitor_start = block_translation(monitor_blocks);
 }
 
-void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const Material> material) {
-  const blocks::Family& f = riding->families()[index];
+void Simulation::Impl::swap_law_in_large_motion(std::size_t index, std::shared_ptr<const Material> material) {
+  const blocks::Family& f = large_motion->families()[index];
   std::vector<double> area;
   for (const blocks::Point& p : f.point) area.push_back(p.area);
   FamilyColumns points;
@@ -142,54 +144,54 @@ void Simulation::Impl::swap_riding_law(std::size_t index, std::shared_ptr<const 
   points.area = area.data();
   for (std::size_t k = 0; k < 3; ++k) points.traction[k] = f.traction[k].data();
   for (const auto& column : f.state) points.state.push_back(column.data());
-  const JointFamily& description = riding->assembly().families[index];
+  const JointFamily& description = large_motion->assembly().families[index];
   const MigratedFamily migrated = migrate(description, *f.material, *material, points);
   swaps.push_back(report_of(description.name, *f.material, *material, migrated.sums(0, points.count)));
-  riding->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
+  large_motion->replace_law(static_cast<int>(index), material, migrated.state, migrated.opening_shift);
   model.families[index].material = std::move(material);
   follow_time_step();
 }
 
 double Simulation::Impl::now() const {
-  return riding ? riding->time() : static_cast<double>(step_count) * data.time_step;
+  return large_motion ? large_motion->time() : static_cast<double>(step_count) * data.time_step;
 }
 
 double Simulation::Impl::stage_time() const {
-  return riding ? riding->time() - riding_stage_start : static_cast<double>(stage_step) * data.time_step;
+  return large_motion ? large_motion->time() - stage_start_time : static_cast<double>(stage_step) * data.time_step;
 }
 
-void Simulation::Impl::end_riding_step(double timed) {
-  const long divisions = riding->divisions();
+void Simulation::Impl::end_large_motion_step(double timed) {
+  const long divisions = large_motion->divisions();
   const auto before = timed > 0.0 ? Clock::now() : Clock::time_point();
-  const bool moved = riding->end_step();
+  const bool moved = large_motion->end_step();
   if (timed > 0.0) times[Phase::detection] += timed * seconds_since(before);
   if (ranks_failed)  // here all is well
     throw Error(Exit::numerical, fmt::format("step {}: another rank cannot go on", step_count));
   if (moved) {
     const auto found = Clock::now();
-    riding->find_contacts();
+    large_motion->find_contacts();
     times[Phase::detection] += seconds_since(found);
   }
-  if (riding->divisions() == divisions) return;
+  if (large_motion->divisions() == divisions) return;
   partition_work();
   follow_time_step();
 }
 
 void Simulation::Impl::follow_time_step() {
-  time_step.critical.value = riding->critical_time_step();
-  time_step.time_step = data.time_step = riding->time_step();
+  time_step.critical.value = large_motion->critical_time_step();
+  time_step.time_step = data.time_step = large_motion->time_step();
 }
 
-void Simulation::Impl::measure_riding_step() {
+void Simulation::Impl::measure_large_motion_step() {
   if (in_parts) gather(Part::row);
-  unbalanced_ratio = riding->unbalanced_ratio();
-  const blocks::Energies& e = riding->energies();
-  kinetic = riding->measured_kinetic_energy();
+  unbalanced_ratio = large_motion->unbalanced_ratio();
+  const blocks::Energies& e = large_motion->energies();
+  kinetic = large_motion->measured_kinetic_energy();
   if (sample_energy) {
     Energies now;
     now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored + e.members_stored;
     const double work = e.external - e.damping - e.detection;  // since energies were booked first
-    look_at_energies(now, riding->dissipated_in_step(), work, -work);
+    look_at_energies(now, large_motion->dissipated_in_step(), work, -work);
     if (!watch.pending) stop_look();
   }
   if (!want_energy) return;
@@ -209,23 +211,23 @@ void Simulation::Impl::measure_riding_step() {
 
 // ---- Results -------------------------------------------------------------------------------------------------------
 
-Vec3 Simulation::Impl::riding_displacement(int block) const {
-  return geometry::array(riding->position(block) - riding->start_position(block));
+Vec3 Simulation::Impl::block_translation(int block) const {
+  return geometry::array(large_motion->position(block) - large_motion->start_position(block));
 }
 
-Vec3 Simulation::Impl::riding_displacement(const std::vector<int>& blocks) const {
+Vec3 Simulation::Impl::block_translation(const std::vector<int>& blocks) const {
   Vec3 mean{};
   for (const int block : blocks) {
-    const Vec3 moved = riding_displacement(block);
+    const Vec3 moved = block_translation(block);
     for (std::size_t c = 0; c < 3; ++c) mean[c] += moved[c] / static_cast<double>(blocks.size());
   }
   return mean;
 }
 
-Vec3 Simulation::Impl::riding_displacement_at_forces(const std::vector<int>& blocks) const {
-  Vec3 mean = riding_displacement(blocks);
+Vec3 Simulation::Impl::block_translation_at_forces(const std::vector<int>& blocks) const {
+  Vec3 mean = block_translation(blocks);
   for (const int block : blocks) {
-    const Vector v = riding->velocity(block);
+    const Vector v = large_motion->velocity(block);
     for (std::size_t c = 0; c < 3; ++c)
       mean[c] -= data.time_step * v[static_cast<int>(c)] / static_cast<double>(blocks.size());
   }
@@ -235,28 +237,28 @@ Vec3 Simulation::Impl::riding_displacement_at_forces(const std::vector<int>& blo
 double Simulation::Impl::largest_displacement() const {
   double largest = 0.0;
   const auto look = [&](double moved) { largest = moved <= largest ? largest : moved; };  // NaN is kept
-  for (std::size_t i = 0; !riding && i < model.assembly.bricks.size(); ++i)
+  for (std::size_t i = 0; !large_motion && i < model.assembly.bricks.size(); ++i)
     look(norm(geometry::vector((has_all() ? whole_motion_of(i) : whole_motions[i]).translation)));
-  for (int i = 0; riding && i < riding->block_count(); ++i) {
-    if (riding->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
-    look(riding->moved(i));
+  for (int i = 0; large_motion && i < large_motion->block_count(); ++i) {
+    if (large_motion->assembly().blocks[static_cast<std::size_t>(i)].fixed) continue;
+    look(large_motion->moved(i));
   }
   return largest;
 }
 
-void Simulation::Impl::measure_riding(HistoryRow& row) const {
+void Simulation::Impl::measure_large_motion(HistoryRow& row) const {
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(row.stage)].direction);
   row.multiplier = multiplier;
   row.largest_displacement = largest_displacement();
   const double whole = model.assembly.symmetry_factor;
-  if (const members::Members* const members = riding->members()) row.members = members->columns();
-  row.dynamic_force = whole * riding->net_force()[static_cast<int>(direction)];
+  if (const members::Members* const members = large_motion->members()) row.members = members->columns();
+  row.dynamic_force = whole * large_motion->net_force()[static_cast<int>(direction)];
   measure_base(row);
   if (monitor_blocks.empty()) return;
-  row.monitor_displacement = row.monitor_relative = riding_displacement_at_forces(monitor_blocks);
+  row.monitor_displacement = row.monitor_relative = block_translation_at_forces(monitor_blocks);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_relative[c] -= row.ground_displacement[c];
   for (const int block : monitor_blocks) {
-    const Vec3 joints = geometry::array(riding->contact_force(block));
+    const Vec3 joints = geometry::array(large_motion->contact_force(block));
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += whole * joints[c];
   }
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
@@ -272,28 +274,28 @@ void Simulation::Impl::measure_riding(HistoryRow& row) const {
 // What these blocks touch is above them, as over a bottom beam.
 bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
   double arms = 0.0;
-  for (const blocks::Contact& c : riding->contacts()) {
+  for (const blocks::Contact& c : large_motion->contacts()) {
     for (const int block : blocks) {
       if (c.pair.a != block && c.pair.b != block) continue;
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        arms += riding->place_of(riding->families()[static_cast<std::size_t>(c.family)].point[i]).y -
-                riding->position(block).y;
+        arms += large_motion->place_of(large_motion->families()[static_cast<std::size_t>(c.family)].point[i]).y -
+                large_motion->position(block).y;
     }
   }
   return arms > 0.0;
 }
 
 // Rotations only: blocks that ride may leave their joints altogether.
-void Simulation::Impl::look_at_riding_motion() {
-  for (int i = 0; i < riding->block_count(); ++i) {
-    const double angle = riding->turned(i);
+void Simulation::Impl::look_at_rotations() {
+  for (int i = 0; i < large_motion->block_count(); ++i) {
+    const double angle = large_motion->turned(i);
     if (!(angle <= motion_seen.rotation)) motion_seen.rotation = angle, motion_seen.turned_block = i;
   }
 }
 
 // All, or where others have not told of theirs, those of this rank.
-std::vector<int> Simulation::Impl::riding_chunks_here() const {
-  return !in_parts || has_all() ? whole_share(riding->chunk_count(), 0).chunks : share.chunks;
+std::vector<int> Simulation::Impl::chunks_in_large_motion() const {
+  return !in_parts || has_all() ? whole_share(large_motion->chunk_count(), 0).chunks : share.chunks;
 }
 
 namespace {
@@ -307,19 +309,20 @@ struct FamilyPart {
 };
 
 // Chunk by chunk.
-std::vector<FamilyPart> parts_of(const blocks::Model& riding, std::span<const int> chunks, const PointRange& range) {
+std::vector<FamilyPart> parts_of(const blocks::Model& large_motion, std::span<const int> chunks,
+                                 const PointRange& range) {
   std::vector<std::size_t> before;
   std::size_t points = 0;
-  for (const blocks::Family& f : riding.families()) before.push_back(points), points += f.size();
+  for (const blocks::Family& f : large_motion.families()) before.push_back(points), points += f.size();
   std::vector<FamilyPart> parts;
   const auto from = static_cast<std::size_t>(range.first), to = static_cast<std::size_t>(range.end);
   for (const int c : chunks) {
-    const auto [family, first_of_chunk, count] = riding.range_of_chunk(c);
+    const auto [family, first_of_chunk, count] = large_motion.range_of_chunk(c);
     const std::size_t of_families = before[static_cast<std::size_t>(family)];
     const std::size_t first = std::max(from, of_families + first_of_chunk);
     const std::size_t end = std::min(to, of_families + first_of_chunk + count);
     if (first < end)
-      parts.push_back({riding.families()[static_cast<std::size_t>(family)], family, first - of_families,
+      parts.push_back({large_motion.families()[static_cast<std::size_t>(family)], family, first - of_families,
                        end - of_families, of_families});
   }
   return parts;
@@ -327,9 +330,9 @@ std::vector<FamilyPart> parts_of(const blocks::Model& riding, std::span<const in
 
 }  // namespace
 
-void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointRange& range,
-                                          const PointOutputs& outputs) const {
-  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), range)) {
+void Simulation::Impl::ask_large_motion_at_rest(std::uint64_t capability, const PointRange& range,
+                                                const PointOutputs& outputs) const {
+  for (const auto& [f, index, first, end, before] : parts_of(*large_motion, chunks_in_large_motion(), range)) {
     if (!(f.material->api().capabilities & capability)) continue;
     RestingPoints points{
         end - first, f.normal_jump.data() + first, {}, {}, batch_columns(f.columns, *f.material, first)};
@@ -339,9 +342,9 @@ void Simulation::Impl::ask_riding_at_rest(std::uint64_t capability, const PointR
   }
 }
 
-Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
-  const blocks::ModelBlock& b = riding->block(block);
-  const blocks::Block& input = riding->assembly().blocks[static_cast<std::size_t>(block)];
+Simulation::BlockMesh Simulation::Impl::mesh_in_large_motion(int block) const {
+  const blocks::ModelBlock& b = large_motion->block(block);
+  const blocks::Block& input = large_motion->assembly().blocks[static_cast<std::size_t>(block)];
   BlockMesh mesh;
   mesh.unit = input.unit, mesh.course = input.course, mesh.fixed = input.fixed;
   mesh.face = b.shape->faces;  // the first gridpoints of deformable blocks are the vertices of their shapes
@@ -351,16 +354,17 @@ Simulation::BlockMesh Simulation::Impl::riding_mesh(int block) const {
     return mesh;
   }
   for (int i = b.first_node; i < b.first_node + b.node_count; ++i)
-    mesh.gridpoint.push_back(geometry::array(riding->node_reference()[static_cast<std::size_t>(i)]));
+    mesh.gridpoint.push_back(geometry::array(large_motion->node_reference()[static_cast<std::size_t>(i)]));
   for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
     std::array<int, 4>& zone = mesh.zone.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) zone[k] = riding->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
+    for (std::size_t k = 0; k < 4; ++k)
+      zone[k] = large_motion->zones()[static_cast<std::size_t>(z)].node[k] - b.first_node;
   }
   return mesh;
 }
 
-Simulation::BlockSize Simulation::Impl::riding_size(int block) const {
-  const blocks::ModelBlock& b = riding->block(block);
+Simulation::BlockSize Simulation::Impl::size_in_large_motion(int block) const {
+  const blocks::ModelBlock& b = large_motion->block(block);
   BlockSize size;
   size.gridpoints = b.body >= 0 ? b.shape->vertices.size() : static_cast<std::uint64_t>(b.node_count);
   size.zones = static_cast<std::uint64_t>(b.zone_count);
@@ -369,58 +373,59 @@ Simulation::BlockSize Simulation::Impl::riding_size(int block) const {
   return size;
 }
 
-std::vector<Vec3> Simulation::Impl::riding_displacements(int block) const {
-  const blocks::ModelBlock& b = riding->block(block);
+std::vector<Vec3> Simulation::Impl::gridpoint_displacements(int block) const {
+  const blocks::ModelBlock& b = large_motion->block(block);
   std::vector<Vec3> result;
-  const BlockMesh mesh = riding_mesh(block);
+  const BlockMesh mesh = mesh_in_large_motion(block);
   for (std::size_t i = 0; i < mesh.gridpoint.size(); ++i) {
-    const Vector now = b.body >= 0 ? riding->corner(block, static_cast<int>(i))
-                                   : riding->node_positions()[static_cast<std::size_t>(b.first_node) + i];
+    const Vector now = b.body >= 0 ? large_motion->corner(block, static_cast<int>(i))
+                                   : large_motion->node_positions()[static_cast<std::size_t>(b.first_node) + i];
     result.push_back(geometry::array(now - geometry::vector(mesh.gridpoint[i])));
   }
   return result;
 }
 
-std::vector<Vec3> Simulation::Impl::riding_velocities(int block) const {
-  const blocks::ModelBlock& b = riding->block(block);
+std::vector<Vec3> Simulation::Impl::gridpoint_velocities(int block) const {
+  const blocks::ModelBlock& b = large_motion->block(block);
   std::vector<Vec3> result;
   for (int i = 0; b.body < 0 && i < b.node_count; ++i)
-    result.push_back(geometry::array(riding->node_velocities()[static_cast<std::size_t>(b.first_node + i)]));
+    result.push_back(geometry::array(large_motion->node_velocities()[static_cast<std::size_t>(b.first_node + i)]));
   for (std::size_t i = 0; b.body >= 0 && i < b.shape->vertices.size(); ++i)
-    result.push_back(geometry::array(
-        riding->velocity(block) +
-        cross(riding->angular_velocity(block), riding->corner(block, static_cast<int>(i)) - riding->position(block))));
+    result.push_back(
+        geometry::array(large_motion->velocity(block) +
+                        cross(large_motion->angular_velocity(block),
+                              large_motion->corner(block, static_cast<int>(i)) - large_motion->position(block))));
   return result;
 }
 
-std::vector<std::array<double, 6>> Simulation::Impl::riding_stress(int block) const {
-  const blocks::ModelBlock& b = riding->block(block);
+std::vector<std::array<double, 6>> Simulation::Impl::zone_stresses(int block) const {
+  const blocks::ModelBlock& b = large_motion->block(block);
   std::vector<std::array<double, 6>> result;
   for (int z = b.first_zone; z < b.first_zone + b.zone_count; ++z) {
-    const geometry::Matrix s = riding->zone_stress(z);
+    const geometry::Matrix s = large_motion->zone_stress(z);
     result.push_back({s.row[0].x, s.row[1].y, s.row[2].z, s.row[0].y, s.row[1].z, s.row[2].x});
   }
   return result;
 }
 
-void Simulation::Impl::each_riding_point_here(const std::function<void(std::int32_t, int)>& visit) const {
-  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), all_points())) {
+void Simulation::Impl::each_point_in_large_motion(const std::function<void(std::int32_t, int)>& visit) const {
+  for (const auto& [f, index, first, end, before] : parts_of(*large_motion, chunks_in_large_motion(), all_points())) {
     for (std::size_t i = first; i < end; ++i) visit(static_cast<std::int32_t>(before + i), f.point[i].a);
   }
 }
 
-std::vector<ContactPoint> Simulation::Impl::riding_points(const PointRange& range,
-                                                          const std::function<bool(int block)>& wanted) const {
+std::vector<ContactPoint> Simulation::Impl::points_in_large_motion(const PointRange& range,
+                                                                   const std::function<bool(int block)>& wanted) const {
   const std::vector<std::uint32_t> flags_there = current_flags(range);
   std::vector<ContactPoint> points;
-  for (const auto& [f, index, first, end, before] : parts_of(*riding, riding_chunks_here(), range)) {
+  for (const auto& [f, index, first, end, before] : parts_of(*large_motion, chunks_in_large_motion(), range)) {
     for (std::size_t i = first; i < end; ++i) {
       const blocks::Point& p = f.point[i];
       if (!wanted(p.a)) continue;
-      const geometry::Matrix r = riding->frame_of(p);
+      const geometry::Matrix r = large_motion->frame_of(p);
       ContactPoint point{};
       point.index = static_cast<std::int32_t>(before + i);
-      point.position = geometry::array(riding->place_of(p));
+      point.position = geometry::array(large_motion->place_of(p));
       point.normal = geometry::array(r.row[0]);
       point.s = geometry::array(r.row[1]);
       point.t = geometry::array(r.row[2]);
@@ -439,10 +444,10 @@ std::vector<ContactPoint> Simulation::Impl::riding_points(const PointRange& rang
   return points;
 }
 
-std::vector<double> Simulation::Impl::riding_state(const std::string& id, const PointRange& range) const {
+std::vector<double> Simulation::Impl::state_in_large_motion(const std::string& id, const PointRange& range) const {
   std::vector<double> values;
   for (const auto& [f, index, first, end, before] :
-       parts_of(*riding, whole_share(riding->chunk_count(), 0).chunks, range)) {
+       parts_of(*large_motion, whole_share(large_motion->chunk_count(), 0).chunks, range)) {
     const int k = f.material->law().state_index(id);
     const std::size_t count = end - first;
     if (k < 0) {
