@@ -48,7 +48,7 @@ class Scenes(Folder):
                                 beam_joint="mortar")
         scene.stage = [quoin.Stage(name="precompression", kind="pressure", pressure=0.3e6),
                        quoin.Stage(name="shear", kind="shear", velocity=0.05, displacement=0.0005)]
-      , frames_of="last")
+        scene.output = dict(frames=3, frames_of="last")
         self.assertEqual(scene, quoin.Scene.load(SMALL_WALL))
 
     def test_files_that_a_scene_names_are_found_from_where_it_is_written(self):
