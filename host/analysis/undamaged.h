@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "sparse/sparse_cholesky.h"
 #include "geometry/vector.h"
 #include "scene/blocks.h"
 #include "scene/scene.h"
+#include "sparse/sparse_cholesky.h"
 
 namespace quoin {
 

@@ -77,7 +77,9 @@ void add_new_command(CLI::App& app) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("new", "Write a commented scene or law to begin with");
-  command->add_option("kind", options->kind, "wall, arch, facade or law")->required()->type_name("KIND:{wall,arch,facade,law}");
+  command->add_option("kind", options->kind, "wall, arch, facade or law")
+      ->required()
+      ->type_name("KIND:{wall,arch,facade,law}");
   command->add_option("file", options->file, "File to write: NAME.toml; of a law NAME.c")
       ->required()
       ->type_name("FILE");

@@ -608,10 +608,15 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   if (shaken && !rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
-    const double taken = e.damping + e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
-    if (taken > 0.0)
-      fmt::print("dissipated {:.4g} J, of which damping took {:.0f} %, joints the rest\n", taken,
-                 100.0 * e.damping / taken);
+    const double joints = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
+    const double all = e.damping + e.members_dissipated + joints;
+    const auto share = [&](double part) { return 100.0 * part / all; };
+    if (e.members_dissipated > 0.0) {
+      fmt::print("dissipated {:.4g} J: damping {:.0f} %, members {:.0f} %, joints {:.0f} %\n", all, share(e.damping),
+                 share(e.members_dissipated), share(joints));
+    } else if (all > 0.0) {
+      fmt::print("dissipated {:.4g} J: damping {:.0f} %, joints {:.0f} %\n", all, share(e.damping), share(joints));
+    }
   }
   fmt::print("{}\n", phases_text(simulation.phase_times(), info.wall_clock_s));
   if (!simulation.rank_traffic().empty()) fmt::print("{}\n", ranks_text(simulation.rank_traffic()));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
+
 namespace quoin {
 
 const char* name_of(DampingKind kind) {
@@ -78,8 +80,11 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
       scene.stages[stage].name, damping, kDampingForMotion);
 }
 
+// What rounding leaves of a record that ends at rest counts as 0.
 double end_velocity(const GroundMotion::Component& component) {
-  return component.velocity.at(component.acceleration, component.acceleration.time.back());
+  constexpr double kRounding = 1e-12;  // m/s
+  const double end = component.velocity.at(component.acceleration, component.acceleration.time.back());
+  return std::abs(end) < kRounding ? 0.0 : end;
 }
 
 std::string ground_text(const GroundMotion& ground) {

@@ -12,8 +12,8 @@ void Simulation::Impl::build_members() {
   if (!scene.members) return;
   if (ranks)
     throw Error(Exit::bad_input,
-                fmt::format("{}: members ([[tie]]) pull at blocks of several processes, which do not tell each other "
-                            "of them; run the scene in one process, with as many threads as there are cores",
+                fmt::format("{}: members ([[tie]]) pull at blocks of several processes, which exchange no forces of "
+                            "members; run the scene in one process, with as many threads as there are cores",
                             scene.file));
   large_motion->hold_by_members(std::make_shared<members::Members>(*scene.members, large_motion->assembly()));
 }
