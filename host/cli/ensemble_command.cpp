@@ -58,12 +58,12 @@ Scene scene_of_means(const Study& study) {
   return scene_with(study, overrides);
 }
 
-// A study with all that it is computed from, read once: its samples find the same, whatever becomes of the files.
+// A study with all its input, read once: files that change later do not affect its samples.
 struct ReadStudy {
   StudyRequest request;
   fs::path folder;  // of its results
   Study study;
-  Scene scene;            // with everything at its mean, which finds what no sample could be computed with
+  Scene scene;            // all quantities at their means: a trial that finds faults common to all samples
   std::vector<Law> laws;  // loaded, for the samples, too
 };
 

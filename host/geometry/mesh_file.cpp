@@ -170,7 +170,7 @@ std::vector<RawShape> read_binary_stl(const std::string& path, const std::string
     auto& face = shape.faces.emplace_back();
     for (int k = 0; k < 3; ++k) {
       const Vector p{xyz[3 * k], xyz[3 * k + 1], xyz[3 * k + 2]};
-      // One that is not a number has no place in the welder's order.
+      // A coordinate that is not a number would break the order by which vertices are welded.
       if (!std::isfinite(p.x + p.y + p.z))
         throw Error(Exit::bad_input, fmt::format("{}: triangle {}, corner {}: a coordinate is not finite", path, t, k));
       face.push_back(weld(p, shape));

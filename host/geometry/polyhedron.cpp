@@ -145,7 +145,7 @@ ConvexPolyhedron from_vertices(const std::vector<Vector>& input, const std::stri
   std::vector<bool> used(hull.size(), false);
   ConvexPolyhedron shape;
   std::vector<int> renumber(points.size(), -1);
-  for (size_t first : by_area) {  // large triangles define the planes; slivers join them
+  for (size_t first : by_area) {  // planes of faces come from large triangles; slivers join the plane that they lie in
     if (used[first]) continue;
     const Triangle& t = hull[first];
     std::set<int> corners;

@@ -24,7 +24,7 @@ std::vector<std::map<int, NodeBlock>> blocks_of(std::span<const Zone> zones, int
             rows[static_cast<std::size_t>(zone.node[a])].try_emplace(zone.node[b], NodeBlock{}).first->second;
         for (std::size_t c = 0; c < 3; ++c) {
           for (std::size_t d = 0; d < 3; ++d) {
-            // K = V (lambda g h^T + mu h g^T + mu (g.h) I)
+            // K = V (lambda g h^T + mu h g^T + mu (g.h) I); g, h: gradients of the nodes a and b
             double k = lambda * g[c] * h[d] + mu * h[c] * g[d];
             if (c == d) k += mu * dot(g, h);
             block[3 * c + d] += zone.volume * k;

@@ -23,7 +23,7 @@ struct Symmetric {
   V xx, yy, zz, xy, yz, zx;
 };
 
-// What the corners 1 to 3 differ from corner 0 by, as a gradient: sum of (y_k - y_0) g_k.
+// Gradient of y in a zone: sum of (y_k - y_0) g_k over its corners 1 to 3.
 HWY_INLINE Tensor gradient_of(const ZoneLanes& zone, int first, const double* y) {
   const D d;
   V at[4][kFour];

@@ -58,7 +58,7 @@ std::vector<std::string> without_lintels(const Model& m) {
   return settings;
 }
 
-// Those that the scenes have: the windows of both walls the same, and 6.00 x 4.00 m over all.
+// Layouts of the shipped scenes: equal windows in both walls, 6.00 x 4.00 m over all.
 constexpr DoorLayout kDoors{5, 12, 5, 6};
 constexpr WindowLayout kWindows{28, 19, 6, false};
 
@@ -82,7 +82,7 @@ std::vector<Variant> changes() {
                    {"building.floor.1.rigid_beams=true", "building.floor.2.rigid_beams=true"},
                    i});
     for (const double factor : {3.0, 12.0}) {
-      if (i == 1 && factor != 12.0) continue;  // wall D shows the same in a third of the time
+      if (i == 1 && factor != 12.0) continue;  // wall D gives the same answer in a third of the time
       all.push_back({fmt::format("{}, lintels x {:g}", m.name, factor),
                      fmt::format("lintels {:g} times as stiff as units", factor), lintels_of(m, factor * 2.4e9), i});
     }

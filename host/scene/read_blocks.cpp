@@ -12,7 +12,7 @@ using namespace reader;
 
 namespace {
 
-// Beyond, positions in double precision are coarser than a joint is thick.
+// Coordinates in m. Beyond, steps between numbers in double precision are 1e-10 m, too coarse for openings of joints.
 constexpr double kFarthest = 1e6;
 const Range kPlace = between(-kFarthest, kFarthest), kLength = above_to(0, kFarthest), kTurn = between(-360, 360);
 

@@ -99,7 +99,7 @@ std::vector<Opening> read_openings(Table& wall, const Lattice& lattice,
     Table& o =
         tables.emplace_back(wall.context(), *table, fmt::format("{}.{}", wall.path("opening"), openings.size() + 1));
     Opening& opening = openings.emplace_back();
-    // Both are read, so that both can be at fault.
+    // Both keys are read before either is judged, so that one report has the faults of both.
     const bool has_column = o.integer("first_half_unit", opening.first_half_unit, 0, half_units - 1, true);
     const bool has_course = o.integer("first_course", opening.first_course, 0, courses - 1, true);
     if (has_column && has_course) {

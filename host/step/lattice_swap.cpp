@@ -1,4 +1,4 @@
-// A law swap on the lattice: of the contact points that this rank evaluates, for a law sees each point by itself.
+// A law swap on the lattice. Each rank swaps its own contact points: a law evaluates each point independently.
 #include "step/law_swap.h"
 #include "step/state.h"
 

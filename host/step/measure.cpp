@@ -97,7 +97,7 @@ HistoryRow Simulation::Impl::measure() const {
   return row;
 }
 
-// What a history may hold: a run whose rows are no numbers has failed, whatever comes after.
+// Rows of a history are finite: NaN or infinity ends the run as failed.
 void Simulation::Impl::require_finite(const HistoryRow& row) {
   const std::pair<const char*, double> values[] = {
       {"kinetic energy", row.kinetic_energy},

@@ -19,10 +19,11 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// What a side of a contact point costs, evaluation and fetching, in the units of what blocks cost (partition_work).
+// Cost of one side of a contact point, evaluation and memory traffic, in units of the costs of blocks
+// (partition_work). Load balancing divides by their sum.
 constexpr double kLatticeSide = 60.0, kSideInLargeMotion = 4.0;
 
-// Sides of the model as bisection may see them: as they are, one shorter, one hardly there (slices).
+// Scales of the axes that bisection tries: all equal, one shortened, one nearly removed (slices).
 constexpr Vec3 kScales[] = {{1, 1, 1},    {0.125, 1, 1}, {1, 0.125, 1}, {1, 1, 0.125},
                             {0.01, 1, 1}, {1, 0.01, 1},  {1, 1, 0.01}};
 

@@ -34,7 +34,7 @@ struct Sums {
   ByLane held[3];
 };
 
-// In one pass, about the first gridpoint, then about the centre.
+// Sums of mass, momentum and moments in one pass, about the first gridpoint; then moved to the centre of mass.
 HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   const D d;
   const Lanes3 origin = load_line(c.x + first);

@@ -69,7 +69,7 @@ bool Simulation::Impl::have_contact(int a, int b, int axis) {
 }
 
 void Simulation::Impl::look_at_motion() {
-  if (has_all()) {  // else each rank has given those of its own blocks
+  if (has_all()) {  // else gathered: each rank computes those of its own blocks
     whole_motions.resize(model.assembly.bricks.size());
     for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   }

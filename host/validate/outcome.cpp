@@ -15,8 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 using reproduce::Curve;
 
-// Parts of the displacement of the top. Below the first they leave no trace in the name of the mode, above the second
-// they lead it [assumed; one pair for all walls].
+// Shares of the displacement of the top by one mechanism. Below kSeen it is not named in the failure mode, above
+// kLeading it is named first [assumed; the same for all walls].
 constexpr double kSeen = 0.08, kLeading = 0.25, kSlides = 0.5;
 constexpr double kSeenSliding = 0.2;
 constexpr double kKept = 0.8;  // of the peak: the loss that ends a wall's capacity by convention

@@ -126,8 +126,8 @@ TEST_P(GoldenHash, ThreadsAndFusedInstructionSetsAgreeWithTheRecord) {
                                      "golden_hash_test.cpp and say why in the commit";
 }
 
-// Every number of every row, energies and what damping has taken too: sums over gridpoints and contact points go in
-// parts that no vector's length decides.
+// Every number of every row, with energies and damping work. Sums over gridpoints and contact points are split at
+// fixed places, so their rounding does not depend on the length of a vector.
 TEST(Rows, HaveTheSameBitsWithVectorsOfFourAndOfEight) {
   if ((hwy::SupportedTargets() & (HWY_AVX3_DL | HWY_AVX3)) == 0 || (hwy::SupportedTargets() & HWY_AVX2) == 0)
     GTEST_SKIP() << "no AVX-512 here: there is nothing to compare AVX2 with";

@@ -219,8 +219,8 @@ TEST(KernelsChoice, DryWallOfZonedHalfUnitsIsTheWallItself) {
   EXPECT_NEAR(b.rows.back().vertical_force, a.rows.back().vertical_force, 1e-9 * a.rows.back().vertical_force);
 }
 
-// Cubes that stages control alike move in lanes; the one that is watched moves by itself. Sums in another order make
-// the rest the same to rounding, which cracks have made 2e-9 by then.
+// Cubes with the same controls move in SIMD groups; the monitored one moves alone. Sums in another order differ by
+// rounding, which cracks have amplified to 2e-9 at the end.
 TEST(KernelsChoice, ListOfCubesMovesInRigidLanes) {
   Simulation wall(read_scene(QUOIN_SCENES "/cube_wall_10.toml", {"output.frames=0"}));
   Simulation blocks(read_text(cube_wall_as_blocks(), {"solver.kernels=lattice", "output.frames=0"}));

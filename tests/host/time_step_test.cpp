@@ -155,7 +155,7 @@ TEST(TimeStep, ViscousDampingShortensItByItsRatio) {
   }
 }
 
-// Eq. 3 read literally, from the diagonal of K found column by column. Bodies do not set it: theirs is longer.
+// Eq. 3 with the diagonal of K computed column by column. Gridpoints set the step here: that of rigid bodies is longer.
 TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
   const Assembly assembly = sandwich();
   const Model model(assembly, make_materials(assembly));

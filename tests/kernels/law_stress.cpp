@@ -195,7 +195,7 @@ Excess FractureEnergyJoint::strength(const Batch& b, std::size_t i) const {
   const double xi_t = b.out[3][i], xi_s = b.out[4][i], w = b.out[5][i], v = b.out[6][i], d_n = b.in[0][i];
   const double scale = std::max({ft, c0, kn * (std::abs(d_n) + w + v), trial_shear(b, i, ks)});
   const double f_s = f(xi_s), mu = mu0 + (mur - mu0) * (1.0 - f_s);
-  // Where e is 0 to rounding the joint may count as closed, with its residual cohesion, or as open.
+  // Where the opening e is 0 to rounding, closed (residual cohesion) and open are both admissible answers.
   const double e = d_n + b.in[8][i] - b.in[9][i];
   const bool open = e > 1e-14 * (std::abs(d_n) + b.in[8][i] + b.in[9][i]);
   const double cohesion = open ? c0 * f_s : cr + (c0 - cr) * f_s;

@@ -694,7 +694,8 @@ TEST(Statement7, CurvesTendToTheBrittleLaw) {
                                                   {"cohesion", {real(c.p.c0)}, {}, {}},
                                                   {"cohesion_residual", {real(c.p.cr)}, {}, {}},
                                                   {"friction_angle", {real(c.p.phi0)}, {}, {}}});
-    // Tension: equal outside the band in which the steep branch falls; its width is of the order of the excess.
+    // Tension: both laws agree but where the steep branch of the brittle one falls, a band as wide as its excess
+    // opening.
     {
       MaterialPoint a = c.point(), b(brittle, "bonded");
       for (int i = 1; i <= 4000; ++i) {

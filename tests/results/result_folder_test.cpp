@@ -91,7 +91,7 @@ TEST_F(Folder, LosesWhatTheLastRunWroteAndNothingElse) {
   for (const std::string& name : ours) EXPECT_FALSE(fs::exists(folder_ / name)) << name;
   EXPECT_FALSE(fs::exists(part));
   for (const std::string& name : theirs) EXPECT_EQ(read_all(folder_ / name), "theirs") << name;
-  // That was an empty run: what comes now under our names is another's.
+  // The run that cleared the folder wrote nothing, so a file of such a name is not from a run and must be kept.
   write("summary.json", "theirs");
   EXPECT_THAT(refusal(), HasSubstr("summary.json"));
   EXPECT_EQ(read_all(folder_ / "summary.json"), "theirs");
