@@ -146,6 +146,28 @@ TEST(Limit, FerrisAndTinLoi) {
   EXPECT_NEAR(multiplier(running_bond(5, 10, 0.65, 0), settings), 0.58000, 1e-4);
 }
 
+// Their wall 3 with an opening, in units of 0.4 m, negative: void. An independent programme: 0.40369.
+TEST(Limit, FerrisAndTinLoiWithAnOpening) {
+  using Course = std::vector<double>;
+  const Course fe{1, 1, 1, 1}, fu{0.5, 1, 1, 1, 0.5}, we{1, 0.5, -1, 0.5, 1}, wu{0.5, 1, -1, 1, 0.5};
+  Boxes wall;
+  wall.add({-1.0, -0.2, 0.0}, {3.6, 0.2, 0.2}, {}, true);
+  double y = 0.0;
+  for (const Course& course : {fe, fu, fe, wu, we, wu, we, wu, fe, fu, fe}) {
+    double x = 0.0;
+    for (const double units : course) {
+      const double length = 0.4 * std::abs(units);
+      if (units > 0.0) wall.add({x, y, 0.0}, {length, 0.175, 0.2}, {1.0, 0.0, 0.0});
+      x += length;
+    }
+    y += 0.175;
+  }
+  wall.join(0.65);
+  LimitSettings settings;
+  settings.facets = 4;
+  EXPECT_NEAR(multiplier(wall.problem, settings), 0.40369, 1e-4 * 0.40369);
+}
+
 // At high friction a bonded wall of 8 x 4 units of 0.4 x 0.2 m turns over as a whole: 3.2/0.8. (Without dilation:
 // 0.714.)
 TEST(Limit, DilationLocksABondedWall) {
@@ -257,6 +279,40 @@ TEST(Limit, ArchThinnerThanItsLeastThicknessFalls) {
   const LimitResult thin = limit_multiplier(arch(60, 0.1060, 10.0, 0.0, pi));
   EXPECT_EQ(thin.status, LimitStatus::no_equilibrium);
   EXPECT_FALSE(thin.blocks_concerned.empty());
+}
+
+// The same of 140 degrees: 0.04126.
+TEST(Limit, FlatArchThinnerThanItsLeastThicknessFalls) {
+  const double from = 20.0 * pi / 180.0, to = 160.0 * pi / 180.0;
+  EXPECT_EQ(limit_multiplier(arch(60, 0.0419, 10.0, from, to)).status, LimitStatus::solved);
+  EXPECT_EQ(limit_multiplier(arch(60, 0.0406, 10.0, from, to)).status, LimitStatus::no_equilibrium);
+}
+
+// One way out of plane: a parapet turns over at t/h. A wall of two halves whose top is held, with N in the middle of
+// its top: 4 (t/h) (1 + 1.5 N/W), by virtual work of its two halves.
+TEST(Limit, WallsOutOfPlane) {
+  constexpr double t = 0.2, h = 2.4;
+  Boxes parapet;
+  parapet.add({-1.0, -1.0, -1.0}, {3.0, 1.0, 3.0}, {}, true);
+  parapet.add({0.0, 0.0, 0.0}, {1.0, h, t}, {0.0, 0.0, 1.0});
+  parapet.join(2.0);
+  EXPECT_NEAR(multiplier(parapet.problem), t / h, 1e-4 * t / h);
+  for (const double load : {0.0, 0.5, 2.0}) {  // N, of the weight
+    Boxes wall;
+    wall.add({-1.0, -1.0, -1.0}, {3.0, 1.0, 3.0}, {}, true);
+    wall.add({0.0, 0.0, 0.0}, {1.0, h / 2, t}, {0.0, 0.0, 1.0});
+    wall.add({0.0, h / 2, 0.0}, {1.0, h / 2, t}, {0.0, 0.0, 1.0});
+    wall.join(2.0);
+    wall.problem.blocks[2].dead.force.y -= load * h * t;  // the weight is its volume here
+    for (const double x : {0.0, 1.0}) {
+      LimitPoint held;  // at the height of the top, where it pushes along z
+      held.a = 2, held.b = 0, held.friction = 0.0;
+      held.position = {x, h, t / 2}, held.n = {0.0, 0.0, 1.0}, held.s = {1.0, 0.0, 0.0}, held.t = {0.0, 1.0, 0.0};
+      wall.problem.points.push_back(held);
+    }
+    const double expected = 4.0 * t / h * (1.0 + 1.5 * load);
+    EXPECT_NEAR(multiplier(wall.problem), expected, 1e-4 * expected) << load;
+  }
 }
 
 // A facade of units 0.4 x 0.2 x 0.2 m and two side walls of 0.8 m whose corners interlock, pushed outwards (-z).
