@@ -89,6 +89,99 @@ double strain_energy(const blocks::Model& m, const std::vector<Vector>& displace
   return sum;
 }
 
+// Of a rigid block of the lattice: place of the start, motion since, m, rad, and m/s, rad/s.
+struct BodyMotion {
+  Vec3 centre, displacement, rotation, velocity, spin;
+};
+
+// Contact points of the lattice with tractions and states.
+std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
+  std::vector<blocks::PointHistory> histories;
+  for (std::int32_t i = 0; i < s.model.point_count; ++i) {
+    const auto p = at(i);
+    const Model::Sides sides = s.model.sides_of(i);
+    blocks::PointHistory& h = histories.emplace_back();
+    h.block_a = sides.a;
+    h.block_b = sides.b;
+    h.position = geometry::vector(s.model.point_position[p]);
+    const int n = s.model.point_axis[p];
+    h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
+    const double shift = s.normal_shift.empty() ? 0.0 : s.normal_shift[p];
+    h.opening = s.jump_of(i, 1.0, 0.0)[0] + shift;
+    h.opening_at_traction = s.opening_at_traction(i);
+    const Vec3 pending = s.jump_of(i, 0.0, s.data.time_step);
+    h.slip = {pending[1], pending[2]};
+    h.traction = {s.traction[0][p], s.traction[1][p], s.traction[2][p]};
+    for (std::size_t f = 0; f < s.model.families.size(); ++f) {
+      const ContactFamily& family = s.model.families[f];
+      const auto k = static_cast<std::int32_t>(i - family.first_point);
+      if (k < 0 || k >= family.point_count) continue;
+      for (std::size_t state = 0; state < family.material->api().state_count; ++state)
+        h.state.push_back(s.law_state[f][state * at(family.point_count) + at(k)]);
+      for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
+    }
+  }
+  return histories;
+}
+
+GridpointMotion motion_of_gridpoints(Simulation::Impl& s, int brick) {
+  GridpointMotion field;
+  s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
+    const auto n = static_cast<int>(field.place.size());
+    field.place.push_back(geometry::vector(s.model.gridpoint_position(brick, n)));
+    field.displacement.push_back({s.displacement[o], s.displacement[o + kLanes], s.displacement[o + 2 * kLanes]});
+    field.velocity.push_back({s.velocity[o], s.velocity[o + kLanes], s.velocity[o + 2 * kLanes]});
+    field.mass.push_back(mass);
+  });
+  return field;
+}
+
+// What holds, moves and loads blocks, by the numbers that blocks keep.
+std::vector<Drive> drives_of(const Simulation::Impl& s) {
+  std::vector<Drive> drives;
+  for (std::size_t b = 0; b < s.model.bodies.size(); ++b) {
+    const auto [lanes, lane] = s.body_place[b];
+    const auto& ramp = s.ramps[b];
+    Drive drive;
+    drive.block = s.model.bodies[b].block;
+    for (std::size_t c = 0; c < 6; ++c)
+      if (s.body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
+    for (std::size_t c = 0; c < 3; ++c)
+      if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
+    drive.velocity_from = geometry::vector(ramp.velocity_from);
+    drive.velocity_to = geometry::vector(ramp.velocity_to);
+    drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
+    const Vec3 none{};
+    if (drive.held != 0 || ramp.force_from != none || ramp.force_to != none) drives.push_back(drive);
+  }
+  for (std::size_t i = 0; i < s.loaded_blocks.size(); ++i) {
+    Drive drive;
+    drive.block = s.loaded_blocks[i].block;
+    drive.force_from = geometry::vector(s.load_ramps[i].from), drive.force_to = geometry::vector(s.load_ramps[i].to);
+    drives.push_back(drive);
+  }
+  return drives;
+}
+
+// Splits the field into rigid motion and the rest (head of this file). before: displacements, by gridpoint.
+void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& order, bool symmetry_plane,
+                      blocks::Model* m, std::vector<Vector>* before) {
+  const RigidPart moved = rigid_part(f, f.displacement, symmetry_plane);
+  const RigidPart moving = rigid_part(f, f.velocity, symmetry_plane);
+  const Matrix turn = matrix(geometry::rotation(moved.turn));
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    const Vector r = f.place[i] - moved.centre;
+    const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
+    Vector& x = m->node_positions()[order[i]];
+    Vector& v = m->node_velocities()[order[i]];
+    (*before)[order[i]] = f.displacement[i];
+    x = moved.centre + moved.mean + turn * strained;
+    v = moving.mean + cross(moving.turn, turn * strained) +
+        turn * (f.velocity[i] - moving.mean - cross(moving.turn, r));
+    if (symmetry_plane && f.place[i].z == 0.0) x.z = v.z = 0.0;
+  }
+}
+
 }  // namespace
 
 void Simulation::Impl::promote(const std::string& why) {
@@ -98,81 +191,25 @@ void Simulation::Impl::promote(const std::string& why) {
                             "solver.selective_time_step; make that smaller than {:g} s, use mass_scaling, or choose "
                             "solver.large_motion = \"never\"",
                             stage_step, scene.stages[at(stage)].name, why, scene.solver.selective_time_step));
-  const Assembly& bricks = model.assembly;
   Promotion promotion{why, stage, step_count, now(), 0.0, 0.0};
   const double dt = data.time_step;
 
   // Data of the lattice, while it is there.
-  std::vector<blocks::PointHistory> histories;
-  for (std::int32_t i = 0; i < model.point_count; ++i) {
-    const auto p = at(i);
-    const Model::Sides sides = model.sides_of(i);
-    blocks::PointHistory& h = histories.emplace_back();
-    h.block_a = sides.a;
-    h.block_b = sides.b;
-    h.position = geometry::vector(model.point_position[p]);
-    const int n = model.point_axis[p];
-    h.s[(n + 1) % 3] = h.t[(n + 2) % 3] = 1.0;
-    const double shift = normal_shift.empty() ? 0.0 : normal_shift[p];
-    h.opening = jump_of(i, 1.0, 0.0)[0] + shift;
-    h.opening_at_traction = opening_at_traction(i);
-    const Vec3 pending = jump_of(i, 0.0, dt);
-    h.slip = {pending[1], pending[2]};
-    h.traction = {traction[0][p], traction[1][p], traction[2][p]};
-    for (std::size_t f = 0; f < model.families.size(); ++f) {
-      const ContactFamily& family = model.families[f];
-      const auto k = static_cast<std::int32_t>(i - family.first_point);
-      if (k < 0 || k >= family.point_count) continue;
-      for (std::size_t s = 0; s < family.material->api().state_count; ++s)
-        h.state.push_back(law_state[f][s * at(family.point_count) + at(k)]);
-      for (const PropertyColumn& c : family.columns) h.properties.push_back(c.values[at(k)]);
-    }
-  }
-  std::vector<GridpointMotion> fields(bricks.bricks.size());
-  struct BodyState {
-    Vec3 centre, displacement, rotation, velocity, spin;
-  };
-  std::vector<BodyState> bodies(bricks.bricks.size());
-  for (std::size_t b = 0; b < bricks.bricks.size(); ++b) {
+  const std::vector<blocks::PointHistory> histories = histories_of(*this);
+  const std::size_t count = model.assembly.bricks.size();
+  std::vector<GridpointMotion> fields(count);
+  std::vector<BodyMotion> bodies(count);
+  for (std::size_t b = 0; b < count; ++b) {
     const int body = model.place[b].body;
-    if (body >= 0) {
+    if (body < 0) {
+      fields[b] = motion_of_gridpoints(*this, static_cast<int>(b));
+    } else {
       bodies[b] = {model.bodies[at(body)].centre, of_body(body, &BodyLanes::displacement),
                    of_body(body, &BodyLanes::rotation), of_body(body, &BodyLanes::velocity),
                    of_body(body, &BodyLanes::spin)};
-      continue;
     }
-    model.for_each_gridpoint(static_cast<int>(b), [&](std::size_t o, double mass) {
-      const auto n = static_cast<int>(fields[b].place.size());
-      fields[b].place.push_back(geometry::vector(model.gridpoint_position(static_cast<int>(b), n)));
-      fields[b].displacement.push_back({displacement[o], displacement[o + kLanes], displacement[o + 2 * kLanes]});
-      fields[b].velocity.push_back({velocity[o], velocity[o + kLanes], velocity[o + 2 * kLanes]});
-      fields[b].mass.push_back(mass);
-    });
   }
-  std::vector<Drive> continued;
-  const auto keep_drive = [&](int block, const Drive& drive) {
-    continued.push_back(drive);
-    continued.back().block = block;
-  };
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const auto [lanes, lane] = body_place[b];
-    Drive drive;
-    for (std::size_t c = 0; c < 6; ++c)
-      if (body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
-    for (std::size_t c = 0; c < 3; ++c)
-      if (ramps[b].in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
-    drive.velocity_from = geometry::vector(ramps[b].velocity_from);
-    drive.velocity_to = geometry::vector(ramps[b].velocity_to);
-    drive.force_from = geometry::vector(ramps[b].force_from), drive.force_to = geometry::vector(ramps[b].force_to);
-    const Vec3 none{};
-    if (drive.held != 0 || ramps[b].force_from != none || ramps[b].force_to != none)
-      keep_drive(model.bodies[b].block, drive);
-  }
-  for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
-    Drive drive;
-    drive.force_from = geometry::vector(load_ramps[i].from), drive.force_to = geometry::vector(load_ramps[i].to);
-    keep_drive(loaded_blocks[i].block, drive);
-  }
+  std::vector<Drive> continued = drives_of(*this);
 
   // The same blocks in large motion, at rest, then where they are.
   leave_lattice();
@@ -181,30 +218,17 @@ void Simulation::Impl::promote(const std::string& why) {
   for (const Drive& drive : continued)
     m.prescribe(drive.block, {}, {}, drive.held);  // at rest: supports take no motion
   std::vector<Vector> before(m.node_positions().size());
-  const bool plane = left->symmetry_plane_z0;
-  for (std::size_t b = 0; b < left->bricks.size(); ++b) {
-    const blocks::ModelBlock& block = m.block(static_cast<int>(b));
-    if (block.body >= 0) {
-      const BodyState& s = bodies[b];
-      m.set_pose(static_cast<int>(b), geometry::vector(s.centre) + geometry::vector(s.displacement),
+  for (std::size_t b = 0; b < count; ++b) {
+    const int i = static_cast<int>(b);
+    const blocks::ModelBlock& block = m.block(i);
+    if (block.body < 0) {
+      const auto order = gridpoint_order(left->bricks[b], fields[b].place, m.node_reference(), block);
+      place_gridpoints(fields[b], order, left->symmetry_plane_z0, &m, &before);
+    } else {
+      const BodyMotion& s = bodies[b];
+      m.set_pose(i, geometry::vector(s.centre) + geometry::vector(s.displacement),
                  geometry::rotation(geometry::vector(s.rotation)));
-      m.set_velocity(static_cast<int>(b), geometry::vector(s.velocity), geometry::vector(s.spin));
-      continue;
-    }
-    const GridpointMotion& f = fields[b];
-    const RigidPart moved = rigid_part(f, f.displacement, plane), moving = rigid_part(f, f.velocity, plane);
-    const Matrix turn = matrix(geometry::rotation(moved.turn));
-    const auto order = gridpoint_order(left->bricks[b], f.place, m.node_reference(), block);
-    for (std::size_t i = 0; i < f.place.size(); ++i) {
-      const Vector r = f.place[i] - moved.centre;
-      const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
-      Vector& x = m.node_positions()[order[i]];
-      Vector& v = m.node_velocities()[order[i]];
-      before[order[i]] = f.displacement[i];
-      x = moved.centre + moved.mean + turn * strained;
-      v = moving.mean + cross(moving.turn, turn * strained) +
-          turn * (f.velocity[i] - moving.mean - cross(moving.turn, r));
-      if (plane && f.place[i].z == 0.0) x.z = v.z = 0.0;
+      m.set_velocity(i, geometry::vector(s.velocity), geometry::vector(s.spin));
     }
   }
   m.take_over(histories);

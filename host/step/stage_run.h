@@ -1,0 +1,61 @@
+// One stage as it runs: steps until its end, and between them rows, frames, warnings, checkpoints and progress.
+#pragma once
+
+#include <vector>
+
+#include "step/simulation.h"
+#include "step/state.h"
+
+namespace quoin {
+
+// Goes on in the stage that the simulation is in, or begins the next one. Called by all ranks together.
+class StageRun {
+ public:
+  StageRun(Simulation& simulation, Simulation::Impl& impl, Observer& observer, int stage);
+
+  bool advance();  // by one step; whether the stage has ended with it
+  void end();
+
+ private:
+  // What the next step is asked for.
+  struct Due {
+    bool stop = false, check = false;   // check: of equilibrium
+    bool planned = false, row = false;  // planned: a row by the interval of the stage; a stop brings one, too
+    bool frame = false;
+  };
+
+  void begin(bool was_in_stage);
+  Due look_ahead();
+  bool has_ended(const Due& due);
+  void follow_motion(bool done);
+  void show_frame();
+  void write_row(bool done);
+  void pause(bool last);
+  void require_steps_left() const;
+  void report_progress();
+  void warn();
+
+  // Time of writing counts as output.
+  template <class Write>
+  void write(const Write& what) {
+    const auto before = Clock::now();
+    what();
+    s_.times[Phase::output] += seconds_since(before);
+  }
+
+  Simulation& simulation_;
+  Simulation::Impl& s_;
+  Observer& observer_;
+  int index_;
+  const Stage& settings_;
+  int frames_;
+  std::vector<Warning> warnings_;  // found, not yet reported
+  bool gone_over_ = false;         // to large motion, in this step
+  bool frame_due_ = false;
+  // As of the last report of progress.
+  Clock::time_point reported_at_;
+  long reported_steps_ = 0;
+  double reported_fraction_ = 0.0;
+};
+
+}  // namespace quoin
