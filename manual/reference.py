@@ -125,6 +125,14 @@ def headings(page):
     return lines
 
 
+def lists_keys(line):
+    """Whether a line is no row of a table, or its first cell lists keys rather than says something."""
+    if not line.startswith("|"):
+        return True
+    cell = re.sub(r"\(.*?\)|\".*?\"|\{.*?\}", " ", line.split("|")[1])
+    return all(len(part.split()) <= 3 for part in re.split(r",| or ", cell))
+
+
 def places(word, pages):
     """Where pages name it as code: `word`, the first cell of a row, or a line of TOML."""
     w = r"\b%s\b" % re.escape(word)
@@ -137,10 +145,10 @@ def places(word, pages):
     for page in pages:
         seen = []
         for line, heading in headings(page):
-            if heading not in seen and shown.search(line):
+            if heading not in seen and lists_keys(line) and shown.search(line):
                 seen.append(heading)
         first = [h for h in seen if any(re.match(r"\|[^|]*\b%s\b[^|]*\|" % re.escape(word), l)
-                                        for l, at in headings(page) if at == h)]
+                                        for l, at in headings(page) if at == h and lists_keys(l))]
         found += [(page, h) for h in (first or seen)[:2]]
     return found
 
