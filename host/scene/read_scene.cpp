@@ -724,6 +724,47 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
   return scene;
 }
 
+namespace {
+
+// Returns the quality that the table names, or the given one; null: none, of blocks.
+const Quality* read_solver_table(Table solver, const Quality* quality, bool of_blocks, Scene* scene) {
+  if (!of_blocks || solver.has("quality")) {
+    std::vector<std::string> names;
+    for (const Quality& q : qualities()) names.push_back(q.name);
+    std::string name = "standard";
+    solver.choice("quality", name, names);
+    quality = &quality_named(name);
+  }
+  // What a run does past the bound of small displacements changes no number before it.
+  const toml::table& keys = solver.toml();
+  scene->quality_as_is = std::all_of(keys.begin(), keys.end(), [](const auto& entry) {
+    const std::string_view key = entry.first.str();
+    return key == "quality" || key == "large_motion" || key == "past_motion_bound" || key == "rotation_bound" ||
+           key == "sliding_bound";
+  });
+  scene->solver = read_solver(std::move(solver), quality);
+  // Its errors were measured with small displacements.
+  if (scene->solver.large_motion == LargeMotion::always) scene->quality_as_is = false;
+  return quality;
+}
+
+void read_output(Table o, bool of_blocks, OutputSettings* output) {
+  o.integer("frames", output->frames, 0, 100000);
+  std::string of = output->all_stages ? "all" : "last";
+  o.choice("frames_of", of, {"all", "last"});
+  output->all_stages = of == "all";
+  o.boolean("plots", output->plots);
+  o.boolean("picture", output->plots);
+  o.boolean("energy", output->energy);
+  o.boolean("pieces", output->pieces);
+  o.boolean("end_state", output->end_state);
+  o.number("record_interval", output->record_interval, kNotNegative, "s");
+  if (of_blocks) o.text("monitor", output->monitor, "the name of a block");
+  o.finish();
+}
+
+}  // namespace
+
 Scene reader::read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides) {
   Context context;
   context.file = path;
@@ -749,23 +790,7 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
   if (quality) scene.solver = quality->solver;
   if (const auto* table = t.table("solver", "a table [solver]")) {
     context.solver = table;
-    Table solver(context, *table, "solver");
-    if (!of_blocks || solver.has("quality")) {
-      std::vector<std::string> names;
-      for (const Quality& q : qualities()) names.push_back(q.name);
-      std::string name = "standard";
-      solver.choice("quality", name, names);
-      quality = &quality_named(name);
-    }
-    // What a run does past the bound of small displacements changes no number before it.
-    scene.quality_as_is = std::all_of(table->begin(), table->end(), [](const auto& entry) {
-      const std::string_view key = entry.first.str();
-      return key == "quality" || key == "large_motion" || key == "past_motion_bound" || key == "rotation_bound" ||
-             key == "sliding_bound";
-    });
-    scene.solver = read_solver(std::move(solver), quality);
-    // Its errors were measured with small displacements.
-    if (scene.solver.large_motion == LargeMotion::always) scene.quality_as_is = false;
+    quality = read_solver_table({context, *table, "solver"}, quality, of_blocks, &scene);
   }
   if (of_blocks) scene.quality_as_is = false;  // its errors were measured on walls
   if (quality) scene.quality = quality->name;
@@ -818,21 +843,8 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     if (of_blocks && scene.building) add_floor_loads(stage, *scene.building);
     scene.stages.push_back(std::move(stage));
   }
-  if (const auto* table = t.table("output", "a table [output]")) {
-    Table o(context, *table, "output");
-    o.integer("frames", scene.output.frames, 0, 100000);
-    std::string of = scene.output.all_stages ? "all" : "last";
-    o.choice("frames_of", of, {"all", "last"});
-    scene.output.all_stages = of == "all";
-    o.boolean("plots", scene.output.plots);
-    o.boolean("picture", scene.output.plots);
-    o.boolean("energy", scene.output.energy);
-    o.boolean("pieces", scene.output.pieces);
-    o.boolean("end_state", scene.output.end_state);
-    o.number("record_interval", scene.output.record_interval, kNotNegative, "s");
-    if (of_blocks) o.text("monitor", scene.output.monitor, "the name of a block");
-    o.finish();
-  }
+  if (const auto* table = t.table("output", "a table [output]"))
+    read_output({context, *table, "output"}, of_blocks, &scene.output);
   t.finish();
   scene.inputs = std::move(context.inputs);
   if (const std::string faults = context.faults(); !faults.empty()) throw SceneFaults(faults, std::move(scene));

@@ -308,6 +308,36 @@ void Simulation::restore(const std::vector<std::uint8_t>& bytes) {
   }
 }
 
+namespace {
+
+// The law that a joint family has in the stage that the checkpoint is of.
+void take_law_of(std::size_t f, Simulation::Impl& s, ArchiveReader& reader) {
+  ContactFamily& family = s.model.families[f];
+  family.material = s.material_in_stage(f, s.stage);
+  if (s.large_motion) s.large_motion->take_law(static_cast<int>(f), family.material);
+  const quoin_law& api = family.material->api();
+  s.law_state[f].resize(api.state_count * at(family.point_count));
+  std::string law;
+  std::uint64_t schema = 0;
+  reader.array(law);
+  reader.value(schema);
+  if (law == api.id && schema == api.state_schema) return;
+  throw Error(Exit::bad_input,
+              fmt::format("checkpoint: joint family '{}' has states of law '{}' (schema {:#x}); here it has law "
+                          "'{}' (schema {:#x})",
+                          family.name, law, schema, api.id, api.state_schema));
+}
+
+// Counters that no run comes to were written by somebody, and would be counted up for ever.
+bool counts_are_sound(const Simulation::Impl& s) {
+  constexpr long kMost = 1L << 53;
+  const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
+  return is_count(s.step_count, 0) && is_count(s.stage_step, 0) && is_count(s.next_row, 0) &&
+         is_count(s.row_interval, 1) && is_count(s.next_frame, 0);
+}
+
+}  // namespace
+
 void Simulation::Impl::restore(ByteSource& source) {
   char mark[sizeof kCheckpointMark] = {};
   if (source.left() >= sizeof mark) source.take(mark, sizeof mark);
@@ -329,22 +359,7 @@ void Simulation::Impl::restore(ByteSource& source) {
     outcome.promotion.reset();
   }
   std::vector<std::size_t> expected{ramps.size(), load_ramps.size()};
-  for (std::size_t f = 0; f < model.families.size(); ++f) {
-    ContactFamily& family = model.families[f];
-    family.material = material_in_stage(f, stage);
-    if (large_motion) large_motion->take_law(static_cast<int>(f), family.material);
-    const quoin_law& api = family.material->api();
-    law_state[f].resize(api.state_count * at(family.point_count));
-    std::string law;
-    std::uint64_t schema = 0;
-    reader.array(law);
-    reader.value(schema);
-    if (law == api.id && schema == api.state_schema) continue;
-    throw Error(Exit::bad_input,
-                fmt::format("checkpoint: joint family '{}' has states of law '{}' (schema {:#x}); here it has law "
-                            "'{}' (schema {:#x})",
-                            family.name, law, schema, api.id, api.state_schema));
-  }
+  for (std::size_t f = 0; f < model.families.size(); ++f) take_law_of(f, *this, reader);
   const auto note_sizes = [&](std::vector<std::size_t>& sizes) {
     each_lattice_field(*this, [&](const Field& field, const auto& array, int) {
       if (field.saved && field.when == When::always) sizes.push_back(array.size());
@@ -380,12 +395,7 @@ void Simulation::Impl::restore(ByteSource& source) {
     partition_work();
   }
   if (reader.left() != 0) throw of_another_model();
-  // Written by somebody: counters that no run comes to would be counted up for ever.
-  constexpr long kMost = 1L << 53;
-  const auto is_count = [](long value, long least) { return value >= least && value <= kMost; };
-  if (!is_count(step_count, 0) || !is_count(stage_step, 0) || !is_count(next_row, 0) || !is_count(row_interval, 1) ||
-      !is_count(next_frame, 0))
-    throw of_another_model();
+  if (!counts_are_sound(*this)) throw of_another_model();
   const bool in_cycles =
       std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
       std::any_of(drives.begin(), drives.end(), [](const Drive& drive) { return drive.in_cycles != 0; });
