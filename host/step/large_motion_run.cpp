@@ -10,6 +10,7 @@
 #include "model/time_step.h"
 #include "scene/generate_blocks.h"
 #include "step/law_swap.h"
+#include "step/monitor_side.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -263,7 +264,7 @@ void Simulation::Impl::measure_large_motion(HistoryRow& row) const {
   }
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
-  row.vertical_force = scene.blocks || !monitor_stands_below ? row.joint_force[1] : -row.joint_force[1];
+  row.vertical_force = monitor_stands_below ? -row.joint_force[1] : row.joint_force[1];  // compression positive
   if (whiffletree.empty()) return;
   // The roof against the shear force that the walls carry to the ground.
   row.monitor_displacement = {floor_displacement(whiffletree.size() - 1), 0.0, 0.0};
@@ -273,16 +274,16 @@ void Simulation::Impl::measure_large_motion(HistoryRow& row) const {
 
 // What these blocks touch is above them, as over a bottom beam.
 bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
-  double arms = 0.0;
+  MonitorSide side;
   for (const blocks::Contact& c : large_motion->contacts()) {
     for (const int block : blocks) {
       if (c.pair.a != block && c.pair.b != block) continue;
       for (std::size_t i = c.first; i < c.first + c.count; ++i)
-        arms += large_motion->place_of(large_motion->families()[static_cast<std::size_t>(c.family)].point[i]).y -
-                large_motion->position(block).y;
+        side.add(large_motion->place_of(large_motion->families()[static_cast<std::size_t>(c.family)].point[i]).y -
+                 large_motion->position(block).y);
     }
   }
-  return arms > 0.0;
+  return side.joints_are_above();
 }
 
 // Rotations only: blocks that ride may leave their joints altogether.

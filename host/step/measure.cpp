@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "step/monitor_side.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -63,14 +64,14 @@ HistoryRow Simulation::Impl::measure() const {
 
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
   const Vec3 moved = mean_of(monitor, &BodyLanes::displacement), velocity_now = mean_of(monitor, &BodyLanes::velocity);
-  double arms = 0.0;
+  MonitorSide side;
   for (const int b : monitor) {
     const Vec3 joints = joint_force(b);
     for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
     const RigidBody& body = model.bodies[static_cast<std::size_t>(b)];
     const Brick& brick = model.assembly.bricks[static_cast<std::size_t>(body.block)];
     const double middle = brick.origin[1] + 0.5 * brick.size[1];
-    for (const Vec3& arm : body.arm) arms += body.centre[1] + arm[1] - middle;
+    for (const Vec3& arm : body.arm) side.add(body.centre[1] + arm[1] - middle);
   }
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];
@@ -93,7 +94,7 @@ HistoryRow Simulation::Impl::measure() const {
                                                           : lanes.applied_force[direction][lane]);
   }
   for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
-  row.vertical_force = arms <= 0.0 ? row.joint_force[1] : -row.joint_force[1];  // joints below push the body up
+  row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
   return row;
 }
 

@@ -199,6 +199,36 @@ TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
   }
 }
 
+// Compression is positive in vertical_force_N on either side of a joint, in small displacements and in large motion:
+// the base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 %: they bounce
+// as they begin to slide, by up to 23 %; a wrong sign is 200 % away.
+TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
+  const double weight = 2000.0 * 0.008 * 9.81;
+  const std::string text =
+      stones(block("a", 0.0) + block("b", 0.2),
+             "[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nduration = 0.2\nramp_time = 0.1\n"
+             "[[stage]]\nname = \"slide\"\ngravity = [0, -9.81, 0]\nduration = 0.1\n"
+             "[[stage.velocity]]\nblock = \"b\"\nvelocity = [0.3, \"free\", 0]\n");
+  const std::pair<const char*, double> expected[] = {{"base", 2 * weight}, {"a", weight}, {"b", weight}};
+  for (const auto& [monitor, force] : expected) {
+    for (const char* kernels : {"automatic", "general"}) {
+      Simulation simulation(scene_of(text, {std::string("output.monitor=") + monitor, "solver.stiffness_damping=1e-3",
+                                            std::string("solver.kernels=") + kernels}),
+                            1);
+      Seen seen;
+      simulation.run(seen);
+      EXPECT_NE(simulation.large_motion(), nullptr);
+      int rows = 0;
+      for (const HistoryRow& row : seen.rows) {
+        if (row.stage == 0) continue;
+        ++rows;
+        EXPECT_NEAR(row.vertical_force, force, 0.3 * force) << monitor << ' ' << kernels << " at " << row.time << " s";
+      }
+      EXPECT_GT(rows, 5);
+    }
+  }
+}
+
 // The energies of every row with and without output.energy, whose kinetic energy is that of the velocities at the time
 // of the forces: a rigid block and a deformable one that are thrown, on the lattice until one has slid too far.
 TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
