@@ -111,7 +111,7 @@ struct RunOptions {
   std::string again;   // folder of the run that is repeated; empty: none
   double checkpoint_every = 60.0;
   int threads = 0;
-  bool report = false, compressed = false;
+  bool report = false, svg = false, compressed = false;
   bool isolate_law = false;
   double law_seconds = kLawSeconds;  // for one batch; 0: any time
   int serve = -1;                    // port of a page of the run while it goes on; 0: any, < 0: none
@@ -521,7 +521,7 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
 }
 
 // curve.png, cracks.png, mechanism.png; what is missing is reported.
-void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
+void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info, bool svg,
           Recorder& recorder) {
   const auto& rows = recorder.history().rows();
   const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
@@ -541,11 +541,16 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
+  for (const char* name : {"curve", "cracks", "mechanism"}) {
+    if (!svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
+    const std::string notice = notice_of([&] { return draw_as_svg(folder, name); });
+    if (!notice.empty()) recorder.progress().message("quoin: " + notice);
+  }
 }
 
 // What was computed is kept, whatever ended the run; the summary says what ended it. What cannot be written is
 // reported, and costs nothing else but the exit code.
-void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, bool report,
+void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces& surfaces, const RunOptions& options,
                   const std::optional<Error>& failure, Recorder& recorder, RunInfo& info, int& exit_code) {
   const auto keep = [&](const auto& write) {
     try {
@@ -577,12 +582,12 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   if (has_all) gather_for_pictures(simulation);
-  if (output.plots && has_all) draw(folder, simulation, surfaces, info, recorder);
+  if (output.plots && has_all) draw(folder, simulation, surfaces, info, options.svg, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
   keep([&] {
-    if (report) write_report({folder});
+    if (options.report) write_report({folder});
   });
   keep([&] {
     if (output.end_state && !failure) write_end_state(folder, simulation, info.provenance);
@@ -711,7 +716,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   } catch (const std::exception& error) {  // by a law, perhaps
     failure = any_error(error, "make the scene smaller", "the scene and the law");
   }
-  keep_results(folder, simulation, surfaces, options.report, failure, recorder, info, exit_code);
+  keep_results(folder, simulation, surfaces, options, failure, recorder, info, exit_code);
   print_results(folder, simulation, recorder.history().rows(), info);
   for (const Warning& warning : info.warnings)
     if (!recorder.was_reported(warning)) recorder.on_warning(warning);
@@ -784,6 +789,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
+  command->add_flag("--svg", options->svg, "Write curve.svg and cracks.svg beside the pictures in PNG");
   command->add_flag(
       "--live", [options](std::int64_t) { options->serve = 0; },
       "Show the run in a browser while it goes on, at an address of this machine that is printed");

@@ -21,6 +21,7 @@
 #include <thread>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/number_text.h"
 #include "files/file.h"
 
@@ -54,13 +55,15 @@ struct Drawing {
 std::string system_message() { return std::error_code(errno, std::generic_category()).message(); }
 
 // A full disk makes a picture without its end, and gnuplot does not always say so.
-bool is_whole_png(const fs::path& file) {
-  constexpr std::array<char, 8> kEnd{'I', 'E', 'N', 'D', '\xae', '\x42', '\x60', '\x82'};
-  std::array<char, 8> end{};
+bool is_whole(const fs::path& file, std::string_view last) {
+  std::string end(last.size(), ' ');
   std::ifstream stream(file, std::ios::binary);
-  stream.seekg(-8, std::ios::end);
-  stream.read(end.data(), end.size());
-  return stream && end == kEnd;
+  stream.seekg(-static_cast<std::streamoff>(last.size()), std::ios::end);
+  stream.read(end.data(), static_cast<std::streamsize>(end.size()));
+  return stream && end == last;
+}
+bool is_whole_picture(const fs::path& file) {
+  return is_whole(file, "IEND\xae\x42\x60\x82") || is_whole(file, "</svg>\n\n") || is_whole(file, "</svg>\n");
 }
 
 bool is_control(unsigned char code) { return code < 0x20 || code == 0x7f; }
@@ -131,7 +134,7 @@ Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, c
     const std::optional<int> status = wait_for(child, limit);
     if (!status)
       drawing.fault = fmt::format("gnuplot was stopped after {:g} s (QUOIN_PLOT_SECONDS allows more)", limit);
-    else if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0 || !is_whole_png(part))
+    else if (!WIFEXITED(*status) || WEXITSTATUS(*status) != 0 || !is_whole_picture(part))
       drawing.fault = "gnuplot failed";
   }
   lseek(messages.number(), 0, SEEK_SET);
@@ -180,6 +183,17 @@ std::string draw_picture(const fs::path& folder, const std::string& name, const 
   write_file(plots / (name + ".log"), drawing.messages);
   if (drawing.fault.empty()) return {};
   return fmt::format("no {}.png: {}; its script and messages are kept in {}", name, drawing.fault, plots.string());
+}
+
+std::string draw_as_svg(const fs::path& folder, const std::string& name) {
+  const fs::path plots = folder / "plots";
+  std::string script = read_input_file((plots / (name + ".gp")).string());
+  script.erase(0, script.find("\nset terminal ") + 1);  // not what gnuplot sends elsewhere than to us
+  constexpr std::string_view png = "set terminal pngcairo";
+  if (!script.starts_with(png)) return fmt::format("no {}.svg: its script draws no PNG", name);
+  script.replace(0, png.size(), "set terminal svg");
+  const Drawing drawing = run_gnuplot(plots, script, folder / (name + ".svg"));
+  return drawing.fault.empty() ? std::string{} : fmt::format("no {}.svg: {}", name, drawing.fault);
 }
 
 void draw_picture_alone(const fs::path& picture, const std::string& script) {

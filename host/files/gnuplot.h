@@ -19,6 +19,10 @@ std::string gnuplot_text(const std::string& text);
 // otherwise nothing. Throws Error(bad_input) when the folder cannot be written.
 std::string draw_picture(const std::filesystem::path& folder, const std::string& name, const std::string& script);
 
+// Draws what draw_picture has just drawn, as FOLDER/NAME.svg. Only for folders that this process has written: the
+// script in them is run. Returns and throws as draw_picture.
+std::string draw_as_svg(const std::filesystem::path& folder, const std::string& name);
+
 // Draws PICTURE and leaves nothing beside it; its folder is made. Throws Error(bad_input) with gnuplot's message.
 void draw_picture_alone(const std::filesystem::path& picture, const std::string& script);
 

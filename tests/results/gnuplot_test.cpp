@@ -77,6 +77,20 @@ class Gnuplot : public InFolder {
   fs::path canary_;
 };
 
+// The same picture in words: what the titles and labels say is in it.
+TEST_F(Gnuplot, DrawsThePictureAsSvgToo) {
+  const std::string script =
+      "set terminal pngcairo size 600,400\nset title " + gnuplot_text("Pushed & held") + " noenhanced\nplot x\n";
+  ASSERT_EQ(draw_picture(folder_, "curve", script), "");
+  ASSERT_EQ(draw_as_svg(folder_, "curve"), "");
+  const std::string svg = read_input_file((folder_ / "curve.svg").string());
+  EXPECT_THAT(svg, HasSubstr("<svg"));
+  EXPECT_THAT(svg, HasSubstr("Pushed &amp; held"));
+  EXPECT_TRUE(parts_in(folder_).empty());
+  EXPECT_THAT(draw_as_svg(folder_, "curve"), "");  // again, over the first
+  EXPECT_THROW(draw_as_svg(folder_, "nothing"), Error);
+}
+
 TEST_F(Gnuplot, PrintsAndDrawsHostileTextAndRunsNothing) {
   for (const std::string& title : hostile()) {
     SCOPED_TRACE(::testing::PrintToString(title));
