@@ -40,7 +40,7 @@ std::string moved_part(const Scene& scene) {
 
 std::string moved_part(const Scene& scene, const Stage& stage) {
   if (scene.building && !scene.blocks) return "roof";
-  std::string name = stage.monitor;
+  std::string name = stage.monitor.empty() ? scene.output.monitor : stage.monitor;
   std::replace(name.begin(), name.end(), '_', ' ');
   return name.empty() ? "wall" : name;
 }

@@ -188,6 +188,8 @@ Surface surface_of(const VtuFile& blocks) {
   for (std::size_t c = 0; c < grid.cells(); ++c) {
     if (grid.type[c] == kHexahedron && unit[c] < 0) s.beams.insert(block[c]);
   }
+  // Scenes of blocks have no units, and all of them are masonry.
+  if (std::all_of(unit.begin(), unit.end(), [](std::int32_t u) { return u < 0; })) s.beams.clear();
   return s;
 }
 

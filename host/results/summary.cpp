@@ -120,6 +120,8 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
       controls.push_back({{"body", c.body}, {"velocity_m_per_s", velocity}, {"force_N", c.force}});
     }
     j["controls"] = controls;
+    for (const PointForce& f : stage.forces)
+      j["forces"].push_back({{"block", f.block}, {"point_m", f.point}, {"force_N", f.force}});
     j["curve"] = {{"kind", curve_kind(stage)},
                   {"along", std::string(1, "xyz"[axis_of(stage)])},
                   {"of", moved_part(scene, stage)}};

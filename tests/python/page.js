@@ -59,8 +59,8 @@ function shown({model, curves}) {
   const words = marksOf(model.overlay, 'crack').filter(c => c.tag === 'text').map(c => c.textContent);
   const paints = marksOf(model.overlay, 'crack').filter(c => c.tag === 'rect').map(c => c.attributes.fill);
   return {frame: model.frame, position: numbers(model.position), colour: numbers(model.colour), cracked: model.cracked,
-    rim: numbers(model.rim.geometry.attributes.position), rim_colour: numbers(model.rim.geometry.attributes.color),
-    points: numbers(model.dots.geometry.attributes.position), point_colour: numbers(model.dots.geometry.attributes.color),
+    rim: Array.from(Float32Array.from(model.cracks.at)), rim_colour: model.cracks.paint,
+    points: model.cracks.points, point_colour: model.cracks.tints,
     legend: words.map((word, k) => [word, paints[k]]), quantity: marksOf(model.overlay, 'legend')[0].textContent,
     range: [model.shown.low, model.shown.high],
     dots: curves.map(c => c.dots.map(d => [Number(d.attributes.cx), Number(d.attributes.cy)]))};

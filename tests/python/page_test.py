@@ -119,14 +119,15 @@ class Wall(Shown, unittest.TestCase):
             np.testing.assert_allclose(last[v], MIDDLE + min(1.0, share) * (end - MIDDLE), atol=0.012, err_msg=what)
 
     def test_robust_range_is_that_of_98_percent(self):
-        """Of the values that are not 0, in two digits that hold it; a single place does not set it."""
+        """Of the values that are not 0, at the moment that has the most, in two digits that hold it; a single place does not
+        set it."""
         for what in ("opening", "slip", "displacement"):
-            values = np.concatenate([self.values(what, k) for k in range(len(self.times))])
-            values = np.sort(values[values > 0])
+            moments = [np.sort(v[v > 0]) for v in (self.values(what, k) for k in range(len(self.times))) if np.any(v > 0)]
             low, high = self.run_["robust"][what]
             self.assertEqual(low, 0.0)
-            self.assertGreater((values <= high).mean(), 0.97)  # 98 % of some 50 values are a whole number of them
-            bound = values[int(0.98 * (len(values) - 1))]
+            for values in moments:
+                self.assertGreater((values <= high).mean(), 0.95)  # 98 % of some 20 values are a whole number of them
+            bound = max(values[int(0.98 * (len(values) - 1))] for values in moments)
             self.assertLess(high, 1.12 * bound, what)  # two digits: 10 % at most, and what 16 bits round by
             self.assertGreater(high, 0.98 * bound, what)
         low, high = self.run_["robust"]["stress"]
@@ -166,7 +167,9 @@ class Wall(Shown, unittest.TestCase):
                        tension="dissipated_tension_J", cohesion="dissipated_cohesion_J", friction="dissipated_friction_J",
                        crushing="dissipated_crushing_J", damping="damping_work_J")
         columns["external work"] = "external_work_J"
-        self.assertEqual([line["name"] for line in energies["lines"]], list(columns))
+        # What stays nothing has no line.
+        self.assertEqual([line["name"] for line in energies["lines"]], [name for name, c in columns.items() if np.any(h[c] != 0)])
+        self.assertGreater(len(energies["lines"]), 5)
         for line in energies["lines"]:
             np.testing.assert_array_equal(line["values"], h[columns[line["name"]]], line["name"])
         self.assert_curve(1e3 * h["displacement_m"], 1e-3 * h["horizontal_force_N"],

@@ -109,6 +109,28 @@ class Reactions(Folder):
         x = forces["position"][:, 0]
         np.testing.assert_allclose(np.sort(x), -np.sort(x)[::-1], atol=0.05)
 
+    def test_a_vault_in_bond_thrusts_from_abutment_to_abutment(self):
+        """Rings of one block and of two by turns: the line is one, from springing to springing, and symmetric."""
+        scene = quoin.Scene(solver=dict(damping="viscous", mass_damping=20.0, stiffness_damping=1e-4))
+        scene.materials.stone = quoin.BlockMaterial(density=2000.0, young_modulus=1e10, poisson_ratio=0.2)
+        scene.joints.dry = quoin.Joint(law="coulomb_slip", initial_state="dry", normal_stiffness=1e9, shear_stiffness=0.5e9,
+                                       friction_angle=35.0)
+        scene.block = quoin.shapes.barrel_vault(3.0, 0.5, 1.0, 15, 1, angles=(15.0, 165.0), material="stone")
+        scene.stage = [quoin.Stage(name="weight", gravity=[0, -9.81, 0], ramp_time=0.1, duration=0.6)]
+        scene.output = dict(frames=1, plots=False)
+        run = self.run_scene(scene)
+        line = sorted(thrust_lines(run.frames[-1]), key=lambda piece: piece[0][0])
+        self.assertEqual(len(line), 15)  # one piece a ring, two abutments of the 17 left out
+        for (_, end), (begin, _) in zip(line, line[1:]):
+            np.testing.assert_array_equal(end, begin)
+        places = np.array([line[0][0]] + [end for _, end in line])
+        # 20 mm of 0.5 m: what still moves.
+        np.testing.assert_allclose(places[:, :2], places[::-1, :2] * [-1, 1], atol=0.02)
+        np.testing.assert_allclose(places[:, 2], 0.5, atol=0.02)  # m, the middle of the width
+        radius = np.hypot(places[:, 0], places[:, 1])
+        self.assertGreater(radius.min(), 3.0)
+        self.assertLess(radius.max(), 3.5)
+
     def test_frames_of_all_stages(self):
         told = {}
         for name, changes in dict(none=dict(frames=0), last=dict(frames=3, frames_of="last"), all=dict(frames=3)).items():

@@ -292,6 +292,18 @@ class Report(Folder):
         self.assertAlmostEqual(array("joint_area1", 1)[0, 0], 1.0, delta=1e-3)
         self.assertAlmostEqual(array("joint_eccentricity1", 1)[0, 0], 0.0, delta=0.01)
 
+    def test_rigid_blocks_on_the_lattice_have_their_cracks(self):
+        """A cube that is lifted off its base by 1 mm."""
+        scene = block_scene(stage=[quoin.Stage(name="lift", duration=0.1, ramp_time=0.01, velocity=[
+            dict(block="cube", velocity=[0.0, 0.01, 0.0])])], output=dict(frames=1))
+        scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
+        scene.solver = dict(kernels="lattice", large_motion="never")
+        self.run_scene("cube", scene, "--report")
+        head, array = self.page_of("cube")
+        self.assertAlmostEqual(head["range"]["opening"][1], 0.95e-3, delta=0.1e-3)  # less half of the ramp
+        self.assertEqual([c["label"] for c in head["colours"]["cracks"]][array("crack1", 1).max()], "open crack")
+        self.assertGreater(array("damage1", 1).max(), 0)
+
     def test_the_wall_of_030_is_small_and_soon_there(self):
         self.run_scene("wall", os.path.join(SCENES, "solid_wall_030.toml"), "--report")
         self.assertLess(os.path.getsize(self.path("wall/report.html")), 4e6)

@@ -2,7 +2,9 @@
 import numpy as np
 
 BED = 0.7     # least |y| of the normal of a bed joint
+ROUNDED = 1e-6  # displacements of blocks that are held, over the largest
 LEVEL = 0.3   # gap between two levels of bed joints, over the height of a block
+APART = 0.3   # gap between supports that belong together, over the size of a block
 
 
 def pressed(moment, least=0.01):
@@ -16,7 +18,8 @@ def pressed(moment, least=0.01):
 def boxes(moment):
     """By block: lower and upper corner at the start, and whether it has moved."""
     blocks, found = moment.blocks, {}
-    start, moved = blocks["position"].astype(float), np.any(blocks["displacement_m"] != 0, axis=1)
+    start, far = blocks["position"].astype(float), np.abs(blocks["displacement_m"]).max(axis=1)
+    moved = far > ROUNDED * far.max(initial=0.0)
     block = np.repeat(blocks["block"], np.diff(blocks["offsets"], prepend=0))
     corner = blocks["connectivity"]
     for b in np.unique(block):
@@ -27,7 +30,8 @@ def boxes(moment):
 
 def thrust_lines(moment):
     """Pieces of the line of thrust, (from, to) each, m: from joint to joint of blocks with two of them, as in arches and columns;
-    else, as in walls, piers and buttresses, through the resultants of bed joints of one level that share blocks."""
+    between two abutments, as in vaults, through the resultants of joints at the same number of blocks from one of them; else, as in
+    walls, piers and buttresses, of bed joints of one level. Of these joints those go together that share blocks."""
     joints, box = pressed(moment), boxes(moment)
     pairs, places = np.stack([joints["block_a"], joints["block_b"]], axis=1).tolist(), joints["position"].astype(float)
     of = {}
@@ -39,6 +43,9 @@ def thrust_lines(moment):
         return []
     if np.quantile([len(list_of) for list_of in of.values()], 0.9) <= 2:
         return [(places[l[0]], places[l[1]]) for l in of.values() if len(l) == 2]
+    abutments = _supports({b for pair in pairs for b in pair}, box)
+    if len(abutments) == 2:
+        return _through_rings(pairs, places, np.linalg.norm(joints["force_N"].astype(float), axis=1), abutments[0])
     middle = {b: (low + high) / 2 for b, (low, high, _) in box.items()}
     level = np.array([(middle[a][1] + middle[b][1]) / 2 for a, b in pairs])
     heights = [high[1] - low[1] for low, high, moves in box.values() if moves]
@@ -49,12 +56,42 @@ def thrust_lines(moment):
             levels[-1].append(j)
         else:
             levels.append([j])
-    cuts = [_resultants(some, pairs, places, abs(joints["force_N"][:, 1].astype(float)), middle) for some in levels]
-    return [(below[0], above[0]) for lower, upper in zip(cuts, cuts[1:]) for below in lower for above in upper
-            if below[1] & above[2]]
+    push = abs(joints["force_N"][:, 1].astype(float))
+    return _joined([_resultants(some, pairs, places, push, lambda b: middle[b][1]) for some in levels])
 
 
-def _resultants(joints, pairs, places, push, middle):
+def _supports(pressed_blocks, box):
+    """Blocks that hold others and do not move themselves: in groups of those that are next to each other."""
+    size = np.median([max(high - low) for low, high, _ in box.values()])
+    groups = []
+    for b in sorted(b for b in pressed_blocks if not box[b][2]):
+        low, high, _ = box[b]
+        touching = [g for g in groups if any(np.all(np.minimum(high, box[o][1]) - np.maximum(low, box[o][0]) > -APART * size) for o in g)]
+        groups = [g for g in groups if g not in touching] + [[b] + [o for g in touching for o in g]]
+    return groups
+
+
+def _through_rings(pairs, places, push, abutment):
+    beside, away, row = {}, dict.fromkeys(abutment, 0), list(abutment)
+    for a, b in pairs:
+        beside.setdefault(a, []).append(b)
+        beside.setdefault(b, []).append(a)
+    for b in row:  # grows as it is gone through
+        for other in beside.get(b, []):
+            if other not in away:
+                away[other] = away[b] + 1
+                row.append(other)
+    far = len(away)
+    steps = [(away.get(a, far), away.get(b, far)) for a, b in pairs]
+    cuts = [[j for j, (a, b) in enumerate(steps) if a != b and min(a, b) == k] for k in range(far)]
+    return _joined([_resultants(cut, pairs, places, push, lambda b: away.get(b, far)) for cut in cuts])
+
+
+def _joined(cuts):
+    return [(below[0], above[0]) for lower, upper in zip(cuts, cuts[1:]) for below in lower for above in upper if below[1] & above[2]]
+
+
+def _resultants(joints, pairs, places, push, height):
     """Of joints that share blocks: (place, blocks above, blocks below)."""
     groups = []
     for j in joints:
@@ -63,7 +100,7 @@ def _resultants(joints, pairs, places, push, middle):
         groups.append((set(pairs[j]).union(*(g[0] for g in touching)), [j] + [k for g in touching for k in g[1]]))
     result = []
     for _, of in groups:
-        upper = {max(pairs[j], key=lambda b: middle[b][1]) for j in of}
-        lower = {min(pairs[j], key=lambda b: middle[b][1]) for j in of}
+        upper = {max(pairs[j], key=height) for j in of}
+        lower = {min(pairs[j], key=height) for j in of}
         result.append((np.average(places[of], axis=0, weights=push[of] + 1e-300), upper, lower))
     return result

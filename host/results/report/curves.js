@@ -32,7 +32,7 @@ function axesOf(stage, history) {
     const d = ((stage.ground_motion || {}).direction || [1, 0, 0]).map(Math.abs), way = d[2] > d[0] ? 'z' : 'x';
     const relative = `monitor_relative_d${way}_m`, shear = `base_shear_${way}_N`;
     if (!history[relative] || !history[shear]) return [[time, displacement], [time, force]];
-    return [[time, {key: relative, factor: 1e3, label: `displacement${of} along ${way}, relative to the ground [mm]`}],
+    return [[time, {key: relative, factor: 1e3, label: `relative displacement along ${way}${of} [mm]`}],
       [time, {key: shear, factor: 1e-3, label: `base shear along ${way} [kN]`}]];
   }
   if (curve.kind === 'rest') return [[time, {key: 'vertical_displacement_m', factor: 1e3, label: `vertical displacement${of} [mm]`}]];
@@ -71,7 +71,7 @@ class Curve {
     let x = CHART.left, y = 32;
     const named = this.lines.map((line, n) => [line, n]).filter(([line]) => line.name);
     for (const [line, n] of named) {
-      const width = 26 + widthOf(line.name);
+      const width = 36 + widthOf(line.name);
       if (x > CHART.left && x + width > this.width) x = CHART.left, y += 15;
       mark(this.svg, 'line', {x1: x, x2: x + 18, y1: y - 4, y2: y - 4, ...this.penOf(n)});
       mark(this.svg, 'text', {x: x + 22, y}, line.name);
@@ -129,7 +129,7 @@ function recordOf(stage, way) {
 function curvesOf(parent, head, stage) {
   const h = head.history, stages = (head.summary.settings || {}).stages || [], pens = head.colours.pens;
   const rows = rowsLike(stage, stages, h);
-  const axes = axesOf(stage, h), way = (/ along ([xz]),/.exec(axes[0][1].label) || [])[1], record = way && recordOf(stage, way);
+  const axes = axesOf(stage, h), way = (/ along ([xz])/.exec(axes[0][1].label) || [])[1], record = way && recordOf(stage, way);
   const count = record ? 4 : 2;
   const width = Math.max(CHART.narrowest, Math.min(CHART.widest, Math.floor((parent.clientWidth - (count - 1) * CHART.gap) / count) - 2));
   const made = axes.map(([x, y]) => new Curve(parent, width, rows, rows.map(i => h[x.key][i] * x.factor),
@@ -143,7 +143,7 @@ function curvesOf(parent, head, stage) {
       `pseudo-acceleration, ${Math.round(100 * damping)} % damping [m/s\u00b2]`, pens));
   }
   if (made.length > 1) return made;
-  const energies = ENERGIES.filter(([key]) => h[key]).map(([key, name]) => ({name, values: h[key]}));
+  const energies = ENERGIES.filter(([key]) => h[key] && h[key].some(value => value !== 0)).map(([key, name]) => ({name, values: h[key]}));
   made.push(new Curve(parent, width, h.time_s.map((_, i) => i), h.time_s, energies, 'time [s]', 'energy [J]', pens));
   return made;
 }

@@ -1,7 +1,9 @@
 // Forces between blocks: a spindle in each pressed joint, and the line of thrust.
 
 const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; of the largest force
-const THRUST = {width: 0.02, bed: 0.7, level: 0.3};  // over the size of a block; least |y| of a bed's normal; gap of levels over a height
+const LOAD = {length: 1.2, width: 0.04};  // over the size of a block
+// Width and gap between supports over the size of a block; least |y| of a bed's normal; gap of levels over a height.
+const THRUST = {width: 0.02, apart: 0.3, bed: 0.7, level: 0.3};
 
 class Forces {
   constructor(model) {
@@ -58,9 +60,18 @@ class Forces {
     this.kind = this.known ? kind : 'none';
     this.parts = [];
     if (this.kind === 'joints') for (const joint of this.pressed(frame, magnified)) this.addSpindle(joint);
+    for (const load of this.model.shown.loads || []) this.addArrow(load);
     if (this.kind === 'thrust') for (const [from, to] of this.thrust(this.pressed(frame, magnified))) this.addBar(from, to);
     this.fill();
     this.mesh.material.color.set(this.colour);
+  }
+  // A load of the stage, with its tip where it acts.
+  addArrow({point_m: at, force_N: F}) {
+    const size = Math.hypot(...F), length = LOAD.length * this.model.block, width = LOAD.width * this.model.block;
+    if (!size) return;
+    const back = share => at.map((x, k) => x - share * length * F[k] / size);
+    this.addBar(back(1), back(0.4), width);
+    this.addBar(back(0.8), at, 3 * width, true);
   }
   addSpindle({a, b, F, size, at}) {
     const apart = Math.hypot(...[0, 1, 2].map(k => this.centre[a][k] - this.centre[b][k]));
@@ -97,7 +108,41 @@ class Forces {
     const of = new Map();
     for (const joint of joints) for (const b of [joint.a, joint.b]) if (this.boxes[b].moves) of.set(b, [...(of.get(b) || []), joint]);
     const degrees = [...of.values()].map(list => list.length).sort((x, y) => x - y);
-    return degrees.length && degrees[Math.floor(0.9 * (degrees.length - 1))] <= 2 ? this.alongChains(of) : this.throughCourses(joints);
+    if (degrees.length && degrees[Math.floor(0.9 * (degrees.length - 1))] <= 2) return this.alongChains(of);
+    const abutments = this.supports(joints);
+    return abutments.length === 2 ? this.throughRings(joints, abutments[0]) : this.throughCourses(joints);
+  }
+  // Blocks that hold others and do not move themselves, those together that are next to each other.
+  supports(joints) {
+    const held = [...new Set(joints.flatMap(j => [j.a, j.b]).filter(b => !this.boxes[b].moves))], groups = [];
+    const near = (p, q) => [0, 1, 2].every(k => Math.min(this.boxes[p].high[k], this.boxes[q].high[k]) -
+      Math.max(this.boxes[p].low[k], this.boxes[q].low[k]) > -THRUST.apart * this.model.block);
+    for (const b of held) {
+      const touching = groups.filter(g => g.some(other => near(b, other)));
+      const group = touching.shift() || groups[groups.push([]) - 1];
+      for (const other of touching) { group.push(...other); groups.splice(groups.indexOf(other), 1); }
+      group.push(b);
+    }
+    return groups;
+  }
+  // Vaults and bridges between two abutments: through the joints at the same number of blocks from one of them.
+  throughRings(joints, abutment) {
+    const of = new Map(), away = new Map(abutment.map(b => [b, 0])), cuts = [];
+    for (const j of joints) for (const b of [j.a, j.b]) of.set(b, [...(of.get(b) || []), j]);
+    for (const b of away.keys())  // in the order of their coming, new ones included
+      for (const j of of.get(b) || []) for (const next of [j.a, j.b]) if (!away.has(next)) away.set(next, away.get(b) + 1);
+    for (const j of joints) {
+      const from = Math.min(away.get(j.a), away.get(j.b));
+      if (away.get(j.a) !== away.get(j.b)) (cuts[from] = cuts[from] || []).push(j);
+    }
+    return this.joined(cuts.map(cut => this.clusters(cut, j => away.get(j.a) > away.get(j.b), j => j.size)));
+  }
+  joined(cuts) {
+    const pieces = [];
+    for (let l = 1; l < cuts.length; ++l)
+      for (const below of cuts[l - 1] || []) for (const above of cuts[l] || [])
+        if ([...above.lower].some(b => below.upper.has(b))) pieces.push([below.at, above.at]);
+    return pieces;
   }
   // Arches and columns: from joint to joint of each block.
   alongChains(of) {
@@ -112,13 +157,10 @@ class Forces {
       const last = levels[levels.length - 1];
       if (last && j.level - last[last.length - 1].level < gap) last.push(j); else levels.push([j]);
     }
-    const cuts = levels.map(level => this.clusters(level)), pieces = [];
-    for (let l = 1; l < cuts.length; ++l)
-      for (const below of cuts[l - 1]) for (const above of cuts[l])
-        if ([...above.lower].some(b => below.upper.has(b))) pieces.push([below.at, above.at]);
-    return pieces;
+    return this.joined(levels.map(level => this.clusters(level, j => this.centre[j.a][1] > this.centre[j.b][1], j => Math.abs(j.F[1]))));
   }
-  clusters(level) {
+  // Joints that share blocks, with the place of their resultant. up: block a is the upper one; push: what a joint counts by.
+  clusters(level, up, push) {
     const groups = [];
     for (const j of level) {
       const touching = groups.filter(g => g.blocks.has(j.a) || g.blocks.has(j.b));
@@ -130,12 +172,9 @@ class Forces {
       group.joints.push(j); group.blocks.add(j.a).add(j.b);
     }
     return groups.map(({joints}) => {
-      const total = joints.reduce((sum, j) => sum + Math.abs(j.F[1]), 0) || 1, upper = new Set(), lower = new Set();
-      for (const j of joints) {
-        const up = this.centre[j.a][1] > this.centre[j.b][1];
-        upper.add(up ? j.a : j.b); lower.add(up ? j.b : j.a);
-      }
-      return {at: [0, 1, 2].map(k => joints.reduce((sum, j) => sum + Math.abs(j.F[1]) * j.at[k], 0) / total), upper, lower};
+      const total = joints.reduce((sum, j) => sum + push(j), 0) || 1, upper = new Set(), lower = new Set();
+      for (const j of joints) upper.add(up(j) ? j.a : j.b), lower.add(up(j) ? j.b : j.a);
+      return {at: [0, 1, 2].map(k => joints.reduce((sum, j) => sum + push(j) * j.at[k], 0) / total), upper, lower};
     });
   }
 }

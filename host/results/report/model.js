@@ -50,11 +50,7 @@ class Model {
     edges.setIndex(new THREE.BufferAttribute(this.array('edge'), 1));
     this.edges = new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x555550, transparent: true, opacity: 0.5}));
     this.scene.add(this.edges);
-    this.rim = new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial(
-      {vertexColors: THREE.VertexColors, depthFunc: THREE.LessEqualDepth}));
-    this.dots = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial(
-      {vertexColors: THREE.VertexColors, size: 6, sizeAttenuation: false}));
-    for (const thing of [this.rim, this.dots]) this.scene.add(thing);
+    this.cracks = new Cracks(this);
     for (const thing of this.scene.children) thing.frustumCulled = false;
     this.buildPicking();
   }
@@ -190,6 +186,7 @@ class Model {
     this.controls.update();
     this.paint();
   }
+  get cracked() { return this.cracks.count; }
   get pixelsPerMetre() { return this.width / (this.camera.right - this.camera.left) * this.camera.zoom; }
 
   // ---- A moment ----
@@ -200,11 +197,17 @@ class Model {
     if (motion && motion.small_displacements === false || moved === 0) return 1;
     return Math.max(1, roundDown(0.05 * this.size / moved));
   }
+  // A vertex that goes with the ground, where that moves: of the lowest block. -1: displacements are counted from where it was.
+  get grounded() {
+    if (this.groundVertex !== undefined) return this.groundVertex;
+    const p = this.array('position'), shaken = this.head.history && this.head.history.ground_dx_m;
+    let lowest = 0;
+    for (let v = 1; v < this.vertices; ++v) if (p[3 * v + 1] < p[3 * lowest + 1]) lowest = v;
+    return this.groundVertex = shaken ? lowest : -1;
+  }
+  groundAt(moved) { return this.grounded < 0 ? [0, 0, 0] : [0, 1, 2].map(k => moved[3 * this.grounded + k]); }
   valueAt(frame, what, v) {
-    if (what === 'displacement') {
-      const moved = this.array('moved' + frame);
-      return this.head.range.moved / 32767 * Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
-    }
+    if (what === 'displacement') return this.values(frame, what)[v];
     const stored = this.array(what + frame), [low, high] = this.head.range[what];
     if (what === 'damage') return low + stored[v] / 255 * (high - low);
     return Math.max(high, -low) / 32767 * stored[v];
@@ -212,8 +215,8 @@ class Model {
   values(frame, what) {
     const values = new Float32Array(this.vertices);
     if (what === 'displacement') {
-      const moved = this.array('moved' + frame), step = this.head.range.moved / 32767;
-      for (let v = 0; v < this.vertices; ++v) values[v] = step * Math.hypot(moved[3 * v], moved[3 * v + 1], moved[3 * v + 2]);
+      const moved = this.array('moved' + frame), step = this.head.range.moved / 32767, [x, y, z] = this.groundAt(moved);
+      for (let v = 0; v < this.vertices; ++v) values[v] = step * Math.hypot(moved[3 * v] - x, moved[3 * v + 1] - y, moved[3 * v + 2] - z);
       return values;
     }
     const stored = this.array(what + frame), [low, high] = this.head.range[what];
@@ -234,7 +237,7 @@ class Model {
     this.forces.show(frame, what.forces || 'none', what.magnified);
     this.surface.material.opacity = this.forces.kind === 'none' ? 1 : 0.3;
     this.surface.material.depthWrite = this.forces.kind === 'none';
-    this.drawCracks(frame, what.magnified, what.cracks);
+    this.cracks.show(frame, what.magnified, what.cracks);
     this.paint();
   }
   // From a value to its colour. 0 has the middle one, where the range holds it.
@@ -242,41 +245,15 @@ class Model {
     const zero = Math.min(Math.max(0, low), high), most = Math.max(zero - low, high - zero) || 1;
     return value => colourAt((value - zero) / most, this.head.colours);
   }
-  // Intact places are not drawn. On the lattice lines where joints come to the surface; elsewhere points.
-  drawCracks(frame, magnified, cracks) {
-    const rim = this.array('rim'), moved = this.array('rim_moved' + frame), kind = this.array('crack' + frame);
-    const step = this.head.range.rim_moved / 32767, at = [], paint = [], styles = this.head.colours.cracks;
-    for (let s = 0; cracks && moved.length === rim.length && s < kind.length; s += 2) {
-      if (kind[s] === 0 || kind[s + 1] === 0) continue;
-      if (this.limit && rim[3 * s + this.limit.axis] > this.limit.at) continue;
-      const colour = new THREE.Color(styles[Math.max(kind[s], kind[s + 1])].colour);
-      for (let i = 3 * s; i < 3 * s + 6; ++i) at.push(rim[i] + magnified * step * moved[i]);
-      for (let end = 0; end < 2; ++end) paint.push(colour.r, colour.g, colour.b);
-    }
-    this.fill(this.rim.geometry, at, paint);
-    const points = this.array('points' + frame), moved_points = this.array('points_moved' + frame);
-    const kinds = this.array('point_crack' + frame), dots = [], stand = [];
-    for (let p = 0; cracks && p < kinds.length; ++p) {
-      if (this.limit && points[3 * p + this.limit.axis] > this.limit.at) continue;
-      const c = new THREE.Color(styles[kinds[p]].colour);
-      for (let i = 3 * p; i < 3 * p + 3; ++i) stand.push(points[i] + magnified * moved_points[i]);
-      dots.push(c.r, c.g, c.b);
-    }
-    this.fill(this.dots.geometry, stand, dots);
-    this.cracked = at.length / 6 + dots.length / 3;
-  }
-  fill(geometry, at, paint) {
-    geometry.setAttribute('position', new THREE.Float32BufferAttribute(at, 3));
-    geometry.setAttribute('color', new THREE.Float32BufferAttribute(paint.slice(0, at.length), 3));
-  }
   // Once before the browser shows the page anew, however often the pointer moves until then.
   paintSoon() {
-    if (!this.awaited) requestAnimationFrame(() => { this.awaited = false; this.paint(); });
+    if (!this.awaited) requestAnimationFrame(() => { if (this.awaited) this.paint(); });
     this.awaited = true;
   }
   paint() {
-    if (!this.shown) return;
-    this.dots.material.size = Math.max(2.5, Math.min(6, this.pixelsPerMetre * this.block / 10)) * (window.devicePixelRatio || 1);
+    this.awaited = false;
+    if (!this.shown || !this.viewed) return;
+    this.cracks.scale(this.pixelsPerMetre);
     this.sun.position.copy(this.camera.position).sub(this.controls.target);
     this.renderer.render(this.scene, this.camera);
     this.drawMarks();
@@ -304,11 +281,12 @@ class Model {
       mark(this.overlay, 'text', {x: x0 + 28 * d.x, y: y0 - 28 * d.y + 4, 'text-anchor': 'middle', fill: stroke}, name);
     });
   }
+  nameOf(name) { return name === 'displacement' && this.grounded >= 0 ? 'relative displacement' : name; }
   drawLegend() {
     const {quantity, low, high, cracks} = this.shown, {name, unit, factor} = this.head.labels ? SHAPE : QUANTITIES[quantity];
     const width = 205, x = this.width - width - 18, scale = this.scaleOf(this.shown), n = 34;
     let y = 22;
-    mark(this.overlay, 'text', {x, y, class: 'legend', 'font-weight': 600}, name + (unit ? ` [${unit}]` : ' [\u2013]'));
+    mark(this.overlay, 'text', {x, y, class: 'legend', 'font-weight': 600}, this.nameOf(name) + (unit ? ` [${unit}]` : ' [\u2013]'));
     y += 8;
     for (let k = 0; k < n; ++k)
       mark(this.overlay, 'rect', {x: x + width * k / n, y, width: width / n + 0.5, height: 11, class: 'colour',
@@ -323,6 +301,14 @@ class Model {
       mark(this.overlay, 'path', {d: thrust ? `M ${x} ${y - 4} h 30` : `M ${x} ${y - 4} l 15 -5 l 15 5 l -15 5 z`, class: 'force',
         fill: this.forces.colour, stroke: this.forces.colour, 'stroke-width': thrust ? 3 : 0.5});
       mark(this.overlay, 'text', {x: x + 36, y, class: 'force'}, label);
+    }
+    const loads = this.shown.loads || [];
+    if (loads.length) {
+      const sizes = [...new Set(loads.map(l => short(Math.hypot(...l.force_N) / 1e3)))];
+      y += 23;
+      mark(this.overlay, 'path', {d: `M ${x} ${y - 4} h 18 l 0 -4 l 12 4 l -12 4 l 0 -4`, class: 'load', fill: this.forces.colour,
+        stroke: this.forces.colour, 'stroke-width': 2});
+      mark(this.overlay, 'text', {x: x + 36, y, class: 'load'}, sizes.length > 2 ? 'loads' : `load: ${sizes.join(', ')} kN`);
     }
     if (!cracks) return;
     y += 6;

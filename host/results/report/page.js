@@ -1,7 +1,8 @@
 // The page: runs, what the bar asks for, and pictures of them.
 
 async function unpack(text) {
-  const packed = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  const letters = atob(text), packed = new Uint8Array(letters.length);
+  for (let i = 0; i < packed.length; ++i) packed[i] = letters.charCodeAt(i);
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   return new Response(stream).arrayBuffer();
 }
@@ -48,7 +49,7 @@ class Run {
       this.like = like;
     }
     for (const curve of this.curves) curve.at(this.rowOf(frame));
-    this.model.show(frame, {...what, moment: this.momentOf(frame)});
+    this.model.show(frame, {...what, moment: this.momentOf(frame), loads: (stage && stage.forces) || []});
   }
   followPointer(holder) {
     const tip = element(holder, 'div', {className: 'tip'});
@@ -77,7 +78,8 @@ class Run {
     const s = this.head.summary, q = s.quality || {};
     if (s.status !== 'done' && s.status !== 'running') element(box, 'div', {className: 'fault', textContent: `${s.status}: ${s.message || ''}`});
     const told = (s.warnings || []).map(w => w.text);
-    if (s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
+    const driven = this.stages.some(stage => (stage.controls || []).length || stage.cycles);
+    if (driven && s.quasi_static && s.quasi_static.why_not && !told.some(t => t.includes(s.quasi_static.why_not))) told.push(s.quasi_static.why_not);
     for (const text of told) element(box, 'div', {className: 'warning', textContent: text});
     const peak = s.peak_vertical_force_N ?? s.peak_horizontal_force_N;
     const rows = [['law', s.law], ['peak', `${(peak / 1e3).toFixed(2)} kN at ${(s.displacement_at_peak_m * 1e3).toFixed(3)} mm`]];
@@ -110,6 +112,7 @@ class Run {
         if (v === 'free' && c.force_N[k]) told.push(`${c.body} ${short(c.force_N[k] / 1e3)} kN along ${'xyz'[k]}`);
       });
     }
+    for (const f of stage.forces || []) told.push(`${f.block} ${f.force_N.map(n => short(n / 1e3)).join(', ')} kN (x, y, z)`);
     if (stage.cycles) told.push(`cycles of ${stage.cycles.amplitudes_m.map(a => short(a * 1e3)).join(', ')} mm`);
     if (stage.ground_motion) told.push(`ground motion along ${stage.ground_motion.direction.map(x => short(x)).join(', ')}`);
     if (stage.curve && stage.curve.kind === 'collapse') told.push('a horizontal share of gravity that grows');
@@ -128,28 +131,35 @@ class Run {
 class Ranges {
   constructor(runs) { this.runs = runs; this.known = {}; }
   whole(quantity) {
-    const all = this.runs.map(r => quantity === 'displacement' ? [0, r.head.largest_displacement] : r.head.range[quantity]);
+    const all = this.runs.map(r => quantity === 'displacement' ? [0, this.farthest(r)] : r.head.range[quantity]);
     return [Math.min(0, ...all.map(a => a[0])), Math.max(0, ...all.map(a => a[1]))];
   }
-  // What 98 % of the values that are not nothing keep to, so that single ones do not set the colours of all.
+  farthest(run) {
+    if (run.model.grounded < 0) return run.head.largest_displacement;
+    let most = 0;
+    for (let f = 0; f < run.frames; ++f) for (const value of run.model.values(f, 'displacement')) most = Math.max(most, value);
+    return most;
+  }
+  // What 98 % of the values of each moment that are not nothing keep to, so that single ones do not set the colours of all.
   robust(quantity) {
     if (quantity === 'damage') return [0, 1];
     if (!this.known[quantity]) this.known[quantity] = this.tidy(quantity, this.within(quantity, r => [...Array(r.frames).keys()]));
     return this.known[quantity];
   }
   moment(quantity) { return this.tidy(quantity, this.within(quantity, r => [r.model.frame || 0])); }
-  // Of the run that has the most: it is not for another one with more blocks to set it.
+  // Of the run and the moment that have the most: another run with more blocks does not set it, nor do moments at which all is
+  // still next to nothing.
   within(quantity, framesOf) {
-    const each = this.runs.map(run => this.sidesOf(run, quantity, framesOf(run)));
-    return [0, 1].map(side => Math.max(...each.map(sides => sides[side])));
+    const most = [0, 0];
+    for (const run of this.runs)
+      for (const f of framesOf(run)) this.sidesOf(run, quantity, f).forEach((side, k) => { most[k] = Math.max(most[k], side); });
+    return most;
   }
-  // How far below and above nothing.
-  sidesOf(run, quantity, frames) {
-    const sides = [[], []];
-    for (const f of frames) {
-      const values = run.model.values(f, quantity), every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
-      for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
-    }
+  // How far below and above nothing in a frame.
+  sidesOf(run, quantity, frame) {
+    const sides = [[], []], values = run.model.values(frame, quantity);
+    const every = Math.max(1, Math.floor(values.length * run.frames / 4e5));
+    for (let v = 0; v < values.length; v += every) if (values[v] !== 0) sides[values[v] < 0 ? 0 : 1].push(Math.abs(values[v]));
     const total = sides[0].length + sides[1].length;
     // A side with next to no values has no colours of its own.
     return sides.map(side => side.length < 0.01 * total || !total ? 0 : Float64Array.from(side).sort()[Math.floor(0.98 * (side.length - 1))]);
