@@ -21,6 +21,7 @@
 #include "cli/progress.h"
 #include "cli/resume.h"
 #include "files/file.h"
+#include "files/gnuplot.h"
 #include "files/notice.h"
 #include "files/result_folder.h"
 #include "law/law_calls.h"

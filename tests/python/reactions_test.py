@@ -119,8 +119,8 @@ class Reactions(Folder):
         scene.stage = [quoin.Stage(name="weight", gravity=[0, -9.81, 0], ramp_time=0.1, duration=0.6)]
         scene.output = dict(frames=1, plots=False)
         run = self.run_scene(scene)
-        line = sorted(thrust_lines(run.frames[-1]), key=lambda piece: piece[0][0])
-        self.assertEqual(len(line), 15)  # one piece a ring, two abutments of the 17 left out
+        line = thrust_lines(run.frames[-1])
+        self.assertEqual(len(line), 15)  # one piece a ring
         for (_, end), (begin, _) in zip(line, line[1:]):
             np.testing.assert_array_equal(end, begin)
         places = np.array([line[0][0]] + [end for _, end in line])
@@ -128,8 +128,8 @@ class Reactions(Folder):
         np.testing.assert_allclose(places[:, :2], places[::-1, :2] * [-1, 1], atol=0.02)
         np.testing.assert_allclose(places[:, 2], 0.5, atol=0.02)  # m, the middle of the width
         radius = np.hypot(places[:, 0], places[:, 1])
-        self.assertGreater(radius.min(), 3.0)
-        self.assertLess(radius.max(), 3.5)
+        self.assertGreater(radius.min(), 2.75)  # m: within the vault
+        self.assertLess(radius.max(), 3.25)
 
     def test_frames_of_all_stages(self):
         told = {}

@@ -266,6 +266,22 @@ class Report(Folder):
         self.assertRegex(told["tip"], r"normal -?[0-9.e-]+ MPa \(-?[0-9.e-]+ kN\), shear [0-9.e-]+ MPa")
         self.assertRegex(told["frames"][-1][0][5], r"stage 2 of 2 \w+, 0\.50?\d* mm, [0-9.]+ s")
 
+    def test_large_models_are_drawn_without_what_is_covered(self):
+        """The same wall as if it were large: the same is seen, of fewer triangles."""
+        self.run_scene("wall", SMALL_WALL, "--report")
+        with open(self.path("wall/report.html"), encoding="utf-8") as file:
+            html = file.read()
+        self.assertEqual(html.count("const LARGE = 1e5;"), 1)
+        with open(self.path("wall/large.html"), "w", encoding="utf-8") as file:
+            file.write(html.replace("const LARGE = 1e5;", "const LARGE = 0;"))
+        small, large = told_by(self.path("wall/report.html")), told_by(self.path("wall/large.html"))
+        self.assertEqual(large["faults"], [])
+        self.assertLess(large["whole"], 0.75 * small["whole"])
+        for a, b in zip(small["frames"], large["frames"]):
+            self.assertAlmostEqual(a[0][1], b[0][1], delta=0.003)  # of the picture: its edges are smooth, or not
+        for view in small["views"]:
+            np.testing.assert_allclose(large["views"][view][:2], small["views"][view][:2], atol=0.01, err_msg=view)
+
     def test_displacements_are_those_of_the_run(self):
         self.run_scene("wall", SMALL_WALL, "--report")
         head, array = self.page_of("wall")

@@ -98,7 +98,8 @@ class Curve {
     for (const x of ticksThatFit(...this.x, 6, right - CHART.left)) {
       const [across] = this.place(x, 0);
       mark(this.svg, 'line', {x1: across, x2: across, y1: this.top, y2: floor, stroke: x === 0 ? '#888' : '#eee'});
-      mark(this.svg, 'text', {x: across, y: floor + 15, 'text-anchor': 'middle'}, short(x));
+      const half = widthOf(short(x)) / 2;
+      mark(this.svg, 'text', {x: Math.min(across, this.width - half), y: floor + 15, 'text-anchor': 'middle'}, short(x));
     }
     this.dots = [];
     this.lines.forEach((line, n) => {

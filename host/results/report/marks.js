@@ -8,7 +8,7 @@ const QUANTITIES = {
   stress: {name: 'smallest principal stress', unit: 'MPa', factor: 1e-6},
   displacement: {name: 'displacement', unit: 'mm', factor: 1e3}
 };
-const SHAPE = {name: 'displacement over the largest', unit: '', factor: 1};  // of motions that no run has made
+const SHAPE = {name: 'displacement, scaled', unit: '', factor: 1};  // of motions that no run has made
 const byId = id => document.getElementById(id);
 
 function element(parent, tag, properties = {}) {

@@ -3,7 +3,20 @@
 const VIEWS = {front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0], iso: [0.55, 0.45, 1]};
 const EDGE = {legend: 240, below: 62, around: 14};  // pixels of the picture that the model leaves free
 const LOWEST = 280, ROOM = 70;  // pixels: of the picture, and of title, borders and gaps around it
-const LARGE = 2e5;  // vertices, of some 25,000 blocks
+const LARGE = 1e5;  // vertices, of some 12,000 blocks
+const TINY = 6;  // pixels of a block: below, its edges would be all that is seen
+// Light from where the viewer stands: what faces him has the colours of the legend.
+const FACE_SHADER = `varying vec3 tint, place;
+void main() {
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  tint = color; place = seen.xyz;
+  gl_Position = projectionMatrix * seen;
+}`;
+const LIGHT_SHADER = `varying vec3 tint, place; uniform float opacity;
+void main() {
+  vec3 across = cross(dFdx(place), dFdy(place));
+  gl_FragColor = vec4(tint * (0.55 + 0.45 * abs(across.z) / max(length(across), 1e-30)), opacity);
+}`;
 const PICKED = 4;  // pixels across that are looked at for a block
 
 class Model {
@@ -12,7 +25,7 @@ class Model {
     this.vertices = array('position').length / 3;
     const box = new THREE.Box3().setFromArray(array('position'));
     this.size = box.getSize(new THREE.Vector3()).length();
-    this.renderer = new THREE.WebGLRenderer({antialias: true, preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({antialias: this.vertices < LARGE, preserveDrawingBuffer: true});
     this.renderer.setClearColor(0xfbfbfa);
     parent.appendChild(this.renderer.domElement);
     this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -20 * this.size, 40 * this.size);
@@ -28,22 +41,20 @@ class Model {
     this.resize();
     this.controls.addEventListener('change', () => this.paintSoon());
     // What makes large models slow to turn is left out until they stand still.
-    this.controls.addEventListener('start', () => { this.edges.visible = this.vertices < LARGE; });
-    this.controls.addEventListener('end', () => { this.edges.visible = true; this.paintSoon(); });
+    this.controls.addEventListener('start', () => { this.turning = this.vertices > LARGE; });
+    this.controls.addEventListener('end', () => { this.turning = false; this.paintSoon(); });
   }
   build() {
-    // From where the viewer stands: what faces him has the colours of the legend.
-    this.scene.add(new THREE.AmbientLight(0xffffff, 0.55));
-    this.sun = new THREE.DirectionalLight(0xffffff, 0.45);
-    this.scene.add(this.sun);
     this.position = new THREE.BufferAttribute(this.array('position').slice(), 3);
     this.colour = new THREE.BufferAttribute(new Float32Array(3 * this.vertices), 3);
     const surface = new THREE.BufferGeometry();
     surface.setAttribute('position', this.position);
     surface.setAttribute('color', this.colour);
     surface.setIndex(new THREE.BufferAttribute(this.array('triangle'), 1));
-    this.surface = new THREE.Mesh(surface, new THREE.MeshPhongMaterial({vertexColors: THREE.VertexColors, flatShading: true,
-      side: THREE.DoubleSide, shininess: 0, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, transparent: true}));
+    this.skin = new THREE.ShaderMaterial({vertexShader: FACE_SHADER, fragmentShader: LIGHT_SHADER,
+      uniforms: {opacity: {value: 1}}, extensions: {derivatives: true}, vertexColors: THREE.VertexColors, side: THREE.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, transparent: true});
+    this.surface = new THREE.Mesh(surface, this.large ? [this.skin] : this.skin);
     this.scene.add(this.surface);
     const edges = new THREE.BufferGeometry();
     edges.setAttribute('position', this.position);
@@ -69,10 +80,19 @@ class Model {
         if (!this.left[block[index[i]]]) for (let k = 0; k < size; ++k) to.push(index[i + k]);
       return new THREE.BufferAttribute(Uint32Array.from(to), 1);
     };
-    const faces = kept(this.array('triangle'), 3);
-    this.surface.geometry.setIndex(faces); this.picking.children[0].geometry.setIndex(faces);
+    if (!this.large) this.showFaces(kept(this.array('triangle'), 3));
     this.edges.geometry.setIndex(kept(this.array('edge'), 2));
     this.limit = axis === null ? null : {axis, at: low + share * (high - low)};
+  }
+  // Of large models without what is covered, where joints are known.
+  get large() { return this.vertices > LARGE && this.array('joint_area0').length > 0; }
+  showFaces(index) { this.surface.geometry.setIndex(index); this.picking.children[0].geometry.setIndex(index); }
+  showSeen(frame, magnified) {
+    const key = [frame, magnified, this.cutKey].join(' ');
+    if (!this.large || key === this.seenKey) return;
+    this.seenKey = key;
+    this.faces = this.faces || new Faces(this);
+    this.showFaces(new THREE.BufferAttribute(this.faces.seen(frame, magnified), 1));
   }
   hidden(block) { return Boolean(this.left && this.left[block]); }
   // The same surface, each block in a colour of its own that is its number.
@@ -102,8 +122,9 @@ class Model {
   }
 
   // ---- Views ----
-  // Seen from the front where all blocks that move share their middle plane.
+  // Seen from the front where all blocks that move share their middle plane; but for shapes that leave it.
   get natural() {
+    if (this.head.labels && this.head.times.some((_, f) => this.leavesPlane(f))) return 'iso';
     const box = this.boxes(this.array('position'));
     let low = Infinity, high = -Infinity, thick = 0;
     for (const b of box) {
@@ -112,6 +133,11 @@ class Model {
       low = Math.min(low, middle); high = Math.max(high, middle); thick = Math.max(thick, b.high[2] - b.low[2]);
     }
     return high - low < 0.25 * thick ? 'front' : 'iso';
+  }
+  leavesPlane(frame) {
+    const moved = this.array('moved' + frame);
+    for (let v = 0; v < this.vertices; ++v) if (Math.abs(moved[3 * v + 2]) > 0.5 * 32767) return true;
+    return false;
   }
   // By block: the box of its vertices, and whether it ever moves.
   boxes(position) {
@@ -234,9 +260,10 @@ class Model {
     for (let v = 0; v < this.vertices; ++v) paint.set(scale(values[v]), 3 * v);
     this.position.needsUpdate = this.colour.needsUpdate = true;
     this.cut(what.cut ? what.cut.axis : null, what.cut ? what.cut.share : 1);
+    this.showSeen(frame, what.magnified);
     this.forces.show(frame, what.forces || 'none', what.magnified);
-    this.surface.material.opacity = this.forces.kind === 'none' ? 1 : 0.3;
-    this.surface.material.depthWrite = this.forces.kind === 'none';
+    this.skin.uniforms.opacity.value = this.forces.kind === 'none' ? 1 : 0.3;
+    this.skin.depthWrite = this.forces.kind === 'none';
     this.cracks.show(frame, what.magnified, what.cracks);
     this.paint();
   }
@@ -254,7 +281,8 @@ class Model {
     this.awaited = false;
     if (!this.shown || !this.viewed) return;
     this.cracks.scale(this.pixelsPerMetre);
-    this.sun.position.copy(this.camera.position).sub(this.controls.target);
+    if (this.large) this.faces.facing(this.surface.geometry, this.camera.getWorldDirection(new THREE.Vector3()).negate());
+    this.edges.visible = !this.turning && this.block * this.pixelsPerMetre > TINY;
     this.renderer.render(this.scene, this.camera);
     this.drawMarks();
   }
@@ -310,7 +338,7 @@ class Model {
         stroke: this.forces.colour, 'stroke-width': 2});
       mark(this.overlay, 'text', {x: x + 36, y, class: 'load'}, sizes.length > 2 ? 'loads' : `load: ${sizes.join(', ')} kN`);
     }
-    if (!cracks) return;
+    if (!cracks || this.head.labels) return;
     y += 6;
     for (const {label, colour} of this.head.colours.cracks.slice(1)) {
       y += 17;

@@ -264,6 +264,7 @@ class Bar {
   }
   range(quantity) {
     const how = byId('range').value, {factor, unit} = QUANTITIES[quantity];
+    if (this.longest.head.labels) return [0, 1];
     byId('unit').textContent = unit;
     const given = [Number(byId('lowest').value) / factor, Number(byId('highest').value) / factor];
     if (how === 'given' && given[1] > given[0]) return given;
