@@ -1,13 +1,18 @@
 """A run that is looked at while it goes on: quoin run --serve."""
+import contextlib
 import http.client
+import io
 import json
 import os
 import re
 import subprocess
+import sys
 import time
+import types
 import unittest
+import unittest.mock
 
-import quoin  # noqa: F401
+import quoin
 from support import PROGRAM, SMALL_WALL, Folder
 
 SLOW = ["--set", "stage.shear.velocity=0.0002", "--set", "output.plots=false", "--set", "output.frames_of=all", "--threads", "1"]
@@ -86,6 +91,38 @@ class Live(Folder):
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertIn("output.frames", done.stderr)
         self.assertFalse(os.path.exists(self.path("none")))
+
+
+class Progress(unittest.TestCase):
+    """What quoin.run(progress=True) tells, and that it changes no number."""
+
+    def run_wall(self):
+        told, plain = io.StringIO(), quoin.run(SMALL_WALL, threads=1)
+        with contextlib.redirect_stderr(told):
+            run = quoin.run(SMALL_WALL, threads=1, progress=True)
+        self.assertEqual(run.history.tobytes(), plain.history.tobytes())
+        return run, told.getvalue()
+
+    def assert_tells_the_end(self, run, text):
+        self.assertRegex(text, r"^stage 2 of 2 \w+: 100 %; 0\.5\d* mm, ")
+        self.assertIn(f"peak so far {run.peak[0] / 1e3:.3g} kN at {1e3 * run.peak[1]:.3g} mm; kinetic energy ", text)
+        share = float(re.search(r"([0-9.]+) % of contact points damaged", text)[1])
+        self.assertTrue(0 < share < 100, text)
+
+    def test_on_a_terminal(self):
+        run, told = self.run_wall()
+        self.assert_tells_the_end(run, told.strip().split("\r")[-1].strip())
+
+    def test_in_a_notebook(self):
+        shown, module, parts = [], types.ModuleType("IPython"), types.ModuleType("IPython.display")
+        module.get_ipython = lambda: types.SimpleNamespace(kernel=True)
+        parts.HTML = lambda text: text
+        parts.display = lambda _, display_id: types.SimpleNamespace(update=shown.append)
+        with unittest.mock.patch.dict(sys.modules, {"IPython": module, "IPython.display": parts}):
+            run, told = self.run_wall()
+        self.assertEqual(told, "")
+        self.assertGreater(len(shown), 1)
+        self.assert_tells_the_end(run, re.sub("</?code>", "", shown[-1]))
 
 
 if __name__ == "__main__":

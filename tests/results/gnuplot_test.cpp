@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "files/file.h"
 #include "folder.h"
 

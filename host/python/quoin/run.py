@@ -5,6 +5,7 @@ import os
 from . import _quoin
 from .errors import BadInput, Error
 from .pictures import Pictures
+from .progress import run_and_tell
 from .results import open_results
 from .simulation import Simulation, table
 
@@ -70,25 +71,9 @@ class Run(Pictures):
                 f"{self.peak[0] / 1e3:.2f} kN at {self.peak[1] * 1e3:.3f} mm>")
 
 
-def bar_of(progress):
-    """A function for the progress of a session, and one for its end."""
-    try:
-        from tqdm import tqdm
-    except ImportError:
-        tqdm = None
-    if not progress or tqdm is None:
-        return None, lambda: None
-    bar = tqdm(total=100, unit="%", bar_format="{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
-
-    def show(stage, stages, name, fraction):
-        bar.set_description_str(f"stage {stage + 1}/{stages} {name}")
-        bar.n = round(100 * (stage + fraction) / stages)
-        bar.refresh()
-    return show, bar.close
-
-
 def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False, isolate_law=False, law_seconds=None):
-    """Runs a scene, or the file of one, to its end. progress: shown by tqdm where it is installed. out: a folder for
+    """Runs a scene, or the file of one, to its end. progress: a line of what it has come to (peak so far, damaged
+    joints, energy) on stderr, or in the cell of a notebook. out: a folder for
     history.csv, summary.json and the files for ParaView, as `quoin run --out` writes them. report: its page too, as
     `quoin report` writes it. isolate_law, law_seconds: as of Simulation. What goes wrong is raised, and Ctrl-C too, with
     what was computed until then as attribute `run` of the exception."""
@@ -98,17 +83,12 @@ def run(scene, *, threads=0, progress=False, frames=True, out=None, report=False
                             law_seconds=law_seconds)
     if report:
         simulation._session.require_report()  # now, and not after hours
-    show, end = bar_of(progress)
-    simulation._session.set_progress(show)
     try:
-        simulation.run()
+        run_and_tell(simulation) if progress else simulation.run()
     except (Error, KeyboardInterrupt) as stopped:
         interrupted = isinstance(stopped, KeyboardInterrupt)
         stopped.run = Run(simulation, "interrupted" if interrupted else "failed", str(stopped), out)
         raise
-    finally:
-        end()
-        simulation._session.set_progress(None)
     result = Run(simulation, out=out)
     simulation.close()
     if report:

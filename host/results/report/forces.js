@@ -1,7 +1,7 @@
 // Forces between blocks: a spindle in each pressed joint, and the line of thrust.
 
 const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; of the largest force
-const LOAD = {length: 1.2, width: 0.04};  // over the size of a block
+const LOAD = {length: 0.7, width: 0.03};  // over the size of a block
 // Width and gap between supports over the size of a block; least |y| of a bed's normal; gap of levels over a height.
 const THRUST = {width: 0.02, apart: 0.3, bed: 0.7, level: 0.3};
 
