@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 
 #include "base/error.h"
 #include "geometry/polyhedron.h"
@@ -138,9 +139,13 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
 
 void require_supports(const std::string& file, const SceneLimit& limit) {
   const std::vector<LimitBlock>& blocks = limit.problem.blocks;
-  if (std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; }))
+  if (std::none_of(blocks.begin(), blocks.end(), [](const LimitBlock& b) { return b.fixed; })) {
+    std::vector<int> all(blocks.size());
+    std::iota(all.begin(), all.end(), 0);
     throw Error(Exit::bad_input,
-                fmt::format("{}: no block is fixed, so nothing holds the others; give one fixed = true", file));
+                fmt::format("{}: no block is fixed, so nothing holds the others; give one fixed = true:{}", file,
+                            blocks_text(limit, all)));
+  }
   const std::vector<int> loose = unconnected_blocks(limit.problem);
   if (!loose.empty())
     throw Error(
@@ -218,7 +223,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   limit.stands = stands(limit.problem, options.settings);
   // Normal forces alone, where they carry all, do so without dilation, too.
   const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
-  if (!options.associated && needs_friction)
+  if (!options.associated && options.friction && needs_friction)
     limit.friction = friction_without_dilation(limit.problem, options.settings);
   else if (!options.associated && limit.stands.friction)
     limit.friction = LimitWithoutDilation{{}, true, 0.0};
@@ -238,6 +243,17 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   return limit;
 }
 
+std::vector<int> moving_without_load(const SceneLimit& limit) {
+  constexpr double kNone = 1e-9, kMoves = 1e-6;  // of the weight; of the largest velocity
+  std::vector<int> blocks;
+  if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
+  for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
+    const auto& [v, w] = limit.limit->velocity[b];
+    if (norm(v) > kMoves || norm(w) > kMoves) blocks.push_back(static_cast<int>(b));
+  }
+  return blocks;
+}
+
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options) {
   nlohmann::ordered_json json;
   json["scene"] = scene;
@@ -255,6 +271,9 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
   json["out_of_balance"] = nlohmann::ordered_json::array();
   for (const int b : stands.out_of_balance) json["out_of_balance"].push_back(limit.labels[static_cast<std::size_t>(b)]);
+  json["moves_without_load"] = nlohmann::ordered_json::array();
+  for (const int b : moving_without_load(limit))
+    json["moves_without_load"].push_back(limit.labels[static_cast<std::size_t>(b)]);
   if (limit.direction)
     json["direction"] = geometry::array(*limit.direction);
   else

@@ -20,6 +20,7 @@ struct LimitOptions {
   double given = 0.0;             // multiple of the weight along it that acts beside the weight
   LimitSettings settings;
   bool associated = false;  // no search for answers without dilation
+  bool friction = true;     // the smallest scale of friction without dilation, too
 };
 
 struct SceneLimit {
@@ -41,6 +42,9 @@ struct SceneLimit {
 // Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws
 // without a limit; Error(numerical) where no multiple of the load moves anything, or the programme was not solved.
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options = {});
+
+// Blocks of a mechanism that needs no load beyond what is given: where the margin is 0.
+std::vector<int> moving_without_load(const SceneLimit& limit);
 
 // What limit.json holds.
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options);

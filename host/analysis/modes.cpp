@@ -272,6 +272,8 @@ nlohmann::ordered_json json_of(const std::string& scene, const Vibrating& v, con
                       {"alpha_per_s", r.mass_damping},
                       {"beta_s", r.stiffness_damping}};
   json["supports"] = v.held;
+  json["state"] = v.state;
+  if (v.state != "undamaged") json["open_points"] = v.open;
   json["symmetric_modes_only"] = v.symmetry_factor != 1.0;
   json["blocks"] = v.drawn.size(), json["zones"] = v.zones, json["contact_points"] = v.points;
   json["degrees_of_freedom"] = v.unknown.size();

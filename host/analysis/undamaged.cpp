@@ -7,13 +7,16 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include "base/error.h"
 #include "law/material_point.h"
+#include "members/members.h"
 #include "model/world.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
+#include "scene/members.h"
 
 namespace quoin {
 namespace {
@@ -49,6 +52,17 @@ struct Share {
   Vector moves;
 };
 
+// normal: along n; across: in all directions across it.
+void add_spring(const std::vector<Share>& shares, const Vector& n, double normal, double across,
+                std::vector<Triplet>* entries) {
+  for (const Share& row : shares) {
+    const Vector force = across * row.moves + (normal - across) * dot(n, row.moves) * n;
+    for (const Share& column : shares) {
+      if (column.unknown <= row.unknown) entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
+    }
+  }
+}
+
 // A world at its start that gives away its stiffness. Its solver settings are those that scale no inertia.
 class World : public blocks::World {
  public:
@@ -63,6 +77,8 @@ class World : public blocks::World {
   void draw(Vibrating* v) const;
   void add_zones(std::vector<Triplet>* entries) const;
   void add_points(Vibrating* v, std::vector<Triplet>* entries) const;
+  void add_members(const Vibrating& v, std::vector<Triplet>* entries) const;
+  void add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const;
   void add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
                 std::vector<Share>* shares) const;
 
@@ -243,18 +259,42 @@ void World::add_points(Vibrating* v, std::vector<Triplet>* entries) const {
       shares.clear();
       add_side(p.a, p.facet_a, here.at, -1.0, *v, &shares);
       add_side(p.b, p.facet_b, here.at, 1.0, *v, &shares);
-      const Vector n = frame_of(p).row[0];
-      const double shear = p.area * mean.shear * scattered("shear_stiffness", i);
-      const double normal = p.area * mean.normal * scattered("normal_stiffness", i);
-      for (const Share& row : shares) {
-        const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
-        for (const Share& column : shares) {
-          if (column.unknown <= row.unknown)
-            entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
-        }
-      }
+      add_spring(shares, frame_of(p).row[0], p.area * mean.normal * scattered("normal_stiffness", i),
+                 p.area * mean.shear * scattered("shear_stiffness", i), entries);
       ++v->points;
     }
+  }
+}
+
+void World::add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const {
+  if (block(node.block).body >= 0) return add_side(node.block, -1, node.start, sign, v, shares);
+  for (const auto& [gridpoint, weight] : node.share) {
+    for (int c = 0; c < 3; ++c) {
+      const int unknown = of_gridpoint_[at(gridpoint)][at(c)];
+      if (unknown < 0 || weight == 0.0) continue;
+      Vector moves;
+      moves[c] = sign * weight;
+      shares->push_back({unknown, moves});
+    }
+  }
+}
+
+// Ties without slack are taut, springs of beddings touch.
+void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const {
+  if (!members()) return;
+  std::vector<Share> shares;
+  const auto& nodes = members()->nodes();
+  for (const members::Tie& tie : members()->ties()) {
+    if (tie.law.slack > 0.0) continue;
+    const members::Node &from = nodes[at(tie.from)], &to = nodes[at(tie.to)];
+    shares.clear();
+    add_node(from, -1.0, v, &shares), add_node(to, 1.0, v, &shares);
+    add_spring(shares, normalized(to.start - from.start), tie.law.stiffness, 0.0, entries);
+  }
+  for (const members::SpringPoint& p : members()->spring_points()) {
+    shares.clear();
+    add_node(nodes[at(p.node)], 1.0, v, &shares);
+    add_spring(shares, p.out, p.law.normal, p.law.shear, entries);
   }
 }
 
@@ -266,6 +306,7 @@ void World::fill(Vibrating* v) {
   std::vector<Triplet> entries;
   add_zones(&entries);
   add_points(v, &entries);
+  add_members(*v, &entries);
   v->stiffness.setFromTriplets(entries.begin(), entries.end());
 }
 
@@ -297,6 +338,13 @@ int stage_named(const Scene& scene, const std::string& name) {
 Vibrating vibrating(const Scene& scene, int stage) {
   const SceneBlocks given = blocks_of(scene);
   World world(given.assembly);
+  if (scene.members && !scene.members->strips.empty())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: modes: the stiffness of [[strip]] is not known here; leave strips out for the modes of "
+                    "the masonry without them",
+                    scene.members->strips.front().source.text));
+  if (scene.members) world.hold_by_members(std::make_shared<members::Members>(*scene.members, given.assembly));
   Vibrating v;
   v.symmetry_factor = given.symmetry_factor;
   world.hold(scene.stages.empty() ? Stage{} : scene.stages[at(stage)], &v.held);

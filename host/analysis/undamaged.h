@@ -50,6 +50,8 @@ struct Vibrating {
   std::vector<std::string> label;  // of blocks, as messages have them
   std::vector<std::string> held;   // "bottom_beam: x y z, no rotation"
   long points = 0, zones = 0;
+  long open = 0;                    // of the points, those that carry nothing; of the undamaged scene not counted
+  std::string state = "undamaged";  // or "weight", or the folder of a run
   double symmetry_factor = 1.0;
   double free_mass(int axis) const;  // that can move along it, kg
 };

@@ -16,6 +16,7 @@
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "scene/collapse_load.h"
 #include "scene/damping_text.h"
 #include "scene/read_tests.h"
 #include "scene/scatter_text.h"
@@ -89,7 +90,7 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
       if (stage.whiffletree && stage.whiffletree->velocity != 0.0)
         seconds = *stage.displacement / std::abs(stage.whiffletree->velocity) + stage.ramp_time / 2;
     }
-    if (stage.collapse)
+    if (stage.collapse && !waits(*stage.collapse))
       seconds = stage.ramp_time + (stage.collapse->limit - stage.collapse->start) / stage.collapse->rate;
     steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),

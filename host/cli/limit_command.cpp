@@ -138,6 +138,9 @@ void run(const Options& options) {
              limit.problem.points.size(), seconds);
   print_stands(limit);
   if (limit.limit) print_multiplier(limit, options.limit.settings.facets);
+  if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())
+    notice(fmt::format("quoin: {}: a mechanism that needs no load: nothing resists the motion of {} block(s):{}",
+                       scene.file, blocks.size(), blocks_text(limit, blocks)));
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out;
     make_folder(folder);

@@ -144,6 +144,7 @@ int run_command(int argc, char** argv) {
   quoin::add_limit_command(app);
 #endif
 #ifdef QUOIN_MODES
+  quoin::add_rest_command(app, exit_code);
   quoin::add_modes_command(app);
 #endif
   quoin::add_completion_command(app);

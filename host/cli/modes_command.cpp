@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "analysis/modes.h"
+#include "analysis/state_modes.h"
 #include "base/error.h"
 #include "cli/prepare.h"
 #include "files/file.h"
@@ -26,7 +27,7 @@ namespace {
 struct Options {
   SceneOptions scene;
   ModesSettings settings;
-  std::string stage, out;
+  std::string stage, state = "undamaged", out;
 };
 
 void tell_of_zero_modes(const std::string& file, const Vibrating& v, const Modes& modes) {
@@ -102,7 +103,8 @@ void write_page(const std::filesystem::path& shapes, const Scene& scene, const M
 void run(const Options& options) {
   const Scene scene = prepare_scene(options.scene);
   const auto begin = std::chrono::steady_clock::now();
-  const Vibrating v = vibrating(scene, stage_named(scene, options.stage));
+  const Vibrating v = options.state == "undamaged" ? vibrating(scene, stage_named(scene, options.stage))
+                                                   : vibrating_about(scene, options.state, options.stage);
   const auto assembled = std::chrono::steady_clock::now();
   const Modes modes = find_modes(v, options.settings);
   const auto end = std::chrono::steady_clock::now();
@@ -110,6 +112,7 @@ void run(const Options& options) {
   fmt::print("{}: {} blocks, {} contact points, {} degrees of freedom; {:.2g} s to set up, {:.2g} s to solve\n",
              scene.file, v.drawn.size(), v.points, v.unknown.size(), seconds(begin, assembled),
              seconds(assembled, end));
+  if (options.state != "undamaged") fmt::print("{} of {} contact points carry nothing\n", v.open, v.points);
   tell_of_zero_modes(scene.file, v, modes);
   print(v, modes);
   if (options.out.empty()) return;
@@ -130,6 +133,12 @@ void add_modes_command(CLI::App& app) {
   command->add_option("--count", options->settings.count, "How many modes, from the lowest frequency")
       ->capture_default_str();
   command->add_option("--stage", options->stage, "Whose supports hold the blocks; else the first")->type_name("NAME");
+  command
+      ->add_option("--state", options->state,
+                   "undamaged; weight: at rest under the loads of the stage; or the folder of a run of this scene with "
+                   "output.end_state = true, at whose end open joints are open")
+      ->type_name("STATE")
+      ->capture_default_str();
   command->add_option("--ratios", options->settings.ratios, "Of critical damping, for Rayleigh's alpha and beta")
       ->type_name("Z1 Z2")
       ->capture_default_str();
@@ -142,9 +151,12 @@ void add_modes_command(CLI::App& app) {
   command->footer(
       "Of the scene as it is at the start, undamaged and without stress: joints closed, with the stiffness of their "
       "laws,\n"
-      "blocks elastic or rigid, supports those that quoin check lists for the stage.\n"
+      "blocks elastic or rigid, supports those that quoin check lists for the stage. Of a state: joints as they answer "
+      "a\n"
+      "small motion there, and what forces add to stiffness as they turn.\n"
       "Examples:\n"
       "  quoin modes host/scenes/pavia_door.toml --out out/modes\n"
+      "  quoin modes host/scenes/arch.toml --state weight\n"
       "  quoin modes host/scenes/arch.toml --count 4 --ratios 0.05 0.02");
   command->callback([options] { run(*options); });
 }

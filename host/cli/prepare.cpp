@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analysis/collapse_start.h"
 #include "base/error.h"
 #include "base/input_file.h"
 #include "base/sha256.h"
@@ -15,6 +16,7 @@
 #include "law/law_library.h"
 #include "law/property_text.h"
 #include "scene/read_scene.h"
+#include "scene/rest_scene.h"
 #include "scene/size.h"
 #include "step/law_swap.h"
 
@@ -206,13 +208,16 @@ Scene prepare_scene(const SceneOptions& options) {
         fmt::format("{}: is of another scene than the run was begun with: sha256 {:.12}, then {:.12}; bring the "
                     "text of then back, or start the run anew without --resume",
                     options.scene, sha256_of(text), options.text_sha256));
-  return prepare_scene(read_with_laws(options, [&] { return read_scene_text(text, options.scene, options.overrides); }),
-                       options);
+  std::vector<std::string> keys = options.overrides;
+  std::erase_if(keys, [](const std::string& set) { return set.starts_with(kRestAsked); });
+  return prepare_scene(read_with_laws(options, [&] { return read_scene_text(text, options.scene, keys); }), options);
 }
 
 Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
   faults_of_laws(scene, options).throw_any();
+  if (const auto stage = rest_asked(options.overrides)) scene = at_rest(std::move(scene), *stage);
+  find_collapse_starts(&scene);
   return scene;
 }
 

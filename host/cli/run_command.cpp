@@ -37,8 +37,10 @@
 #include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
+#include "scene/collapse_load.h"
 #include "scene/damping_text.h"
 #include "scene/quality.h"
+#include "scene/rest_scene.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -599,8 +601,13 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
 
 void print_results(const fs::path& folder, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info) {
-  if (const auto& multiplier = simulation.outcome().collapse_multiplier)
-    fmt::print("collapse multiplier {:.4f}\n", *multiplier);
+  if (const auto& multiplier = simulation.outcome().collapse_multiplier) {
+    const auto lag = collapse_lag(simulation.scene(), multiplier);
+    fmt::print("collapse multiplier {:.4f}{}\n", *multiplier,
+               lag ? fmt::format("; the blocks have stood under {:.4f}, {:.1f} % less", *multiplier - *lag,
+                                 100.0 * *lag / *multiplier)
+                   : "");
+  }
   const Scene& scene = simulation.scene();
   const Peak peak = find_peak(rows, scene);
   const std::string unknown = why_error_unknown(scene, info);
@@ -768,6 +775,40 @@ void run_on_ranks(const RunOptions& options, int& exit_code) {
 }
 
 }  // namespace
+
+void add_rest_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("rest", "The state at rest under weight and constant loads");
+  auto options = std::make_shared<RunOptions>();
+  auto stage = std::make_shared<std::string>();
+  command->add_option("scene", options->scene.scene, "Scene file")->type_name("SCENE.toml")->required();
+  command->add_option("--out", options->out, "Folder for the results (default: out/<name of the scene>_rest)")
+      ->type_name("DIR");
+  command
+      ->add_option("--stage", *stage,
+                   "Whose weight, forces, pressures and supports; else the first that has a weight or a load")
+      ->type_name("NAME");
+  command->add_option("--threads", options->threads, "Threads (default: all of the machine)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 4096));
+  command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
+  command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--report", options->report, "Write report.html too, a page of the state");
+  command->add_flag("--force", options->scene.force, "Go on where the model seems too large for this machine");
+  command->footer(
+      "A stage of kind rest in place of all of the scene's: equilibrium is found by Newton's method and settled by "
+      "steps.\n"
+      "What the stage moves, shakes or lets grow is left out. Results are those of a run; end_state.bin is where\n"
+      "scenes with start = \"DIR\" begin, whose first stage is that one, and quoin modes --state DIR.\n"
+      "Examples:\n"
+      "  quoin rest host/scenes/arch.toml --out out/arch_rest\n"
+      "  quoin modes host/scenes/arch.toml --state weight");
+  command->callback([options, stage, &exit_code] {
+    if (options->out.empty()) options->out = "out/" + fs::path(options->scene.scene).stem().string() + "_rest";
+    options->scene.overrides.push_back(std::string(kRestAsked) + *stage);
+    run_on_ranks(*options, exit_code);
+  });
+}
 
 void add_run_command(CLI::App& app, int& exit_code) {
   process_seconds();  // starts the clock

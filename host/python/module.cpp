@@ -32,6 +32,7 @@
 #include "results/colours.h"
 #include "results/provenance.h"
 #include "results/report.h"
+#include "scene/collapse_load.h"
 #include "scene/read_scene.h"
 #include "scene/read_tests.h"
 #include "scene/reader.h"
@@ -304,6 +305,9 @@ PYBIND11_MODULE(_quoin, m) {
                              })
       .def_property_readonly("threads", [](const Session& s) { return s.use().thread_count(); })
       .def_property_readonly("large_motion", [](const Session& s) { return s.use().large_motion() != nullptr; })
+      .def_property_readonly(
+          "collapse_lag",
+          [](const Session& s) { return quoin::collapse_lag(s.use().scene(), s.use().outcome().collapse_multiplier); })
       .def_property_readonly("collapse_multiplier",
                              [](const Session& s) { return s.use().outcome().collapse_multiplier; })
       .def_property_readonly("hash", [](const Session& s) { return s.use().hash(); });

@@ -11,6 +11,7 @@
 #include "results/history.h"
 #include "results/json_file.h"
 #include "results/plots.h"
+#include "scene/collapse_load.h"
 #include "scene/damping_text.h"
 #include "scene/generate.h"
 #include "scene/measured.h"
@@ -165,6 +166,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   const blocks::Model& m = *simulation.large_motion();
   Json json;
   json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
+  json["collapse_lag"] = or_null(collapse_lag(simulation.scene(), simulation.outcome().collapse_multiplier));
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
   json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
   json["small_displacement"] = m.small_displacement();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/collapse_load.h"
 #include "scene/read_ground.h"
 
 namespace quoin {
@@ -43,10 +44,27 @@ FacePressure read_pressure(Table p, const std::vector<std::string>& names) {
 Collapse read_collapse(Table c) {
   Collapse collapse;
   read_direction(c, "direction", collapse.direction, "of the body force", false);
-  c.number("start", collapse.start, kNotNegative, "times the weight");
-  c.number("rate", collapse.rate, kPositive, "times the weight, 1/s");
+  const auto is_word = [&](const char* key) {
+    const toml::node* node = c.toml().get(key);
+    return node && node->is_string();
+  };
+  std::string word;
+  if (is_word("start"))
+    collapse.start = c.choice("start", word, {"limit"}) ? kStartAtLimit : 0.0;
+  else
+    c.number("start", collapse.start, kNotNegative, "times the weight, or \"limit\"");
+  if (is_word("rate"))
+    collapse.rate = c.choice("rate", word, {"auto"}) ? kWaits : collapse.rate;
+  else
+    c.number("rate", collapse.rate, kPositive, "times the weight, 1/s, or \"auto\"");
+  if (starts_at_limit(collapse) && !c.has("rate")) collapse.rate = kWaits;
+  if (waits(collapse) && collapse.start == 0.0)
+    c.refuse("rate",
+             "\"auto\" with a start of more than 0 (times the weight), of which it is a share; give start, or "
+             "start = \"limit\"");
   c.number("displacement", collapse.displacement, kPositive, "m");
   c.number("limit", collapse.limit, kPositive, "times the weight");
+  if (starts_at_limit(collapse) && !c.has("limit")) collapse.limit = kNoLimit;
   if (collapse.limit <= collapse.start) {
     c.refuse(c.has("limit") ? "limit" : "start",
              fmt::format("a limit ({}) of more than start ({})", collapse.limit, collapse.start));

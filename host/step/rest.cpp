@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "sparse/sparse_cholesky.h"
+#include "step/unknowns.h"
 #endif
 
 namespace quoin {
@@ -40,21 +41,15 @@ constexpr double kHeld = 1e-12;
 // Of the size of the model: a block that one iteration moves by more is held by nothing.
 constexpr double kFlies = 0.1;
 
-// One side of a contact point: unknowns, and what a unit of each moves the point by.
-struct Share {
-  int unknown;
-  Vector moves;
-};
-
 class Search {
  public:
   Search(Simulation& simulation, Simulation::Impl& impl) : simulation_(simulation), s_(impl) {
     s_.apply_controls();  // supports, and all of the loads: a stage of rest has no ramp
-    number();
+    unknowns_.emplace(impl, static_cast<int>(simulation.block_count()));
   }
 
   void run(double wanted) {
-    VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(count_));
+    VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(unknowns_->count()));
     move(none);
     std::unique_ptr<SparseCholesky> factor;
     std::vector<std::uint8_t> factored;  // states of points
@@ -70,7 +65,7 @@ class Search {
       std::vector<std::uint8_t> states = states_of(points);
       const bool all_closed = std::all_of(states.begin(), states.end(), [](std::uint8_t s) { return s == closed; });
       if (!factor || states != factored || (!all_closed && kept != factored_with)) {
-        factor = std::make_unique<SparseCholesky>(stiffness_of(points, states, kept), groups_);
+        factor = std::make_unique<SparseCholesky>(stiffness_of(points, states, kept), unknowns_->groups());
         factored = std::move(states), factored_with = kept;
       }
       Eigen::MatrixXd moved = rest;
@@ -85,65 +80,6 @@ class Search {
   static constexpr double kDiverges = 1e3;
   enum State : std::uint8_t { closed, slides, open };
 
-  struct BlockUnknowns {
-    std::vector<std::array<int, 3>> gridpoint;        // -1: held
-    std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes
-    Vector centre;                                    // of a rigid block
-    bool rigid = false;
-  };
-
-  void number() {
-    groups_.begin = {0};
-    for (int b = 0; b < static_cast<int>(simulation_.block_count()); ++b) {
-      blocks_.emplace_back();
-      s_.large_motion ? number_large_motion(b) : number_lattice(b);
-    }
-  }
-  int next(bool held) { return held ? -1 : count_++; }
-  void close_group(int block, const Vector& place) {
-    if (count_ == groups_.begin.back()) return;
-    groups_.begin.push_back(count_), groups_.place.push_back(place);
-    block_of_group_.push_back(block);
-  }
-
-  void number_lattice(int b) {
-    BlockUnknowns& u = blocks_.back();
-    const int body = s_.model.place[at(b)].body;
-    if (body >= 0) {
-      const RigidBody& rigid = s_.model.bodies[at(body)];
-      const auto [index, lane] = s_.body_place[at(body)];
-      u.rigid = true, u.centre = geometry::vector(rigid.centre);
-      for (std::size_t c = 0; c < 6; ++c)
-        u.body[c] = next(rigid.held[c] || s_.body_lanes[at(index)].prescribed[c][lane] != 0.0);
-      return close_group(b, u.centre);
-    }
-    s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
-      auto& of_point = u.gridpoint.emplace_back();
-      for (std::size_t c = 0; c < 3; ++c) of_point[c] = next(s_.dt_over_mass[offset + c * kLanes] == 0.0);
-      close_group(b, geometry::vector(s_.model.gridpoint_position(b, static_cast<int>(u.gridpoint.size()) - 1)));
-    });
-  }
-
-  void number_large_motion(int b) {
-    BlockUnknowns& u = blocks_.back();
-    const blocks::ModelBlock& block = s_.large_motion->block(b);
-    if (block.body >= 0) {
-      const blocks::Body& body = s_.large_motion->body(b);
-      u.rigid = true, u.centre = body.x;
-      for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((body.held | body.support) >> c & 1u) != 0);
-      return close_group(b, u.centre);
-    }
-    unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;
-    for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
-    const bool halved = s_.large_motion->assembly().symmetry_plane_z0;
-    for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
-      auto& of_point = u.gridpoint.emplace_back();
-      const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
-      for (unsigned c = 0; c < 3; ++c) of_point[c] = next((held >> c & 1u) != 0 || (on_plane && c == 2));
-      close_group(b, s_.large_motion->node_positions()[at(n)]);
-    }
-  }
-
   // ---- Forces
   // --------------------------------------------------------------------------------------------------------
 
@@ -153,14 +89,14 @@ class Search {
   }
 
   VectorXd out_of_balance(const std::vector<ContactPoint>& points) {
-    VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(count_));
+    VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(unknowns_->count()));
     s_.large_motion ? add_large_motion_loads(&sum) : add_lattice_loads(&sum);
     add_contacts(points, &sum);
     return sum;
   }
 
   void add_wrench(VectorXd* sum, int b, const Vector& place, const Vector& force) const {
-    const BlockUnknowns& u = blocks_[at(b)];
+    const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
     add_to(sum, {u.body[0], u.body[1], u.body[2]}, force);
     add_to(sum, {u.body[3], u.body[4], u.body[5]}, cross(place - u.centre, force));
   }
@@ -168,10 +104,10 @@ class Search {
   void add_large_motion_loads(VectorXd* sum) const {
     blocks::Model& m = *s_.large_motion;
     const Vector g = geometry::vector(s_.data.gravity);
-    std::vector<Vector> applied(blocks_.size());
+    std::vector<Vector> applied(unknowns_->blocks().size());
     for (const Drive& drive : s_.drives) applied[at(drive.block)] += drive.force_to;
-    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-      const BlockUnknowns& u = blocks_[at(b)];
+    for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
+      const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
         add_wrench(sum, b, u.centre, m.mass_of(b) * g + applied[at(b)]);
         continue;
@@ -192,7 +128,7 @@ class Search {
       }
     }
     for (const blocks::Load& load : m.loads()) {
-      const BlockUnknowns& u = blocks_[at(load.block)];
+      const Unknowns::OfBlock& u = unknowns_->blocks()[at(load.block)];
       const Vector force = load.scale * load.factor.at(m.time()) * load.force;
       if (u.rigid) add_wrench(sum, load.block, u.centre + m.body(load.block).r * load.arm, force);
       for (const auto& [node, weight] : load.share)
@@ -204,7 +140,7 @@ class Search {
   void add_pressure(const blocks::Pressure& p, VectorXd* sum) const {
     blocks::Model& m = *s_.large_motion;
     const double pressure = p.scale * p.value * p.factor.at(m.time());
-    const BlockUnknowns& u = blocks_[at(p.block)];
+    const Unknowns::OfBlock& u = unknowns_->blocks()[at(p.block)];
     if (u.rigid) {
       const geometry::Matrix& r = m.body(p.block).r;
       return add_wrench(sum, p.block, u.centre + r * p.arm, pressure * (r * p.push));
@@ -221,8 +157,8 @@ class Search {
   // Weight, loads, and forces of zones.
   void add_lattice_loads(VectorXd* sum) const {
     const Vector g = geometry::vector(s_.data.gravity);
-    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-      const BlockUnknowns& u = blocks_[at(b)];
+    for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
+      const Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       const Model::BlockPlace& place = s_.model.place[at(b)];
       if (u.rigid) {
         const auto [index, lane] = s_.body_place[at(place.body)];
@@ -241,16 +177,7 @@ class Search {
       });
       const BrickTemplate& shape = s_.model.template_of(b);
       for (const auto& zone : shape.zone) {
-        geometry::Matrix stress{};
-        for (std::size_t a = 0; a < 4; ++a) {
-          const Vector& w = moved[at(zone.node[a])];
-          const Vector gradient = geometry::vector(zone.shape_gradient[a]);
-          for (int c = 0; c < 3; ++c) {
-            for (int k = 0; k < 3; ++k)
-              stress.row[c][k] += shape.shear_modulus * (w[c] * gradient[k] + w[k] * gradient[c]);
-            stress.row[c][c] += shape.lambda * dot(w, gradient);
-          }
-        }
+        const geometry::Matrix stress = stress_of(shape, zone, moved);
         for (std::size_t a = 0; a < 4; ++a)
           add_to(sum, u.gridpoint[at(zone.node[a])],
                  -zone.volume * (stress * geometry::vector(zone.shape_gradient[a])));
@@ -259,12 +186,12 @@ class Search {
   }
 
   void add_contacts(const std::vector<ContactPoint>& points, VectorXd* sum) {
-    std::vector<Share> shares;
+    std::vector<UnknownShare> shares;
     for (const ContactPoint& p : points) {
-      shares_of(p, &shares);
+      unknowns_->shares_of(p, &shares);
       const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) +
                                      p.traction[1] * geometry::vector(p.s) + p.traction[2] * geometry::vector(p.t));
-      for (const Share& share : shares) (*sum)(share.unknown) -= dot(force, share.moves);
+      for (const UnknownShare& share : shares) (*sum)(share.unknown) -= dot(force, share.moves);
     }
   }
 
@@ -279,12 +206,12 @@ class Search {
         if (i >= 0) squares += rest(i) * rest(i);
       largest = std::max(largest, std::sqrt(squares));
     };
-    for (const BlockUnknowns& u : blocks_) {
+    for (const Unknowns::OfBlock& u : unknowns_->blocks()) {
       if (u.rigid) force_at(u.body[0], u.body[1], u.body[2]);
       for (const auto& of_point : u.gridpoint) force_at(of_point[0], of_point[1], of_point[2]);
     }
     // Moments of rigid blocks, over the size of the model.
-    for (const BlockUnknowns& u : blocks_) {
+    for (const Unknowns::OfBlock& u : unknowns_->blocks()) {
       for (std::size_t c = 3; c < 6 && u.rigid; ++c)
         if (u.body[c] >= 0) largest = std::max(largest, std::abs(rest(u.body[c])) / s_.extent);
     }
@@ -307,8 +234,7 @@ class Search {
   Eigen::SparseMatrix<double> stiffness_of(const std::vector<ContactPoint>& points,
                                            const std::vector<std::uint8_t>& states, double kept) {
     std::vector<Triplet> entries;
-    add_zones(&entries);
-    std::vector<Share> shares;
+    unknowns_->add_zones(&entries);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const ContactPoint& p = points[i];
       const quoin_stiffness_bounds& bounds = s_.model.families[at(p.family)].material->stiffness_bounds();
@@ -317,145 +243,29 @@ class Search {
                            (states[i] == open     ? std::max(kOpen, kept)
                             : states[i] == slides ? std::max(kSlides, kept)
                                                   : 1.0);
-      shares_of(p, &shares);
-      const Vector n = geometry::vector(p.normal);
-      for (const Share& row : shares) {
-        const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
-        for (const Share& column : shares)
-          if (column.unknown <= row.unknown)
-            entries.emplace_back(row.unknown, column.unknown, dot(force, column.moves));
-      }
+      unknowns_->add_point(p, normal, shear, &entries);
     }
-    const auto n = static_cast<Eigen::Index>(count_);
+    const auto n = static_cast<Eigen::Index>(unknowns_->count());
     Eigen::SparseMatrix<double> stiffness(n, n);
     double largest = 0.0;
     for (const Triplet& entry : entries) largest = std::max(largest, entry.value());
-    for (int i = 0; i < count_; ++i) entries.emplace_back(i, i, kHeld * largest);
+    for (int i = 0; i < unknowns_->count(); ++i) entries.emplace_back(i, i, kHeld * largest);
     stiffness.setFromTriplets(entries.begin(), entries.end());
     return stiffness;
-  }
-
-  // Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
-  static void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient,
-                       double volume, double lambda, double mu, std::vector<Triplet>* entries) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = 0; j < 4; ++j) {
-        const double along = mu * dot(gradient[i], gradient[j]);
-        for (int c = 0; c < 3; ++c) {
-          const int row = unknown[i][at(c)];
-          for (int d = 0; row >= 0 && d < 3; ++d) {
-            const int column = unknown[j][at(d)];
-            if (column < 0 || column > row) continue;
-            const double k = lambda * gradient[i][c] * gradient[j][d] + mu * gradient[j][c] * gradient[i][d];
-            entries->emplace_back(row, column, volume * (k + (c == d ? along : 0.0)));
-          }
-        }
-      }
-    }
-  }
-
-  void add_zones(std::vector<Triplet>* entries) const {
-    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-      const BlockUnknowns& u = blocks_[at(b)];
-      std::array<std::array<int, 3>, 4> unknown;
-      std::array<Vector, 4> gradient;
-      if (u.rigid) continue;
-      if (!s_.large_motion) {
-        const BrickTemplate& shape = s_.model.template_of(b);
-        for (const auto& zone : shape.zone) {
-          for (std::size_t i = 0; i < 4; ++i)
-            unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = geometry::vector(zone.shape_gradient[i]);
-          add_zone(unknown, gradient, zone.volume, shape.lambda, shape.shear_modulus, entries);
-        }
-        continue;
-      }
-      const blocks::ModelBlock& block = s_.large_motion->block(b);
-      const geometry::Matrix turned = s_.large_motion->orientation(b);
-      for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
-        const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
-        for (std::size_t i = 0; i < 4; ++i)
-          unknown[i] = u.gridpoint[at(zone.node[i] - block.first_node)], gradient[i] = turned * zone.gradient[i];
-        add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
-      }
-    }
-  }
-
-  void shares_of(const ContactPoint& p, std::vector<Share>* shares) {
-    shares->clear();
-    add_side(p, p.block_a, -1.0, shares);
-    add_side(p, p.block_b, 1.0, shares);
-  }
-
-  void add_side(const ContactPoint& p, int b, double sign, std::vector<Share>* shares) {
-    const BlockUnknowns& u = blocks_[at(b)];
-    const Vector place = geometry::vector(p.position);
-    const auto add = [&](const std::array<int, 3>& unknown, double weight) {
-      for (int c = 0; c < 3; ++c) {
-        if (unknown[at(c)] < 0 || weight == 0.0) continue;
-        Share share{unknown[at(c)], {}};
-        share.moves[c] = sign * weight;
-        shares->push_back(share);
-      }
-    };
-    if (u.rigid) {
-      add({u.body[0], u.body[1], u.body[2]}, 1.0);
-      for (int c = 0; c < 3; ++c) {
-        Vector spin{};
-        spin[c] = sign;
-        if (u.body[at(c + 3)] >= 0) shares->push_back({u.body[at(c + 3)], cross(spin, place - u.centre)});
-      }
-    } else if (s_.large_motion) {
-      const auto [node, weight] = on_surface(b, place);
-      for (std::size_t i = 0; i < 3; ++i)
-        add(u.gridpoint[at(node[i] - s_.large_motion->block(b).first_node)], weight[i]);
-    } else {
-      add(u.gridpoint[at(gridpoint_at(b, place))], 1.0);
-    }
-  }
-
-  // Corners of the triangle of its surface that the place is closest to, and their weights there.
-  std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int b, const Vector& place) const {
-    const auto& x = s_.large_motion->node_positions();
-    std::pair<std::array<int, 3>, std::array<double, 3>> best{};
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& triangle : s_.large_motion->block(b).surface) {
-      const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
-      const Vector normal = cross(q - p, r - p);
-      const double twice = dot(normal, normal);
-      std::array<double, 3> weight{dot(cross(q - place, r - place), normal) / twice,
-                                   dot(cross(r - place, p - place), normal) / twice, 0.0};
-      weight[2] = 1.0 - weight[0] - weight[1];
-      double sum = 0.0;
-      for (double& w : weight) w = std::max(0.0, w), sum += w;
-      for (double& w : weight) w /= sum;
-      const double distance = norm(weight[0] * p + weight[1] * q + weight[2] * r - place);
-      if (distance < least) least = distance, best = {triangle.node, weight};
-    }
-    return best;
-  }
-
-  // On the lattice points lie at gridpoints of both blocks.
-  int gridpoint_at(int b, const Vector& place) const {
-    int nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (int n = 0; n < static_cast<int>(blocks_[at(b)].gridpoint.size()); ++n) {
-      const double distance = norm(geometry::vector(s_.model.gridpoint_position(b, n)) - place);
-      if (distance < least) least = distance, nearest = n;
-    }
-    return nearest;
   }
 
   // ---- Motion
   // --------------------------------------------------------------------------------------------------------
 
   void require_held(const Eigen::MatrixXd& moved) const {
-    for (std::size_t g = 0; g < groups_.place.size(); ++g) {
-      for (int i = groups_.begin[g]; i < std::min(groups_.begin[g + 1], groups_.begin[g] + 3); ++i) {
+    for (std::size_t g = 0; g < unknowns_->groups().place.size(); ++g) {
+      for (int i = unknowns_->groups().begin[g];
+           i < std::min(unknowns_->groups().begin[g + 1], unknowns_->groups().begin[g] + 3); ++i) {
         if (std::abs(moved(i, 0)) <= kFlies * s_.extent) continue;
         throw Error(Exit::numerical,
                     fmt::format("stage '{}': no state of rest: block {} is held by nothing that its loads press on; "
                                 "quoin limit tells whether it stands",
-                                s_.scene.stages[at(s_.stage)].name, s_.block_label(block_of_group_[g])));
+                                s_.scene.stages[at(s_.stage)].name, s_.block_label(unknowns_->block_of_group(g))));
       }
     }
   }
@@ -472,8 +282,8 @@ class Search {
     if (s_.large_motion) return move_large_motion(moved);
     // Laws see sliding as velocity times the step. Once more at rest, since some settle in two answers.
     for (const bool moving : {true, false}) {
-      for (int b = 0; b < static_cast<int>(blocks_.size()); ++b)
-        blocks_[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);
+      for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b)
+        unknowns_->blocks()[at(b)].rigid ? move_body(b, moved, moving) : move_gridpoints(b, moved, moving);
       for (const int i : s_.chunks_here()) {
         const ContactChunk& chunk = s_.model.chunks[at(i)];
         contact_jumps(s_.model, chunk, s_.data, s_.jumps[0].get());
@@ -487,7 +297,7 @@ class Search {
   void move_gridpoints(int b, const VectorXd& moved, bool moving) {
     std::size_t n = 0;
     s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
-      const Vector by = of(moved, blocks_[at(b)].gridpoint[n++]);
+      const Vector by = of(moved, unknowns_->blocks()[at(b)].gridpoint[n++]);
       for (int c = 0; c < 3; ++c) {
         const std::size_t o = offset + at(c) * kLanes;
         if (moving) s_.displacement[o] += by[c];
@@ -497,7 +307,7 @@ class Search {
   }
 
   void move_body(int b, const VectorXd& moved, bool moving) {
-    const std::array<int, 6>& u = blocks_[at(b)].body;
+    const std::array<int, 6>& u = unknowns_->blocks()[at(b)].body;
     const int index = s_.model.place[at(b)].body;
     const RigidBody& body = s_.model.bodies[at(index)];
     const auto [record, lane] = s_.body_place[at(index)];
@@ -526,8 +336,8 @@ class Search {
 
   void move_large_motion(const VectorXd& moved) {
     blocks::Model& m = *s_.large_motion;
-    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-      BlockUnknowns& u = blocks_[at(b)];
+    for (int b = 0; b < static_cast<int>(unknowns_->blocks().size()); ++b) {
+      Unknowns::OfBlock& u = unknowns_->blocks()[at(b)];
       if (u.rigid) {
         blocks::Body& body = m.body(b);
         body.x += of(moved, {u.body[0], u.body[1], u.body[2]});
@@ -548,10 +358,7 @@ class Search {
 
   Simulation& simulation_;
   Simulation::Impl& s_;
-  std::vector<BlockUnknowns> blocks_;
-  UnknownGroups groups_;
-  std::vector<int> block_of_group_;
-  int count_ = 0;
+  std::optional<Unknowns> unknowns_;
 };
 
 }  // namespace

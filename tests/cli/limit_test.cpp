@@ -60,6 +60,33 @@ TEST_F(Limit, WhatHasNoAnswerIsSaid) {
   EXPECT_THAT(error_, HasSubstr("friction_angle"));
 }
 
+// The run finds its own start and rate. The arch falls by hinges at 0.37361.
+TEST_F(Limit, ARunBeginsFromTheLimit) {
+  const std::string collapse = "stage.push.collapse={ direction = [1, 0, 0], start = \"limit\" }";
+  ASSERT_EQ(quoin({"run", QUOIN_SCENES "/arch.toml", "--set", collapse, "--set", "output.frames=0", "--set",
+                   "output.plots=false", "--out", out()}),
+            0)
+      << error_;
+  EXPECT_THAT(error_ + out_, HasSubstr("of limit analysis, without dilation"));
+  EXPECT_THAT(out_, HasSubstr("the blocks have stood under"));
+  const double multiplier = summary()["collapse_multiplier"], lag = summary()["collapse_lag"];
+  std::printf("arch from the limit: %.4f, lag %.4f\n", multiplier, lag);
+  EXPECT_NEAR(multiplier, 0.37361, 0.01 * 0.37361);
+  EXPECT_GT(lag, 0.0);
+  EXPECT_LE(lag, 0.006 * multiplier);
+}
+
+TEST_F(Limit, AStartFromTheLimitThatCannotBeFoundIsSaid) {
+  const std::string wall = QUOIN_SCENES "/arch.toml";
+  EXPECT_EQ(quoin({"check", wall, "--set", "stage.push.collapse={ start = \"limit\", limit = 0.1 }"}), 3);
+  EXPECT_THAT(error_, HasSubstr("is no more than the start"));
+  EXPECT_EQ(quoin({"check", wall, "--set", "stage.push.collapse={ start = \"limits\" }"}), 3);
+  EXPECT_EQ(quoin({"check", wall, "--set", "stage.push.collapse={ rate = \"auto\" }"}), 3);
+  EXPECT_THAT(error_, HasSubstr("with a start of more than 0"));
+  EXPECT_EQ(quoin({"check", wall, "--law", "elastic", "--set", "stage.push.collapse={ start = \"limit\" }"}), 3);
+  EXPECT_THAT(error_, HasSubstr("friction_angle"));
+}
+
 // Two cubes on each other on a slope of 0.3, friction tan(35) = 0.7002.
 constexpr const char* kSlope = R"(
 [materials.stone]
@@ -106,6 +133,17 @@ TEST_F(Limit, WhetherItStandsAndWithHowMuchFriction) {
   found = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
   EXPECT_EQ(found["stands"], false);
   EXPECT_GT(found["smallest_friction_scale"], 1.0);
+}
+
+TEST_F(Limit, WhatMovesWithoutLoadAndWhatStandsOnNothingIsNamed) {
+  std::string slope = kSlope;
+  std::ofstream(folder_ / "smooth.toml") << slope.replace(slope.find("angle = 35.0"), 12, "angle = 0.0");
+  EXPECT_EQ(quoin({"limit", (folder_ / "smooth.toml").string(), "--direction", "1", "0", "0", "--set",
+                   "stage.weight.gravity=[0, -9.81, 0]", "--out", out()}),
+            0)
+      << error_;
+  EXPECT_THAT(error_, HasSubstr("a mechanism that needs no load: nothing resists the motion of"));
+  EXPECT_FALSE(nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"))["moves_without_load"].empty());
 }
 
 TEST_F(Limit, BlocksThatNothingHoldsAreNamed) {

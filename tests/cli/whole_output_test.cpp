@@ -137,7 +137,7 @@ class WholeOutput : public Cli {
 TEST_F(WholeOutput, Help) {
   std::string text = said({"--help"});
   for (const char* command : {"run", "check", "models", "path", "fit", "reproduce", "report", "ensemble", "sensitivity",
-                              "spectrum", "validate", "limit", "modes", "new", "completion"})
+                              "spectrum", "validate", "limit", "rest", "modes", "new", "completion"})
     text += said({command, "--help"});
   expect("help", text + said({"reproduce", "--list"}));
 }

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "results/summary.h"
+#include "scene/collapse_load.h"
 #include "scene/read_scene.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -345,6 +346,43 @@ TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
   for (const auto& [start, ramp] : {std::pair{0.8, 0.5}, {0.6, 2.0}, {0.49, 0.01}}) {
     Seen seen;
     EXPECT_EQ(run(start, ramp, &seen), std::nullopt) << start;
+    EXPECT_THAT(seen.warnings["collapse_multiplier"], HasSubstr("before they came to rest under collapse.start"));
+  }
+}
+
+// The same block where the load chooses its own rate: within 1 % of 0.5 from any start below, with the lag told; a
+// start above the answer is noticed.
+TEST(Collapse, ALoadThatWaitsIsNoFurtherAheadThanItSays) {
+  const auto run = [&](double start, double displacement, Seen* seen, Outcome* outcome) {
+    const std::string tall =
+        "[[block]]\nname = \"t\"\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.2, 0.4, 0.2] }\n";
+    const std::string stages = fmt::format(
+        "[[stage]]\nname = \"weight\"\ngravity = [0, -9.81, 0]\nramp_time = 0.1\nduration = 0.3\n"
+        "[[stage]]\nname = \"tilt\"\n"
+        "collapse = {{ direction = [1, 0, 0], start = {}, rate = \"auto\", displacement = {}, limit = 1.0 }}\n",
+        start, displacement);
+    Simulation simulation(
+        scene_of(stones(tall, stages), {"joints.dry.friction_angle=45", "joints.dry.normal_stiffness=1e9"}), 1);
+    simulation.run(*seen);
+    *outcome = simulation.outcome();
+    return collapse_lag(simulation.scene(), outcome->collapse_multiplier);
+  };
+  for (const auto& [start, displacement] : {std::pair{0.3, 0.01}, {0.45, 0.01}, {0.45, 0.05}}) {
+    Seen seen;
+    Outcome outcome;
+    const auto lag = run(start, displacement, &seen, &outcome);
+    ASSERT_TRUE(outcome.collapse_multiplier && lag) << start;
+    std::printf("from %g to %g m: %.4f, lag %.4f\n", start, displacement, *outcome.collapse_multiplier, *lag);
+    EXPECT_NEAR(*outcome.collapse_multiplier, 0.5, 0.005) << start;
+    EXPECT_GE(*lag, 0.0);
+    EXPECT_LE(*lag, 0.006 * *outcome.collapse_multiplier);
+    EXPECT_LE(*outcome.collapse_multiplier - *lag, 0.5);  // what is carried is
+  }
+  for (const double start : {0.51, 0.6, 0.8}) {
+    Seen seen;
+    Outcome outcome;
+    run(start, 0.01, &seen, &outcome);
+    EXPECT_FALSE(outcome.collapse_multiplier.has_value()) << start;
     EXPECT_THAT(seen.warnings["collapse_multiplier"], HasSubstr("before they came to rest under collapse.start"));
   }
 }

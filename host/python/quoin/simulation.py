@@ -140,6 +140,7 @@ class Simulation:
     large_motion = property(lambda self: self._session_of("large_motion").large_motion,
                             doc="whether blocks may move by any amount, from now on")
     collapse_multiplier = property(lambda self: self._session_of("collapse_multiplier").collapse_multiplier)
+    collapse_lag = property(lambda self: self._session_of("collapse_lag").collapse_lag)
     hash = property(lambda self: self._session_of("hash").hash, doc="of everything that moves: equal hashes, equal bits")
 
     @property

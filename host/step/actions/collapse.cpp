@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
+#include "scene/collapse_load.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/action.h"
 
@@ -15,10 +17,47 @@ namespace {
 
 constexpr double kBed = 0.7;      // cosine of the normal to the vertical from which on a joint is a bed joint
 constexpr double kUplift = 1e-4;  // m, opening of a bed joint that counts as uplift
+// Growth of the largest displacement in a window of time that counts as none, of what counts as collapse. A load that
+// is too large by 0.1 % of the weight moves a block by more, even with nine tenths of its acceleration lost to damping.
+constexpr double kAtRest = 1e-3;
+constexpr double kMostSeen = 0.01;  // m; larger displacements of collapse make it no harder to see that blocks rest
+
+// s: four times as long as a fall by what is seen.
+double window_of(const Collapse& c, const Vec3& gravity) {
+  return 4.0 * std::sqrt(2.0 * std::min(c.displacement, kMostSeen) / norm(geometry::vector(gravity)));
+}
+
+// The next load of a stage that waits. seen: while the load grows since < 0, lowest is when that began, s, and highest
+// how many loads have been reached; while it stands still the window since which it is watched, and the largest
+// displacements of the last window and of this one.
+double waiting_load(FirstLoad* seen, const Stage& stage, double time, double multiplier, double moved) {
+  const Collapse& c = *stage.collapse;
+  const double window = window_of(c, stage.gravity);
+  if (seen->since < 0.0) {
+    const int reached = static_cast<int>(seen->highest);
+    const double from = reached > 0 ? load_at(c, reached - 1) : 0.0, to = load_at(c, reached);
+    const double s = (time - seen->lowest) / (reached > 0 ? 0.5 * window : std::max(stage.ramp_time, 2.0 * window));
+    if (s < 1.0) return from + (to - from) * s * s * (3.0 - 2.0 * s);
+    seen->since = time, seen->lowest = seen->highest = moved;
+    return to;
+  }
+  seen->highest = std::max(seen->highest, moved);
+  if (time - seen->since < window) return multiplier;
+  if (seen->highest - seen->lowest <= kAtRest * std::min(c.displacement, kMostSeen)) {
+    seen->carried = true, seen->since = -1.0, seen->lowest = time, seen->highest = last_stop(c, multiplier) + 1;
+    return multiplier;
+  }
+  seen->since = time, seen->lowest = seen->highest, seen->highest = moved;
+  return multiplier;
+}
 
 }  // namespace
 
-void Simulation::Impl::bind_collapse(const Stage&, const Stage*) {
+void Simulation::Impl::bind_collapse(const Stage& settings, const Stage*) {
+  if (settings.collapse && starts_at_limit(*settings.collapse))
+    throw Error(Exit::bad_input,
+                fmt::format("{}: collapse.start = \"limit\" is not found yet; give start as a number, times the weight",
+                            settings.source.text));
   multiplier = 0.0;
   first_load = {};
 }
@@ -26,8 +65,9 @@ void Simulation::Impl::bind_collapse(const Stage&, const Stage*) {
 // On top of the weight.
 void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
   if (!settings.collapse) return;
-  multiplier = settings.collapse->start * s +
-               settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
+  if (!waits(*settings.collapse))
+    multiplier = settings.collapse->start * s +
+                 settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
   large_motion->set_gravity(geometry::vector(data.gravity) +
                             multiplier * norm(geometry::vector(settings.gravity)) *
                                 normalized(geometry::vector(settings.collapse->direction)));
@@ -67,7 +107,9 @@ bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
   const Collapse& c = *settings.collapse;
   const double moved = largest_displacement();
   if (!(moved > c.displacement)) {
-    if (stage_time() >= settings.ramp_time)
+    if (waits(c))
+      multiplier = waiting_load(&first_load, settings, stage_time(), multiplier, moved);
+    else if (stage_time() >= settings.ramp_time)
       first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
     return multiplier > c.limit;
   }

@@ -1,0 +1,83 @@
+#include "analysis/collapse_start.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "files/notice.h"
+#include "scene/collapse_load.h"
+
+#ifdef QUOIN_LIMIT
+#include "analysis/limit_of_scene.h"
+#include "step/simulation.h"
+#endif
+
+namespace quoin {
+namespace {
+
+#ifdef QUOIN_LIMIT
+
+// Of the multiplier without dilation: on 27 dry assemblies runs lie within 4 % of it.
+constexpr double kOfSettled = 0.9;
+// Of the associated one where the other is not known: stones that would have to lift to slide put runs below it, a dome
+// by a sixth, a bonded wall that cannot dilate by more than half. Such a start is too high, which the run notices.
+constexpr double kOfAssociated = 0.5;
+// Largest model whose multiplier without dilation is looked for, in contact points: a minute.
+constexpr long kMostPoints = 4000;
+// Of the associated multiplier, which no brittle joint exceeds before blocks have moved: where the stage gives up.
+constexpr double kGivesUp = 1.2;
+
+void find_start(const Simulation& simulation, Stage* stage) {
+  Collapse& c = *stage->collapse;
+  LimitOptions options;
+  options.direction.assign(c.direction.begin(), c.direction.end());
+  options.associated = simulation.point_count() > kMostPoints, options.friction = false;
+  const SceneLimit limit = limit_of(simulation, options);
+  if (!limit.stands.stands)
+    throw Error(Exit::numerical, fmt::format("the masonry does not stand under its weight; out of balance:{}",
+                                             blocks_text(limit, limit.stands.out_of_balance)));
+  const double associated = limit.limit->multiplier;
+  const bool settled = limit.without_dilation && limit.without_dilation->settled;
+  const double multiplier = settled ? std::min(associated, limit.without_dilation->multiplier) : associated;
+  c.start = (settled ? kOfSettled : kOfAssociated) * multiplier;
+  if (c.limit == kNoLimit) c.limit = kGivesUp * associated;
+  notice(fmt::format("quoin: stage '{}': collapse.start = {:.4g}, {:g} of the multiplier {:.4g} of limit analysis, {}",
+                     stage->name, c.start, settled ? kOfSettled : kOfAssociated, multiplier,
+                     settled ? "without dilation" : "associated"));
+  if (!(c.limit > c.start))
+    throw Error(
+        Exit::bad_input,
+        fmt::format("limit = {:g} is no more than the start {:.4g}; give a larger one, or none", c.limit, c.start));
+}
+
+#endif
+
+}  // namespace
+
+void find_collapse_starts(Scene* scene) {
+  const auto asks = [](const Stage& s) { return s.collapse && starts_at_limit(*s.collapse); };
+  if (std::none_of(scene->stages.begin(), scene->stages.end(), asks)) return;
+#ifdef QUOIN_LIMIT
+  const Simulation simulation(*scene, 1);
+#endif
+  for (Stage& stage : scene->stages) {
+    if (!asks(stage)) continue;
+#ifdef QUOIN_LIMIT
+    try {
+      find_start(simulation, &stage);
+    } catch (const Error& error) {
+      throw Error(error.exit_code,
+                  fmt::format("{}: collapse.start = \"limit\": {}\n  Or give start as a number, times the weight",
+                              stage.source.text, error.what()));
+    }
+#else
+    throw Error(Exit::bad_input,
+                fmt::format("{}: collapse.start = \"limit\": this program has no limit analysis; build it with "
+                            "coinor-libclp-dev, or give start as a number, times the weight",
+                            stage.source.text));
+#endif
+  }
+}
+
+}  // namespace quoin

@@ -1,0 +1,13 @@
+// What vibrates about another state than the undamaged one: under weight, or at the end of a run.
+#pragma once
+
+#include "analysis/undamaged.h"
+
+namespace quoin {
+
+// state: "weight", with the loads and supports of the stage of that name (empty: the first that has a load;
+// rest_scene.h), or the folder of a run of this scene with output.end_state = true. Throws Error as a run of kind rest,
+// or as take_start.
+Vibrating vibrating_about(const Scene& scene, const std::string& state, const std::string& stage);
+
+}  // namespace quoin

@@ -1,0 +1,211 @@
+#include "step/tangent.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "base/error.h"
+#include "step/unknowns.h"
+
+namespace quoin {
+
+// The state of a simulation, to which its class gives no way: an explicit instantiation may name a private member.
+struct Access {
+  friend auto impl_of(Access);
+};
+template <auto Member>
+struct Opened {
+  friend auto impl_of(Access) { return Member; }
+};
+template struct Opened<&Simulation::impl_>;
+
+namespace {
+
+using Eigen::MatrixXd;
+using geometry::Vector;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Of the traction, by which points are tried: far below any strength, far above the rounding of tractions.
+constexpr double kProbe = 1.0;  // Pa
+
+struct PointStiffness {
+  std::vector<double> normal, shear;  // Pa/m, by contact point
+};
+
+// Any capability at all.
+constexpr std::uint64_t kAny = ~std::uint64_t{0};
+
+// Traction along n, s or t after a small motion along it; not a number where a law has no capabilities.
+std::vector<double> traction_after(const Simulation::Impl& s, const PointRange& all, std::size_t along,
+                                   const std::vector<double>& motion) {
+  const std::size_t count = at(all.end);
+  std::vector<double> result(count, std::numeric_limits<double>::quiet_NaN()), slip[2], jump(count);
+  for (auto& of_axis : slip) of_axis.assign(count, 0.0);
+  if (along > 0) slip[along - 1] = motion;
+  s.ask_at_rest(kAny, all, [&](quoin_batch& batch, std::size_t first) {
+    for (std::size_t i = 0; i < batch.count; ++i)
+      jump[first + i] = batch.normal_jump.data[i * batch.normal_jump.stride] + (along == 0 ? motion[first + i] : 0.0);
+    batch.normal_jump = {jump.data() + first, 1};
+    for (std::size_t k = 0; k < 2; ++k) batch.slip_increment[k] = {slip[k].data() + first, 1};
+    batch.traction_new[along] = {result.data() + first, 1};
+  });
+  return result;
+}
+
+PointStiffness stiffness_now(const Simulation::Impl& s, const PointRange& all,
+                             const std::vector<ContactPoint>& points) {
+  const std::size_t count = at(all.end);
+  PointStiffness k{std::vector<double>(count), std::vector<double>(count)};
+  std::vector<double> closing(count), forth(count), back(count);
+  for (const ContactPoint& p : points) {
+    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    closing[at(p.index)] = bounds.normal > 0.0 ? -kProbe / bounds.normal : 0.0;
+    forth[at(p.index)] = bounds.shear > 0.0 ? kProbe / bounds.shear : 0.0;
+    back[at(p.index)] = -forth[at(p.index)];
+  }
+  const std::vector<double> none(count, 0.0);
+  for (std::size_t along = 0; along < 3; ++along) {
+    const std::vector<double> still = traction_after(s, all, along, none);
+    const std::vector<double> one = traction_after(s, all, along, along == 0 ? closing : forth);
+    const std::vector<double> other = along == 0 ? one : traction_after(s, all, along, back);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double way = along == 0 ? closing[i] : forth[i];
+      if (way == 0.0) continue;
+      // Of both directions the one that does not slide on.
+      const double stiffness =
+          std::isnan(still[i])
+              ? still[i]
+              : std::max({0.0, (one[i] - still[i]) / way, along > 0 ? (still[i] - other[i]) / way : 0.0});
+      along == 0 ? k.normal[i] = stiffness : k.shear[i] += 0.5 * stiffness;
+    }
+  }
+  for (const ContactPoint& p : points) {  // of laws that are not asked: as they were at first
+    if (!std::isnan(k.normal[at(p.index)]) && !std::isnan(k.shear[at(p.index)])) continue;
+    const quoin_stiffness_bounds& bounds = s.model.families[at(p.family)].material->stiffness_bounds();
+    const bool carries = p.traction[0] != 0.0 || p.jump[0] <= 0.0;
+    k.normal[at(p.index)] = carries ? bounds.normal : 0.0, k.shear[at(p.index)] = carries ? bounds.shear : 0.0;
+  }
+  return k;
+}
+
+// Of rigid blocks about the global axes.
+MatrixXd inertia_of(const Simulation::Impl& s, int b) {
+  MatrixXd inertia = MatrixXd::Zero(3, 3);
+  if (!s.large_motion) {
+    const RigidBody& body = s.model.bodies[at(s.model.place[at(b)].body)];
+    for (int c = 0; c < 3; ++c) inertia(c, c) = body.inertia[at(c)];
+    return inertia;
+  }
+  const blocks::Body& body = s.large_motion->body(b);
+  const double unscaled = body.mass > 0.0 ? s.large_motion->mass_of(b) / body.mass : 0.0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      for (int c = 0; c < 3; ++c) inertia(i, j) += unscaled * body.r.row[i][c] * body.r.row[j][c] * body.inertia[c];
+    }
+  }
+  return inertia;
+}
+
+void add_gridpoints(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent) {
+  std::vector<double> mass;
+  if (s.large_motion) {
+    const int first = s.large_motion->block(b).first_node;
+    double scaled = 0.0;
+    for (std::size_t n = 0; n < u.gridpoint.size(); ++n) mass.push_back(s.large_motion->node_mass()[at(first) + n]);
+    for (const double m : mass) scaled += m;
+    for (double& m : mass) m *= s.large_motion->mass_of(b) / scaled;
+  } else {
+    s.model.for_each_gridpoint(b, [&](std::size_t, double m) { mass.push_back(m); });
+  }
+  for (std::size_t n = 0; n < u.gridpoint.size(); ++n) {
+    for (int c = 0; c < 3; ++c) {
+      const int i = u.gridpoint[n][at(c)];
+      if (i < 0) continue;
+      tangent->unknown[at(i)] = {b, static_cast<int>(n), {}, {}, {}};
+      tangent->unknown[at(i)].translation[c] = 1.0;
+      tangent->mass[at(i)] = mass[n];
+    }
+  }
+}
+
+// Rotations that are free: about the principal axes of their inertia, so that mass is diagonal. Adds to `turned`, whose
+// columns are the new unknowns.
+void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tangent* tangent,
+              Unknowns::Entries* turned) {
+  const double mass = s.large_motion ? s.large_motion->mass_of(b) : s.model.bodies[at(s.model.place[at(b)].body)].mass;
+  std::vector<int> axes;
+  for (int c = 0; c < 3; ++c) {
+    if (const int i = u.body[at(c)]; i >= 0) {
+      tangent->unknown[at(i)] = {b, -1, {}, {}, u.centre};
+      tangent->unknown[at(i)].translation[c] = 1.0, tangent->mass[at(i)] = mass;
+      turned->emplace_back(i, i, 1.0);
+    }
+    if (u.body[at(c + 3)] >= 0) axes.push_back(c);
+  }
+  if (axes.empty()) return;
+  const MatrixXd all = inertia_of(s, b);
+  const auto count = static_cast<Eigen::Index>(axes.size());
+  MatrixXd inertia(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < count; ++j)
+      inertia(i, j) = all(axes[static_cast<std::size_t>(i)], axes[static_cast<std::size_t>(j)]);
+  }
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(inertia);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const int column = u.body[at(axes[static_cast<std::size_t>(k)] + 3)];
+    Tangent::Unknown unknown{b, -1, {}, {}, u.centre};
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const int axis = axes[static_cast<std::size_t>(i)];
+      unknown.spin[axis] = eigen.eigenvectors()(i, k);
+      turned->emplace_back(u.body[at(axis + 3)], column, eigen.eigenvectors()(i, k));
+    }
+    tangent->unknown[at(column)] = unknown, tangent->mass[at(column)] = eigen.eigenvalues()(k);
+  }
+}
+
+}  // namespace
+
+Tangent tangent_of(const Simulation& simulation) {
+  Simulation::Impl& s = *(simulation.*impl_of(Access()));
+  if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
+  const Unknowns unknowns(s, static_cast<int>(simulation.block_count()));
+  const std::vector<ContactPoint> points = simulation.contact_points();
+  const PointStiffness k = stiffness_now(s, s.all_points(), points);
+  Tangent t;
+  t.groups = unknowns.groups();
+  t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));
+  t.symmetry_factor =
+      s.large_motion ? (s.large_motion->assembly().symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
+  Unknowns::Entries entries, turned;
+  unknowns.add_zones(&entries);
+  unknowns.add_stresses(points, &entries);
+  for (const ContactPoint& p : points) {
+    const double normal = k.normal[at(p.index)], shear = k.shear[at(p.index)];
+    ++t.points;
+    if (normal == 0.0 && shear == 0.0) ++t.open;
+    unknowns.add_point(p, p.area * normal, p.area * shear, &entries);
+  }
+  for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
+    const Unknowns::OfBlock& u = unknowns.blocks()[at(b)];
+    if (u.rigid)
+      add_body(s, b, u, &t, &turned);
+    else
+      add_gridpoints(s, b, u, &t);
+    for (const auto& of_point : u.gridpoint) {
+      for (const int i : of_point)
+        if (i >= 0) turned.emplace_back(i, i, 1.0);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(unknowns.count());
+  Eigen::SparseMatrix<double> about_axes(n, n), turn(n, n);
+  about_axes.setFromTriplets(entries.begin(), entries.end());
+  turn.setFromTriplets(turned.begin(), turned.end());
+  const Eigen::SparseMatrix<double> whole = about_axes.selfadjointView<Eigen::Lower>();
+  t.stiffness = Eigen::SparseMatrix<double>(turn.transpose() * whole * turn).triangularView<Eigen::Lower>();
+  return t;
+}
+
+}  // namespace quoin

@@ -1,0 +1,263 @@
+#include "step/unknowns.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Gradients g of the shape functions give the nodes i and j V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I).
+void add_zone(const std::array<std::array<int, 3>, 4>& unknown, const std::array<Vector, 4>& gradient, double volume,
+              double lambda, double mu, Unknowns::Entries* entries) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double along = mu * dot(gradient[i], gradient[j]);
+      for (int c = 0; c < 3; ++c) {
+        const int row = unknown[i][at(c)];
+        for (int d = 0; row >= 0 && d < 3; ++d) {
+          const int column = unknown[j][at(d)];
+          if (column < 0 || column > row) continue;
+          const double k = lambda * gradient[i][c] * gradient[j][d] + mu * gradient[j][c] * gradient[i][d];
+          entries->emplace_back(row, column, volume * (k + (c == d ? along : 0.0)));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<Vector>& moved) {
+  geometry::Matrix stress{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const Vector& w = moved[at(zone.node[a])];
+    const Vector gradient = geometry::vector(zone.shape_gradient[a]);
+    for (int c = 0; c < 3; ++c) {
+      for (int k = 0; k < 3; ++k) stress.row[c][k] += shape.shear_modulus * (w[c] * gradient[k] + w[k] * gradient[c]);
+      stress.row[c][c] += shape.lambda * dot(w, gradient);
+    }
+  }
+  return stress;
+}
+
+Unknowns::Unknowns(Simulation::Impl& impl, int block_count) : s_(impl) {
+  groups_.begin = {0};
+  for (int b = 0; b < block_count; ++b) {
+    blocks_.emplace_back();
+    s_.large_motion ? number_large_motion(b) : number_lattice(b);
+  }
+}
+void Unknowns::close_group(int block, const Vector& place) {
+  if (count_ == groups_.begin.back()) return;
+  groups_.begin.push_back(count_), groups_.place.push_back(place);
+  block_of_group_.push_back(block);
+}
+
+void Unknowns::number_lattice(int b) {
+  OfBlock& u = blocks_.back();
+  const int body = s_.model.place[at(b)].body;
+  if (body >= 0) {
+    const RigidBody& rigid = s_.model.bodies[at(body)];
+    const auto [index, lane] = s_.body_place[at(body)];
+    u.rigid = true, u.centre = geometry::vector(rigid.centre);
+    for (std::size_t c = 0; c < 6; ++c)
+      u.body[c] = next(rigid.held[c] || s_.body_lanes[at(index)].prescribed[c][lane] != 0.0);
+    return close_group(b, u.centre);
+  }
+  s_.model.for_each_gridpoint(b, [&](std::size_t offset, double) {
+    auto& of_point = u.gridpoint.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) of_point[c] = next(s_.dt_over_mass[offset + c * kLanes] == 0.0);
+    close_group(b, geometry::vector(s_.model.gridpoint_position(b, static_cast<int>(u.gridpoint.size()) - 1)));
+  });
+}
+
+void Unknowns::number_large_motion(int b) {
+  OfBlock& u = blocks_.back();
+  const blocks::ModelBlock& block = s_.large_motion->block(b);
+  if (block.body >= 0) {
+    const blocks::Body& body = s_.large_motion->body(b);
+    u.rigid = true, u.centre = body.x;
+    for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((body.held | body.support) >> c & 1u) != 0);
+    return close_group(b, u.centre);
+  }
+  unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;
+  for (const Drive& drive : s_.drives) held |= drive.block == b ? drive.held : 0u;
+  const bool halved = s_.large_motion->assembly().symmetry_plane_z0;
+  for (int n = block.first_node; n < block.first_node + block.node_count; ++n) {
+    auto& of_point = u.gridpoint.emplace_back();
+    const bool on_plane = halved && s_.large_motion->node_reference()[at(n)].z == 0.0;
+    for (unsigned c = 0; c < 3; ++c) of_point[c] = next((held >> c & 1u) != 0 || (on_plane && c == 2));
+    close_group(b, s_.large_motion->node_positions()[at(n)]);
+  }
+}
+
+void Unknowns::add_zones(Entries* entries) const {
+  for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+    const OfBlock& u = blocks_[at(b)];
+    std::array<std::array<int, 3>, 4> unknown;
+    std::array<Vector, 4> gradient;
+    if (u.rigid) continue;
+    if (!s_.large_motion) {
+      const BrickTemplate& shape = s_.model.template_of(b);
+      for (const auto& zone : shape.zone) {
+        for (std::size_t i = 0; i < 4; ++i)
+          unknown[i] = u.gridpoint[at(zone.node[i])], gradient[i] = geometry::vector(zone.shape_gradient[i]);
+        add_zone(unknown, gradient, zone.volume, shape.lambda, shape.shear_modulus, entries);
+      }
+      continue;
+    }
+    const blocks::ModelBlock& block = s_.large_motion->block(b);
+    const geometry::Matrix turned = s_.large_motion->orientation(b);
+    for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
+      const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
+      for (std::size_t i = 0; i < 4; ++i)
+        unknown[i] = u.gridpoint[at(zone.node[i] - block.first_node)], gradient[i] = turned * zone.gradient[i];
+      add_zone(unknown, gradient, zone.volume, zone.lambda, zone.mu, entries);
+    }
+  }
+}
+
+void Unknowns::shares_of(const ContactPoint& p, std::vector<UnknownShare>* shares) const {
+  shares->clear();
+  add_side(p, p.block_a, -1.0, shares);
+  add_side(p, p.block_b, 1.0, shares);
+}
+
+void Unknowns::add_side(const ContactPoint& p, int b, double sign, std::vector<UnknownShare>* shares) const {
+  const OfBlock& u = blocks_[at(b)];
+  const Vector place = geometry::vector(p.position);
+  const auto add = [&](const std::array<int, 3>& unknown, double weight) {
+    for (int c = 0; c < 3; ++c) {
+      if (unknown[at(c)] < 0 || weight == 0.0) continue;
+      UnknownShare share{unknown[at(c)], {}};
+      share.moves[c] = sign * weight;
+      shares->push_back(share);
+    }
+  };
+  if (u.rigid) {
+    add({u.body[0], u.body[1], u.body[2]}, 1.0);
+    for (int c = 0; c < 3; ++c) {
+      Vector spin{};
+      spin[c] = sign;
+      if (u.body[at(c + 3)] >= 0) shares->push_back({u.body[at(c + 3)], cross(spin, place - u.centre)});
+    }
+  } else if (s_.large_motion) {
+    const auto [node, weight] = on_surface(b, place);
+    for (std::size_t i = 0; i < 3; ++i) add(u.gridpoint[at(node[i] - s_.large_motion->block(b).first_node)], weight[i]);
+  } else {
+    add(u.gridpoint[at(gridpoint_at(b, place))], 1.0);
+  }
+}
+
+// Corners of the triangle of its surface that the place is closest to, and their weights there.
+std::pair<std::array<int, 3>, std::array<double, 3>> Unknowns::on_surface(int b, const Vector& place) const {
+  const auto& x = s_.large_motion->node_positions();
+  std::pair<std::array<int, 3>, std::array<double, 3>> best{};
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& triangle : s_.large_motion->block(b).surface) {
+    const Vector &p = x[at(triangle.node[0])], &q = x[at(triangle.node[1])], &r = x[at(triangle.node[2])];
+    const Vector normal = cross(q - p, r - p);
+    const double twice = dot(normal, normal);
+    std::array<double, 3> weight{dot(cross(q - place, r - place), normal) / twice,
+                                 dot(cross(r - place, p - place), normal) / twice, 0.0};
+    weight[2] = 1.0 - weight[0] - weight[1];
+    double sum = 0.0;
+    for (double& w : weight) w = std::max(0.0, w), sum += w;
+    for (double& w : weight) w /= sum;
+    const double distance = norm(weight[0] * p + weight[1] * q + weight[2] * r - place);
+    if (distance < least) least = distance, best = {triangle.node, weight};
+  }
+  return best;
+}
+
+// On the lattice points lie at gridpoints of both blocks.
+int Unknowns::gridpoint_at(int b, const Vector& place) const {
+  int nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < static_cast<int>(blocks_[at(b)].gridpoint.size()); ++n) {
+    const double distance = norm(geometry::vector(s_.model.gridpoint_position(b, n)) - place);
+    if (distance < least) least = distance, nearest = n;
+  }
+  return nearest;
+}
+
+void Unknowns::add_point(const ContactPoint& p, double normal, double shear, Entries* entries) const {
+  std::vector<UnknownShare> shares;
+  shares_of(p, &shares);
+  const Vector n = geometry::vector(p.normal);
+  for (const UnknownShare& row : shares) {
+    const Vector force = shear * row.moves + (normal - shear) * dot(n, row.moves) * n;
+    for (const UnknownShare& column : shares)
+      if (column.unknown <= row.unknown) entries->emplace_back(row.unknown, column.unknown, dot(force, column.moves));
+  }
+}
+
+template <class Visit>
+void Unknowns::for_each_stressed_zone(int b, const Visit& visit) const {
+  std::array<Vector, 4> gradient;
+  if (s_.large_motion) {
+    const blocks::ModelBlock& block = s_.large_motion->block(b);
+    const geometry::Matrix turned = s_.large_motion->orientation(b);
+    for (int z = block.first_zone; z < block.first_zone + block.zone_count; ++z) {
+      const blocks::Zone& zone = s_.large_motion->zones()[at(z)];
+      std::array<int, 4> node;
+      for (std::size_t i = 0; i < 4; ++i)
+        node[i] = zone.node[i] - block.first_node, gradient[i] = turned * zone.gradient[i];
+      visit(node, gradient, zone.volume, s_.large_motion->zone_stress(z));
+    }
+    return;
+  }
+  const BrickTemplate& shape = s_.model.template_of(b);
+  std::vector<Vector> moved;
+  s_.model.for_each_gridpoint(b, [&](std::size_t o, double) {
+    moved.push_back({s_.displacement[o], s_.displacement[o + kLanes], s_.displacement[o + 2 * kLanes]});
+  });
+  for (const auto& zone : shape.zone) {
+    for (std::size_t i = 0; i < 4; ++i) gradient[i] = geometry::vector(zone.shape_gradient[i]);
+    visit(zone.node, gradient, zone.volume, stress_of(shape, zone, moved));
+  }
+}
+
+// Of a zone V (g_i . stress g_j) I. A force F on the arm r turns by theta: its work of second order is F . theta x
+// (theta x r)/2, whose stiffness is (F . r) I - (F r^T + r F^T)/2.
+void Unknowns::add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const {
+  for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
+    const OfBlock& u = blocks_[at(b)];
+    const auto add = [&](const std::array<int, 4>& node, const std::array<Vector, 4>& gradient, double volume,
+                         const geometry::Matrix& stress) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+          const double k = volume * dot(gradient[i], stress * gradient[j]);
+          for (std::size_t c = 0; c < 3; ++c) {
+            const int row = u.gridpoint[at(node[i])][c], column = u.gridpoint[at(node[j])][c];
+            if (column >= 0 && column <= row) entries->emplace_back(row, column, k);
+          }
+        }
+      }
+    };
+    if (u.rigid) continue;
+    for_each_stressed_zone(b, add);
+  }
+  for (const ContactPoint& p : points) {
+    const Vector force = p.area * (p.traction[0] * geometry::vector(p.normal) + p.traction[1] * geometry::vector(p.s) +
+                                   p.traction[2] * geometry::vector(p.t));
+    for (const auto& [block, sign] : {std::pair{p.block_a, 1.0}, {p.block_b, -1.0}}) {
+      const OfBlock& u = blocks_[at(block)];
+      if (!u.rigid) continue;
+      const Vector f = sign * force, r = geometry::vector(p.position) - u.centre;
+      for (int c = 0; c < 3; ++c) {
+        for (int d = 0; d < 3; ++d) {
+          const int row = u.body[at(c + 3)], column = u.body[at(d + 3)];
+          if (column < 0 || column > row) continue;
+          entries->emplace_back(row, column, (c == d ? dot(f, r) : 0.0) - 0.5 * (f[c] * r[d] + r[c] * f[d]));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace quoin

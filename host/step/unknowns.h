@@ -1,0 +1,68 @@
+// What can move of the blocks of a simulation, numbered: gridpoints, and rigid blocks by translations and spins. Its
+// stiffness, put together from contact points and zones.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "sparse/sparse_cholesky.h"
+#include "step/state.h"
+
+namespace quoin {
+
+// One side of a contact point: unknowns, and what a unit of each moves the point by.
+struct UnknownShare {
+  int unknown;
+  geometry::Vector moves;
+};
+
+// Of a zone on the lattice, by the displacements of the gridpoints of its block.
+geometry::Matrix stress_of(const BrickTemplate& shape, const Zone& zone, const std::vector<geometry::Vector>& moved);
+
+class Unknowns {
+ public:
+  using Entries = std::vector<Eigen::Triplet<double>>;  // of the lower triangle
+  struct OfBlock {
+    std::vector<std::array<int, 3>> gridpoint;        // -1: held
+    std::array<int, 6> body{-1, -1, -1, -1, -1, -1};  // translations, spins about the axes; -1: held
+    geometry::Vector centre;                          // of a rigid block
+    bool rigid = false;
+  };
+
+  // With what the controls of the current stage hold. The simulation must outlive this.
+  Unknowns(Simulation::Impl& impl, int block_count);
+
+  int count() const { return count_; }
+  std::vector<OfBlock>& blocks() { return blocks_; }
+  const std::vector<OfBlock>& blocks() const { return blocks_; }
+  const UnknownGroups& groups() const { return groups_; }
+  int block_of_group(std::size_t group) const { return block_of_group_[group]; }
+
+  void shares_of(const ContactPoint& point, std::vector<UnknownShare>* shares) const;
+  void add_point(const ContactPoint& point, double normal, double shear, Entries* entries) const;  // N/m
+  void add_zones(Entries* entries) const;
+  // What forces of now add as they turn with the blocks: stresses of zones, and forces of contact points on the arms of
+  // rigid blocks.
+  void add_stresses(const std::vector<ContactPoint>& points, Entries* entries) const;
+
+ private:
+  void number_lattice(int block);
+  void number_large_motion(int block);
+  int next(bool held) { return held ? -1 : count_++; }
+  void close_group(int block, const geometry::Vector& place);
+  template <class Visit>  // visit(nodes, gradients, volume, stress)
+  void for_each_stressed_zone(int block, const Visit& visit) const;
+  void add_side(const ContactPoint& point, int block, double sign, std::vector<UnknownShare>* shares) const;
+  std::pair<std::array<int, 3>, std::array<double, 3>> on_surface(int block, const geometry::Vector& place) const;
+  int gridpoint_at(int block, const geometry::Vector& place) const;
+
+  Simulation::Impl& s_;
+  std::vector<OfBlock> blocks_;
+  UnknownGroups groups_;
+  std::vector<int> block_of_group_;
+  int count_ = 0;
+};
+
+}  // namespace quoin

@@ -1,0 +1,117 @@
+// `quoin rest` and `quoin modes --state` as a user calls them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+
+#include "program.h"
+
+namespace {
+
+using ::testing::HasSubstr;
+
+class Rest : public Cli {
+ protected:
+  std::string write(const std::string& text) const {
+    std::ofstream(folder_ / "scene.toml") << text;
+    return (folder_ / "scene.toml").string();
+  }
+  nlohmann::json json(const std::string& folder, const char* name) const {
+    return nlohmann::json::parse(read_all(fs::path(folder) / name));
+  }
+};
+
+// A rigid cube of 1 m and 1800 kg on a dry bed, pushed at its centre by 0.6 of its weight: the resultant is 0.3 m off
+// the middle, and the bed is closed over 3 (0.5 - 0.3) m: by its last point, 10 mm more.
+constexpr const char* kCube = R"(
+[materials.stone]
+density = 1800.0
+[joints.bed]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 4e8
+friction_angle = 45.0
+[contact]
+point_spacing = 0.02
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [-1, -1, -1], size = [3, 1, 3] }
+[[block]]
+name = "cube"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 1, 1] }
+[output]
+frames = 0
+plots = false
+[[stage]]
+name = "push"
+gravity = [0, -9.81, 0]
+ramp_time = 0.1
+duration = 1.0
+)";
+std::string pushed(double force) {
+  return kCube + fmt::format("[[stage.force]]\nblock = \"cube\"\npoint = [0.5, 0.5, 0.5]\nforce = [{}, 0, 0]\n", force);
+}
+constexpr double kWeight = 1800.0 * 9.81;  // N
+
+// Frequencies of six degrees of freedom on the bed that is closed, by integrals over it.
+TEST_F(Rest, OpenJointsHaveNoStiffness) {
+  const std::string scene = write(pushed(0.6 * kWeight)), rest = (folder_ / "rest").string();
+  ASSERT_EQ(quoin({"rest", scene, "--out", rest}), 0) << error_;
+  EXPECT_EQ(json(rest, "summary.json")["status"], "done");
+  EXPECT_TRUE(fs::exists(fs::path(rest) / "end_state.bin"));
+  const auto frequencies = [&](const std::string& state) {
+    EXPECT_EQ(quoin({"modes", scene, "--state", state, "--out", out()}), 0) << error_;
+    return json(out(), "modes.json")["frequencies_Hz"].get<std::vector<double>>();
+  };
+  const std::vector<double> whole = frequencies("undamaged"), weight = frequencies("weight"), end = frequencies(rest);
+  ASSERT_EQ(whole.size(), 6u);
+  ASSERT_EQ(weight.size(), 6u);
+  ASSERT_EQ(end.size(), 6u);
+  const std::array all{45.6245, 45.6245, 75.0264, 118.6271, 137.9383, 137.9384},
+      open{23.0094, 32.7155, 51.3318, 80.5369, 110.9506, 117.0822};
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(whole[i], all[i], 0.001 * all[i]) << i;
+    EXPECT_NEAR(weight[i], open[i], 0.005 * open[i]) << i;
+    EXPECT_NEAR(end[i], weight[i], 1e-6 * weight[i]) << i;
+  }
+}
+
+// Stiff in shear the cube rocks about the middle of its foot: its weight on half of its height takes its share of the
+// rocking stiffness 1e7/12.
+TEST_F(Rest, WeightTakesFromTheStiffnessOfRocking) {
+  const std::string scene = write(kCube);
+  const auto lowest = [&](const std::string& state) {
+    EXPECT_EQ(quoin({"modes", scene, "--state", state, "--set", "joints.bed.normal_stiffness=1e7", "--set",
+                     "joints.bed.shear_stiffness=1e11", "--out", out()}),
+              0)
+        << error_;
+    return json(out(), "modes.json")["frequencies_Hz"][0].get<double>();
+  };
+  const double before = lowest("undamaged"), after = lowest("weight");
+  EXPECT_NEAR(after / before, std::sqrt(1.0 - kWeight * 0.5 / (1e7 / 12.0)), 5e-4);
+}
+
+TEST_F(Rest, WhatIsWrongIsSaid) {
+  const std::string scene = write(kCube);
+  EXPECT_EQ(quoin({"rest", scene, "--stage", "nowhere", "--out", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("no such stage; the scene has: push"));
+  EXPECT_EQ(quoin({"rest", scene, "--set", "stage.push.gravity=[0, 0, 0]", "--out", out()}), 3);
+  EXPECT_THAT(error_, HasSubstr("no stage has a weight or a load"));
+  EXPECT_EQ(quoin({"modes", scene, "--state", (folder_ / "none").string()}), 3);
+}
+
+// A state at rest is where another scene begins whose first stage it is.
+TEST_F(Rest, AnotherSceneBeginsThere) {
+  const std::string scene = QUOIN_SCENES "/arch.toml", rest = (folder_ / "rest").string();
+  ASSERT_EQ(quoin({"rest", scene, "--out", rest, "--set", "output.plots=false"}), 0) << error_;
+  EXPECT_EQ(json(rest, "summary.json")["status"], "done");
+  EXPECT_EQ(quoin({"run", "--again", rest, "--out", (folder_ / "again").string()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("the bits agree"));
+}
+
+}  // namespace
