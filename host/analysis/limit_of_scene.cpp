@@ -86,6 +86,16 @@ void add_ties(const members::Members& members, const std::string& file, SceneLim
     throw Error(Exit::bad_input, fmt::format("{}: [[strip]] debonds by softening, which limit analysis does not know; "
                                              "leave strips out, or run the scene",
                                              file));
+  if (!members.beams().empty())
+    throw Error(Exit::bad_input,
+                fmt::format("{}: [[beam]] has no part in limit analysis yet; give it as a [[block]], or "
+                            "run the scene",
+                            file));
+  if (!members.floors().empty())
+    throw Error(Exit::bad_input,
+                fmt::format("{}: [[floor]] and its connectors have no part in limit analysis yet; give "
+                            "its weight to blocks and its anchors as [[tie]], or run the scene",
+                            file));
   for (const members::Tie& tie : members.ties()) {
     const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
                         &to = members.nodes()[static_cast<std::size_t>(tie.to)];

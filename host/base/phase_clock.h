@@ -7,8 +7,20 @@
 
 namespace quoin {
 
-enum class Phase { jumps, law, contact_forces, internal_forces, motion, detection, measurement, watch, output, ranks };
-inline constexpr std::size_t kPhases = 10;
+enum class Phase {
+  jumps,
+  law,
+  contact_forces,
+  internal_forces,
+  motion,
+  detection,
+  measurement,
+  watch,
+  output,
+  ranks,
+  members
+};
+inline constexpr std::size_t kPhases = 11;
 
 // Wall-clock time by phase, s.
 struct PhaseTimes {

@@ -87,7 +87,8 @@ std::string phases_text(const PhaseTimes& times, double whole) {
                                       "measurements",
                                       "watch",
                                       "output",
-                                      "other ranks"};
+                                      "other ranks",
+                                      "members"};
   std::string text = "time:";
   double rest = whole;
   for (std::size_t k = 0; k < kPhases; ++k) {

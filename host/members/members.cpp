@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/error.h"
@@ -14,24 +15,6 @@ namespace {
 
 // Of the largest extent of a block, by which an end may lie off it: coordinates are typed in round numbers.
 constexpr double kOffBlock = 1e-3;
-
-// How far a point is outside of a block, at least, m; < 0: inside.
-double outside_by(const blocks::Assembly& assembly, int block, const Vector& point) {
-  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
-  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
-  const Vector own = transposed_times(matrix(b.orientation), point - b.position);
-  double outside = -1e300;
-  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
-    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
-    outside = std::max(outside, dot(shape.normals[f], own - on_face));
-  }
-  return outside;
-}
-
-double allowed_off(const blocks::Assembly& assembly, int block) {
-  const int shape = assembly.blocks[static_cast<std::size_t>(block)].shape;
-  return kOffBlock * geometry::longest_extent(assembly.shapes[static_cast<std::size_t>(shape)].vertices);
-}
 
 TieLaw law_of(const TieSpec& spec, double length) {
   TieLaw law;
@@ -49,10 +32,29 @@ std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"
 
 }  // namespace
 
+double outside_by(const blocks::Assembly& assembly, int block, const Vector& point) {
+  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
+  const Vector own = transposed_times(matrix(b.orientation), point - b.position);
+  double outside = -1e300;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
+    outside = std::max(outside, dot(shape.normals[f], own - on_face));
+  }
+  return outside;
+}
+
+double allowed_off(const blocks::Assembly& assembly, int block) {
+  const int shape = assembly.blocks[static_cast<std::size_t>(block)].shape;
+  return kOffBlock * geometry::longest_extent(assembly.shapes[static_cast<std::size_t>(shape)].vertices);
+}
+
 Members::Members(const MemberSpecs& specs, const blocks::Assembly& assembly) {
   for (const TieSpec& spec : specs.ties) add_tie(spec, assembly);
   for (const SpringSpec& spec : specs.springs) add_bed(spec, assembly);
   for (const StripSpec& spec : specs.strips) add_strip(spec, assembly);
+  for (const FloorSpec& spec : specs.floors) add_floor(spec, assembly);
+  for (const BeamSpec& spec : specs.beams) add_beam(spec, assembly);
   sort_nodes(assembly.blocks.size());
 }
 
@@ -125,10 +127,12 @@ std::span<const int> Members::nodes_of(int block) const {
   return std::span(by_block_).subspan(first, end_of_block_[static_cast<std::size_t>(block)] - first);
 }
 
-void Members::pull(const Vector& ground_way, double dt) {
+void Members::pull(const Surroundings& step) {
   for (Node& node : nodes_) node.force = {};
-  pull_beds(ground_way, dt);
-  for (Strip& strip : strips_) strip.pull(nodes_, dt);
+  pull_beds(step.ground_way, step.dt);
+  for (Strip& strip : strips_) strip.pull(nodes_, step.dt);
+  for (Floor& floor : floors_) floor.pull(nodes_, step);
+  for (Beam& beam : beams_) beam.pull(nodes_, step);
   for (Tie& tie : ties_) {
     Node &from = nodes_[static_cast<std::size_t>(tie.from)], &to = nodes_[static_cast<std::size_t>(tie.to)];
     const Vector span = to.x - from.x;
@@ -147,6 +151,10 @@ Work Members::work() const {
   }
   for (const SpringPoint& p : points_) sum.stored += p.state.stored, sum.dissipated += p.state.dissipated;
   for (const Strip& strip : strips_) sum.stored += strip.stored(), sum.dissipated += strip.dissipated();
+  for (const Floor& floor : floors_)
+    sum.stored += floor.stored(), sum.dissipated += floor.dissipated(), sum.outside += floor.outside();
+  for (const Beam& beam : beams_)
+    sum.stored += beam.stored(), sum.dissipated += beam.dissipated(), sum.outside += beam.outside();
   sum.outside += ground_work_;
   return sum;
 }
@@ -159,21 +167,43 @@ std::vector<double> Members::columns() const {
     values.insert(values.end(), {force.x, force.y, force.z});
   }
   for (const Strip& strip : strips_) values.insert(values.end(), {strip.largest_force(), strip.debonded_length()});
+  for (const Floor& floor : floors_)
+    values.insert(values.end(), {floor.largest_shear(), floor.largest_anchor(), floor.pulled_out_length()});
+  for (const Beam& beam : beams_)
+    values.insert(values.end(), {beam.largest_force(), beam.largest_moment(), beam.largest_hinge()});
   return values;
+}
+
+double Members::own_eigenvalue(double mass_scaling) const {
+  double largest = 0.0;
+  for (const Floor& floor : floors_) largest = std::max(largest, floor.own_eigenvalue(mass_scaling));
+  for (const Beam& beam : beams_) largest = std::max(largest, beam.own_eigenvalue(mass_scaling));
+  return largest;
 }
 
 std::vector<Line> Members::lines() const {
   std::vector<Line> lines;
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
-    lines.push_back({0, static_cast<int>(i), nodes_[static_cast<std::size_t>(tie.from)].x,
-                     nodes_[static_cast<std::size_t>(tie.to)].x, tie.state.force, tie.state.plastic, tie.state.broken});
+    lines.push_back({kTie, static_cast<int>(i), nodes_[static_cast<std::size_t>(tie.from)].x,
+                     nodes_[static_cast<std::size_t>(tie.to)].x, tie.state.force, tie.state.plastic, 0.0,
+                     tie.state.broken});
   }
   for (std::size_t i = 0; i < strips_.size(); ++i) {
     const Strip& strip = strips_[i];
     for (std::size_t k = 0; k < strip.forces().size(); ++k)
-      lines.push_back(
-          {1, static_cast<int>(i), strip.nodes()[k], strip.nodes()[k + 1], strip.forces()[k], 0.0, strip.is_broken(k)});
+      lines.push_back({kStrip, static_cast<int>(i), strip.nodes()[k], strip.nodes()[k + 1], strip.forces()[k], 0.0, 0.0,
+                       strip.is_broken(k)});
+  }
+  for (std::size_t i = 0; i < beams_.size(); ++i) {
+    const Beam& beam = beams_[i];
+    for (std::size_t k = 0; k < beam.pieces().size(); ++k) {
+      const Beam::Piece& p = beam.pieces()[k];
+      const double up = std::max(std::abs(p.moment[0][0]), std::abs(p.moment[0][1])),
+                   side = std::max(std::abs(p.moment[1][0]), std::abs(p.moment[1][1]));
+      lines.push_back({kBeam, static_cast<int>(i), beam.nodes()[k], beam.nodes()[k + 1], p.force, p.plastic,
+                       std::max(up, side), false});
+    }
   }
   return lines;
 }
@@ -186,6 +216,13 @@ std::vector<std::string> column_names(const MemberSpecs& specs) {
   }
   for (const StripSpec& strip : specs.strips)
     names.insert(names.end(), {fmt::format("strip_{}_N", strip.name), fmt::format("strip_{}_debonded_m", strip.name)});
+  for (const FloorSpec& floor : specs.floors)
+    names.insert(names.end(),
+                 {fmt::format("floor_{}_shear_N_per_m", floor.name), fmt::format("floor_{}_anchor_N_per_m", floor.name),
+                  fmt::format("floor_{}_pulled_out_m", floor.name)});
+  for (const BeamSpec& beam : specs.beams)
+    names.insert(names.end(), {fmt::format("beam_{}_N", beam.name), fmt::format("beam_{}_Nm", beam.name),
+                               fmt::format("beam_{}_hinge_rad", beam.name)});
   return names;
 }
 

@@ -1,5 +1,5 @@
-// Members of a model: ties between blocks, springs to the ground, strips on faces. They pull at nodes; where nodes are,
-// and what becomes of the forces there, is the model's to know (model/world_members.cpp).
+// Members of a model: ties between blocks, springs to the ground, strips on faces, floors, beams. They pull at nodes;
+// where nodes are, and what becomes of the forces there, is the model's to know (model/world_members.cpp).
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "members/beam.h"
+#include "members/floor.h"
 #include "members/node.h"
 #include "members/spring.h"
 #include "members/strip.h"
@@ -39,14 +41,22 @@ struct Bed {
   double area = 0.0;  // m2
 };
 
+// How far a point is outside of a block, at least, m; < 0: inside. And how far an end may be.
+double outside_by(const blocks::Assembly& assembly, int block, const Vector& point);
+double allowed_off(const blocks::Assembly& assembly, int block);
+
 inline constexpr int kGround = -1;  // in place of a node
+
+// Kinds of members in pictures.
+inline constexpr int kTie = 0, kStrip = 1, kFloor = 2, kBeam = 3;
 
 // A stretch of a member, as pictures show it.
 struct Line {
-  int kind = 0, member = 0;  // 0: tie, 1: strip; index among those of the kind
+  int kind = 0, member = 0;  // index among those of the kind
   Vector from, to;           // m
   double force = 0.0;        // N, tension positive
   double plastic = 0.0;      // m
+  double moment = 0.0;       // N m, the larger one of its ends
   bool broken = false;
 };
 
@@ -67,13 +77,17 @@ class Members {
   const std::vector<Tie>& ties() const { return ties_; }
   const std::vector<Bed>& beds() const { return beds_; }
   const std::vector<Strip>& strips() const { return strips_; }
+  const std::vector<Floor>& floors() const { return floors_; }
+  const std::vector<Beam>& beams() const { return beams_; }
   const std::vector<SpringPoint>& spring_points() const { return points_; }
   Vector force_of(const Bed& bed) const;  // on its blocks, N
 
   // Share of the pretension that jacks have given, from the next step on.
   void jack(double share) { jack_ = share; }
-  // Before a step: way of the ground since the last one, m; time since then, s.
-  void pull(const Vector& ground_way, double dt);
+  void pull(const Surroundings& step);  // before a step
+  // Upper bound of what own nodes of members vibrate with, 1/s2, while blocks stand still and what joins both is twice
+  // as stiff: with each_spring it bounds the whole.
+  double own_eigenvalue(double mass_scaling) const;
   // Time step that dashpots are to be stable with, s.
   void reckon_with(double dt) { reckoned_step_ = dt; }
   bool has_dashpots() const;
@@ -87,6 +101,12 @@ class Members {
     for (const Strip& strip : strips_) {
       for (std::size_t i = 0; i < strip.places().size(); ++i)
         visit(strip.places()[i].node, kGround, 2.0 * strip.bond_stiffness(i));
+    }
+    for (const Floor& floor : floors_) {
+      for (const Floor::Connector& c : floor.connectors()) visit(c.node, kGround, 2.0 * floor.stiffness_of(c));
+    }
+    for (const Beam& beam : beams_) {
+      for (const Beam::Support& s : beam.supports()) visit(s.node, kGround, 2.0 * std::max(s.law.normal, s.law.shear));
     }
     const double rate = reckoned_step_ > 0.0 ? 2.0 / reckoned_step_ : 0.0;
     for (const SpringPoint& p : points_)
@@ -103,6 +123,8 @@ class Members {
     for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
     for (const SpringPoint& p : points_) visit(p.state.slid.x), visit(p.state.slid.y), visit(p.state.slid.z);
     for (const Strip& strip : strips_) strip.each_number(visit);
+    for (const Floor& floor : floors_) floor.each_number(visit);
+    for (const Beam& beam : beams_) beam.each_number(visit);
   }
 
   template <class Archive, class Self>
@@ -112,6 +134,8 @@ class Members {
     archive.value(m.ground_), archive.value(m.ground_work_);
     for (auto& point : m.points_) archive.value(point.state);
     for (auto& strip : m.strips_) Strip::transfer(archive, strip);
+    for (auto& floor : m.floors_) Floor::transfer(archive, floor);
+    for (auto& beam : m.beams_) Beam::transfer(archive, beam);
   }
 
  private:
@@ -119,6 +143,13 @@ class Members {
   void add_tie(const TieSpec& spec, const blocks::Assembly& assembly);
   void add_bed(const SpringSpec& spec, const blocks::Assembly& assembly);
   void add_strip(const StripSpec& spec, const blocks::Assembly& assembly);
+  void add_floor(const FloorSpec& spec, const blocks::Assembly& assembly);
+  void add_beam(const BeamSpec& spec, const blocks::Assembly& assembly);
+  void hold(Beam& beam, int place, int block, const BeamSpec& spec, const std::string& how,
+            const blocks::Assembly& assembly);
+  void connect(Floor& floor, const blocks::Assembly& assembly);
+  void carry_weight(const FloorSpec& spec, Floor& floor) const;
+  int block_at(const Vector& point, const blocks::Assembly& assembly, double* off) const;
   void add_points(const SpringSpec& spec, const std::array<Vector, 3>& triangle, int block, const Vector& out);
   void sort_nodes(std::size_t blocks);
   void pull_beds(const Vector& ground_way, double dt);
@@ -130,6 +161,8 @@ class Members {
   std::vector<Bed> beds_;
   std::vector<SpringPoint> points_;
   std::vector<Strip> strips_;
+  std::vector<Floor> floors_;
+  std::vector<Beam> beams_;
   double jack_ = 0.0;
   Vector ground_;             // since the start, m
   double ground_work_ = 0.0;  // J

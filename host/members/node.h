@@ -1,6 +1,7 @@
 // A point of a block that members pull at.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -23,5 +24,25 @@ struct Node {
   geometry::Matrix turn;  // of the block since the start
   Vector force;           // on the block, N
 };
+
+// What a step brings to nodes that members have of their own.
+struct Surroundings {
+  double dt = 0.0;             // s
+  Vector ground_way;           // since the last step, m
+  Vector ground_velocity;      // that damping brakes against, m/s
+  Vector gravity;              // m/s2
+  double mass_scaling = 1.0;   // inertia over mass
+  double mass_damping = 0.0;   // 1/s
+  double local_damping = 0.0;  // of eq. 1
+};
+
+// One component of a node's velocity, on by a step. Returns what damping has taken, J. inertia: kg; force: N.
+inline double brake(const Surroundings& step, double inertia, double force, double ground, double& v) {
+  const double before = v, alpha = step.mass_damping * step.dt / 2.0;
+  const double local = v == ground ? 0.0 : std::copysign(step.local_damping * std::abs(force), v - ground);
+  v = (v * (1.0 - alpha) + step.dt / inertia * (force - local) + 2.0 * alpha * ground) / (1.0 + alpha);
+  const double middle = 0.5 * (before + v);
+  return (local + step.mass_damping * inertia * (middle - ground)) * middle * step.dt;
+}
 
 }  // namespace quoin::members

@@ -37,7 +37,9 @@ void World::follow_members() {
     }
     if (node.turns) node.turn = orientation(node.block);
   }
-  members_->pull(dt_ * ground_then_, dt_);
+  const bool eq1 = solver_.damping == DampingKind::local || solver_.damping == DampingKind::block;
+  members_->pull({dt_, dt_ * ground_then_, braking_ground(), gravity_factor_.at(time_) * gravity_, solver_.mass_scaling,
+                  solver_.damping == DampingKind::viscous ? solver_.mass_damping : 0.0, eq1 ? gamma() : 0.0});
 }
 
 // As springs of the same stiffness in all directions, which bound them however they turn.

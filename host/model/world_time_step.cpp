@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "members/members.h"
 #include "model/lanczos.h"
 #include "model/told_sums.h"
 #include "model/world.h"
@@ -516,6 +517,10 @@ void World::find_time_step(bool may_grow) {
   } else {
     // The eigenvalue of a sum of springs is at most the sum of theirs.
     critical_dt_ = 2 / std::hypot(omega, std::sqrt(springs_));
+  }
+  if (members_) {
+    const double own = members_->own_eigenvalue(solver_.mass_scaling);
+    if (own > 0) critical_dt_ = std::min(critical_dt_, 2 / std::sqrt(own));
   }
   double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
   if (impacts_damped()) dt *= omega > 0 ? step_under_impact_damping() : kLeastStep;

@@ -160,6 +160,32 @@ Json of_ties(const members::Members& members, const std::vector<HistoryRow>& row
   return ties;
 }
 
+Json of_floors(const members::Members& members) {
+  Json floors = Json::array();
+  for (const members::Floor& floor : members.floors()) {
+    floors.push_back({{"name", floor.name()},
+                      {"shear_N_per_m", floor.largest_shear()},
+                      {"plastic_shear", floor.plastic_shear()},
+                      {"anchor_N_per_m", floor.largest_anchor()},
+                      {"pulled_out_m", floor.pulled_out_length()},
+                      {"connectors", floor.connectors().size()},
+                      {"drawn_m", floor.largest_drawn()},
+                      {"slid_m", floor.largest_slid()}});
+  }
+  return floors;
+}
+
+Json of_beams(const members::Members& members) {
+  Json beams = Json::array();
+  for (const members::Beam& beam : members.beams()) {
+    beams.push_back({{"name", beam.name()},
+                     {"force_N", beam.largest_force()},
+                     {"moment_Nm", beam.largest_moment()},
+                     {"hinge_rad", beam.largest_hinge()}});
+  }
+  return beams;
+}
+
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -171,7 +197,9 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
-  if (m.members()) json["ties"] = of_ties(*m.members(), rows);
+  if (m.members())
+    json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
+    json["beams"] = of_beams(*m.members());
   if (m.impact_damping_in_use() > 0.0) json["impact_damping_in_use"] = m.impact_damping_in_use();
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;

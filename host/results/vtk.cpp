@@ -242,26 +242,35 @@ void add_parted_points(const Simulation& simulation, const std::vector<std::stri
 
 // ---- Members -------------------------------------------------------------------------------------------------------
 
-// A line a member, as members stand.
+// Ties and strips as lines, floors as quadrilaterals, where they stand.
 void write_members(const std::filesystem::path& path, const members::Members& members, bool compressed) {
   std::vector<VtkArray> arrays = arrays_of_grid();
-  for (const char* name : {"force_N", "plastic_m"})
+  for (const char* name : {"force_N", "plastic_m", "moment_Nm", "shear_N_per_m", "plastic_shear"})
     arrays.push_back({"CellData", name, kVtkType<float>, 1, VtkRows::cell});
   for (const char* name : {"kind", "member", "broken"})
     arrays.push_back({"CellData", name, kVtkType<std::int32_t>, 1, VtkRows::cell});
-  const std::vector<members::Line> lines = members.lines();
   Rows rows(arrays.size());
-  for (const members::Line& line : lines) {
+  std::size_t cells = 0;
+  const auto add = [&](std::span<const geometry::Vector> corners, std::uint8_t shape,
+                       const std::array<double, 5>& values, const std::array<int, 3>& numbers) {
     const auto first = static_cast<std::int64_t>(rows.points());
-    rows.add(kPosition, geometry::array(line.from)), rows.add(kPosition, geometry::array(line.to));
-    rows.add_corner(first), rows.add_corner(first + 1);
-    rows.end_cell(kVtkLine);
+    for (const geometry::Vector& corner : corners) rows.add(kPosition, geometry::array(corner));
+    for (std::size_t k = 0; k < corners.size(); ++k) rows.add_corner(first + static_cast<std::int64_t>(k));
+    rows.end_cell(shape);
     std::size_t field = kFirstField;
-    for (const double value : {line.force, line.plastic}) rows.add(field++, static_cast<float>(value));
-    for (const int value : {line.kind, line.member, static_cast<int>(line.broken)})
-      rows.add(field++, static_cast<std::int32_t>(value));
+    for (const double value : values) rows.add(field++, static_cast<float>(value));
+    for (const int value : numbers) rows.add(field++, static_cast<std::int32_t>(value));
+    ++cells;
+  };
+  for (const members::Line& line : members.lines())
+    add(std::array{line.from, line.to}, kVtkLine, {line.force, line.plastic, line.moment, 0.0, 0.0},
+        {line.kind, line.member, static_cast<int>(line.broken)});
+  for (std::size_t f = 0; f < members.floors().size(); ++f) {
+    for (const members::Floor::Panel& panel : members.floors()[f].panels())
+      add(panel.corner, kVtkQuad, {0.0, 0.0, 0.0, panel.shear, panel.plastic},
+          {members::kFloor, static_cast<int>(f), 0});
   }
-  VtkFile file(path, arrays, {rows.points(), lines.size(), rows.corners()}, compressed);
+  VtkFile file(path, arrays, {rows.points(), cells, rows.corners()}, compressed);
   rows.append_to(file);
   file.finish();
 }

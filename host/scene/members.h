@@ -1,6 +1,8 @@
-// What holds blocks beside their joints, as scenes say it: ties, springs to the ground, strips. SI units (m, N, Pa).
+// What holds blocks beside their joints, as scenes say it: ties, springs to the ground, strips, floors, beams. SI units
+// (m, N, Pa).
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -55,10 +57,66 @@ struct StripSpec {
   Source source;
 };
 
+// A membrane in a rectangle, joined to the blocks that its edges lie in.
+struct FloorSpec {
+  std::string name;
+  Vec3 corner{}, along{}, across{};                              // m: one corner, both edges from it
+  double spacing = 0.0;                                          // m, largest between its nodes
+  double stiffness_along = 0.0, stiffness_across = 0.0;          // N/m, modulus times thickness
+  double shear_stiffness = 0.0;                                  // N/m
+  double shear_yield = std::numeric_limits<double>::infinity();  // N/m
+  double mass = 0.0;                                             // kg/m2
+  double load = 0.0;                                             // Pa
+  std::string span = "across";                                   // towards the edges that carry its weight
+  // Of a metre of edge:
+  double axial_stiffness = 0.0, connector_stiffness = 0.0;              // N/m2, out of the edge and along it
+  double axial_strength = std::numeric_limits<double>::infinity();      // N/m, of anchors
+  double connector_strength = std::numeric_limits<double>::infinity();  // N/m, along the edge
+  double friction = 0.0;                                                // of the weight on it
+  double pull_out = std::numeric_limits<double>::infinity();            // m
+  bool bearing = true;
+  Source source;
+};
+
+// What holds a beam at a point of its line.
+struct BeamSupportSpec {
+  std::string block;              // empty: the one that has the point
+  Vec3 point{};                   // m
+  std::string hold = "built_in";  // built_in, pinned, resting
+  Source source;
+};
+
+// A bar that bends, or a cable, along a line.
+struct BeamSpec {
+  std::string name;
+  std::vector<Vec3> points;  // m
+  double spacing = 0.0;      // m, largest between its nodes
+  Vec3 up{0, 1, 0};          // towards which inertia[0] and the like bend
+  double area = 0.0;         // m2
+  // Towards `up`, to the side:
+  std::array<double, 2> inertia{};  // m4
+  std::array<double, 2> shear_area{std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::infinity()};  // m2
+  std::array<double, 2> yield_moment{std::numeric_limits<double>::infinity(),
+                                     std::numeric_limits<double>::infinity()};  // N m
+  double torsion = 0.0;                                                         // m4
+  double young_modulus = 0.0, poisson_ratio = 0.3;                              // Pa
+  double density = 0.0;                                                         // kg/m3
+  double yield_force = std::numeric_limits<double>::infinity();                 // N
+  bool compression = true;                                                      // else a cable
+  double support_stiffness = 0.0;                                               // N/m; 0: that of a piece
+  double friction = 0.6;                                                        // where it rests
+  std::string bedding = "none";                                                 // of nodes without a support
+  std::vector<BeamSupportSpec> supports;
+  Source source;
+};
+
 struct MemberSpecs {
   std::vector<TieSpec> ties;
   std::vector<SpringSpec> springs;
   std::vector<StripSpec> strips;
+  std::vector<FloorSpec> floors;
+  std::vector<BeamSpec> beams;
 };
 
 }  // namespace quoin

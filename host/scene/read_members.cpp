@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "geometry/vector.h"
 #include "scene/read_ground.h"
 
 namespace quoin {
@@ -128,6 +129,98 @@ StripSpec read_strip(Table t, int number, const Scene& scene, std::set<std::stri
   return strip;
 }
 
+void read_connector(Table& t, FloorSpec& floor) {
+  const toml::table* given = t.table("connector", "a table { axial_stiffness, shear_stiffness, ... }", true);
+  if (!given) return;
+  Table c(t.context(), *given, t.path("connector"));
+  c.number("axial_stiffness", floor.axial_stiffness, kPositive, "N/m of a metre of edge", true);
+  c.number("shear_stiffness", floor.connector_stiffness, kNotNegative, "N/m of a metre of edge", true);
+  c.number("axial_strength", floor.axial_strength, kNotNegative, "N of a metre of edge");
+  c.number("shear_strength", floor.connector_strength, kNotNegative, "N of a metre of edge");
+  c.number("friction", floor.friction, between(0.0, 2.0), "(shear over the weight on the edge)");
+  c.number("pull_out", floor.pull_out, kPositive, "m");
+  c.boolean("bearing", floor.bearing);
+  c.finish();
+}
+
+FloorSpec read_floor(Table t, int number, std::set<std::string>& taken) {
+  FloorSpec floor;
+  floor.source = {t.where()};
+  read_name(t, std::to_string(number), taken, floor.name);
+  t.numbers("corner", floor.corner, between(-kFarthest, kFarthest), "m", true);
+  read_direction(t, "along", floor.along, "m, from the corner to the next", true);
+  read_direction(t, "across", floor.across, "m, from the corner to the one before, square to along", true);
+  constexpr double kSquare = 1e-6;  // cosine of the angle between both edges
+  const geometry::Vector a = geometry::vector(floor.along), b = geometry::vector(floor.across);
+  if (std::abs(dot(a, b)) > kSquare * norm(a) * norm(b)) t.refuse("across", "a vector square to along");
+  t.number("spacing", floor.spacing, kPositive, "m", true);
+  constexpr double kMostNodes = 200;  // of an edge: a floor of more costs as much as its walls
+  const double longest = std::max(norm(a), norm(b));
+  if (floor.spacing > 0.0 && longest > kMostNodes * floor.spacing)
+    t.refuse("spacing",
+             fmt::format("at least {:.3g} m, a {:.0f}th of the longest edge", longest / kMostNodes, kMostNodes));
+  std::array<double, 2> axial{};
+  t.numbers("axial_stiffness", axial, kPositive, "N/m along and across: modulus times thickness", true);
+  floor.stiffness_along = axial[0], floor.stiffness_across = axial[1];
+  t.number("shear_stiffness", floor.shear_stiffness, kPositive, "N/m: shear modulus times thickness", true);
+  t.number("shear_yield", floor.shear_yield, kPositive, "N/m");
+  t.number("mass", floor.mass, kPositive, "kg/m2", true);
+  t.number("load", floor.load, kNotNegative, "Pa");
+  t.choice("span", floor.span, {"along", "across", "both"});
+  read_connector(t, floor);
+  t.finish();
+  return floor;
+}
+
+void read_supports(Table& t, BeamSpec& beam) {
+  int index = 0;
+  for (const toml::table* table : t.tables("support", "tables [[beam.support]]")) {
+    ++index;
+    Table s(t.context(), *table, t.path(fmt::format("support.{}", index)));
+    BeamSupportSpec support;
+    support.source = {s.where()};
+    s.numbers("point", support.point, between(-kFarthest, kFarthest), "m, on the line", true);
+    s.text("block", support.block, "the name of a block; without it the block that has the point");
+    s.choice("hold", support.hold, {"built_in", "pinned", "resting"});
+    s.finish();
+    beam.supports.push_back(support);
+  }
+}
+
+BeamSpec read_beam(Table t, int number, std::set<std::string>& taken) {
+  BeamSpec beam;
+  beam.source = {t.where()};
+  read_name(t, std::to_string(number), taken, beam.name);
+  beam.points = read_line(t);
+  t.number("spacing", beam.spacing, kPositive, "m", true);
+  read_direction(t, "up", beam.up, "across the line", false);
+  for (std::size_t k = 0; k + 1 < beam.points.size(); ++k) {
+    constexpr double kAcross = 0.05;  // sine of the angle between `up` and the line
+    const geometry::Vector up = geometry::vector(beam.up),
+                           way = geometry::vector(beam.points[k + 1]) - geometry::vector(beam.points[k]);
+    if (norm(cross(up, way)) > kAcross * norm(up) * norm(way)) continue;
+    t.refuse("up", fmt::format("a vector across the line, which runs along it from point {} on", k + 1));
+    break;
+  }
+  t.number("area", beam.area, kPositive, "m2", true);
+  t.numbers("inertia", beam.inertia, kNotNegative, "m4, of bending towards up and to the side");
+  t.numbers("shear_area", beam.shear_area, kPositive, "m2");
+  t.number("torsion", beam.torsion, kNotNegative, "m4");
+  t.number("young_modulus", beam.young_modulus, kPositive, "Pa", true);
+  t.number("poisson_ratio", beam.poisson_ratio, between(0.0, 0.5), "");
+  t.number("density", beam.density, kPositive, "kg/m3", true);
+  t.number("yield_force", beam.yield_force, kPositive, "N");
+  t.numbers("yield_moment", beam.yield_moment, kPositive, "N m, towards up and to the side");
+  t.boolean("compression", beam.compression);
+  t.number("support_stiffness", beam.support_stiffness, kPositive, "N/m");
+  t.number("friction", beam.friction, between(0.0, 2.0), "");
+  t.choice("bedding", beam.bedding, {"none", "resting", "pinned", "built_in"});
+  if ((beam.inertia[0] == 0.0) != (beam.inertia[1] == 0.0)) t.refuse("inertia", "both more than 0, or both 0: a cable");
+  read_supports(t, beam);
+  t.finish();
+  return beam;
+}
+
 }  // namespace
 
 std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
@@ -148,11 +241,25 @@ std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
     ++index;
     specs->strips.push_back(read_strip({t.context(), *table, fmt::format("strip.{}", index)}, index, scene, taken));
   }
-  if (specs->ties.empty() && specs->springs.empty() && specs->strips.empty()) return nullptr;
+  index = 0, taken.clear();
+  for (const toml::table* table : t.tables("floor", "tables [[floor]]")) {
+    ++index;
+    specs->floors.push_back(read_floor({t.context(), *table, fmt::format("floor.{}", index)}, index, taken));
+  }
+  index = 0, taken.clear();
+  for (const toml::table* table : t.tables("beam", "tables [[beam]]")) {
+    ++index;
+    specs->beams.push_back(read_beam({t.context(), *table, fmt::format("beam.{}", index)}, index, taken));
+  }
+  if (specs->ties.empty() && specs->springs.empty() && specs->strips.empty() && specs->floors.empty() &&
+      specs->beams.empty())
+    return nullptr;
   if (scene.wall && scene.wall->half_thickness)
     t.refuse(!specs->ties.empty()      ? "tie"
              : !specs->springs.empty() ? "spring"
-                                       : "strip",
+             : !specs->strips.empty()  ? "strip"
+             : !specs->floors.empty()  ? "floor"
+                                       : "beam",
              "none with wall.half_thickness = true: members have no half; make that false");
   return specs;
 }

@@ -372,7 +372,7 @@ void find_rest(Simulation& simulation, Simulation::Impl& impl) {
   if (impl.scene.members)
     throw Error(Exit::bad_input,
                 fmt::format("{}: a stage of rest does not have the forces of members ([[tie]], "
-                            "[[spring]], [[strip]]); give it equilibrium_ratio without kind = \"rest\"",
+                            "[[spring]], [[strip]], [[floor]], [[beam]]); give it equilibrium_ratio without kind = \"rest\"",
                             stage.source.text));
   const auto out_of_books = [&] {
     const std::optional<Energies> energies = simulation.measure().energies;

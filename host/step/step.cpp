@@ -50,7 +50,11 @@ void Simulation::Impl::begin_step(bool measure_step) {
   gathered = gathered_by_first = ranks == nullptr;
   has_row = false;
   timed_steps = time_every_step ? 1.0 : step_count % kTimedSteps == 0 ? static_cast<double>(kTimedSteps) : 0.0;
-  if (large_motion) large_motion->begin_step(measure_step);
+  if (!large_motion) return;
+  const bool timed = timed_steps > 0.0 && large_motion->members();
+  const auto before = timed ? Clock::now() : Clock::time_point();
+  large_motion->begin_step(measure_step);
+  if (timed) times[Phase::members] += timed_steps * seconds_since(before);
 }
 
 // Jumps, law, forces.

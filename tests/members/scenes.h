@@ -13,7 +13,7 @@
 namespace quoin::members_cases {
 
 // Rigid blocks on stiff dry joints, and a fixed base below y = 0.
-inline std::string head(double friction_angle, double normal_stiffness = 1e11) {
+inline std::string head(double friction_angle, double normal_stiffness = 1e11, double mass_damping = 4.0) {
   return fmt::format(R"([materials.stone]
 young_modulus = 1e10
 poisson_ratio = 0.2
@@ -26,7 +26,7 @@ shear_stiffness = {0:g}
 friction_angle = {1:g}
 [solver]
 damping = "viscous"
-mass_damping = 4.0
+mass_damping = {2:g}
 stiffness_damping = 2e-5
 [output]
 frames = 0
@@ -37,7 +37,7 @@ material = "stone"
 fixed = true
 box = {{ lower = [-9, -1, -9], size = [30, 1, 30] }}
 )",
-                     normal_stiffness, friction_angle);
+                     normal_stiffness, friction_angle, mass_damping);
 }
 
 inline std::string box(const std::string& name, const std::string& lower, const std::string& size,

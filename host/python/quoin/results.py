@@ -13,14 +13,15 @@ from .pictures import Pictures
 from .xdmf import save_xdmf
 
 KINDS = {"Float32": "<f4", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
-UNITS = {"m": "m", "m2": "m2", "N": "N", "Pa": "Pa", "s": "s", "J": "J", "kg": "kg", "rad": "rad"}
+UNITS = {"m": "m", "m2": "m2", "N": "N", "Pa": "Pa", "s": "s", "J": "J", "kg": "kg", "rad": "rad",
+         "Nm": "N m"}
 CELLS = {7: None, 9: None, 10: ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)),
          12: ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))}
 
 
 def unit(name):
     """Of a column or array, by the end of its name: unit("horizontal_force_N") is "N"; "" where it has none."""
-    return UNITS.get(name.rsplit("_", 1)[-1], "")
+    return "N/m" if name.endswith("_N_per_m") else UNITS.get(name.rsplit("_", 1)[-1], "")
 
 
 class _Grid:

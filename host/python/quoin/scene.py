@@ -8,7 +8,7 @@ import numpy as np
 from . import _quoin
 
 # Keys that are lists of tables: they need not be there before something is appended.
-LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "damage", "stage")
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
@@ -106,6 +106,14 @@ class Spring(Table):
 
 class Strip(Table):
     """[[strip]]: fibres along a line on faces, bonded by a law."""
+
+
+class Floor(Table):
+    """[[floor]]: a membrane between walls, joined to them by connectors."""
+
+
+class Beam(Table):
+    """[[beam]]: a bar that bends, or a cable, held by blocks."""
 
 
 class JointRule(Table):

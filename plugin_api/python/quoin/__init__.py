@@ -30,8 +30,8 @@ else:
         from .results import Moment, Results, unit  # noqa: F401
         from .results import open_results as open  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
-        from .scene import (Arch, Block, BlockMaterial, Damage, DryWall, Joint, JointRule, Scene, Spring, Stage,  # noqa: F401
-                            Strip, Table, Tie, Wall)
+        from .scene import (Arch, Beam, Block, BlockMaterial, Damage, DryWall, Floor, Joint, JointRule, Scene,  # noqa: F401
+                            Spring, Stage, Strip, Table, Tie, Wall)
         from .simulation import Simulation  # noqa: F401
 
 

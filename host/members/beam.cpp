@@ -1,0 +1,219 @@
+#include "members/beam.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace quoin::members {
+
+using geometry::Matrix;
+
+namespace {
+
+// Rotation by a vector, rad.
+Matrix rotation_by(const Vector& w) {
+  const double angle = norm(w);
+  if (angle == 0.0) return {};
+  const Vector n = w / angle;
+  const double c = std::cos(angle), s = std::sin(angle);
+  Matrix r = c * Matrix{} + (1.0 - c) * outer(n, n);
+  r += Matrix{{{0, -s * n.z, s * n.y}, {s * n.z, 0, -s * n.x}, {-s * n.y, s * n.x, 0}}};
+  return r;
+}
+
+// Of a triad in a frame, as a vector; pieces are short enough for it to be small.
+Vector rotation_in(const Matrix& frame, const Matrix& triad) {
+  const Matrix m = transposed(frame) * triad;
+  return 0.5 * Vector{m.row[2].y - m.row[1].z, m.row[0].z - m.row[2].x, m.row[1].x - m.row[0].y};
+}
+
+}  // namespace
+
+Beam::Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section)
+    : name_(std::move(name)), section_(section), start_(std::move(points)) {
+  const std::size_t n = start_.size();
+  x_ = start_, v_.resize(n), turn_.resize(n), spin_.resize(n), force_.resize(n), moment_.resize(n);
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    Piece piece;
+    piece.length = norm(start_[i + 1] - start_[i]);
+    const Vector along = normalized(start_[i + 1] - start_[i]), side = normalized(cross(along, up));
+    piece.frame = Matrix::columns(along, cross(side, along), side);
+    pieces_.push_back(piece);
+  }
+}
+
+double Beam::piece_at(int place) const {
+  const auto k = static_cast<std::size_t>(place);
+  return std::min(pieces_[k > 0 ? k - 1 : 0].length, pieces_[std::min(k, pieces_.size() - 1)].length);
+}
+
+double Beam::length() const {
+  double sum = 0.0;
+  for (const Piece& p : pieces_) sum += p.length;
+  return sum;
+}
+
+// Masses, and rotary inertia that lets rotations vibrate no faster than ways do: by the sum of the sizes in the rows of
+// the stiffness, which eigenvalues do not pass. Rotations count by the way that they make over a piece, or over
+// the arm of a support.
+void Beam::find_inertia() {
+  const std::size_t n = x_.size();
+  std::vector<double> turning(n), arm(n);
+  mass_.assign(n, 0.0), inertia_.assign(n, 0.0), row_.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) arm[i] = piece_at(static_cast<int>(i));
+  for (const Support& held : supports_) {
+    double& longest = arm[static_cast<std::size_t>(held.place)];
+    longest = std::max(longest, norm(held.arm));
+  }
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const double l = pieces_[i].length, stiff = std::max(section_.bending[0], section_.bending[1]);
+    for (const std::size_t k : {i, i + 1}) {
+      const double other = std::min(arm[i], arm[i + 1]);
+      mass_[k] += 0.5 * section_.mass * l, inertia_[k] += 0.5 * section_.polar * l;
+      row_[k] += 2.0 * section_.axial / l + 24.0 * stiff / (l * l * l) + 12.0 * stiff / (l * l * other);
+      turning[k] += 12.0 * stiff / (l * l * arm[k]) + 6.0 * stiff / (l * arm[k] * other) +
+                    2.0 * section_.torsion / (l * arm[k] * other);
+    }
+  }
+  for (const Support& s : supports_) {
+    const auto k = static_cast<std::size_t>(s.place);
+    const double stiffness = 2.0 * std::max(s.law.normal, s.law.shear), lever = norm(s.arm) / arm[k];
+    row_[k] += stiffness * (1.0 + lever), turning[k] += stiffness * lever * (1.0 + lever);
+  }
+  for (std::size_t k = 0; k < n; ++k)
+    inertia_[k] = std::max(inertia_[k], mass_[k] * arm[k] * arm[k] * turning[k] / row_[k]);
+}
+
+double Beam::own_eigenvalue(double mass_scaling) const {
+  Beam other = *this;
+  other.find_inertia();
+  double largest = 0.0;
+  for (std::size_t k = 0; k < other.row_.size(); ++k)
+    largest = std::max(largest, other.row_[k] / (mass_scaling * other.mass_[k]));
+  return largest;
+}
+
+// Moments at both ends for their rotations from the chord; hinges follow until no moment is beyond yield.
+void Beam::bend(Piece& piece, int plane, const std::array<double, 2>& rotation) {
+  const auto p = static_cast<std::size_t>(plane);
+  const double l = piece.length, ei = section_.bending[p];
+  if (ei == 0.0) return;
+  const double phi = std::isfinite(section_.shear_area[p]) ? 12.0 * ei / (section_.shear_area[p] * l * l) : 0.0;
+  const double same = ei / l * (4.0 + phi) / (1.0 + phi), other = ei / l * (2.0 - phi) / (1.0 + phi);
+  auto& [first, second] = piece.hinge[p];
+  const auto moments = [&] {
+    const double a = rotation[0] - first, b = rotation[1] - second;
+    return std::array{same * a + other * b, other * a + same * b};
+  };
+  const double most = section_.yield_moment[p];
+  std::array<double, 2> m = moments();
+  const std::array<double, 2> before = piece.hinge[p];
+  // Each end in turn: the stiffness is positive, so that this comes to an end.
+  for (int round = 0; round < 50 && (std::abs(m[0]) > most || std::abs(m[1]) > most); ++round) {
+    const int end = std::abs(m[0]) >= std::abs(m[1]) ? 0 : 1;
+    piece.hinge[p][static_cast<std::size_t>(end)] +=
+        (m[static_cast<std::size_t>(end)] - std::copysign(most, m[static_cast<std::size_t>(end)])) / same;
+    m = moments();
+  }
+  piece.moment[p] = m;
+  for (std::size_t end = 0; end < 2; ++end) {
+    dissipated_ += m[end] * (piece.hinge[p][end] - before[end]);
+    stored_ += 0.5 * m[end] * (rotation[end] - piece.hinge[p][end]);
+  }
+}
+
+void Beam::pull_piece(std::size_t i) {
+  Piece& piece = pieces_[i];
+  const Vector span = x_[i + 1] - x_[i];
+  const double now = norm(span), k = section_.axial / piece.length;
+  const double trial = k * (now - piece.length - piece.plastic);
+  const double beyond = std::max(std::abs(trial) - section_.yield_force, 0.0);
+  piece.plastic += std::copysign(beyond / k, trial);
+  dissipated_ += section_.yield_force < 1e300 ? section_.yield_force * beyond / k : 0.0;
+  piece.force = trial - std::copysign(beyond, trial);
+  if (!section_.compression) piece.force = std::max(piece.force, 0.0);
+  stored_ += 0.5 * piece.force * piece.force / k;
+  const Vector along = span / now, pulling = piece.force * along;
+  force_[i] += pulling, force_[i + 1] -= pulling;
+  if (section_.bending[0] == 0.0 && section_.bending[1] == 0.0 && section_.torsion == 0.0) return;
+  const Matrix first = turn_[i] * piece.frame, second = turn_[i + 1] * piece.frame;
+  const Vector side = normalized(cross(along, first.column(1) + second.column(1)));
+  const Matrix frame = Matrix::columns(along, cross(side, along), side);
+  const Vector a = rotation_in(frame, first), b = rotation_in(frame, second);
+  piece.torque = section_.torsion / piece.length * (b.x - a.x);
+  stored_ += 0.5 * piece.torque * (b.x - a.x);
+  bend(piece, 0, {a.z, b.z});
+  bend(piece, 1, {a.y, b.y});
+  // On the piece by its nodes.
+  const Vector on_first = frame * Vector{-piece.torque, piece.moment[1][0], piece.moment[0][0]};
+  const Vector on_second = frame * Vector{piece.torque, piece.moment[1][1], piece.moment[0][1]};
+  const Vector shear = cross(along, on_first + on_second) / now;
+  moment_[i] -= on_first, moment_[i + 1] -= on_second;
+  force_[i] += shear, force_[i + 1] -= shear;
+}
+
+void Beam::pull_support(Support& s, std::vector<Node>& nodes, double dt) {
+  const auto k = static_cast<std::size_t>(s.place);
+  Node& node = nodes[static_cast<std::size_t>(s.node)];
+  const Vector arm = turn_[k] * s.arm;
+  const Vector moved = (node.x - node.start) - (x_[k] + arm - start_[k] - s.arm);
+  const double dissipated = s.state.dissipated;
+  s.state.follow(s.law, s.out, moved, dt);
+  dissipated_ += s.state.dissipated - dissipated, stored_ += s.state.stored;
+  node.force += s.state.force;
+  force_[k] -= s.state.force, moment_[k] -= cross(arm, s.state.force);
+}
+
+void Beam::advance(const Surroundings& step) {
+  for (std::size_t k = 0; k < x_.size(); ++k) {
+    const double mass = step.mass_scaling * mass_[k];
+    const Vector weight = mass_[k] * step.gravity, force = force_[k] + weight, before = v_[k];
+    Vector turned;
+    for (int c = 0; c < 3; ++c) {
+      dissipated_ += brake(step, mass, force[c], step.ground_velocity[c], v_[k][c]);
+      const double spin = spin_[k][c];
+      dissipated_ += brake(step, step.mass_scaling * inertia_[k], moment_[k][c], 0.0, spin_[k][c]);
+      const double middle = 0.5 * (spin + spin_[k][c]);
+      stored_ += 0.5 * step.mass_scaling * inertia_[k] * middle * middle;
+      turned[c] = step.dt * spin_[k][c];
+    }
+    const Vector middle = 0.5 * (before + v_[k]);
+    stored_ += 0.5 * mass * dot(middle, middle);
+    outside_ += step.dt * dot(weight, middle);
+    x_[k] += step.dt * v_[k];
+    turn_[k] = rotation_by(turned) * turn_[k];
+  }
+}
+
+void Beam::pull(std::vector<Node>& nodes, const Surroundings& step) {
+  if (mass_.empty()) find_inertia();
+  stored_ = 0.0;
+  std::fill(force_.begin(), force_.end(), Vector{});
+  std::fill(moment_.begin(), moment_.end(), Vector{});
+  for (std::size_t i = 0; i < pieces_.size(); ++i) pull_piece(i);
+  for (Support& s : supports_) pull_support(s, nodes, step.dt);
+  advance(step);
+}
+
+double Beam::largest_force() const {
+  double largest = 0.0;
+  for (const Piece& p : pieces_) largest = std::max(largest, std::abs(p.force));
+  return largest;
+}
+
+double Beam::largest_moment() const {
+  double largest = 0.0;
+  for (const Piece& p : pieces_) {
+    for (const auto& ends : p.moment) largest = std::max({largest, std::abs(ends[0]), std::abs(ends[1])});
+  }
+  return largest;
+}
+
+double Beam::largest_hinge() const {
+  double largest = 0.0;
+  for (const Piece& p : pieces_) {
+    for (const auto& ends : p.hinge) largest = std::max({largest, std::abs(ends[0]), std::abs(ends[1])});
+  }
+  return largest;
+}
+
+}  // namespace quoin::members

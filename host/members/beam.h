@@ -1,0 +1,103 @@
+// A beam or cable: co-rotational Timoshenko pieces between nodes of its own, with plastic hinges at their ends.
+// Equations: README.md.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "members/node.h"
+#include "members/spring.h"
+
+namespace quoin::members {
+
+struct Section {
+  double axial = 0.0;                  // E A, N
+  double torsion = 0.0;                // G J, N m2
+  std::array<double, 2> bending{};     // E I, N m2: of deflection towards `up`, and to the side
+  std::array<double, 2> shear_area{};  // G As, N; infinity: none
+  double mass = 0.0;                   // kg/m
+  double polar = 0.0;                  // rotary inertia of a metre, kg m
+  double yield_force = std::numeric_limits<double>::infinity();  // N
+  std::array<double, 2> yield_moment{};                          // N m
+  bool compression = true;
+};
+
+class Beam {
+ public:
+  // One spring between a node of the beam, by an arm that turns with it, and a block.
+  struct Support {
+    int place = 0, node = 0;
+    Vector arm;  // m, at the start
+    bool rests = false;
+    Vector out;  // of the block's face, unit: where it rests
+    SpringLaw law;
+    SpringState state;
+    Vector moved;  // of the last step, m: block less beam
+  };
+  // points: of its nodes at the start, m. up: not along the line.
+  Beam(std::string name, std::vector<Vector> points, const Vector& up, const Section& section);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Vector>& nodes() const { return x_; }
+  std::vector<Support>& supports() { return supports_; }
+  const std::vector<Support>& supports() const { return supports_; }
+  double piece_at(int place) const;  // shortest piece there, m
+  const Section& section() const { return section_; }
+  double length() const;  // at the start, m
+
+  void pull(std::vector<Node>& nodes, const Surroundings& step);
+  double own_eigenvalue(double mass_scaling) const;  // as of floors
+
+  struct Piece {
+    double length = 0.0;                            // at the start, m
+    geometry::Matrix frame;                         // at the start: columns along, up, side
+    double plastic = 0.0;                           // elongation, m
+    std::array<std::array<double, 2>, 2> hinge{};   // plastic rotation: towards up and side; at either end
+    double force = 0.0, torque = 0.0;               // N, N m
+    std::array<std::array<double, 2>, 2> moment{};  // N m, as hinge
+  };
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  double stored() const { return stored_; }
+  double dissipated() const { return dissipated_; }
+  double outside() const { return outside_; }
+  double largest_force() const;   // N, of size
+  double largest_moment() const;  // N m
+  double largest_hinge() const;   // rad
+
+  template <class Visit>
+  void each_number(const Visit& visit) const {
+    for (const Vector& x : x_) visit(x.x), visit(x.y), visit(x.z);
+    for (const Piece& p : pieces_) visit(p.plastic), visit(p.force);
+  }
+  template <class Archive, class Self>
+  static void transfer(Archive& archive, Self& s) {
+    archive.array(s.x_), archive.array(s.v_), archive.array(s.turn_), archive.array(s.spin_);
+    for (auto& piece : s.pieces_) archive.value(piece);
+    for (auto& support : s.supports_) archive.value(support);
+    archive.value(s.stored_), archive.value(s.dissipated_), archive.value(s.outside_);
+  }
+
+ private:
+  void find_inertia();
+  void pull_piece(std::size_t i);
+  void bend(Piece& piece, int plane, const std::array<double, 2>& rotation);
+  void pull_support(Support& support, std::vector<Node>& nodes, double dt);
+  void advance(const Surroundings& step);
+
+  std::string name_;
+  Section section_;
+  std::vector<Vector> start_;
+  std::vector<Piece> pieces_;
+  std::vector<Support> supports_;
+  std::vector<Vector> x_, v_;           // m; m/s half a step ago
+  std::vector<geometry::Matrix> turn_;  // since the start
+  std::vector<Vector> spin_;            // rad/s half a step ago
+  std::vector<double> mass_, inertia_;  // kg, kg m2
+  std::vector<double> row_;             // of the stiffness of ways at each node, N/m
+  std::vector<Vector> force_, moment_;
+  double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
+};
+
+}  // namespace quoin::members

@@ -1,0 +1,143 @@
+// Where beams are: their nodes along a line, and the blocks that hold them.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "members/members.h"
+#include "scene/generate_blocks.h"
+
+namespace quoin::members {
+
+namespace {
+
+constexpr double kSame = 1e-6;  // m: points closer than this are one
+
+Section section_of(const BeamSpec& spec) {
+  const double shear = spec.young_modulus / (2.0 * (1.0 + spec.poisson_ratio));
+  Section s;
+  s.axial = spec.young_modulus * spec.area, s.torsion = shear * spec.torsion;
+  for (std::size_t c = 0; c < 2; ++c) {
+    s.bending[c] = spec.young_modulus * spec.inertia[c];
+    s.shear_area[c] = shear * spec.shear_area[c];
+  }
+  s.mass = spec.density * spec.area, s.polar = spec.density * (spec.inertia[0] + spec.inertia[1]);
+  s.yield_force = spec.yield_force, s.yield_moment = spec.yield_moment;
+  s.compression = spec.compression;
+  return s;
+}
+
+// Nodes at most `spacing` apart; at corners of the line and at supports as well.
+std::vector<Vector> places_along(const BeamSpec& spec) {
+  std::vector<Vector> nodes{geometry::vector(spec.points.front())};
+  std::vector<bool> found(spec.supports.size());
+  for (std::size_t k = 0; k + 1 < spec.points.size(); ++k) {
+    const Vector from = geometry::vector(spec.points[k]), to = geometry::vector(spec.points[k + 1]);
+    const double length = norm(to - from);
+    std::vector<double> stops{length};
+    for (std::size_t i = 0; i < spec.supports.size(); ++i) {
+      const Vector at = geometry::vector(spec.supports[i].point) - from;
+      const double way = dot(at, to - from) / length;
+      if (norm(at - (way / length) * (to - from)) > kSame || way < -kSame || way > length + kSame) continue;
+      found[i] = true;
+      if (way > kSame && way < length - kSame) stops.push_back(way);
+    }
+    std::sort(stops.begin(), stops.end());
+    double last = 0.0;
+    for (const double stop : stops) {
+      if (stop - last <= kSame) continue;
+      const auto pieces = static_cast<int>(std::ceil((stop - last) / spec.spacing - 1e-9));
+      for (int i = 1; i <= pieces; ++i)
+        nodes.push_back(from + ((last + (stop - last) * i / pieces) / length) * (to - from));
+      last = stop;
+    }
+  }
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!found[i])
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: the support at {} is not on the line of beam '{}'; allowed: a point "
+                              "of it, to {:g} m",
+                              spec.supports[i].source.text, geometry::place(geometry::vector(spec.supports[i].point)),
+                              spec.name, kSame));
+  }
+  return nodes;
+}
+
+// The face of a block that has the point, or is nearest to it: its outward normal, in space.
+Vector face_towards(const blocks::Assembly& assembly, int block, const Vector& point) {
+  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
+  const geometry::Matrix turned = matrix(b.orientation);
+  const Vector own = transposed_times(turned, point - b.position);
+  double nearest = -1e300;
+  Vector normal;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const double off = dot(shape.normals[f], own - shape.vertices[static_cast<std::size_t>(shape.faces[f].front())]);
+    if (off > nearest) nearest = off, normal = turned * shape.normals[f];
+  }
+  return normal;
+}
+
+// Points that a block holds a built-in node by: half way to its corners.
+std::vector<Vector> grips(const blocks::Assembly& assembly, int block, const Vector& point) {
+  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  std::vector<Vector> at;
+  for (const Vector& corner : assembly.shapes[static_cast<std::size_t>(b.shape)].vertices)
+    at.push_back(0.5 * (point + b.position + matrix(b.orientation) * corner));
+  return at;
+}
+
+}  // namespace
+
+void Members::hold(Beam& beam, int place, int block, const BeamSpec& spec, const std::string& how,
+                   const blocks::Assembly& assembly) {
+  const Vector at = beam.nodes()[static_cast<std::size_t>(place)];
+  const std::vector<Vector> points = how == "built_in" ? grips(assembly, block, at) : std::vector<Vector>{at};
+  const double whole =
+      spec.support_stiffness > 0.0 ? spec.support_stiffness : beam.section().axial / beam.piece_at(place);
+  for (const Vector& point : points) {
+    Beam::Support support;
+    support.place = place, support.node = static_cast<int>(nodes_.size());
+    support.arm = point - at, support.out = face_towards(assembly, block, at);
+    support.rests = how == "resting";
+    support.law.normal = support.law.shear = whole / static_cast<double>(points.size());
+    support.law.tension = !support.rests;
+    if (support.rests) support.law.friction = spec.friction;
+    Node node;
+    node.block = block;
+    node.start = node.x = point;
+    nodes_.push_back(node);
+    beam.supports().push_back(support);
+  }
+}
+
+void Members::add_beam(const BeamSpec& spec, const blocks::Assembly& assembly) {
+  Beam beam(spec.name, places_along(spec), geometry::vector(spec.up), section_of(spec));
+  std::vector<bool> held(beam.nodes().size());
+  for (const BeamSupportSpec& support : spec.supports) {
+    const Vector point = geometry::vector(support.point);
+    const auto closer = [&](const Vector& a, const Vector& b) { return norm(a - point) < norm(b - point); };
+    const auto place =
+        static_cast<int>(std::min_element(beam.nodes().begin(), beam.nodes().end(), closer) - beam.nodes().begin());
+    const int node = node_at({support.block, support.point, support.source}, assembly);
+    const int block = nodes_[static_cast<std::size_t>(node)].block;
+    nodes_.pop_back();
+    hold(beam, place, block, spec, support.hold, assembly);
+    held[static_cast<std::size_t>(place)] = true;
+  }
+  for (std::size_t k = 0; spec.bedding != "none" && k < held.size(); ++k) {
+    double off = 0.0;
+    const int block = held[k] ? -1 : block_at(beam.nodes()[k], assembly, &off);
+    if (block >= 0) hold(beam, static_cast<int>(k), block, spec, spec.bedding, assembly);
+  }
+  if (beam.supports().empty())
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: beam '{}' from {} to {} is held by no block; give it [[beam.support]], or bedding with "
+                    "nodes in or on blocks",
+                    spec.source.text, spec.name, geometry::place(beam.nodes().front()),
+                    geometry::place(beam.nodes().back())));
+  beams_.push_back(std::move(beam));
+}
+
+}  // namespace quoin::members

@@ -1,0 +1,137 @@
+// A floor: a membrane in its own plane between walls, with inertia, held to them by connectors. Equations: README.md.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "members/node.h"
+
+namespace quoin::members {
+
+// Two numbers in the plane of a floor: along, across.
+struct InPlane {
+  double along = 0.0, across = 0.0;
+};
+
+struct Membrane {
+  double along = 0.0, across = 0.0;                              // axial stiffness, N/m
+  double shear = 0.0;                                            // N/m
+  double shear_yield = std::numeric_limits<double>::infinity();  // N/m
+  double mass = 0.0;                                             // kg/m2
+  double load = 0.0;                                             // Pa, without inertia
+};
+
+// Of a metre of edge.
+struct ConnectorLaw {
+  double axial = 0.0, shear = 0.0;                                  // N/m2
+  double axial_strength = 0.0;                                      // N/m, of anchors in tension
+  double shear_strength = std::numeric_limits<double>::infinity();  // N/m
+  double friction = 0.0;                                            // of the weight that a connector brings
+  double pull_out = std::numeric_limits<double>::infinity();        // m, at which anchors are out
+  bool bearing = true;                                              // the wall's push comes through
+};
+
+class Floor {
+ public:
+  struct Connector {
+    int place = 0;         // node of the floor
+    int node = 0;          // of the block
+    InPlane out;           // of the floor, unit
+    double length = 0.0;   // of edge, m
+    double carried = 0.0;  // of the floor, m2
+    // Of the last step, in the frame that turns with the floor:
+    double open = 0.0, slip = 0.0;                  // how far the block has moved, outwards and along the edge, m
+    double axial = 0.0, anchor = 0.0, shear = 0.0;  // N; axial: anchors and bearing
+    double slid = 0.0, drawn = 0.0;                 // history: along the edge; by which anchors have yielded, m
+    double stored = 0.0;                            // J
+    bool is_out = false;
+  };
+  struct Grid {
+    Vector origin, along, across;  // m; unit; unit
+    std::array<double, 2> size{};  // m
+    std::array<int, 2> pieces{};
+  };
+  Floor(std::string name, const Grid& grid, const Membrane& membrane, const ConnectorLaw& law);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Connector>& connectors() const { return connectors_; }
+  std::vector<Connector>& connectors() { return connectors_; }
+  int place_at(int i, int j) const { return j * (grid_.pieces[0] + 1) + i; }
+  Vector start_of(int place) const;  // m
+  double share_of(int place) const;  // of the area, m2
+  const Grid& grid() const { return grid_; }
+  const Membrane& membrane() const { return membrane_; }
+  double area() const { return grid_.size[0] * grid_.size[1]; }
+
+  // Forces on the blocks, and the floor on by a step.
+  void pull(std::vector<Node>& nodes, const Surroundings& step);
+
+  // Upper bounds: of the stiffness of a connector, N/m; of what its own nodes vibrate with while blocks stand still and
+  // connectors are twice as stiff, 1/s2.
+  double stiffness_of(const Connector& c) const;
+  double own_eigenvalue(double mass_scaling) const;
+
+  double stored() const { return stored_; }  // and in motion, J
+  double dissipated() const { return dissipated_; }
+  double outside() const { return outside_; }
+  double largest_shear() const;      // N/m
+  double largest_anchor() const;     // N/m
+  double pulled_out_length() const;  // m
+  double plastic_shear() const;      // largest
+  double largest_drawn() const;      // of its anchors, m
+  double largest_slid() const;       // of its connectors along their edges, m
+
+  // A panel between four nodes, as pictures show it.
+  struct Panel {
+    std::array<Vector, 4> corner;  // m
+    double shear = 0.0;            // N/m
+    double plastic = 0.0;
+  };
+  std::vector<Panel> panels() const;
+  Vector place_now(int place) const;  // m
+
+  template <class Visit>
+  void each_number(const Visit& visit) const {
+    for (const InPlane& u : moved_) visit(u.along), visit(u.across);
+    for (const double p : sheared_) visit(p);
+    for (const Connector& c : connectors_) visit(c.slid), visit(c.drawn);
+  }
+  template <class Archive, class Self>
+  static void transfer(Archive& archive, Self& s) {
+    archive.array(s.moved_), archive.array(s.velocity_), archive.array(s.sheared_), archive.array(s.shear_flow_);
+    archive.array(s.lift_then_);
+    for (auto& c : s.connectors_) archive.value(c);
+    archive.value(s.stored_), archive.value(s.dissipated_), archive.value(s.outside_), archive.value(s.begun_),
+        archive.value(s.weight_);
+  }
+
+ private:
+  void turn_along();
+  void find_local();
+  void pull_membrane();
+  void pull_connector(Connector& c, std::vector<Node>& nodes);
+  void load_blocks(std::vector<Node>& nodes, const Surroundings& step);
+  void advance(const Surroundings& step);
+
+  std::string name_;
+  Grid grid_;
+  Membrane membrane_;
+  ConnectorLaw law_;
+  std::vector<Connector> connectors_;
+  std::vector<InPlane> start_;             // from the middle, m
+  std::vector<InPlane> moved_, velocity_;  // m; m/s half a step ago
+  std::vector<double> sheared_;            // plastic, of panels
+  std::vector<double> shear_flow_;         // N/m, of panels
+  std::vector<double> lift_then_;          // of connectors: how far the block had moved along the normal, m
+  double stored_ = 0.0, dissipated_ = 0.0, outside_ = 0.0;
+  double weight_ = 0.0;  // N/m2 along the normal, of now
+  std::uint8_t begun_ = 0;
+  // Of the step: rotation of the floor in its plane; displacement in the frame that turns with it; forces there.
+  double cosine_ = 1.0, sine_ = 0.0;
+  std::vector<InPlane> local_, force_;
+};
+
+}  // namespace quoin::members

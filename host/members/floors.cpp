@@ -1,0 +1,142 @@
+// Where floors are: their nodes, and the blocks that their edges lie in.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "members/members.h"
+
+namespace quoin::members {
+
+namespace {
+
+Floor::Grid grid_of(const FloorSpec& spec) {
+  const Vector along = geometry::vector(spec.along), across = geometry::vector(spec.across);
+  Floor::Grid grid{
+      geometry::vector(spec.corner), normalized(along), normalized(across), {norm(along), norm(across)}, {}};
+  for (std::size_t c = 0; c < 2; ++c)
+    grid.pieces[c] = std::max(1, static_cast<int>(std::ceil(grid.size[c] / spec.spacing - 1e-9)));
+  return grid;
+}
+
+// Of a line of nodes between two edges: each node's weight goes to the first and the last that are held, by the lever.
+// Returns whether some is held. line: places; at: their places along it, m; held: by place, connectors of these edges.
+bool carry(const Floor& floor, const std::vector<int>& line, const std::vector<double>& at, double share,
+           const std::vector<std::vector<std::size_t>>& held, std::vector<double>& carried) {
+  std::size_t first = 0, last = line.size() - 1;
+  const auto is_held = [&](std::size_t k) { return !held[static_cast<std::size_t>(line[k])].empty(); };
+  while (first < last && !is_held(first)) ++first;
+  while (last > first && !is_held(last)) --last;
+  if (!is_held(first)) return false;
+  const auto give = [&](std::size_t k, double area) {
+    const std::vector<std::size_t>& to = held[static_cast<std::size_t>(line[k])];
+    for (const std::size_t c : to) carried[c] += area / static_cast<double>(to.size());
+  };
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    const double area = share * floor.share_of(line[k]);
+    const double lever = first == last ? 0.0 : (at[k] - at[first]) / (at[last] - at[first]);
+    give(first, (1.0 - lever) * area), give(last, lever * area);
+  }
+  return true;
+}
+
+}  // namespace
+
+// The block that has a point, or none; off: how far the nearest is, m.
+int Members::block_at(const Vector& point, const blocks::Assembly& assembly, double* off) const {
+  int nearest = -1;
+  *off = 1e300;
+  for (std::size_t b = 0; b < assembly.blocks.size(); ++b) {
+    const double outside = outside_by(assembly, static_cast<int>(b), point);
+    if (outside < *off - 1e-9) *off = outside, nearest = static_cast<int>(b);
+  }
+  return nearest >= 0 && *off <= allowed_off(assembly, nearest) ? nearest : -1;
+}
+
+void Members::connect(Floor& floor, const blocks::Assembly& assembly) {
+  const auto& [n, m] = floor.grid().pieces;
+  const double a = floor.grid().size[0] / n, b = floor.grid().size[1] / m;
+  const auto block_of = [&](int i, int j) {
+    double off = 0.0;
+    return block_at(floor.start_of(floor.place_at(i, j)), assembly, &off);
+  };
+  // A corner belongs to an edge that runs in a wall there, not to one that ends at a wall.
+  const auto add = [&](int i, int j, bool along, const InPlane& out) {
+    const int k = along ? i : j, last = along ? n : m;
+    const bool corner = k == 0 || k == last;
+    const int inner = k == 0 ? 1 : last - 1;
+    Node node;
+    node.block = block_of(i, j);
+    if (node.block < 0 || (corner && block_of(along ? inner : i, along ? j : inner) < 0)) return;
+    Floor::Connector connector;
+    connector.place = floor.place_at(i, j), connector.node = static_cast<int>(nodes_.size());
+    node.start = node.x = floor.start_of(connector.place);
+    connector.out = out, connector.length = (along ? a : b) * (corner ? 0.5 : 1.0);
+    nodes_.push_back(node);
+    floor.connectors().push_back(connector);
+  };
+  for (int i = 0; i <= n; ++i) add(i, 0, true, {0, -1}), add(i, m, true, {0, 1});
+  for (int j = 0; j <= m; ++j) add(0, j, false, {-1, 0}), add(n, j, false, {1, 0});
+}
+
+// To the edges that its joists end on.
+void Members::carry_weight(const FloorSpec& spec, Floor& floor) const {
+  const auto& [n, m] = floor.grid().pieces;
+  std::vector<double> carried(floor.connectors().size());
+  const double share = spec.span == "both" ? 0.5 : 1.0;
+  for (const bool across : {false, true}) {
+    if (spec.span == (across ? "along" : "across")) continue;
+    std::vector<std::vector<std::size_t>> held(static_cast<std::size_t>((n + 1) * (m + 1)));
+    for (std::size_t c = 0; c < floor.connectors().size(); ++c) {
+      const Floor::Connector& connector = floor.connectors()[c];
+      if ((connector.out.across != 0.0) == across) held[static_cast<std::size_t>(connector.place)].push_back(c);
+    }
+    for (int i = 0; i <= (across ? n : m); ++i) {
+      std::vector<int> line;
+      std::vector<double> at;
+      for (int j = 0; j <= (across ? m : n); ++j) {
+        line.push_back(across ? floor.place_at(i, j) : floor.place_at(j, i));
+        at.push_back(floor.grid().size[across ? 1 : 0] * j / (across ? m : n));
+      }
+      if (!carry(floor, line, at, share, held, carried))
+        throw Error(Exit::bad_input,
+                    fmt::format("{}: floor '{}' has no wall for the weight of its line from {} to {}; put one of these "
+                                "into a block, or change span (\"{}\")",
+                                spec.source.text, spec.name, geometry::place(floor.start_of(line.front())),
+                                geometry::place(floor.start_of(line.back())), spec.span));
+    }
+  }
+  for (std::size_t c = 0; c < carried.size(); ++c) floor.connectors()[c].carried = carried[c];
+}
+
+void Members::add_floor(const FloorSpec& spec, const blocks::Assembly& assembly) {
+  Membrane membrane;
+  membrane.along = spec.stiffness_along, membrane.across = spec.stiffness_across;
+  membrane.shear = spec.shear_stiffness, membrane.shear_yield = spec.shear_yield;
+  membrane.mass = spec.mass, membrane.load = spec.load;
+  const ConnectorLaw law{spec.axial_stiffness, spec.connector_stiffness,
+                         spec.axial_strength,  spec.connector_strength,
+                         spec.friction,        spec.pull_out,
+                         spec.bearing};
+  Floor floor(spec.name, grid_of(spec), membrane, law);
+  connect(floor, assembly);
+  if (floor.connectors().empty()) {
+    std::string places;
+    const auto& [n, m] = floor.grid().pieces;
+    for (const auto& [i, j] : {std::pair{0, 0}, std::pair{n, 0}, std::pair{n, m}, std::pair{0, m}}) {
+      const Vector corner = floor.start_of(floor.place_at(i, j));
+      double off = 0.0;
+      block_at(corner, assembly, &off);
+      places += fmt::format("{}{} ({:.3g} m off the nearest block)", places.empty() ? "" : ", ",
+                            geometry::place(corner), off);
+    }
+    throw Error(Exit::bad_input,
+                fmt::format("{}: floor '{}' meets no wall: none of the nodes of its edges lies in or on "
+                            "a block; corners: {}. Move its edges into walls, or take a smaller spacing",
+                            spec.source.text, spec.name, places));
+  }
+  carry_weight(spec, floor);
+  floors_.push_back(std::move(floor));
+}
+
+}  // namespace quoin::members

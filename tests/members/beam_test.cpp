@@ -1,0 +1,217 @@
+// Beams and cables against closed forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "scenes.h"
+
+namespace quoin {
+namespace {
+
+using members_cases::box;
+using members_cases::head;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// Square section of 0.1 m, of something soft: that takes few steps.
+constexpr double kModulus = 1e8, kArea = 0.01, kInertia = 1e-4 / 12, kDensity = 500.0, kShear = kModulus / 2.6;
+constexpr double kWeight = kDensity * kArea * 9.81;  // N/m
+
+std::string beam(const std::string& points, double spacing, const std::string& more) {
+  return fmt::format(
+      "[[beam]]\nname = \"b\"\npoints = {}\nspacing = {}\narea = {}\nyoung_modulus = {}\ndensity = {}\n{}\n", points,
+      spacing, kArea, kModulus, kDensity, more);
+}
+std::string bending() { return fmt::format("inertia = [{0}, {0}]\ntorsion = {0}\n", kInertia); }
+std::string support(const std::string& block, const std::string& point, const std::string& hold = "built_in") {
+  return fmt::format("[[beam.support]]\nblock = \"{}\"\npoint = {}\nhold = \"{}\"\n", block, point, hold);
+}
+std::string stage(const std::string& gravity, double ramp, double duration) {
+  return fmt::format("[[stage]]\ngravity = {}\nramp_time = {}\nduration = {}\n", gravity, ramp, duration);
+}
+
+std::unique_ptr<Simulation> ran(const std::string& scene) {
+  auto simulation = std::make_unique<Simulation>(read_scene_text(scene, "beam.toml"), 1);
+  Observer nobody;
+  simulation->run(nobody);
+  return simulation;
+}
+const members::Beam& beam_of(const Simulation& simulation) {
+  return simulation.large_motion()->members()->beams().front();
+}
+
+// Both ends are driven: apart, turned against each other about the beam's side, twisted. Pieces of unequal length have
+// the same force, moment and torque; 1e-3: rest of motion, and supports that give by what is seen at the ends.
+TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
+  const auto driven = [](const std::string& left, const std::string& right) {
+    return ran(head(30.0, 1e9, 40.0) + box("left", "[-1, 0, -0.5]", "[1, 1, 1]") +
+               box("right", "[2, 0, -0.5]", "[1, 1, 1]") +
+               beam("[[0, 0.5, 0], [0.13, 0.5, 0], [0.6, 0.5, 0], [1.1, 0.5, 0], [2, 0.5, 0]]", 0.5,
+                    bending() + "support_stiffness = 1e8\n" + support("left", "[0, 0.5, 0]") +
+                        support("right", "[2, 0.5, 0]")) +
+               "[[stage]]\nduration = 0.3\nramp_time = 0.1\n[[stage.velocity]]\nblock = \"left\"\n" + left +
+               "[[stage.velocity]]\nblock = \"right\"\n" + right +
+               "[[stage]]\nduration = 0.8\nramp_time = 0.05\n[[stage.velocity]]\nblock = \"left\"\nvelocity = [0, 0, "
+               "0]\n[[stage.velocity]]\nblock = \"right\"\nvelocity = [0, 0, 0]\n");
+  };
+  const auto stretched = driven("velocity = [0, 0, 0]\n", "velocity = [1e-2, 0, 0]\n");
+  const auto& pieces = beam_of(*stretched).pieces();
+  const double total = beam_of(*stretched).nodes().back().x - beam_of(*stretched).nodes().front().x - 2.0;
+  for (const members::Beam::Piece& p : pieces) {
+    EXPECT_NEAR(p.force, kModulus * kArea * total / 2.0, 1e-3 * p.force);
+    EXPECT_NEAR(p.moment[0][0], 0.0, 1e-6 * p.force);
+  }
+  // Each block turns about its own centre, 0.5 m behind the end: along y its end then moves, alike on both sides.
+  const auto bent =
+      driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-2]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-2]\n");
+  const double moment = beam_of(*bent).pieces().front().moment[0][0];
+  const Simulation& s = *bent;
+  const double turned = -std::asin(s.large_motion()->orientation(1).row[0].y);
+  for (const members::Beam::Piece& p : beam_of(*bent).pieces()) {
+    EXPECT_NEAR(std::abs(p.moment[0][0]), std::abs(moment), 1e-3 * std::abs(moment));
+    EXPECT_NEAR(p.moment[0][0], -p.moment[0][1], 1e-3 * std::abs(moment));
+  }
+  EXPECT_NEAR(std::abs(moment) / (kModulus * kInertia * 2 * std::abs(turned) / 2.0), 1.0, 2e-3);
+  const auto twisted = driven("velocity = [0, 0, 0]\n", "velocity = [0, 0, 0]\nomega = [1e-2, 0, 0]\n");
+  const double twist = std::asin(twisted->large_motion()->orientation(2).row[2].y);
+  for (const members::Beam::Piece& p : beam_of(*twisted).pieces())
+    EXPECT_NEAR(p.torque / (kShear * kInertia * twist / 2.0), 1.0, 2e-3);
+  std::printf("  | patch: N %.6g N, M %.6g N m, T %.6g N m\n", pieces.front().force, moment,
+              beam_of(*twisted).pieces().front().torque);
+}
+
+// w L^4/(8 E I) + w L^2/(2 G As). 1e-3: lumped weight is off by (piece/L)^2/3 = 2e-4.
+TEST(Beams, CantileverSagsUnderItsWeight) {
+  const double length = 1.0, shear_area = 5.0 / 6.0 * kArea;
+  for (const bool shear : {false, true}) {
+    const auto s = ran(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
+                       beam("[[0, 0.5, 0], [1, 0.5, 0]]", 0.025,
+                            bending() + "support_stiffness = 1e8\n" +
+                                (shear ? fmt::format("shear_area = [{0}, {0}]\n", shear_area) : "") +
+                                support("wall", "[0, 0.5, 0]")) +
+                       stage("[0, -9.81, 0]", 0.1, 0.8));
+    const double expected = kWeight * std::pow(length, 4) / (8 * kModulus * kInertia) +
+                            (shear ? kWeight * length * length / (2 * kShear * shear_area) : 0.0);
+    const double sag = 0.5 - beam_of(*s).nodes().back().y;
+    std::printf("  | cantilever: %.6g m, closed form %.6g m\n", sag, expected);
+    EXPECT_NEAR(sag / expected, 1.0, 1e-3);
+  }
+}
+
+// Southwell: deflection of a column with a small force across grows as 1/(1 - P/Pcr); two loads give Pcr. Of its own
+// weight 0.315 counts as at the top: 2.467 of 7.837 E I/L^2. 2 %: of the method.
+TEST(Beams, ColumnBucklesAtEulersLoad) {
+  const double critical = M_PI * M_PI * kModulus * kInertia / 4, mass = 2000.0 * 0.2 * 0.2 * 0.2, own = 50.0 * kArea;
+  const auto sway = [&](double load) {
+    const double g = load / (mass + 0.315 * own);
+    const auto s = ran(head(30.0, 1e9, 15.0) + box("head", "[-0.1, 0.9, -0.1]", "[0.2, 0.2, 0.2]") +
+                       fmt::format("[[beam]]\nname = \"b\"\npoints = [[0, 0, 0], [0, 1, 0]]\nspacing = 0.1\narea = {}\n"
+                                   "young_modulus = {}\ndensity = 50.0\nup = [1, 0, 0]\n",
+                                   kArea, kModulus) +
+                       bending() + support("base", "[0, 0, 0]") + support("head", "[0, 1, 0]", "pinned") +
+                       stage(fmt::format("[{}, {}, 0]", 1e-3 * critical / mass, -g), 0.2, 2.0));
+    return beam_of(*s).nodes().back().x;
+  };
+  const double p1 = 0.3 * critical, p2 = 0.6 * critical, d1 = sway(p1), d2 = sway(p2);
+  const double found = (d2 * p2 - d1 * p1) / (d2 - d1);
+  std::printf("  | column: %.5g N, Euler %.5g N\n", found, critical);
+  EXPECT_NEAR(found / critical, 1.0, 0.02);
+}
+
+// A cantilever's foot yields where w L^2/2 = My, and bears no more.
+TEST(Beams, HingeYieldsAtItsMoment) {
+  const double length = 1.0, most = kWeight * length * length / 2;
+  const auto with = [&](double share) {
+    return ran(
+        head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
+        beam("[[0, 0.5, 0], [1, 0.5, 0]]", 0.1,
+             bending() + fmt::format("yield_moment = [{0}, {0}]\n", share * most) + support("wall", "[0, 0.5, 0]")) +
+        stage("[0, -9.81, 0]", 0.4, 1.2));
+  };
+  const auto below = with(1.05), above = with(0.95);
+  EXPECT_EQ(beam_of(*below).largest_hinge(), 0.0);
+  EXPECT_GT(beam_of(*above).largest_hinge(), 1e-3);
+  EXPECT_LE(beam_of(*above).largest_moment(), 0.95 * most * (1 + 1e-9));
+  const blocks::Energies& e = above->large_motion()->energies();
+  EXPECT_GT(e.members_dissipated, 0.0);
+  EXPECT_LT(std::abs(e.balance_error(0.0)), 5e-3 * e.external);
+}
+
+// A chain from a triangle falls into the catenary: sag of a length s over a span c is a (cosh(c/2a) - 1) with
+// 2 a sinh(c/2a) = s. 1 %: chords of 60 pieces, and elongation of 1e-5.
+TEST(Beams, CableHangsInACatenary) {
+  const double span = 4.0, length = 5.0;
+  double a = span / 2;
+  for (int i = 0; i < 200; ++i) a *= 1 + 0.5 * (2 * a * std::sinh(span / (2 * a)) / length - 1);
+  const double expected = a * (std::cosh(span / (2 * a)) - 1);
+  const auto s = ran(head(30.0, 1e9) + box("left", "[-1, 9, -0.5]", "[1, 1, 1]", "fixed = true") +
+                     box("right", "[4, 9, -0.5]", "[1, 1, 1]", "fixed = true") +
+                     "[[beam]]\nname = \"c\"\npoints = [[0, 9.5, 0], [2, 8.0, 0], [4, 9.5, 0]]\nspacing = 0.084\n"
+                     "area = 1e-4\nyoung_modulus = 1e9\ndensity = 8000.0\ncompression = false\n" +
+                     support("left", "[0, 9.5, 0]", "pinned") + support("right", "[4, 9.5, 0]", "pinned") +
+                     stage("[0, -9.81, 0]", 0.2, 4.0));
+  double lowest = 9.5;
+  for (const geometry::Vector& x : beam_of(*s).nodes()) lowest = std::min(lowest, x.y);
+  std::printf("  | cable: sag %.5f m, catenary %.5f m\n", 9.5 - lowest, expected);
+  EXPECT_NEAR((9.5 - lowest) / expected, 1.0, 0.01);
+  const double thrust = 8000.0 * 1e-4 * 9.81 * a;
+  const members::Beam::Piece& middle = beam_of(*s).pieces()[beam_of(*s).pieces().size() / 2];
+  EXPECT_NEAR(middle.force / thrust, 1.0, 0.01);
+}
+
+// A lintel on two blocks: they carry its weight, half each, and lift off freely.
+TEST(Beams, LintelRestsOnBlocks) {
+  const auto s = ran(head(30.0, 1e9, 40.0) + box("left", "[0, 0, -0.25]", "[0.5, 1, 0.5]") +
+                     box("right", "[2, 0, -0.25]", "[0.5, 1, 0.5]") +
+                     beam("[[0.25, 1, 0], [2.25, 1, 0]]", 0.25, bending() + "bedding = \"resting\"\n") +
+                     stage("[0, -9.81, 0]", 0.1, 1.0));
+  double left = 0.0, right = 0.0;
+  for (const members::Beam::Support& support : beam_of(*s).supports()) {
+    EXPECT_LE(support.state.force.y, 0.0);
+    (support.place < 4 ? left : right) += support.state.force.y;
+  }
+  EXPECT_NEAR(left, -kWeight, 0.01 * kWeight);
+  EXPECT_NEAR(right, -kWeight, 0.01 * kWeight);
+}
+
+TEST(Beams, GoOnFromACheckpointBitForBit) {
+  const Scene scene =
+      read_scene_text(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]") +
+                          beam("[[0, 0.5, 0], [1, 0.5, 0]]", 0.1,
+                               bending() + "yield_moment = [20.0, 20.0]\n" + support("wall", "[0, 0.5, 0]")) +
+                          stage("[0, -9.81, 3.0]", 0.05, 1.0),
+                      "beam.toml");
+  Simulation whole(scene, 1), before(scene, 1), after(scene, 1);
+  whole.advance(3000), before.advance(3000);
+  const std::vector<std::uint8_t> bytes = before.save();
+  after.advance(37);
+  after.restore(bytes);
+  whole.advance(2000), after.advance(2000);
+  EXPECT_EQ(whole.hash(), after.hash());
+  EXPECT_GT(whole.large_motion()->energies().members_dissipated, 0.0);
+  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
+}
+
+TEST(Beams, BadOnesAreRefusedWithTheirPlaces) {
+  const auto refusal = [](const std::string& more, const std::string& points = "[[0, 0.5, 0], [1, 0.5, 0]]") {
+    try {
+      Simulation simulation(read_scene_text(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]") +
+                                                beam(points, 0.1, more) + stage("[0, -9.81, 0]", 0.1, 1.0),
+                                            "beam.toml"),
+                            1);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal(bending()), AllOf(HasSubstr("beam 'b' from (0, 0.5, 0) m to (1, 0.5, 0) m is held by no block")));
+  EXPECT_THAT(refusal(bending() + support("wall", "[0.3, 0.5, 0]")), HasSubstr("in the air"));
+  EXPECT_THAT(refusal(bending() + support("wall", "[0, 0.6, 0]")), HasSubstr("is not on the line of beam 'b'"));
+  EXPECT_THAT(refusal("inertia = [1e-6, 0]\n"), HasSubstr("both more than 0, or both 0"));
+  EXPECT_THAT(refusal(bending() + "up = [1, 0, 0]\n"), HasSubstr("runs along it from point 1"));
+}
+
+}  // namespace
+}  // namespace quoin

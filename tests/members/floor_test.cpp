@@ -1,0 +1,203 @@
+// Floors as diaphragms between walls, against closed forms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "scenes.h"
+
+namespace quoin {
+namespace {
+
+using members_cases::box;
+using members_cases::head;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr double kLength = 6.0, kBreadth = 4.0, kMass = 100.0;  // m, m, kg/m2
+
+struct Floor {
+  double axial = 1e9, shear = 1e6;  // N/m
+  std::string keys;
+  std::string connector = "axial_stiffness = 1e9, shear_stiffness = 1e9";
+  double spacing = 0.5, damping = 40.0;
+};
+
+// A floor between two walls at its ends, which stand still unless `right` says more.
+std::string floor_between(const Floor& f, const std::string& right = "fixed = true") {
+  return head(30.0, 1e9, f.damping) + box("left", "[-1, 0, -1]", "[1, 1, 6]", "fixed = true") +
+         box("right", fmt::format("[{}, 0, -1]", kLength), "[1, 1, 6]", right) +
+         fmt::format(
+             "[[floor]]\nname = \"f\"\ncorner = [0, 0.5, 0]\nalong = [{}, 0, 0]\nacross = [0, 0, {}]\n"
+             "spacing = {}\naxial_stiffness = [{}, {}]\nshear_stiffness = {}\nmass = {}\nspan = \"along\"\n"
+             "connector = {{ {} }}\n{}\n",
+             kLength, kBreadth, f.spacing, f.axial, f.axial, f.shear, kMass, f.connector, f.keys);
+}
+
+std::string pushed(double across, double ramp, double duration) {
+  return fmt::format("[[stage]]\ngravity = [0, 0, {}]\nramp_time = {}\nduration = {}\n", across, ramp, duration);
+}
+
+// Largest way of the floor across its span, m.
+double sag(const Simulation& simulation) {
+  const members::Floor& floor = simulation.large_motion()->members()->floors().front();
+  double largest = 0.0;
+  for (int i = 0; i <= floor.grid().pieces[0]; ++i) {
+    for (int j = 0; j <= floor.grid().pieces[1]; ++j)
+      largest =
+          std::max(largest, std::abs(floor.place_now(floor.place_at(i, j)).z - floor.start_of(floor.place_at(i, j)).z));
+  }
+  return largest;
+}
+
+double rested(const std::string& scene, Simulation** kept = nullptr) {
+  static std::unique_ptr<Simulation> simulation;
+  simulation = std::make_unique<Simulation>(read_scene_text(scene, "floor.toml"), 1);
+  Observer nobody;
+  simulation->run(nobody);
+  if (kept) *kept = simulation.get();
+  return sag(*simulation);
+}
+
+// Shear beam under its own inertia: q L^2/(8 G B) at midspan, and what the connectors give by along the walls,
+// q L/(2 ks B). 1 %: motion that is left, and bending, which is 1e-3 of it.
+TEST(Floors, DiaphragmIsAShearBeam) {
+  const double q = kMass * kBreadth * 1.0;
+  const double shear = q * kLength * kLength / (8 * 1e6 * kBreadth);
+  for (const double ks : {1e9, 1e6}) {
+    Floor f;
+    f.connector = fmt::format("axial_stiffness = 1e9, shear_stiffness = {:g}", ks);
+    const double expected = shear + q * kLength / (2 * ks * kBreadth);
+    const double measured = rested(floor_between(f) + pushed(1.0, 0.2, 1.0));
+    std::printf("  | shear beam: %.5g m, closed form %.5g m\n", measured, expected);
+    EXPECT_NEAR(measured / expected, 1.0, 0.01);
+  }
+}
+
+// A membrane that is not much stiffer along than in shear bends as a beam that is built in, + q L^4/(384 E I), E I = Ka
+// B^3/12, and its shear is parabolic: 6/5 of the deflection. 3 %: its ends do not warp.
+TEST(Floors, DiaphragmBendsInItsPlane) {
+  Floor f;
+  f.axial = 2e6, f.spacing = 0.25;
+  f.connector = "axial_stiffness = 1e9, shear_stiffness = 1e9";
+  const double q = kMass * kBreadth, inertia = kBreadth * kBreadth * kBreadth / 12;
+  const double expected =
+      1.2 * q * std::pow(kLength, 2) / (8 * f.shear * kBreadth) + q * std::pow(kLength, 4) / (384 * f.axial * inertia);
+  const double measured = rested(floor_between(f) + pushed(1.0, 0.2, 1.2));
+  std::printf("  | beam with shear: %.5g m, closed form %.5g m\n", measured, expected);
+  EXPECT_NEAR(measured / expected, 1.0, 0.03);
+}
+
+// Both ends yield where q L/2 = ty B: just below it stands, just above it runs away. The energy closes.
+TEST(Floors, DiaphragmYieldsInShear) {
+  Floor f;
+  f.damping = 4.0;
+  const double limit = kMass * kLength / 2;  // of ty at 1 m/s2, N/m
+  f.keys = fmt::format("shear_yield = {}\n", limit);
+  Simulation* simulation = nullptr;
+  // Panels carry the mean of their length: the first one that of its middle, a quarter of a metre from the wall.
+  const double first = 1.0 / (1.0 - 0.25 / (kLength / 2));
+  const double below = rested(floor_between(f) + pushed(0.97 * first, 0.5, 2.5), &simulation);
+  EXPECT_EQ(simulation->large_motion()->members()->floors().front().plastic_shear(), 0.0);
+  const double above = rested(floor_between(f) + pushed(1.03 * first, 0.5, 2.5), &simulation);
+  const members::Floor& floor = simulation->large_motion()->members()->floors().front();
+  EXPECT_GT(floor.plastic_shear(), 0.01);
+  EXPECT_LE(floor.largest_shear(), limit * (1 + 1e-12));
+  EXPECT_GT(above, 5 * below);
+  const blocks::Energies& e = simulation->large_motion()->energies();
+  EXPECT_GT(e.members_dissipated, 0.0);
+  EXPECT_LT(std::abs(e.balance_error(0.0)), 1e-3 * e.external);
+}
+
+// A wall that is drawn away: anchors carry up to their strength of a metre of edge, and nothing once they are out.
+TEST(Floors, AnchorsYieldAndPullOut) {
+  Floor f;
+  f.connector = "axial_stiffness = 1e8, shear_stiffness = 1e8, axial_strength = 5e3, pull_out = 0.01";
+  const auto drawn = [&](double way) {
+    return read_scene_text(
+        floor_between(f, "") + fmt::format("[[stage]]\nduration = {}\nramp_time = 0.1\n[[stage.velocity]]\nblock = "
+                                           "\"right\"\nvelocity = [0.02, 0, 0]\n",
+                                           0.05 + way / 0.02),
+        "floor.toml");
+  };
+  Observer nobody;
+  Simulation held(drawn(0.008), 1), out(drawn(0.03), 1);
+  held.run(nobody), out.run(nobody);
+  const members::Floor &yields = held.large_motion()->members()->floors().front(),
+                       &is_out = out.large_motion()->members()->floors().front();
+  EXPECT_NEAR(yields.largest_anchor(), 5e3, 1e-6);
+  EXPECT_EQ(yields.pulled_out_length(), 0.0);
+  EXPECT_GE(is_out.pulled_out_length(), kBreadth - 1e-9);  // one edge, or both
+  const blocks::Energies& e = out.large_motion()->energies();
+  // Both edges draw before one is out: strength times way of each, less what was elastic.
+  EXPECT_GT(e.members_dissipated, 5e3 * kBreadth * 0.009);
+  EXPECT_LT(std::abs(e.balance_error(0.0)), 0.01 * e.external);
+}
+
+// A floor's weight rests on the walls that its joists end on, half on either.
+TEST(Floors, WeightGoesToTheWallsThatJoistsEndOn) {
+  Floor f;
+  f.keys = "load = 981.0\n";
+  Simulation simulation(read_scene_text(floor_between(f) + pushed(0.0, 0.1, 0.2), "floor.toml"), 1);
+  const members::Floor& floor = simulation.large_motion()->members()->floors().front();
+  double left = 0.0, right = 0.0;
+  for (const members::Floor::Connector& c : floor.connectors()) {
+    const Vec3 at = geometry::array(floor.start_of(c.place));
+    (at[0] < kLength / 2 ? left : right) += c.carried;
+  }
+  EXPECT_NEAR(left, kLength * kBreadth / 2, 1e-9);
+  EXPECT_NEAR(right, kLength * kBreadth / 2, 1e-9);
+  Simulation heavy(
+      read_scene_text(floor_between(f) + "[[stage]]\ngravity = [0, -9.81, 0]\nramp_time = 0.1\nduration = 0.2\n",
+                      "floor.toml"),
+      1);
+  Observer nobody;
+  heavy.run(nobody);
+  geometry::Vector sum;
+  for (const members::Node& node : heavy.large_motion()->members()->nodes()) sum += node.force;
+  EXPECT_NEAR(sum.y, -(kMass * 9.81 + 981.0) * kLength * kBreadth, 1e-6 * 47e3);
+  EXPECT_NEAR(sum.x, 0.0, 1e-6);
+}
+
+TEST(Floors, GoOnFromACheckpointBitForBit) {
+  Floor f;
+  f.keys = "shear_yield = 250.0\n";
+  f.connector = "axial_stiffness = 1e8, shear_stiffness = 1e7, axial_strength = 200.0, shear_strength = 100.0";
+  const Scene scene = read_scene_text(
+      floor_between(f, "") + "[[stage]]\ngravity = [1.0, -9.81, 2.0]\nramp_time = 0.05\nduration = 1.0\n",
+      "floor.toml");
+  Simulation whole(scene, 1), before(scene, 1), after(scene, 1);
+  whole.advance(3000), before.advance(3000);
+  const std::vector<std::uint8_t> bytes = before.save();
+  after.advance(37);
+  after.restore(bytes);
+  whole.advance(2000), after.advance(2000);
+  EXPECT_EQ(whole.hash(), after.hash());
+  EXPECT_GT(whole.large_motion()->energies().members_dissipated, 0.0);
+  EXPECT_EQ(whole.large_motion()->energies().members_dissipated, after.large_motion()->energies().members_dissipated);
+  EXPECT_EQ(whole.large_motion()->energies().external, after.large_motion()->energies().external);
+}
+
+TEST(Floors, BadOnesAreRefusedWithTheirPlaces) {
+  const auto refusal = [](std::string scene, const std::string& from, const std::string& to) {
+    scene.replace(scene.find(from), from.size(), to);
+    try {
+      Simulation simulation(read_scene_text(scene, "floor.toml"), 1);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  const std::string scene = floor_between({}) + pushed(0.0, 0.1, 0.2);
+  EXPECT_THAT(refusal(scene, "corner = [0, 0.5, 0]", "corner = [0, 2.5, 0]"),
+              AllOf(HasSubstr("floor 'f' meets no wall"), HasSubstr("(0, 2.5, 0) m (1.5 m off the nearest block)")));
+  EXPECT_THAT(refusal(scene, "span = \"along\"", "span = \"across\""),
+              AllOf(HasSubstr("has no wall for the weight of its line from"), HasSubstr("change span")));
+  EXPECT_THAT(refusal(scene, "across = [0, 0, 4]", "across = [1, 0, 4]"), HasSubstr("square to along"));
+  EXPECT_THAT(refusal(scene, "mass = 100", "mass = 0"), HasSubstr("mass = 0"));
+  EXPECT_THAT(refusal(scene, "spacing = 0.5", "spacing = 0.001"), HasSubstr("at least 0.03 m"));
+}
+
+}  // namespace
+}  // namespace quoin
