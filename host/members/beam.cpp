@@ -79,8 +79,10 @@ void Beam::find_inertia() {
     const double stiffness = 2.0 * std::max(s.law.normal, s.law.shear), lever = norm(s.arm) / arm[k];
     row_[k] += stiffness * (1.0 + lever), turning[k] += stiffness * lever * (1.0 + lever);
   }
-  for (std::size_t k = 0; k < n; ++k)
-    inertia_[k] = std::max(inertia_[k], mass_[k] * arm[k] * arm[k] * turning[k] / row_[k]);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double share = turning[k] > 0.0 ? turning[k] / row_[k] : 1.0;  // rotations of a cable have no stiffness
+    inertia_[k] = std::max(inertia_[k], mass_[k] * arm[k] * arm[k] * share);
+  }
 }
 
 double Beam::own_eigenvalue(double mass_scaling) const {

@@ -65,7 +65,7 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
   }
   // Each block turns about its own centre, 0.5 m behind the end: along y its end then moves, alike on both sides.
   const auto bent =
-      driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-2]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-2]\n");
+      driven("velocity = [0, 0, 0]\nomega = [0, 0, -1e-3]\n", "velocity = [0, 0, 0]\nomega = [0, 0, 1e-3]\n");
   const double moment = beam_of(*bent).pieces().front().moment[0][0];
   const Simulation& s = *bent;
   const double turned = -std::asin(s.large_motion()->orientation(1).row[0].y);
@@ -85,19 +85,16 @@ TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
 // w L^4/(8 E I) + w L^2/(2 G As). 1e-3: lumped weight is off by (piece/L)^2/3 = 2e-4.
 TEST(Beams, CantileverSagsUnderItsWeight) {
   const double length = 1.0, shear_area = 5.0 / 6.0 * kArea;
-  for (const bool shear : {false, true}) {
-    const auto s = ran(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
-                       beam("[[0, 0.5, 0], [1, 0.5, 0]]", 0.025,
-                            bending() + "support_stiffness = 1e8\n" +
-                                (shear ? fmt::format("shear_area = [{0}, {0}]\n", shear_area) : "") +
-                                support("wall", "[0, 0.5, 0]")) +
-                       stage("[0, -9.81, 0]", 0.1, 0.8));
-    const double expected = kWeight * std::pow(length, 4) / (8 * kModulus * kInertia) +
-                            (shear ? kWeight * length * length / (2 * kShear * shear_area) : 0.0);
-    const double sag = 0.5 - beam_of(*s).nodes().back().y;
-    std::printf("  | cantilever: %.6g m, closed form %.6g m\n", sag, expected);
-    EXPECT_NEAR(sag / expected, 1.0, 1e-3);
-  }
+  const auto s = ran(head(30.0, 1e9, 40.0) + box("wall", "[-1, 0, -0.5]", "[1, 1, 1]", "fixed = true") +
+                     beam("[[0, 0.5, 0], [1, 0.5, 0]]", 0.025,
+                          bending() + fmt::format("support_stiffness = 1e8\nshear_area = [{0}, {0}]\n", shear_area) +
+                              support("wall", "[0, 0.5, 0]")) +
+                     stage("[0, -9.81, 0]", 0.1, 0.5));
+  const double expected =
+      kWeight * std::pow(length, 4) / (8 * kModulus * kInertia) + kWeight * length * length / (2 * kShear * shear_area);
+  const double sag = 0.5 - beam_of(*s).nodes().back().y;
+  std::printf("  | cantilever: %.6g m, closed form %.6g m\n", sag, expected);
+  EXPECT_NEAR(sag / expected, 1.0, 1e-3);
 }
 
 // Southwell: deflection of a column with a small force across grows as 1/(1 - P/Pcr); two loads give Pcr. Of its own
