@@ -102,6 +102,13 @@ void World::set_solver(const SolverSettings& solver) {
   if (runs) find_time_step(true);
 }
 
+// Where the next block's numbers begin in each array.
+struct World::Counts {
+  size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
+  std::map<std::array<double, 11>, int32_t> lanes_of;  // alike blocks share them: shape, material, zones, orientation
+  std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
+};
+
 // What every process knows: settings, how many gridpoints, zones and corners each block has, and where they begin.
 void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   if (assembly_.blocks.empty()) throw Error(Exit::bad_input, "the scene has no blocks");
@@ -130,84 +137,13 @@ void World::number(std::vector<std::shared_ptr<const Material>> materials) {
     for (size_t f = 0; f < shape.faces.size(); ++f) facts.area += face_area(shape, int(f));
   }
   double least = 1e300;
-  size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
-  std::map<std::array<double, 11>, int32_t> lanes_of;  // alike blocks share them: shape, material, zones, orientation
-  std::map<std::array<double, 6>, std::pair<int, int>> zoned;
+  Counts counts;
   blocks_.resize(assembly_.blocks.size());
-  for (size_t i = 0; i < blocks_.size(); ++i) {
-    const Block& input = assembly_.blocks[i];
-    const auto fault = [&](const std::string& what) {
-      return Error(Exit::bad_input, fmt::format("block {}: {}", label(assembly_, int(i)), what));
-    };
-    if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
-    if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
-    const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-    const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
-    const BlockMaterial& m = assembly_.materials[size_t(input.material)];
-    const MassProperties& mp = facts.mass;
-    if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
-    if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
-    const Matrix turned = matrix(input.orientation);
-    const Vector centroid = input.position + turned * mp.centroid;
-    if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
-      throw fault("its place is no finite number; check its position and rotation");
-    rough_place_.push_back(centroid);
-
-    ModelBlock& b = blocks_[i];
-    b.shape = &shape;
-    b.least_extent = facts.least_extent;
-    least = std::min(least, b.least_extent);
-    b.corner_area = facts.area / (3.0 * double(shape.vertices.size()));
-    b.first_corner = uint32_t(corners), corners += shape.vertices.size();
-    b.first_normal = uint32_t(normals), normals += shape.normals.size();
-    for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - mp.centroid));
-    b.first_node = int32_t(nodes), b.first_zone = int32_t(zones);
-    if (input.rigid) {
-      const Body body = body_of(int(i));
-      if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
-          !is_positive(body.inertia.z)) {
-        throw fault(
-            fmt::format("mass {:.3g} kg and principal inertia {:.3g}, {:.3g}, {:.3g} kg m2 must be finite and > 0; "
-                        "check density, mass_scaling and the size of the block",
-                        body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
-      }
-      b.body = int32_t(bodies++);
-      continue;
-    }
-    if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
-      throw fault(fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
-                              m.name, m.young_modulus, m.poisson_ratio));
-    }
-    const auto known = zoned.find(zoning_key(input));
-    if (input.zoning || known == zoned.end()) {
-      const auto z = zoning_of(int(i));
-      b.node_count = int(z->nodes.size()), b.zone_count = int(z->zones.size());
-      if (!input.zoning) zoned[zoning_key(input)] = {b.node_count, b.zone_count};
-    } else {
-      std::tie(b.node_count, b.zone_count) = known->second;
-    }
-    nodes += size_t(b.node_count), zones += size_t(b.zone_count);
-    const Quaternion& q = input.orientation;
-    const auto [lanes, is_new] = lanes_of.try_emplace(
-        {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
-         double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
-        int32_t(zone_lanes));
-    b.first_lanes = lanes->second;
-    if (is_new) zone_lanes += size_t(b.lanes_count());
+  for (int i = 0; i < block_count(); ++i) {
+    number_block(i, counts);
+    least = std::min(least, blocks_[size_t(i)].least_extent);
   }
-  bodies_ = LaneVector<Body>(bodies);
-  for (auto* field : {&corner_, &placed_corner_}) *field = LaneVector<Vector>(corners);
-  for (auto* field : {&body_normal_, &placed_normal_}) *field = LaneVector<Vector>(normals);
-  for (auto* field : {&node_x_, &node_reference_, &node_v_, &node_held_v_}) *field = LaneVector<Vector>(nodes);
-  for (auto* field : {&node_mass_, &node_weight_mass_}) *field = LaneVector<double>(nodes);
-  for (auto* field : {&node_held_, &node_support_}) *field = LaneVector<uint8_t>(nodes);
-  zones_ = LaneVector<Zone>(zones);
-  zone_lanes_ = LaneVector<ZoneLanes>(zone_lanes);
-  start_ = broad_ = LaneVector<Pose>(blocks_.size());
-  block_contact_force_ = LaneVector<Vector>(blocks_.size());
-  contacts_of_family_.resize(families_.size());
-  laid_out_.resize(blocks_.size());
-  block_mass_.resize(blocks_.size());
+  size_fields(counts);
   find_units();
   find_frames(solver_.internal_forces);
   divide_blocks();
@@ -218,6 +154,83 @@ void World::number(std::vector<std::shared_ptr<const Material>> materials) {
   reach_ = skin_ / 4;
   joint_tolerance_ = c.joint_tolerance > 0 ? c.joint_tolerance : 1e-4 * least;
   small_ = c.small_displacement > 0;
+}
+
+void World::number_block(int i, Counts& counts) {
+  const Block& input = assembly_.blocks[size_t(i)];
+  const auto fault = [&](const std::string& what) {
+    return Error(Exit::bad_input, fmt::format("block {}: {}", label(assembly_, i), what));
+  };
+  if (input.shape < 0 || input.shape >= int(assembly_.shapes.size())) throw fault("has no shape");
+  if (input.material < 0 || input.material >= int(assembly_.materials.size())) throw fault("has no material");
+  const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
+  const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
+  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
+  const MassProperties& mp = facts.mass;
+  if (!(mp.volume > 0)) throw fault(fmt::format("volume {:.3g} m3 must be > 0", mp.volume));
+  if (!(m.density > 0)) throw fault(fmt::format("density {} kg/m3 of material '{}' must be > 0", m.density, m.name));
+  const Matrix turned = matrix(input.orientation);
+  const Vector centroid = input.position + turned * mp.centroid;
+  if (!is_finite(centroid) || !is_finite(turned.row[0]) || !is_finite(turned.row[1]) || !is_finite(turned.row[2]))
+    throw fault("its place is no finite number; check its position and rotation");
+  rough_place_.push_back(centroid);
+
+  ModelBlock& b = blocks_[size_t(i)];
+  b.shape = &shape;
+  b.least_extent = facts.least_extent;
+  b.corner_area = facts.area / (3.0 * double(shape.vertices.size()));
+  b.first_corner = uint32_t(counts.corners), counts.corners += shape.vertices.size();
+  b.first_normal = uint32_t(counts.normals), counts.normals += shape.normals.size();
+  for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - mp.centroid));
+  b.first_node = int32_t(counts.nodes), b.first_zone = int32_t(counts.zones);
+  if (input.rigid) {
+    const Body body = body_of(i);
+    if (!is_positive(body.mass) || !is_positive(body.inertia.x) || !is_positive(body.inertia.y) ||
+        !is_positive(body.inertia.z)) {
+      throw fault(
+          fmt::format("mass {:.3g} kg and principal inertia {:.3g}, {:.3g}, {:.3g} kg m2 must be finite and > 0; "
+                      "check density, mass_scaling and the size of the block",
+                      body.mass, body.inertia.x, body.inertia.y, body.inertia.z));
+    }
+    b.body = int32_t(counts.bodies++);
+    return;
+  }
+  if (!(m.young_modulus > 0) || !(m.poisson_ratio > -1 && m.poisson_ratio < 0.5)) {
+    throw fault(fmt::format("deformable: material '{}' needs young_modulus > 0 and -1 < poisson_ratio < 0.5 ({}, {})",
+                            m.name, m.young_modulus, m.poisson_ratio));
+  }
+  const auto known = counts.zoned.find(zoning_key(input));
+  if (input.zoning || known == counts.zoned.end()) {
+    const auto z = zoning_of(i);
+    b.node_count = int(z->nodes.size()), b.zone_count = int(z->zones.size());
+    if (!input.zoning) counts.zoned[zoning_key(input)] = {b.node_count, b.zone_count};
+  } else {
+    std::tie(b.node_count, b.zone_count) = known->second;
+  }
+  counts.nodes += size_t(b.node_count), counts.zones += size_t(b.zone_count);
+  const Quaternion& q = input.orientation;
+  const auto [lanes, is_new] = counts.lanes_of.try_emplace(
+      {double(input.shape), double(input.material), input.zone_edge, double(input.divisions[0]),
+       double(input.divisions[1]), double(input.divisions[2]), double(input.parity), q.w, q.v.x, q.v.y, q.v.z},
+      int32_t(counts.zone_lanes));
+  b.first_lanes = lanes->second;
+  if (is_new) counts.zone_lanes += size_t(b.lanes_count());
+}
+
+void World::size_fields(const Counts& counts) {
+  bodies_ = LaneVector<Body>(counts.bodies);
+  for (auto* field : {&corner_, &placed_corner_}) *field = LaneVector<Vector>(counts.corners);
+  for (auto* field : {&body_normal_, &placed_normal_}) *field = LaneVector<Vector>(counts.normals);
+  for (auto* field : {&node_x_, &node_reference_, &node_v_, &node_held_v_}) *field = LaneVector<Vector>(counts.nodes);
+  for (auto* field : {&node_mass_, &node_weight_mass_}) *field = LaneVector<double>(counts.nodes);
+  for (auto* field : {&node_held_, &node_support_}) *field = LaneVector<uint8_t>(counts.nodes);
+  zones_ = LaneVector<Zone>(counts.zones);
+  zone_lanes_ = LaneVector<ZoneLanes>(counts.zone_lanes);
+  start_ = broad_ = LaneVector<Pose>(blocks_.size());
+  block_contact_force_ = LaneVector<Vector>(blocks_.size());
+  contacts_of_family_.resize(families_.size());
+  laid_out_.resize(blocks_.size());
+  block_mass_.resize(blocks_.size());
 }
 
 void World::begin(std::vector<int> rank_of_block) {

@@ -690,6 +690,9 @@ class World {
   double kinetic_energy_of_all() const;  // the same on all ranks, J
 
   void number(std::vector<std::shared_ptr<const Material>> materials);
+  struct Counts;
+  void number_block(int i, Counts& counts);
+  void size_fields(const Counts& counts);
   void lay_out(int block);
   void lay_out_zones(int block);
   Body body_of(int block) const;
@@ -751,6 +754,7 @@ class World {
   template <class Visit>
   void each_own_point(Visit visit, const Unit* alone = nullptr) const;
   struct FrequencyHalo;
+  struct Vibration;
   void place_blocks();
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;

@@ -167,148 +167,199 @@ double World::highest_frequency(LaneVector<double>* mode, const Unit* alone) con
   return value < 0 ? 0.0 : std::sqrt(value);  // not a number stays so
 }
 
-double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode, const Unit* alone) const {
-  // Unknowns: velocities scaled by the square root of inertia; rigid rotations about principal axes.
-  const size_t nb = bodies_.size(), nn = node_x_.size(), n = 6 * nb + 3 * nn;
-  std::vector<int> blocks;
-  const auto has = [&](int block) { return alone ? alone->has(block) : owns(block); };
-  for (int i = 0; i < block_count(); ++i) {
-    if (has(i)) blocks.push_back(i);
-  }
-  Ranks* const ranks = alone ? nullptr : ranks_;
-  std::unique_ptr<ToldSums> shared;
-  if (ranks) {
-    shared = std::make_unique<ToldSums>(*ranks);
-    for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], blocks_[i].body >= 0 ? 6 : 0);
-    for (size_t i = 0; i < blocks_.size(); ++i) shared->append(rank_of_block_[i], 3 * size_t(blocks_[i].node_count));
-  }
-  std::vector<int> own_bodies;
-  std::vector<VectorRow> own_nodes;
-  for (const int i : blocks) {
-    const ModelBlock& b = blocks_[size_t(i)];
-    const VectorRow of_block{size_t(b.first_node), size_t(b.first_node + b.node_count)};
-    if (b.body >= 0)
-      own_bodies.push_back(b.body);
-    else if (!own_nodes.empty() && own_nodes.back().end == of_block.first)
-      own_nodes.back().end = of_block.end;
-    else
-      own_nodes.push_back(of_block);
-  }
-  const auto each_body = [&](const auto& visit) {
-    for (const int i : own_bodies) visit(size_t(i));
-  };
-  const auto each_node = [&](const auto& visit) {
-    for (const VectorRow& row : own_nodes) {
-      for (size_t i = row.first; i < row.end; ++i) visit(i);
-    }
-  };
-  LaneVector<double> scale(n);
-  each_body([&](size_t i) {
-    for (int k = 0; k < 3; ++k) {
-      scale[6 * i + k] = bodies_[i].held >> k & 1 ? 0.0 : 1 / std::sqrt(bodies_[i].mass);
-      // Held about some axes only: as if free, which a constraint can only make softer.
-      scale[6 * i + 3 + k] = bodies_[i].held >> 3 == 7 ? 0.0 : 1 / std::sqrt(bodies_[i].inertia[k]);
-    }
-  });
-  each_node([&](size_t i) {
-    for (int k = 0; k < 3; ++k) scale[6 * nb + 3 * i + k] = node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(node_mass_[i]);
-  });
-  LaneVector<Vector> v(nb), w(nb), f(nb), m(nb), nv(nn), nf(nn);
-  FrequencyHalo halo(*this, ranks, nv,
-                     [&](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); });
+// K over M as an operator, of own blocks or of one unit. Unknowns: velocities scaled by the square root of inertia, of
+// bodies first; rigid rotations about principal axes.
+struct World::Vibration {
   struct Spring {
     const Family* family;
     const Point* point;
     Vector at, normal;
     double area;  // m2, twice where it is bound to what stands still
   };
+
+  const World& world;
+  const Stiffness& stiffness;
+  const Unit* alone;
+  Ranks* ranks;  // null: one process, or a unit alone
+  std::unique_ptr<ToldSums> shared;
+  std::vector<int> blocks, own_bodies;
+  std::vector<VectorRow> own_nodes;
+  std::vector<UnitInertia> inertia;  // empty: none is scaled
   std::vector<Spring> springs;
-  each_own_point(
-      [&](const Family& family, const Point& p) {
-        const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
-        springs.push_back({&family, &p, place_of(p), frame_of(p).row[0], factor * p.area});
-      },
-      alone);
-  const std::vector<UnitInertia> inertia = splits_motion() ? inertia_of_units(blocks) : std::vector<UnitInertia>{};
-  const auto product = [&](const LaneVector<double>& x, LaneVector<double>* result) {
-    LaneVector<double>& y = *result;
+  LaneVector<double> scale;
+  LaneVector<Vector> v, w, f, m, nv, nf;  // of bodies velocity, spin, force, moment; of gridpoints velocity, force
+  FrequencyHalo halo;
+
+  Vibration(const World& of, const Stiffness& k, const Unit* unit)
+      : world(of),
+        stiffness(k),
+        alone(unit),
+        ranks(unit ? nullptr : of.ranks_),
+        v(of.bodies_.size()),
+        w(v.size()),
+        f(v.size()),
+        m(v.size()),
+        nv(of.node_x_.size()),
+        nf(nv.size()),
+        halo(of, ranks, nv, [this](int body, const auto& visit) { visit(v[size_t(body)]), visit(w[size_t(body)]); }) {
+    list_blocks();
+    fill_scale();
+    world.each_own_point(
+        [&](const Family& family, const Point& p) {
+          const double factor = alone && !(alone->has(p.a) && alone->has(p.b)) ? 2.0 : 1.0;
+          springs.push_back({&family, &p, world.place_of(p), world.frame_of(p).row[0], factor * p.area});
+        },
+        alone);
+    if (world.splits_motion()) inertia = world.inertia_of_units(blocks);
+  }
+
+  size_t of_nodes() const { return 6 * v.size(); }
+  size_t size() const { return of_nodes() + 3 * nv.size(); }
+
+  template <class Visit>
+  void each_body(const Visit& visit) const {
+    for (const int i : own_bodies) visit(size_t(i));
+  }
+  template <class Visit>
+  void each_node(const Visit& visit) const {
+    for (const VectorRow& row : own_nodes) {
+      for (size_t i = row.first; i < row.end; ++i) visit(i);
+    }
+  }
+
+  void list_blocks() {
+    for (int i = 0; i < world.block_count(); ++i) {
+      if (alone ? alone->has(i) : world.owns(i)) blocks.push_back(i);
+    }
+    for (const int i : blocks) {
+      const ModelBlock& b = world.blocks_[size_t(i)];
+      const VectorRow of_block{size_t(b.first_node), size_t(b.first_node + b.node_count)};
+      if (b.body >= 0)
+        own_bodies.push_back(b.body);
+      else if (!own_nodes.empty() && own_nodes.back().end == of_block.first)
+        own_nodes.back().end = of_block.end;
+      else
+        own_nodes.push_back(of_block);
+    }
+    if (!ranks) return;
+    shared = std::make_unique<ToldSums>(*ranks);
+    const auto append = [&](size_t i, size_t numbers) { shared->append(world.rank_of_block_[i], numbers); };
+    for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, world.blocks_[i].body >= 0 ? 6 : 0);
+    for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, 3 * size_t(world.blocks_[i].node_count));
+  }
+
+  void fill_scale() {
+    scale = LaneVector<double>(size());
+    each_body([&](size_t i) {
+      const Body& b = world.bodies_[i];
+      for (int k = 0; k < 3; ++k) {
+        scale[6 * i + k] = b.held >> k & 1 ? 0.0 : 1 / std::sqrt(b.mass);
+        // Held about some axes only: as if free, which a constraint can only make softer.
+        scale[6 * i + 3 + k] = b.held >> 3 == 7 ? 0.0 : 1 / std::sqrt(b.inertia[k]);
+      }
+    });
+    each_node([&](size_t i) {
+      for (int k = 0; k < 3; ++k)
+        scale[of_nodes() + 3 * i + k] = world.node_held_[i] >> k & 1 ? 0.0 : 1 / std::sqrt(world.node_mass_[i]);
+    });
+  }
+
+  void scatter(const LaneVector<double>& x) {
     each_body([&](size_t i) {
       const double *xi = x.data() + 6 * i, *si = scale.data() + 6 * i;
       v[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
-      w[i] = bodies_[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
+      w[i] = world.bodies_[i].r * Vector{xi[3] * si[3], xi[4] * si[4], xi[5] * si[5]};
       f[i] = m[i] = {};
     });
     each_node([&](size_t i) {
-      const double *xi = x.data() + 6 * nb + 3 * i, *si = scale.data() + 6 * nb + 3 * i;
+      const double *xi = x.data() + of_nodes() + 3 * i, *si = scale.data() + of_nodes() + 3 * i;
       nv[i] = {xi[0] * si[0], xi[1] * si[1], xi[2] * si[2]};
       nf[i] = {};
     });
-    if (splits_motion()) scale_motion(blocks, inertia, nv, false);
-    halo.exchange(ranks);
-    if (stiffness.of_zones != 0.0) add_zone_forces(blocks, nv, nf);
-    if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
-    for (const auto& [of_family, of_point, at, normal, area] : springs) {
-      const auto& [kn, ks] = stiffness.of_family[size_t(of_family - families_.data())];
-      const Point& p = *of_point;
-      Vector va, vb;
-      if (p.facet_a >= 0) {
-        for (int k = 0; k < 3; ++k) va += facets_[p.facet_a].weight[k] * nv[facets_[p.facet_a].node[k]];
-      } else {
-        const int i = blocks_[p.a].body;
-        va = v[i] + cross(w[i], at - bodies_[i].x);
-      }
-      if (p.facet_b >= 0) {
-        for (int k = 0; k < 3; ++k) vb += facets_[p.facet_b].weight[k] * nv[facets_[p.facet_b].node[k]];
-      } else {
-        const int i = blocks_[p.b].body;
-        vb = v[i] + cross(w[i], at - bodies_[i].x);
-      }
-      const Vector d = vb - va;
-      const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
-      if (p.facet_a >= 0) {
-        for (int k = 0; k < 3; ++k) nf[facets_[p.facet_a].node[k]] -= facets_[p.facet_a].weight[k] * force;
-      } else {
-        const int i = blocks_[p.a].body;
-        f[i] -= force, m[i] -= cross(at - bodies_[i].x, force);
-      }
-      if (p.facet_b >= 0) {
-        for (int k = 0; k < 3; ++k) nf[facets_[p.facet_b].node[k]] += facets_[p.facet_b].weight[k] * force;
-      } else {
-        const int i = blocks_[p.b].body;
-        f[i] += force, m[i] += cross(at - bodies_[i].x, force);
-      }
+  }
+
+  Vector velocity(int block, int32_t facet, const Vector& at) const {
+    Vector sum;
+    if (facet >= 0) {
+      const Facet& on = world.facets_[facet];
+      for (int k = 0; k < 3; ++k) sum += on.weight[k] * nv[on.node[k]];
+    } else {
+      const int i = world.blocks_[block].body;
+      sum = v[i] + cross(w[i], at - world.bodies_[i].x);
     }
-    if (members_ && stiffness.of_members != 0.0) add_member_springs(alone, {v, w, nv}, {f, m, nf});
-    if (splits_motion()) scale_motion(blocks, inertia, nf, true);
+    return sum;
+  }
+
+  // sign: 1 on b, -1 on a.
+  void add_force(int block, int32_t facet, const Vector& at, double sign, const Vector& force) {
+    if (facet >= 0) {
+      const Facet& on = world.facets_[facet];
+      for (int k = 0; k < 3; ++k) nf[on.node[k]] += sign * (on.weight[k] * force);
+    } else {
+      const int i = world.blocks_[block].body;
+      f[i] += sign * force, m[i] += sign * cross(at - world.bodies_[i].x, force);
+    }
+  }
+
+  // y = M^-1/2 K M^-1/2 x; returns x . y over all ranks.
+  double product(const LaneVector<double>& x, LaneVector<double>* y) {
+    scatter(x);
+    if (world.splits_motion()) world.scale_motion(blocks, inertia, nv, false);
+    halo.exchange(ranks);
+    if (stiffness.of_zones != 0.0) world.add_zone_forces(blocks, nv, nf);
+    if (stiffness.of_zones != 1.0) each_node([&](size_t i) { nf[i] = stiffness.of_zones * nf[i]; });
+    for (const auto& [family, point, at, normal, area] : springs) {
+      const auto& [kn, ks] = stiffness.of_family[size_t(family - world.families_.data())];
+      const Vector d = velocity(point->b, point->facet_b, at) - velocity(point->a, point->facet_a, at);
+      const Vector force = area * (ks * d + (kn - ks) * dot(normal, d) * normal);
+      add_force(point->a, point->facet_a, at, -1.0, force);
+      add_force(point->b, point->facet_b, at, 1.0, force);
+    }
+    if (world.members_ && stiffness.of_members != 0.0) world.add_member_springs(alone, {v, w, nv}, {f, m, nf});
+    if (world.splits_motion()) world.scale_motion(blocks, inertia, nf, true);
+    return gather(x, y);
+  }
+
+  double gather(const LaneVector<double>& x, LaneVector<double>* y) {
     each_body([&](size_t i) {
-      const Vector torque = transposed_times(bodies_[i].r, m[i]);
+      const Vector torque = transposed_times(world.bodies_[i].r, m[i]);
       for (int k = 0; k < 3; ++k) {
-        y[6 * i + k] = f[i][k] * scale[6 * i + k];
-        y[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
+        (*y)[6 * i + k] = f[i][k] * scale[6 * i + k];
+        (*y)[6 * i + 3 + k] = torque[k] * scale[6 * i + 3 + k];
       }
     });
     each_node([&](size_t i) {
-      for (int k = 0; k < 3; ++k) y[6 * nb + 3 * i + k] = nf[i][k] * scale[6 * nb + 3 * i + k];
+      for (int k = 0; k < 3; ++k) (*y)[of_nodes() + 3 * i + k] = nf[i][k] * scale[of_nodes() + 3 * i + k];
     });
     const auto add = [&](const VectorRow& row, double sum) {
-      for (size_t i = row.first; i < row.end; ++i) sum += x[i] * y[i];
+      for (size_t i = row.first; i < row.end; ++i) sum += x[i] * (*y)[i];
       return sum;
     };
-    return shared ? shared->sum(add) : add({0, n}, 0.0);
-  };
-  LaneVector<double> start(n);
-  uint64_t random = 88172645463325252u;  // fixed seed: the same step in every run
-  for (size_t i = 0; i < n; ++i) {
-    random ^= random << 13, random ^= random >> 7, random ^= random << 17;
-    if (scale[i] != 0) start[i] = double(random >> 11) / 9007199254740992.0 - 0.5;
+    return shared ? shared->sum(add) : add({0, size()}, 0.0);
   }
-  // Rough beside the lattice's: the frequency is found anew each time that contacts have changed.
+
+  // Random by a fixed seed: the same step in every run.
+  LaneVector<double> start() const {
+    LaneVector<double> x(size());
+    uint64_t random = 88172645463325252u;
+    for (size_t i = 0; i < x.size(); ++i) {
+      random ^= random << 13, random ^= random >> 7, random ^= random << 17;
+      if (scale[i] != 0) x[i] = double(random >> 11) / 9007199254740992.0 - 0.5;
+    }
+    return x;
+  }
+};
+
+double World::largest_over_inertia(const Stiffness& stiffness, LaneVector<double>* mode, const Unit* alone) const {
+  Vibration vibration(*this, stiffness, alone);
+  const auto product = [&](const LaneVector<double>& x, LaneVector<double>* y) { return vibration.product(x, y); };
+  // Rough beside the lattice's: the frequency is found again each time that contacts have changed.
   LanczosSettings settings;
   settings.max_steps = 80;
   settings.first_check = 11;
   settings.settled = 1e-6;
   settings.with_vector = mode != nullptr;
-  LargestEigenvalue largest = largest_eigenvalue(product, std::move(start), settings, shared.get());
+  LargestEigenvalue largest = largest_eigenvalue(product, vibration.start(), settings, vibration.shared.get());
   if (mode) *mode = std::move(largest.vector);
   return largest.value;
 }
