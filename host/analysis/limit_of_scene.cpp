@@ -127,9 +127,16 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     }
     const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, name));
     const Vector along = limit->direction ? norm(limit->gravity) * *limit->direction : Vector{};
-    block.centre = mass.centroid;
-    block.live.force = density * mass.volume * along;
-    block.dead.force = density * mass.volume * limit->gravity + given * block.live.force;
+    double weighs = density * mass.volume;
+    Vector moment = weighs * mass.centroid;
+    if (shapes) {
+      const blocks::Block& input = shapes->assembly().blocks[k];
+      weighs += input.spread_mass, moment += input.spread_mass * mass.centroid;
+      for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
+    }
+    block.centre = weighs > density * mass.volume ? moment / weighs : mass.centroid;
+    block.live.force = weighs * along;
+    block.dead.force = weighs * limit->gravity + given * block.live.force;
     limit->problem.blocks.push_back(block);
     limit->names.push_back(name);
     const Vector& x = block.centre;

@@ -148,6 +148,8 @@ class Recorder : public Observer {
     const double in_use = simulation.large_motion() ? simulation.large_motion()->impact_damping_in_use() : 0.0;
     if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
       text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
+    if (in_use > 0.0)
+      text += fmt::format("; an edge that lands comes back with {:.2g} of its velocity", landing_restitution(in_use));
     progress_.message(text);
   }
   void on_law_swap(const LawSwap& swap) override {

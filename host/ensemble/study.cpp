@@ -164,6 +164,11 @@ void check_suite(const Study& study, const Scene& scene, const Add& add) {
   if (found == scene.stages.end() || !found->ground)
     add(fmt::format("{}: shaking.stage = \"{}\": {} has no such stage that moves the ground", study.file,
                     study.suite.stage, study.scene));
+  else if (!found->ground->supports.empty())
+    add(
+        fmt::format("{}: shaking.stage = \"{}\": its supports have records of their own, and [[record]] would drop "
+                    "them; take a stage without ground_motion.support",
+                    study.file, study.suite.stage));
   const bool scatters =
       !study.quantities.empty() || std::any_of(scene.joints.begin(), scene.joints.end(), [](const auto& family) {
         return std::any_of(family.second.properties.begin(), family.second.properties.end(),

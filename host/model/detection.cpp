@@ -543,10 +543,21 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
     f.viscous[0][to] = old.viscous[0][from];
     turn(old.viscous[1], old.viscous[2], f.viscous[1], f.viscous[2]);
   }
+  for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3) {
+    f.maxwell[k][to] = old.maxwell[k][from];
+    turn(old.maxwell[k + 1], old.maxwell[k + 2], f.maxwell[k + 1], f.maxwell[k + 2]);
+  }
   for (size_t k = 0; k + 1 < f.state.size(); ++k) {
     if (f.material->api().states[k]->kind != QUOIN_STATE_PAIR_S) continue;
     turn(old.state[k], old.state[k + 1], f.state[k], f.state[k + 1]);
   }
+}
+
+bool World::has_columns(When when) const {
+  return when == When::with_stiffness_damping ? viscous_contacts()
+         : when == When::with_maxwell         ? has_maxwell()
+         : when == When::with_energies        ? energy_
+                                              : true;
 }
 
 void World::resize(Family& f, size_t n) const {
@@ -554,9 +565,8 @@ void World::resize(Family& f, size_t n) const {
   WorldFields::of_points(
       [&](const Field& field, auto& column) {
         if (field.known_to_all || (field.when == When::with_energies && !energy_)) return;
-        // Of no use without stiffness damping, and then gone: a stage may have switched it off.
-        const bool unused = field.when == When::with_stiffness_damping && !viscous_contacts();
-        column = std::decay_t<decltype(column)>(unused ? 0 : n);
+        // What damping has is of no use without it, and then gone: a stage may have switched it off.
+        column = std::decay_t<decltype(column)>(has_columns(field.when) ? n : 0);
       },
       f);
 }

@@ -10,7 +10,7 @@ namespace quoin {
 // Whose the items of an array are.
 enum class Owner { block, body, gridpoint, pair, contact_point, facet };
 // When an array has its items; else it may be empty.
-enum class When { always, with_stiffness_damping, with_energies, after_looks, after_law_swaps };
+enum class When { always, with_stiffness_damping, with_maxwell, with_energies, after_looks, after_law_swaps };
 
 struct Field {
   Owner owner;

@@ -63,6 +63,7 @@ struct WorldFields {
     visit(field("stored", "J/m2").only(energies), f.stored, g.stored...);
     each(field("dissipated", "J/m2").only(energies).found_in_each_step(), f.dissipated, g.dissipated...);
     each(field("viscous_traction", "Pa").only(damped).in(Part::row), f.viscous, g.viscous...);
+    each(field("maxwell_traction", "Pa").only(When::with_maxwell), f.maxwell, g.maxwell...);
   }
 
   // All of them.

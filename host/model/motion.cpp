@@ -9,6 +9,7 @@
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
+#include "scene/read_masses.h"
 #include "scene/to_bricks.h"
 
 namespace quoin {
@@ -36,9 +37,14 @@ void refuse_settings_of_the_lattice(const Scene& scene, const blocks::Assembly& 
   }
 }
 
+// What blocks on the lattice do not have; null: nothing.
+const char* what_is_carried(const Scene& scene) {
+  return scene.members ? "members" : !scene.masses.empty() ? "added masses" : nullptr;
+}
+
 // Why a wall or building has no part of its run on the lattice; empty: it may have.
 std::string why_free_from_start(const Scene& scene) {
-  if (scene.members) return "the scene has members";
+  if (const char* const carried = what_is_carried(scene)) return std::string("the scene has ") + carried;
   if (scene.solver.damping == DampingKind::impact) return "solver.damping = \"impact\"";
   const std::string first = scene.stages.empty() ? "" : scene.stages.front().beyond_lattice();
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
@@ -50,7 +56,8 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
   const auto beyond = std::find_if(scene.stages.begin(), scene.stages.end(),
                                    [](const Stage& s) { return !s.beyond_lattice().empty(); });
   const bool acts = beyond != scene.stages.end();
-  if (!acts && !scene.members) return;
+  const char* const carried = what_is_carried(scene);
+  if (!acts && !carried) return;
   const SolverSettings& s = scene.solver;
   const char* const against = s.kernels == Kernels::lattice          ? "kernels = \"lattice\""
                               : s.large_motion == LargeMotion::never ? "large_motion = \"never\""
@@ -62,7 +69,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
         fmt::format("{}, which takes blocks in large motion and is not to be had with solver.{}; remove that "
                     "setting",
                     acts ? fmt::format("{}: stage '{}' {}", beyond->source.text, beyond->name, beyond->beyond_lattice())
-                         : scene.file + ": the scene has members",
+                         : fmt::format("{}: the scene has {}", scene.file, carried),
                     against));
   if (!acts) return;
   const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
@@ -71,6 +78,7 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
 }
 
 Motion as_blocks(Scene scene, blocks::Assembly shapes) {
+  add_masses(scene, &shapes);
   Motion motion{std::move(scene), {}, std::move(shapes), {}};
   motion.bricks.materials = motion.shapes->materials;
   motion.bricks.families = motion.shapes->families;
@@ -104,8 +112,8 @@ Motion choose_motion(Scene scene) {
   blocks::Assembly shapes = blocks::assemble(scene);
   std::string why_not;
   std::optional<blocks::OnLattice> found;
-  if (scene.members)
-    why_not = "the scene has members";
+  if (const char* const carried = what_is_carried(scene))
+    why_not = std::string("the scene has ") + carried;
   else
     found = blocks::to_bricks(shapes, scene, &why_not);
   const Kernels kernels = scene.solver.kernels;

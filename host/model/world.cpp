@@ -92,7 +92,9 @@ void World::set_solver(const SolverSettings& solver) {
     for (auto& column : f.old_traction) column = LaneVector<double>(n);
     f.old_jump = LaneVector<double>(n);
     for (auto& column : f.viscous) column = LaneVector<double>(n);
+    for (auto& column : f.maxwell) column = LaneVector<double>(has_maxwell() ? f.size() : 0);
   }
+  maxwell_ = quoin::maxwell_elements(has_maxwell() ? solver_.maxwell_damping : 0.0, solver_.maxwell_band);
   for (const Contact& c : contacts_) {
     if (!viscous_contacts() || c.count == 0 || !owns(c)) continue;
     std::fill_n(families_[size_t(c.family)].old_jump.begin() + c.first, c.count, std::nan(""));
@@ -181,7 +183,8 @@ void World::number_block(int i, Counts& counts) {
   b.corner_area = facts.area / (3.0 * double(shape.vertices.size()));
   b.first_corner = uint32_t(counts.corners), counts.corners += shape.vertices.size();
   b.first_normal = uint32_t(counts.normals), counts.normals += shape.normals.size();
-  for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - mp.centroid));
+  const Vector centre = input.rigid ? rigid_mass(input).centre : mp.centroid;
+  for (const Vector& p : shape.vertices) b.radius = std::max(b.radius, norm(p - centre));
   b.first_node = int32_t(counts.nodes), b.first_zone = int32_t(counts.zones);
   if (input.rigid) {
     const Body body = body_of(i);
@@ -256,18 +259,44 @@ void World::begin(std::vector<int> rank_of_block) {
   find_time_step();
 }
 
+double World::density_of(const Block& block) const {
+  const double own = assembly_.materials[size_t(block.material)].density;
+  return block.spread_mass > 0.0 ? own + block.spread_mass / shape_facts_[size_t(block.shape)].mass.volume : own;
+}
+
+World::RigidMass World::rigid_mass(const Block& block) const {
+  const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
+  const double density = density_of(block);
+  RigidMass all{density * facts.mass.volume, facts.mass.centroid, {density * facts.axes.values, facts.axes.vectors}};
+  if (block.masses.empty()) return all;
+  const double own = all.mass;
+  const Matrix turned = matrix(block.orientation);
+  const auto place_of = [&](const PointMass& point) { return transposed_times(turned, point.at - block.position); };
+  Vector moment = own * facts.mass.centroid;
+  for (const PointMass& point : block.masses) all.mass += point.mass, moment += point.mass * place_of(point);
+  all.centre = moment / all.mass;
+  Matrix inertia = density * facts.mass.inertia;
+  const auto add = [&](double mass, const Vector& at) {
+    const Vector arm = at - all.centre;
+    inertia += mass * (dot(arm, arm) * Matrix{} - outer(arm, arm));
+  };
+  add(own, facts.mass.centroid);
+  for (const PointMass& point : block.masses) add(point.mass, place_of(point));
+  all.axes = symmetric_eigen(inertia);
+  return all;
+}
+
 // A rigid block at the start.
 Body World::body_of(int block) const {
   const Block& input = assembly_.blocks[size_t(block)];
   const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
-  const BlockMaterial& m = assembly_.materials[size_t(input.material)];
-  const auto& [mp, axes, least_extent, area] = shape_facts_[size_t(input.shape)];
+  const RigidMass own = rigid_mass(input);
   Body body;
-  body.x = input.position + matrix(input.orientation) * mp.centroid;
-  body.turn_to(normalized(input.orientation * quaternion(axes.vectors)));
-  body.weight_mass = m.density * mp.volume;
+  body.x = input.position + matrix(input.orientation) * own.centre;
+  body.turn_to(normalized(input.orientation * quaternion(own.axes.vectors)));
+  body.weight_mass = own.mass;
   body.mass = body.weight_mass * solver_.mass_scaling;
-  body.inertia = m.density * solver_.mass_scaling * axes.values;
+  body.inertia = solver_.mass_scaling * own.axes.values;
   const bool on_plane = assembly_.symmetry_plane_z0 && touches_plane(shape, input);
   body.support = on_plane ? kPlaneOfBodies : 0;
   body.held = input.fixed ? 0x3f : body.support;
@@ -304,11 +333,11 @@ void World::lay_out(int block) {
   const ModelBlock& b = blocks_[size_t(block)];
   if (b.body >= 0) {
     bodies_[size_t(b.body)] = body_of(block);
-    const auto& [mp, axes, least_extent, area] = shape_facts_[size_t(assembly_.blocks[size_t(block)].shape)];
+    const RigidMass own = rigid_mass(assembly_.blocks[size_t(block)]);
     auto corner = corner_.begin() + b.first_corner;
-    for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(axes.vectors, p - mp.centroid);
+    for (const Vector& p : b.shape->vertices) *corner++ = transposed_times(own.axes.vectors, p - own.centre);
     auto normal = body_normal_.begin() + b.first_normal;
-    for (const Vector& n : b.shape->normals) *normal++ = transposed_times(axes.vectors, n);
+    for (const Vector& n : b.shape->normals) *normal++ = transposed_times(own.axes.vectors, n);
   } else {
     lay_out_zones(block);
   }
@@ -322,6 +351,7 @@ void World::lay_out_zones(int block) {
   const BlockMaterial& m = assembly_.materials[size_t(input.material)];
   const Matrix turned = matrix(input.orientation);
   const std::shared_ptr<const Zoning> z = zoning_of(block);
+  const double density = density_of(input);
   ModelBlock& b = blocks_[size_t(block)];
   const size_t first = size_t(b.first_node), count = size_t(b.node_count);
   for (size_t n = 0; n < count; ++n) {
@@ -349,7 +379,10 @@ void World::lay_out_zones(int block) {
     zone.gradient[0] = -(zone.gradient[1] + zone.gradient[2] + zone.gradient[3]);
     zone.lambda = m.young_modulus * m.poisson_ratio / ((1 + m.poisson_ratio) * (1 - 2 * m.poisson_ratio));
     zone.mu = m.young_modulus / (2 * (1 + m.poisson_ratio));
-    for (const int32_t node : zone.node) node_mass_[size_t(node)] += m.density * zone.volume / 4;
+    for (const int32_t node : zone.node) node_mass_[size_t(node)] += density * zone.volume / 4;
+  }
+  for (const PointMass& point : input.masses) {
+    for (const auto& [node, share] : shares_at(block, point.at)) node_mass_[size_t(node)] += share * point.mass;
   }
   for (size_t n = first; n < first + count; ++n) {
     node_weight_mass_[n] = node_mass_[n];
@@ -415,7 +448,12 @@ void World::find_frames(InternalForces wanted) {
     if (blocks_[size_t(i)].body >= 0) continue;
     const Unit unit = unit_of(i);
     const bool is_made_elsewhere = assembly_.blocks[size_t(i)].zoning != nullptr;  // shapes are compared, not zones
-    if (is_made_elsewhere || kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
+    const auto carries_mass = [&](int block) {
+      const Block& b = assembly_.blocks[size_t(block)];
+      return b.spread_mass > 0.0 || !b.masses.empty();
+    };
+    if (is_made_elsewhere || carries_mass(unit.block[0]) || carries_mass(unit.block[size_t(unit.count) - 1]) ||
+        kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
       unlike.push_back(i);
     else
       of_kind[kind_of(i)].push_back(i);

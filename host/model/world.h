@@ -26,6 +26,7 @@
 #include "model/field.h"
 #include "model/halo.h"
 #include "model/lanes.h"
+#include "model/maxwell.h"
 #include "model/property_columns.h"
 #include "scene/blocks.h"
 
@@ -112,8 +113,9 @@ struct Family {
   LaneVector<double> old_traction[3];   // when stiffness damping or contact inspection needs it
   LaneVector<double> stored, dissipated[QUOIN_DISSIPATED_COUNT];  // when energies are asked for, J/m2
   LaneVector<double> old_jump;
-  LaneVector<double> viscous[3];            // traction of stiffness damping in the last step, Pa
-  LaneVector<double> arm[3], offset, area;  // of the points, side by side for the step
+  LaneVector<double> viscous[3];                     // traction of damping in the last step, Pa
+  LaneVector<double> maxwell[3 * kMaxwellElements];  // tractions of its Maxwell elements, one after the other, Pa
+  LaneVector<double> arm[3], offset, area;           // of the points, side by side for the step
   size_t size() const { return point.size(); }
 };
 
@@ -450,6 +452,7 @@ class World {
     loads_.clear(), pressures_.clear(), applied_.clear();
     loaded_.assign(blocks_.size(), 0);
   }
+  const std::array<MaxwellElement, kMaxwellElements>& maxwell_elements() const { return maxwell_; }
   // Of a stage: mass_scaling stays as it was at the start. The time step is chosen anew.
   void set_solver(const SolverSettings& solver);
   // Damping of stages that run to equilibrium, or of others.
@@ -683,6 +686,8 @@ class World {
     return impacts_damped() || (solver_.damping == DampingKind::viscous && solver_.stiffness_damping > 0);
   }
   bool impacts_damped() const { return solver_.damping == DampingKind::impact; }
+  bool has_maxwell() const { return impacts_damped() && solver_.maxwell_damping > 0.0; }
+  bool has_columns(When when) const;  // of contact points
   void choose_impact_damping();
   using Landing = std::array<double, 2>;  // normal to the face and along it
   Landing landing_frequencies(int family) const;
@@ -813,6 +818,14 @@ class World {
     geometry::Eigen3 axes;
     double least_extent, area;  // m, m2 of the surface
   };
+  // Of a rigid block, in the coordinates of its shape, without mass scaling.
+  struct RigidMass {
+    double mass;            // kg
+    Vector centre;          // m
+    geometry::Eigen3 axes;  // principal inertia, kg m2
+  };
+  RigidMass rigid_mass(const Block& block) const;
+  double density_of(const Block& block) const;  // with the mass that is spread, kg/m3
   std::vector<ShapeFacts> shape_facts_;
   std::map<std::array<double, 6>, std::shared_ptr<const geometry::Zoning>> zonings_;
   Ranks* ranks_ = nullptr;          // null: one process alone
@@ -897,6 +910,7 @@ class World {
   double impact_zone_beta_ = 0.0;
   double impact_rate_ = 0.0;   // largest eigenvalue of this viscosity over inertia, 1/s
   double impact_share_ = 1.0;  // of what the settings ask for
+  std::array<MaxwellElement, kMaxwellElements> maxwell_{};
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
   long calm_steps_ = 0;    // between two looks at deformable blocks
   double look_dt_ = 0.0;   // that looks reckon with, s

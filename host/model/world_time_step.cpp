@@ -428,7 +428,7 @@ constexpr double kLeastStep = 0.5;     // of the undamped time step: what impact
 World::Landing World::landing_frequencies(const Contact& c, int block) const {
   const Block& input = assembly_.blocks[size_t(block)];
   if (input.fixed) return {};
-  const ShapeFacts& facts = shape_facts_[size_t(input.shape)];
+  const RigidMass own_mass = rigid_mass(input);
   const ConvexPolyhedron& shape = assembly_.shapes[size_t(input.shape)];
   const Family& f = families_[size_t(c.family)];
   const Matrix turned = orientation(block) * matrix(input.orientation);
@@ -442,17 +442,16 @@ World::Landing World::landing_frequencies(const Contact& c, int block) const {
   const Vector s = normalized(shape.vertices[size_t(corners[1])] - shape.vertices[size_t(corners[0])]), t = cross(n, s);
   double along_s = 0.0, along_t = 0.0;
   for (const int i : corners) {
-    const Vector arm = shape.vertices[size_t(i)] - facts.mass.centroid;
+    const Vector arm = shape.vertices[size_t(i)] - own_mass.centre;
     along_s = std::max(along_s, std::abs(dot(arm, s))), along_t = std::max(along_t, std::abs(dot(arm, t)));
   }
-  const double density = assembly_.materials[size_t(input.material)].density * solver_.mass_scaling;
   const auto inertia_about = [&](const Vector& axis) {
-    const Vector own = transposed_times(facts.axes.vectors, axis);
-    return density * (facts.axes.values.x * own.x * own.x + facts.axes.values.y * own.y * own.y +
-                      facts.axes.values.z * own.z * own.z);
+    const Vector own = transposed_times(own_mass.axes.vectors, axis), &values = own_mass.axes.values;
+    return solver_.mass_scaling * (values.x * own.x * own.x + values.y * own.y * own.y + values.z * own.z * own.z);
   };
-  const double height = dot(shape.vertices[size_t(corners[0])] - facts.mass.centroid, n);
-  const double about_s = inertia_about(s), about_t = inertia_about(t), over_mass = 1 / (density * facts.mass.volume);
+  const double height = dot(shape.vertices[size_t(corners[0])] - own_mass.centre, n);
+  const double about_s = inertia_about(s), about_t = inertia_about(t),
+               over_mass = 1 / (solver_.mass_scaling * own_mass.mass);
   const double half_area = 0.5 * face_area(shape, int(face));
   return {f.kn * half_area * (over_mass + std::max(along_s * along_s / about_t, along_t * along_t / about_s)),
           f.ks * half_area * (over_mass + height * height / std::min(about_s, about_t))};
@@ -476,7 +475,7 @@ World::Landing World::landing_frequencies(int family) const {
   for (const Block& block : assembly_.blocks) {
     if (block.fixed || known) continue;
     const ShapeFacts& facts = shape_facts_[size_t(block.shape)];
-    const double density = assembly_.materials[size_t(block.material)].density * solver_.mass_scaling;
+    const double density = density_of(block) * solver_.mass_scaling;
     const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
     add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
   }
@@ -574,7 +573,14 @@ void World::find_time_step(bool may_grow) {
     if (own > 0) critical_dt_ = std::min(critical_dt_, 2 / std::sqrt(own));
   }
   double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
-  if (impacts_damped()) dt *= omega > 0 ? step_under_impact_damping() : kLeastStep;
+  if (impacts_damped()) {
+    const double left = omega > 0 ? step_under_impact_damping() : kLeastStep;
+    double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
+    for (const MaxwellElement& e : maxwell_) stiffer += e.share;
+    // Without these, time_step_fraction leaves room for the stiffness that they add.
+    constexpr double kClose = 0.95;
+    dt = std::min(dt, kClose / std::sqrt(stiffer) * critical_dt_) * left;
+  }
   if (!std::isfinite(dt) || dt <= 0) {
     throw Error(Exit::bad_input, fmt::format("the time step, {:.3g} s, must be finite and > 0; check stiffnesses, "
                                              "densities and stiffness_damping",

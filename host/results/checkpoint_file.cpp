@@ -113,6 +113,16 @@ void add_series(const TimeSeries& series, Sha256& hash) {
   for (const auto* column : {&series.time, &series.value}) hash.add(column->data(), column->size() * sizeof(double));
 }
 
+namespace {
+
+void add_motion(const GroundMotion& ground, Sha256& hash) {
+  for (const std::string& block : ground.blocks) hash.add_text(block);
+  for (const GroundMotion::Component& c : ground.components) add_series(c.acceleration, hash);
+  for (const GroundMotion& support : ground.supports) add_motion(support, hash);
+}
+
+}  // namespace
+
 Identity identity_of(const Simulation& simulation, const Provenance& provenance) {
   const Scene& scene = simulation.scene();
   Identity identity;
@@ -126,7 +136,7 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
     hash.add_text(provenance.inputs[i].sha256);
   for (const Stage& stage : scene.stages) {
     if (!stage.ground) continue;
-    for (const GroundMotion::Component& c : stage.ground->components) add_series(c.acceleration, hash);
+    add_motion(*stage.ground, hash);
   }
   const std::uint64_t start = simulation.hash();
   const long points = simulation.point_count();
@@ -246,6 +256,8 @@ std::string masonry_hash(const Scene& scene) {
   Sha256 hash;
   for (const auto& [name, m] : scene.materials)
     hash.add_text(fmt::format("{} {} {} {}", name, m.young_modulus, m.poisson_ratio, m.density));
+  for (const AddedMass& m : scene.masses)
+    hash.add_text(fmt::format("{} {} {}", m.block, m.mass, m.point ? fmt::format("{}", fmt::join(*m.point, " ")) : ""));
   for (const auto& [name, f] : scene.joints) {
     hash.add_text(fmt::format("{} {} {} {}", name, f.law, f.initial_state, f.missing_mortar));
     for (const PropertySetting& p : f.properties)
@@ -282,13 +294,17 @@ std::string text_of(const Scene& scene, std::size_t index) {
     add(fmt::format("{} N at {} of {}", fmt::join(f.force, " "), fmt::join(f.point, " "), f.block));
   for (const FacePressure& p : s.pressures)
     add(fmt::format("{} Pa on {} of {}", p.pressure, fmt::join(p.normal, " "), p.block));
-  if (s.ground) {
-    for (const GroundMotion::Component& c : s.ground->components) {
+  const std::function<void(const GroundMotion&)> add_ground = [&](const GroundMotion& ground) {
+    for (const GroundMotion::Component& c : ground.components) {
       Sha256 record;
       add_series(c.acceleration, record);
-      add(fmt::format("ground motion along {}, record {}", fmt::join(c.direction, " "), record.end()));
+      add(fmt::format("ground motion {}along {}, record {}",
+                      ground.blocks.empty() ? "" : fmt::format("of {} ", fmt::join(ground.blocks, " ")),
+                      fmt::join(c.direction, " "), record.end()));
     }
-  }
+    for (const GroundMotion& support : ground.supports) add_ground(support);
+  };
+  if (s.ground) add_ground(*s.ground);
   if (s.collapse)
     add(fmt::format("collapse along {}, {} to {} at {} 1/s, {} m", fmt::join(s.collapse->direction, " "),
                     s.collapse->start, s.collapse->limit, s.collapse->rate, s.collapse->displacement));
@@ -309,6 +325,9 @@ std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   add("mass_damping", s.mass_damping);
   add("stiffness_damping", s.stiffness_damping);
   add("impact_damping", s.impact_damping);
+  add("maxwell_damping", s.maxwell_damping);
+  add("maxwell_band, lowest", s.maxwell_band[0]);
+  add("maxwell_band, highest", s.maxwell_band[1]);
   add("time_step_fraction", s.time_step_fraction);
   add("mass_scaling", s.mass_scaling);
   add("selective_time_step", s.selective_time_step);

@@ -84,6 +84,8 @@ Json ground_of(const GroundMotion& ground) {
     json["components"].back()["spectrum"] = spectrum_of(c.acceleration);
   }
   json["notes"] = ground.notes;
+  if (!ground.blocks.empty()) json["blocks"] = ground.blocks;
+  for (const GroundMotion& support : ground.supports) json["supports"].push_back(ground_of(support));
   return json;
 }
 
@@ -98,6 +100,8 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
               {"damping", name_of(used.damping)},
               {"local_damping", local_damping_in(scene, i)},
               {"mass_damping_per_s", used.damping == DampingKind::viscous ? used.mass_damping : 0.0},
+              {"maxwell_damping", used.damping == DampingKind::impact ? used.maxwell_damping : 0.0},
+              {"maxwell_band_Hz", used.maxwell_band},
               {"stiffness_damping_s", used.damping == DampingKind::viscous ? used.stiffness_damping : 0.0},
               {"time_step_fraction", used.time_step_fraction}};
     if (stage.ground) j["ground_motion"] = ground_of(*stage.ground);
@@ -200,7 +204,10 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   if (m.members())
     json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
     json["beams"] = of_beams(*m.members());
-  if (m.impact_damping_in_use() > 0.0) json["impact_damping_in_use"] = m.impact_damping_in_use();
+  if (m.impact_damping_in_use() > 0.0) {
+    json["impact_damping_in_use"] = m.impact_damping_in_use();
+    json["landing_restitution"] = landing_restitution(m.impact_damping_in_use());
+  }
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
     const double dissipated = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];

@@ -17,6 +17,12 @@ using geometry::Matrix;
 using geometry::Quaternion;
 using geometry::Vector;
 
+// Without extent, and firmly on a block, within it or not.
+struct PointMass {
+  Vector at;    // of the start, m
+  double mass;  // kg
+};
+
 struct Block {
   std::string name;
   int shape = 0;           // index into Assembly::shapes; many blocks may share one
@@ -32,6 +38,8 @@ struct Block {
   bool fixed = false;          // held in all six degrees of freedom (prescribe() may drive it later)
   int unit = -1, course = -1;  // for pictures
   bool beam = false;           // rigid, beside the masonry of a wall or building
+  double spread_mass = 0.0;    // kg, besides that of its volume and spread as that is
+  std::vector<PointMass> masses;
 };
 
 // Where two blocks meet for the first time: what the joint family may depend on.

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <utility>
 
 namespace quoin {
 
@@ -46,6 +47,9 @@ std::string solver_text(const SolverSettings& solver, bool settling) {
     text += fmt::format(", mass {:g} 1/s, stiffness {:g} s", solver.mass_damping, solver.stiffness_damping);
   if (solver.damping == DampingKind::impact)
     text += fmt::format(" {:g} of critical on closed contacts", solver.impact_damping);
+  if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
+    text += fmt::format(", Maxwell {:g} from {:g} to {:g} Hz", solver.maxwell_damping, solver.maxwell_band[0],
+                        solver.maxwell_band[1]);
   return text + fmt::format(", time_step_fraction {:g}", solver.time_step_fraction);
 }
 
@@ -81,6 +85,17 @@ std::string ground_damping_warning(const Scene& scene, std::size_t stage) {
 }
 
 // What rounding leaves of a record that ends at rest counts as 0.
+double landing_restitution(double damping_ratio) {
+  const double z = damping_ratio;
+  if (z <= 0.0) return 1.0;
+  if (z >= 1.0) {  // without a cycle: the force is 0 where tanh(w t) = 2 z w/(2 z^2 - 1)
+    const double w = std::sqrt(z * z - 1.0);
+    return z == 1.0 ? std::exp(-2.0) : std::exp(-z / w * std::log((z + w) / (z - w)));
+  }
+  const double w = std::sqrt(1.0 - z * z);
+  return std::exp(-z / w * std::atan2(2.0 * z * w, 2.0 * z * z - 1.0));
+}
+
 double end_velocity(const GroundMotion::Component& component) {
   constexpr double kRounding = 1e-12;  // m/s
   const double end = component.velocity.at(component.acceleration, component.acceleration.time.back());
@@ -88,13 +103,17 @@ double end_velocity(const GroundMotion::Component& component) {
 }
 
 std::string ground_text(const GroundMotion& ground) {
-  std::string text;
+  std::string text = ground.blocks.empty() ? "" : fmt::format("of {}: ", fmt::join(ground.blocks, ", "));
+  bool first = true;
   for (const GroundMotion::Component& c : ground.components) {
     const auto& time = c.acceleration.time;
-    text += fmt::format("{}record of {:g} s along ({:g}), which ends at {:.3g} m/s", text.empty() ? "" : "; ",
-                        time.back() - time.front(), fmt::join(c.direction, ", "), end_velocity(c));
+    text += fmt::format("{}record of {:g} s along ({:g}), which ends at {:.3g} m/s",
+                        std::exchange(first, false) ? "" : "; ", time.back() - time.front(),
+                        fmt::join(c.direction, ", "), end_velocity(c));
   }
   for (const std::string& note : ground.notes) text += "; " + note;
+  for (const GroundMotion& support : ground.supports)
+    text += (std::exchange(first, false) ? "" : "; ") + ground_text(support);
   return text;
 }
 

@@ -112,7 +112,8 @@ BuildingSpec read_building(Table t, const Scene& scene) {
     read_half_units(f, floor.half_units, known ? b.walls[static_cast<size_t>(floor.wall)].half_units : 20000);
     if (known && placed) refuse_beams_in_lintels(f, floor, b.walls[static_cast<size_t>(floor.wall)]);
     f.boolean("rigid_beams", floor.rigid);
-    f.number("load", floor.load, kNotNegative, "N (downwards, all beams together)", true);
+    const bool has_mass = f.number("mass", floor.mass, kNotNegative, "kg (all beams together; it has weight)");
+    f.number("load", floor.load, kNotNegative, "N (downwards, all beams together, without inertia)", !has_mass);
     f.finish();
     for (const BuildingSpec::Floor& other : b.floors) {
       if (other.name == floor.name) f.refuse("name", "a name that no other floor has");

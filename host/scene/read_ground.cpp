@@ -39,18 +39,51 @@ std::optional<GroundRecord> record_of(Table& t, const std::string& key, const st
   }
 }
 
+// Displacements as the accelerations of the spline through them that begins and ends at rest: between samples these are
+// straight, so that the samples are met exactly.
+TimeSeries accelerations_of_spline(const TimeSeries& displacement) {
+  const std::vector<double>&t = displacement.time, &u = displacement.value;
+  const std::size_t n = t.size();
+  // Continuity of the velocity at each sample: h a_before/6 + (h + h') a/3 + h' a_after/6 = change of slope.
+  std::vector<double> diagonal(n), above(n), right(n);
+  const auto step = [&](std::size_t i) { return t[i + 1] - t[i]; };
+  const auto slope = [&](std::size_t i) { return (u[i + 1] - u[i]) / step(i); };
+  for (std::size_t i = 0; i < n; ++i) {
+    if (i > 0) diagonal[i] += step(i - 1) / 3.0, right[i] -= slope(i - 1);
+    if (i + 1 < n) diagonal[i] += step(i) / 3.0, right[i] += slope(i), above[i] = step(i) / 6.0;
+    if (i == 0) continue;
+    const double factor = above[i - 1] / diagonal[i - 1];  // the matrix is symmetric
+    diagonal[i] -= factor * above[i - 1], right[i] -= factor * right[i - 1];
+  }
+  TimeSeries acceleration{t, std::vector<double>(n)};
+  for (std::size_t i = n; i-- > 0;)
+    acceleration.value[i] = (right[i] - (i + 1 < n ? above[i] * acceleration.value[i + 1] : 0.0)) / diagonal[i];
+  return acceleration;
+}
+
 TimeSeries read_pairs(Table& t) {
   TimeSeries s;
+  const bool moved = t.has("displacement");
   const bool timed = t.numbers("time", s.time, kNotNegative, "s, increasing", true);
   if (timed && std::adjacent_find(s.time.begin(), s.time.end(), std::greater_equal<>()) != s.time.end())
     t.refuse("time", "times that increase, s");
-  const bool given = t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
+  if (moved) {
+    t.accept("acceleration");
+    if (t.has("acceleration")) t.refuse("acceleration", "only without displacement; remove one of the two");
+  }
+  const bool given = moved ? t.numbers("displacement", s.value, kAny, "times scale: m", true)
+                           : t.numbers("acceleration", s.value, kAny, "times scale: m/s2", true);
+  if (moved && given && s.value.size() < 2) return t.refuse("displacement", "two displacements or more"), TimeSeries{};
+  for (const char* key : {"baseline", "start", "until", "after"}) {
+    if (moved && t.has(key)) t.refuse(key, "only without displacement, which begins and ends at rest; remove it");
+  }
   if (timed && given && s.time.size() != s.value.size()) {
-    t.context().fault(fmt::format("{}: {} times and {} accelerations; give as many of both", t.where(), s.time.size(),
-                                  s.value.size()));
+    t.context().fault(fmt::format("{}: {} times and {} {}s; give as many of both", t.where(), s.time.size(),
+                                  s.value.size(), moved ? "displacement" : "acceleration"));
     s = {};
   }
-  return timed && given ? s : TimeSeries{};
+  if (!timed || !given || s.time.empty()) return {};
+  return moved ? accelerations_of_spline(s) : s;
 }
 
 // The component of a record that a key names, or its only one.
@@ -63,7 +96,11 @@ void add_component(Table& t, const std::string& key, const GroundRecord& record,
   if (index == names.size())
     return t.refuse(key, fmt::format("one component of {}: {}; name it by `column`, or along x, y and z", record.source,
                                      join(names)));
-  ground.components.push_back({direction, acceleration_of(record, index), {}});
+  const bool moved = record.kind == MotionKind::displacement;
+  ground.components.push_back(
+      {direction,
+       moved ? accelerations_of_spline({record.time, record.components[index].value}) : acceleration_of(record, index),
+       {}});
 }
 
 // file = "...", with direction and perhaps column, or with columns of it along x, y, z.
@@ -254,7 +291,7 @@ void come_to_rest(Table& t, GroundMotion& ground) {
 void read_made(Table& t, const Vec3& direction, GroundMotion& ground) {
   const toml::table* pulse = t.table("pulse", "a table { shape, amplitude, period }");
   const toml::table* synthetic = t.table("synthetic", "a table { seed, number, ground_acceleration, ground_type }");
-  for (const char* key : {"time", "acceleration"}) {
+  for (const char* key : {"time", "acceleration", "displacement"}) {
     t.accept(key);
     if (t.has(key)) t.refuse(key, "only without pulse and synthetic; remove one of the two");
   }
@@ -278,13 +315,15 @@ void read_direction(Table& t, const std::string& key, Vec3& direction, const cha
     t.refuse(key, fmt::format("a vector of length {} or more, as [1, 0, 0]", least));
 }
 
-GroundMotion read_ground(Table t, const std::string& folder) {
-  GroundMotion ground{};
+namespace {
+
+// What one group of supports follows, or the ground.
+void read_motion(Table& t, const std::string& folder, GroundMotion& ground) {
   Vec3 direction{};
   const bool by_axes = !t.has("direction") && (t.has("x") || t.has("y") || t.has("z"));
   read_direction(t, "direction", direction, "of the motion", !by_axes && !t.has("file"));
   if (t.has("file")) {
-    for (const char* key : {"time", "acceleration"}) {
+    for (const char* key : {"time", "acceleration", "displacement"}) {
       t.accept(key);
       if (t.has(key)) t.refuse(key, "only without file; remove one of the two");
     }
@@ -306,7 +345,51 @@ GroundMotion read_ground(Table t, const std::string& folder) {
   } catch (const Error& error) {
     t.context().fault(fmt::format("{}: {}", t.where(), error.what()));
   }
+}
+
+// Blocks that have a motion of their own. factor: of the whole ground motion.
+GroundMotion read_support(Table t, const std::string& folder, double factor) {
+  GroundMotion support{};
+  const std::string allowed = "a list of names of fixed blocks";
+  if (const toml::node* node = t.find("blocks", allowed, true)) {
+    const toml::array* list = node->as_array();
+    if (!list || list->empty()) {
+      t.wrong_type("blocks", *node, allowed);
+    } else {
+      for (const toml::node& element : *list) {
+        const auto name = element.value<std::string>();
+        if (!name || !element.is_string()) return t.wrong_type("blocks", *node, allowed), support;
+        support.blocks.push_back(*name);
+      }
+    }
+  }
+  read_motion(t, folder, support);
+  t.finish();
+  for (GroundMotion::Component& c : support.components) {
+    for (double& a : c.acceleration.value) a *= factor;
+  }
+  return support;
+}
+
+}  // namespace
+
+GroundMotion read_ground(Table t, const std::string& folder) {
+  GroundMotion ground{};
+  const std::vector<const toml::table*> groups = t.tables("support", "tables [[stage.ground_motion.support]]");
+  const bool moves = std::any_of(t.toml().begin(), t.toml().end(), [](const auto& entry) {
+    return entry.first.str() != "support" && entry.first.str() != "scale";
+  });
+  double factor = 1.0;
+  if (moves || groups.empty()) read_motion(t, folder, ground);
+  t.number("scale", factor, kAny, "(on the record)");
+  int index = 0;
+  for (const toml::table* group : groups)
+    ground.supports.push_back(
+        read_support({t.context(), *group, fmt::format("{}.{}", t.path("support"), ++index)}, folder, factor));
   for (GroundMotion::Component& c : ground.components) c.velocity = RunningIntegral(c.acceleration);
+  for (GroundMotion& support : ground.supports) {
+    for (GroundMotion::Component& c : support.components) c.velocity = RunningIntegral(c.acceleration);
+  }
   t.finish();
   return ground;
 }

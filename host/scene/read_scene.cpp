@@ -18,6 +18,7 @@
 #include "scene/read_building.h"
 #include "scene/read_cycles.h"
 #include "scene/read_damage.h"
+#include "scene/read_masses.h"
 #include "scene/read_members.h"
 #include "scene/read_monitors.h"
 #include "scene/read_opening.h"
@@ -91,6 +92,17 @@ void read_damping_keys(Table& t, SolverSettings& s) {
     only_with("stiffness_damping", {DampingKind::viscous}, "\"viscous\"");
   if (t.number("impact_damping", s.impact_damping, between(0, 2), "(of critical, of a block that lands on an edge)"))
     only_with("impact_damping", {DampingKind::impact}, "\"impact\"");
+  const bool flat =
+      t.number("maxwell_damping", s.maxwell_damping, between(0, 0.05), "(damping ratio within maxwell_band)");
+  if (flat) only_with("maxwell_damping", {DampingKind::impact}, "\"impact\"");
+  constexpr double kNarrowest = 10.0, kWidest = 100.0;  // where three elements keep the ratio flat
+  if (t.numbers("maxwell_band", s.maxwell_band, kPositive, "Hz (lowest and highest frequency)")) {
+    const double width = s.maxwell_band[1] / s.maxwell_band[0];
+    if (!(width >= kNarrowest && width <= kWidest))
+      t.refuse("maxwell_band",
+               fmt::format("two frequencies, the second {:g} to {:g} times the first, Hz", kNarrowest, kWidest));
+    if (s.maxwell_damping == 0.0) t.refuse("maxwell_band", "only with maxwell_damping; remove it, or give that");
+  }
   if (t.number("deformation_damping", s.deformation_damping, between(0, 1), "(damping ratio at omega_max)"))
     only_with("deformation_damping", {DampingKind::block}, "\"block\"");
   t.number("time_step_fraction", s.time_step_fraction, above_to(0, 1),
@@ -824,6 +836,13 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     scene.wall = read_wall({context, *table, "wall"}, scene);
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 
+  scene.masses = read_masses(t);
+  if (scene.building) {
+    for (AddedMass& of_floor : masses_of_floors(*scene.building)) scene.masses.push_back(std::move(of_floor));
+  }
+  if (!scene.masses.empty()) scene.quality_as_is = false;  // its errors were measured without them
+  if (t.has("mass") && scene.wall && scene.wall->half_thickness)
+    t.refuse("mass", "none with wall.half_thickness = true: masses have no half; make that false");
   scene.members = read_members(t, scene);
   if (scene.members) scene.quality_as_is = false;  // its errors were measured without them
   for (size_t i = 0; const auto* table : t.tables("damage", "tables [[damage]]"))

@@ -128,6 +128,9 @@ struct SolverSettings {
   // impact: share of critical of a block landing on an edge. From 0.5 to 1 the restitution is that of Housner's rocking
   // block within 0.4 %, for he takes the landing edge to stay in place.
   double impact_damping = 0.7;
+  // impact: damping ratio of vibrations between two frequencies, Hz, by Maxwell elements beside the joints; 0: none.
+  double maxwell_damping = 0.0;
+  std::array<double, 2> maxwell_band{0.5, 25.0};
   LargeMotion large_motion = LargeMotion::automatic;
   MotionBound motion_bound;
   Kernels kernels = Kernels::automatic;
@@ -160,7 +163,8 @@ struct FacePressure {
   double pressure;  // Pa, > 0 pushes on the block
 };
 
-// Moves all fixed blocks, along one direction or several. The accelerations are integrated exactly.
+// Moves all fixed blocks, along one direction or several. The accelerations are integrated exactly. Displacements are
+// given as the accelerations of the spline through them.
 struct GroundMotion {
   struct Component {
     Vec3 direction;           // of any length
@@ -169,6 +173,9 @@ struct GroundMotion {
   };
   std::vector<Component> components;
   std::vector<std::string> notes;  // what the files do not state, and how they were scaled
+  // Fixed blocks that move otherwise, group by group.
+  std::vector<std::string> blocks;     // of a group
+  std::vector<GroundMotion> supports;  // groups, without groups of their own
 };
 
 // Body force alpha |gravity| along `direction`, alpha growing until some block has moved by `displacement`: that alpha
@@ -316,6 +323,7 @@ struct BuildingSpec {
     int wall = 0, course = 0;
     std::vector<int> half_units;
     double load = 0.0;  // N
+    double mass = 0.0;  // kg, which has weight besides
     Source source;
     bool rigid = true;
     std::vector<std::string> bodies() const;
@@ -428,6 +436,14 @@ struct OutputSettings {
   bool end_state = false;        // end_state.bin: where other scenes may begin
 };
 
+// Mass that a block has besides that of its volume: floors, roofs, machines. Several blocks of one name share it.
+struct AddedMass {
+  std::string block;
+  double mass = 0.0;          // kg
+  std::optional<Vec3> point;  // m, at the start, where it moves along with the block; none: spread over the block
+  Source source;
+};
+
 struct MemberSpecs;  // members.h
 
 struct Scene {
@@ -454,6 +470,7 @@ struct Scene {
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
   std::shared_ptr<const MemberSpecs> members;  // null: none
+  std::vector<AddedMass> masses;               // those of floors too
   std::vector<Damage> damage;
   std::string start;  // folder of the run whose end is where this one begins; empty: at rest
   std::vector<Stage> stages;

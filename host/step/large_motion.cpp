@@ -270,8 +270,15 @@ void Model::viscous_tractions(Family& f, Chunk& chunk) {
   for (int k = 0; k < 2; ++k) c.slip[k] = f.slip[k].data() + first;
   c.normal_jump = f.normal_jump.data() + first, c.old_jump = f.old_jump.data() + first;
   c.area = f.area.data() + first;
+  MaxwellColumns m{};
+  m.normal_stiffness = f.kn, m.shear_stiffness = f.ks;
+  for (size_t k = 0; has_maxwell() && k < std::size(f.maxwell); ++k) m.traction[k] = f.maxwell[k].data() + first;
+  for (size_t e = 0; has_maxwell() && e < maxwell_.size(); ++e) {
+    const double way = maxwell_[e].rate * dt_;
+    m.keep[e] = std::exp(-way), m.gain[e] = -maxwell_[e].share * std::expm1(-way) / way;
+  }
   if (impacts_damped())
-    chunk.damping = damp_impacts(c, chunk.count, impact_beta_[2 * size_t(chunk.family)] / dt_,
+    chunk.damping = damp_impacts(c, m, chunk.count, impact_beta_[2 * size_t(chunk.family)] / dt_,
                                  impact_beta_[2 * size_t(chunk.family) + 1] / dt_);
   else
     chunk.damping = damp_points(c, chunk.count, solver_.stiffness_damping / dt_);

@@ -63,6 +63,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.impact_zone_beta_);
   archive.value(m.impact_rate_);
   archive.value(m.impact_share_);
+  archive.value(m.maxwell_);
   archive.value(m.stiffness_bound_);
   archive.value(m.step_count_);
   archive.value(m.next_check_);
@@ -119,9 +120,9 @@ void Model::restore(ArchiveReader& reader) {
     if (!fits) throw Error(Exit::bad_input, kOther);
   };
   const auto require_items = [&](const Field& field, size_t count, size_t items) {
-    const bool wanted = field.when == When::always ||
-                        (field.when == When::with_stiffness_damping && viscous_contacts()) ||
-                        (field.when == When::with_energies && energy_);
+    const bool wanted =
+        field.when == When::always || (field.when == When::with_stiffness_damping && viscous_contacts()) ||
+        (field.when == When::with_maxwell && has_maxwell()) || (field.when == When::with_energies && energy_);
     require(count == items || (!wanted && count == 0));
   };
   WorldFields::of_blocks(*this, [&](const Field& field, const auto& array) {

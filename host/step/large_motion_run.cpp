@@ -38,6 +38,7 @@ void Simulation::Impl::build_large_motion(const blocks::Assembly& shapes,
   // Every name of every stage is looked up before anything runs.
   for (const Stage& s : scene.stages) {
     blocks_named_in(s);
+    support_groups(s);
     const std::string& watched = watched_block(s);
     if (!watched.empty()) blocks_named(watched, s.source.text + ": monitor");
     if (s.displacement && watched.empty())
@@ -73,8 +74,8 @@ std::vector<int> Simulation::Impl::followed_blocks() const {
   std::vector<int> followed = monitor_blocks;
   bool on_ground = false;  // which moves as its record says: one block tells of all
   for (const Drive& drive : drives) {
-    if (!drive.of_ground || !on_ground) followed.push_back(drive.block);
-    on_ground = on_ground || drive.of_ground;
+    if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
+    on_ground = on_ground || (drive.of_ground && drive.motion == 0);
   }
   for (const blocks::Load& given : large_motion->loads()) followed.push_back(given.block);
   for (const blocks::Pressure& given : large_motion->pressures()) followed.push_back(given.block);

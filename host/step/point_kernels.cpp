@@ -48,8 +48,30 @@ HWY_INLINE void for_each_vector(std::size_t count, const Visit& visit) {
 }
 HWY_INLINE std::size_t part_of_sum(std::size_t i) { return i / static_cast<std::size_t>(kWidth) % kParts; }
 
-template <bool kImpacts>
-HWY_INLINE double Damp(const DampingColumns& c, std::size_t count, double normal, double along) {
+// A joint that slides or softens: its traction grows with its motion by less than this share of its stiffness. Motion
+// that moves the traction by less than kRounding of itself says nothing.
+constexpr double kLettingGo = 0.05, kRounding = 1e-9;
+
+// Advances the elements of one direction, normal or shear. power: change of the traction times way. Lanes that let go
+// have none.
+template <class Load, class Store, class Mask>
+HWY_INLINE V Relax(const MaxwellColumns& m, int component, V change, Mask holds, const Load& load, const Store& store) {
+  const D d;
+  V sum = hn::Zero(d);
+  for (int e = 0; e < kMaxwellElements; ++e) {
+    double* const column = m.traction[3 * e + component];
+    const V grown = hn::MulAdd(hn::Set(d, m.keep[e]), load(column), hn::Mul(hn::Set(d, m.gain[e]), change));
+    const V now = hn::IfThenElseZero(holds, grown);
+    store(now, column);
+    sum = hn::Add(sum, now);
+  }
+  return sum;
+}
+
+// kMaxwell only with kImpacts.
+template <bool kImpacts, bool kMaxwell>
+HWY_INLINE double Damp(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, double normal,
+                       double along) {
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5);
   LaneSum work;
@@ -59,11 +81,31 @@ HWY_INLINE double Damp(const DampingColumns& c, std::size_t count, double normal
     const V way[3] = {hn::IfThenElseZero(known, hn::Sub(now, then)), load(c.slip[0]), load(c.slip[1])};
     V done = zero;
     const auto closed = hn::Lt(load(c.traction[0]), zero);
+    V change[3];
+    for (int k = 0; k < 3; ++k) change[k] = hn::Sub(load(c.traction[k]), load(c.old_traction[k]));
+    // Whether the elements hold: a joint that touches, and neither slides nor softens.
+    const auto holds = [&](V power, V way2, V traction2, double stiffness) HWY_ATTR {
+      const V k = hn::Set(d, stiffness), floor = hn::Set(d, kRounding * kRounding);
+      const auto elastic = hn::Ge(power, hn::Mul(hn::Mul(hn::Set(d, kLettingGo), k), way2));
+      const auto rests = hn::Le(hn::Mul(hn::Mul(k, k), way2), hn::Mul(floor, traction2));
+      return hn::And(known, hn::And(hn::Or(elastic, rests), hn::Gt(traction2, zero)));
+    };
+    V elements[3] = {zero, zero, zero};
+    if (kMaxwell) {
+      const V t0 = load(c.traction[0]), t1 = load(c.traction[1]), t2 = load(c.traction[2]);
+      const V pressed2 = hn::Mul(t0, t0), sheared2 = hn::MulAdd(t1, t1, hn::Mul(t2, t2));
+      const auto across = holds(hn::Mul(change[0], way[0]), hn::Mul(way[0], way[0]), pressed2, m.normal_stiffness);
+      const auto sideways = holds(hn::MulAdd(change[1], way[1], hn::Mul(change[2], way[2])),
+                                  hn::MulAdd(way[1], way[1], hn::Mul(way[2], way[2])), sheared2, m.shear_stiffness);
+      for (int k = 0; k < 3; ++k)
+        elements[k] = Relax(m, k, change[k], k == 0 ? across : hn::And(sideways, hn::Gt(pressed2, zero)), load, store);
+    }
     for (int k = 0; k < 3; ++k) {
       const V traction = load(c.traction[k]);
-      V viscous = hn::Mul(hn::Set(d, k == 0 ? normal : along), hn::Sub(traction, load(c.old_traction[k])));
+      V viscous = hn::Mul(hn::Set(d, k == 0 ? normal : along), change[k]);
+      if (kMaxwell) viscous = hn::Add(hn::IfThenElseZero(closed, viscous), elements[k]);
       if (k == 0) viscous = hn::IfThenElse(hn::Le(traction, zero), hn::Min(viscous, hn::Neg(traction)), viscous);
-      const auto touches = kImpacts ? closed : hn::Ne(traction, zero);
+      const auto touches = kImpacts && !kMaxwell ? closed : hn::Ne(traction, zero);
       viscous = hn::IfThenElseZero(hn::And(known, touches), viscous);
       // Central differences: half of the motion is under the traction of the step before.
       done = hn::MulAdd(hn::Add(load(c.viscous[k]), viscous), way[k], done);
@@ -76,9 +118,11 @@ HWY_INLINE double Damp(const DampingColumns& c, std::size_t count, double normal
   return work.total();
 }
 
-double DampPoints(const DampingColumns& c, std::size_t count, double rate) { return Damp<false>(c, count, rate, rate); }
-double DampImpacts(const DampingColumns& c, std::size_t count, double normal, double along) {
-  return Damp<true>(c, count, normal, along);
+double DampPoints(const DampingColumns& c, std::size_t count, double rate) {
+  return Damp<false, false>(c, {}, count, rate, rate);
+}
+double DampImpacts(const DampingColumns& c, const MaxwellColumns& m, std::size_t count, double normal, double along) {
+  return m.traction[0] ? Damp<true, true>(c, m, count, normal, along) : Damp<true, false>(c, m, count, normal, along);
 }
 
 PointEnergies EnergiesOfPoints(const EnergyColumns& c, std::size_t count) {
@@ -113,8 +157,9 @@ double damp_points(const DampingColumns& columns, std::size_t count, double rate
   return HWY_DYNAMIC_DISPATCH(DampPoints)(columns, count, rate);
 }
 
-double damp_impacts(const DampingColumns& columns, std::size_t count, double normal, double along) {
-  return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, count, normal, along);
+double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
+                    double along) {
+  return HWY_DYNAMIC_DISPATCH(DampImpacts)(columns, maxwell, count, normal, along);
 }
 
 PointEnergies energies_of_points(const EnergyColumns& columns, std::size_t count) {

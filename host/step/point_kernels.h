@@ -20,8 +20,18 @@ struct DampingColumns {
 // pull on it. rate: beta / dt. Its work, J.
 double damp_points(const DampingColumns& columns, std::size_t count, double rate);
 
-// The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it.
-double damp_impacts(const DampingColumns& columns, std::size_t count, double normal, double along);
+// Maxwell elements beside the springs of these points (model/maxwell.h).
+struct MaxwellColumns {
+  double* traction[3 * kMaxwellElements];    // Pa; null: none
+  double keep[kMaxwellElements];             // what a step leaves of it
+  double gain[kMaxwellElements];             // what it takes of the change of the traction of the law
+  double normal_stiffness, shear_stiffness;  // of whole joints, Pa/m
+};
+
+// The same of closed contacts alone, where blocks land, at rates of their own normal to the joint and along it. Maxwell
+// elements act on all that touch, and let go where a joint opens, slides or softens.
+double damp_impacts(const DampingColumns& columns, const MaxwellColumns& maxwell, std::size_t count, double normal,
+                    double along);
 
 // Sums of area times density.
 struct EnergyColumns {

@@ -134,6 +134,7 @@ struct Outcome {
 
 class Simulation;
 struct Motion;
+struct Tangent;
 
 // A law that has replaced another one with the traction of every point kept.
 struct LawSwap {
@@ -388,6 +389,7 @@ class Simulation {
   struct Impl;  // state.h
 
  private:
+  friend Tangent tangent_of(const Simulation& simulation);  // step/tangent.h
   static std::unique_ptr<Impl> make_impl(Motion motion, int threads,
                                          std::vector<std::shared_ptr<const Material>> materials,
                                          Ranks* ranks = nullptr);

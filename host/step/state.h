@@ -109,6 +109,7 @@ struct Drive {
   // bits 0..2: this component is of the ground, which adds its record to the velocities below: what is left of earlier
   // records.
   std::uint8_t of_ground = 0;
+  std::int32_t motion = 0;  // that of the ground: 0; of a group of supports: from 1 on
   geometry::Vector velocity_from, velocity_to, omega_from, omega_to;  // m/s, rad/s
   geometry::Vector force_from, force_to, force_now;                   // N, along free components
 };
@@ -286,12 +287,16 @@ struct Simulation::Impl {
   void bind_collapse(const Stage& settings, const Stage* previous);
   void drive_blocks(const Stage& settings, double ramp);
   void follow_ground(const Stage& settings, double ramp);
+  const Drive* ground_drive() const;  // a block that moves as the ground does; null: none
+  // By block, its group of supports as Drive::motion has it; 0: of none.
+  std::vector<std::int32_t> support_groups(const Stage& settings) const;
   void scale_forces(const Stage& settings, double ramp);
   void scale_pressures(const Stage& settings, double ramp);
   void apply_gravity(const Stage& settings, double ramp);
   void apply_collapse(const Stage& settings, double ramp);
   void jack_members(const Stage& settings, double ramp);
-  geometry::Vector record_velocity(const Stage& of_stage, double time) const;  // of its ground motion, m/s
+  // Of the ground motion of a stage, m/s. motion: as in Drive.
+  geometry::Vector record_velocity(const Stage& of_stage, double time, std::int32_t motion = 0) const;
   void add_forces(const Stage& settings);
   void add_pressures(const Stage& settings);
   void pull_block(int block, double pull);

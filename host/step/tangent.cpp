@@ -11,16 +11,6 @@
 
 namespace quoin {
 
-// The state of a simulation, to which its class gives no way: an explicit instantiation may name a private member.
-struct Access {
-  friend auto impl_of(Access);
-};
-template <auto Member>
-struct Opened {
-  friend auto impl_of(Access) { return Member; }
-};
-template struct Opened<&Simulation::impl_>;
-
 namespace {
 
 using Eigen::MatrixXd;
@@ -169,7 +159,7 @@ void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tang
 }  // namespace
 
 Tangent tangent_of(const Simulation& simulation) {
-  Simulation::Impl& s = *(simulation.*impl_of(Access()));
+  Simulation::Impl& s = *simulation.impl_;
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
   const Unknowns unknowns(s, static_cast<int>(simulation.block_count()));
   const std::vector<ContactPoint> points = simulation.contact_points();

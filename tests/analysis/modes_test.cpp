@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -75,6 +76,31 @@ TEST(Modes, RigidCubeOnAJoint) {
     EXPECT_NEAR(std::abs(modes.mode[3].participation[1]), 1.0, 1e-6);
     EXPECT_EQ(modes.zero, 0);
   }
+}
+
+// A mass of 900 kg half a metre over the middle of the cube, and so outside of it: the centre of mass rises, and sway,
+// rocking, twisting and bounce are those of the whole, with Steiner's theorem. Spread over the cube it is density.
+TEST(Modes, ACubeThatCarriesAMass) {
+  const double kn = 1e9, ks = 4e8, own = 1800.0, added = 900.0, m = own + added;
+  const double centre = (0.5 * own + 1.5 * added) / m;  // m over the joint
+  const double inertia = own / 6.0 + own * (centre - 0.5) * (centre - 0.5) + added * (1.5 - centre) * (1.5 - centre);
+  const double a = ks / m, b = (kn / 12.0 + ks * centre * centre) / inertia, c = -ks * centre / std::sqrt(m * inertia);
+  const double mean = (a + b) / 2.0, spread = std::hypot((a - b) / 2.0, c);
+  const double sway = std::sqrt(mean - spread) / (2.0 * pi), rock = std::sqrt(mean + spread) / (2.0 * pi);
+  const double bounce = std::sqrt(kn / m) / (2.0 * pi), twist = std::sqrt(ks / own) / (2.0 * pi);
+  const std::string mass = "[[mass]]\nblock = \"cube\"\nmass = 900.0\n";
+  const Modes above = modes_of(cube("bond") + mass + "point = [0.5, 1.5, 0.5]\n").modes;
+  ASSERT_EQ(above.mode.size(), 6u);
+  std::vector<double> expected{sway, sway, rock, rock, bounce, twist};
+  std::sort(expected.begin(), expected.end());
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(above.mode[i].frequency, expected[i], 1e-6 * expected[i]) << i;
+  double sum = 0.0;
+  for (const Mode& mode : above.mode) sum += mode.effective_mass[0];
+  EXPECT_NEAR(sum, m, 1e-6 * m);
+
+  const Modes spread_out = modes_of(cube("bond") + mass).modes, without = modes_of(cube("bond")).modes;
+  for (std::size_t i = 0; i < 6; ++i)
+    EXPECT_NEAR(spread_out.mode[i].frequency, std::sqrt(own / m) * without.mode[i].frequency, 1e-3) << i;
 }
 
 TEST(Modes, RayleighGivesBothRatios) {

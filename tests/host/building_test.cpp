@@ -37,7 +37,7 @@ Scene small_building(int courses, bool rigid_beams = true) {
              {"C", 2, {kThickness + 3 * kHalf, kThickness}, 2, kHalf, "whole", {}, {}}};
   b.corners = {{{0.0, 0.0}, 0, 1, {}}, {{kThickness + 3 * kHalf, 0.0}, 2, 0, {}}};
   for (int floor = 0; floor < 2; ++floor)
-    b.floors.push_back({"floor_" + std::to_string(floor + 1), 0, floor * (courses / 2), {0, 2}, 10e3, {}, rigid_beams});
+    b.floors.push_back({"floor_" + std::to_string(floor + 1), 0, floor * (courses / 2), {0, 2}, 10e3, 0.0, {}, rigid_beams});
   scene.building = b;
   return scene;
 }
@@ -300,7 +300,7 @@ TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   scene.building->zones = {2, 2, 2};
   scene.building->walls = {{"B", 0, {0.0, 0.0}, 12, kHalf, "whole", {}, {}}};
   scene.building->corners.clear();
-  scene.building->floors = {{"floor_1", 0, 8, {3, 5, 7, 9}, 0.0, {}}};
+  scene.building->floors = {{"floor_1", 0, 8, {3, 5, 7, 9}, 0.0, 0.0, {}}};
   scene.solver = quality_named("standard").solver;
   scene.stages = {push_floors(*scene.building, 1e8, 0.04)};
   scene.stages.front().ramp_time = 0.01;

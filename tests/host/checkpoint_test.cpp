@@ -248,7 +248,7 @@ record_interval = 0.01
 )";
   Scene scene = read_scene(path);
   const TimeSeries record{{0.0, 0.05, 0.1, 0.2, 0.3}, {0.0, 12.0, -12.0, 12.0, 0.0}};
-  scene.stages.back().ground = GroundMotion{{{{1.0, 0.0, 0.0}, record, RunningIntegral(record)}}, {}};
+  scene.stages.back().ground = GroundMotion{{{{1.0, 0.0, 0.0}, record, RunningIntegral(record)}}, {}, {}, {}};
   EXPECT_GT(expect_restores(scene), 10);
 }
 

@@ -16,6 +16,11 @@ void pushed(const Stage& stage, const Visit& visit) {
 void pressed(const Stage& stage, const Visit& visit) {
   for (const FacePressure& pressure : stage.pressures) visit(pressure.block);
 }
+void of_supports(const Stage& stage, const Visit& visit) {
+  if (!stage.ground) return;
+  for (const GroundMotion& support : stage.ground->supports)
+    std::for_each(support.blocks.begin(), support.blocks.end(), visit);
+}
 void of_floors(const Stage& stage, const Visit& visit) {
   if (!stage.whiffletree) return;
   for (const auto& floor : stage.whiffletree->floors) std::for_each(floor.begin(), floor.end(), visit);
@@ -26,7 +31,7 @@ void of_floors(const Stage& stage, const Visit& visit) {
 std::span<const Simulation::Impl::Action> Simulation::Impl::Action::all() {
   static constexpr Action kAll[] = {
       {"drive", driven, &Impl::bind_drives, &Impl::drive_blocks},
-      {"ground", nullptr, &Impl::bind_ground, &Impl::follow_ground},
+      {"ground", of_supports, &Impl::bind_ground, &Impl::follow_ground},
       {"force", pushed, &Impl::bind_forces, &Impl::scale_forces},
       {"pressure", pressed, &Impl::bind_pressures, &Impl::scale_pressures},
       {"gravity", nullptr, nullptr, &Impl::apply_gravity},

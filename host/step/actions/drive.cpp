@@ -19,9 +19,11 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
   drives.clear();
   // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
   constexpr double kRest = 1e-12;  // m/s, rounding of a record that ends at rest
-  Vector record;
-  if (previous)
-    record = record_velocity(*previous, m.time()) - record_velocity(*previous, m.time() - 0.5 * m.time_step());
+  const auto record_of = [&](std::int32_t motion) {
+    if (!previous) return Vector{};
+    return record_velocity(*previous, m.time(), motion) -
+           record_velocity(*previous, m.time() - 0.5 * m.time_step(), motion);
+  };
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
@@ -29,6 +31,7 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
     drive.omega_from = m.angular_velocity(block);
     const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     if (old == before.end()) return drive;
+    const Vector record = record_of(old->motion);
     for (int c = 0; c < 3; ++c) {
       if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
       if (std::abs(drive.velocity_from[c]) <= kRest && old->of_ground) drive.velocity_from[c] = 0.0;
@@ -62,7 +65,7 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
     if (m.assembly().blocks[static_cast<std::size_t>(old.block)].fixed) {
       released.held = 0x3f;
       released.force_from = {};
-      released.of_ground = old.of_ground;
+      released.of_ground = old.of_ground, released.motion = old.motion;
     }
     drives.push_back(released);
   }
@@ -70,8 +73,12 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
 
 void Simulation::Impl::drive_blocks(const Stage& settings, double s) {
   blocks::Model& m = *large_motion;
-  const Vector record = record_velocity(settings, m.time() + 0.5 * m.time_step());
+  std::vector<Vector> records;  // by motion
+  for (std::size_t i = 0; settings.ground && i <= settings.ground->supports.size(); ++i)
+    records.push_back(record_velocity(settings, m.time() + 0.5 * m.time_step(), static_cast<std::int32_t>(i)));
   for (Drive& d : drives) {
+    const auto motion = static_cast<std::size_t>(d.motion);
+    const Vector record = motion < records.size() ? records[motion] : Vector{};
     Vector driven = d.velocity_from + s * (d.velocity_to - d.velocity_from);
     for (int c = 0; c < 3; ++c) {
       if (d.in_cycles >> c & 1) driven[c] = velocity_in_cycles(d.velocity_from[c]);

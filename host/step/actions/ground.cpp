@@ -13,12 +13,50 @@ namespace quoin {
 
 using geometry::Vector;
 
-Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time) const {
+Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time, std::int32_t motion) const {
   if (!of_stage.ground) return {};
+  const GroundMotion& ground = *of_stage.ground;
+  if (motion > static_cast<std::int32_t>(ground.supports.size())) return {};  // of a stage before
+  const GroundMotion& moving = motion > 0 ? ground.supports[static_cast<std::size_t>(motion) - 1] : ground;
   Vector of_record;
-  for (const GroundMotion::Component& c : of_stage.ground->components)
+  for (const GroundMotion::Component& c : moving.components)
     of_record += c.velocity.at(c.acceleration, time - stage_start_time) * normalized(geometry::vector(c.direction));
   return of_record;
+}
+
+std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings) const {
+  std::vector<std::int32_t> group(static_cast<std::size_t>(large_motion->block_count()), 0);
+  if (!settings.ground) return group;
+  std::int32_t index = 0;
+  for (const GroundMotion& support : settings.ground->supports) {
+    ++index;
+    for (const std::string& name : support.blocks) {
+      for (const int block : blocks_named(name, settings.source.text)) {
+        std::int32_t& of_block = group[static_cast<std::size_t>(block)];
+        if (!large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed)
+          throw Error(Exit::bad_input,
+                      fmt::format("{}: ground_motion.support.{}: block '{}' is not fixed, and only supports follow "
+                                  "records; give it fixed = true",
+                                  settings.source.text, index, name));
+        if (of_block != 0)
+          throw Error(Exit::bad_input, fmt::format("{}: ground_motion.support.{}: block '{}' is in two groups of "
+                                                   "supports, {} and {}; leave it in one",
+                                                   settings.source.text, index, name, of_block, index));
+        of_block = index;
+      }
+    }
+  }
+  return group;
+}
+
+const Drive* Simulation::Impl::ground_drive() const {
+  const Drive* found = nullptr;
+  for (const Drive& drive : drives) {
+    if (drive.of_ground != 7) continue;
+    if (drive.motion == 0) return &drive;
+    if (!found) found = &drive;
+  }
+  return found;
 }
 
 // The ground is all fixed blocks that no table of the stage drives. What earlier records have left of its velocity goes
@@ -26,6 +64,7 @@ Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time) con
 void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
   const auto old = std::find_if(drives.begin(), drives.end(), [](const Drive& d) { return d.of_ground != 0; });
   const Vector left_over = old == drives.end() ? Vector{} : old->velocity_from;
+  const std::vector<std::int32_t> groups = support_groups(settings);
   std::vector<std::int32_t> drive_of(static_cast<std::size_t>(large_motion->block_count()), -1);
   for (std::size_t d = 0; d < drives.size(); ++d)
     drive_of[static_cast<std::size_t>(drives[d].block)] = static_cast<std::int32_t>(d);
@@ -47,29 +86,32 @@ void Simulation::Impl::bind_ground(const Stage& settings, const Stage*) {
     }
     Drive& drive = drives[static_cast<std::size_t>(index)];
     if (!settings.ground && !drive.of_ground) continue;  // has been driven by itself, and comes to rest
+    // What has moved with the ground before goes on as it did, group by group.
+    const Vector goes_on = drive.of_ground ? drive.velocity_from : left_over;
     drive.of_ground = 7;
-    drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : left_over;
+    if (settings.ground) drive.motion = groups[static_cast<std::size_t>(block)];
+    drive.velocity_to = settings.ramp_time > 0.0 ? Vector{} : goes_on;
   }
 }
 
 // What damping brakes against. It moves as its first block does.
 void Simulation::Impl::follow_ground(const Stage& settings, double s) {
-  const auto ground = std::find_if(drives.begin(), drives.end(), [](const Drive& d) { return d.of_ground == 7; });
+  const Drive* const ground = ground_drive();
   const bool on_springs = large_motion->members() && !large_motion->members()->beds().empty();
-  if (ground == drives.end() && !on_springs) return large_motion->move_ground({}, {});
+  if (!ground && !on_springs) return large_motion->move_ground({}, {});
   const Vector left_over =
-      ground == drives.end() ? Vector{} : ground->velocity_from + s * (ground->velocity_to - ground->velocity_from);
+      ground ? ground->velocity_from + s * (ground->velocity_to - ground->velocity_from) : Vector{};
+  const std::int32_t motion = ground ? ground->motion : 0;
   const double now = large_motion->time(), half = 0.5 * large_motion->time_step();
-  large_motion->move_ground(left_over + record_velocity(settings, now - half),
-                            left_over + record_velocity(settings, now));
+  large_motion->move_ground(left_over + record_velocity(settings, now - half, motion),
+                            left_over + record_velocity(settings, now, motion));
 }
 
 // What stands on fixed blocks does to them.
 void Simulation::Impl::measure_base(HistoryRow& row) const {
-  const auto ground =
-      std::find_if(drives.begin(), drives.end(), [](const Drive& drive) { return drive.of_ground == 7; });
+  const Drive* const ground = ground_drive();
   Vec3 moved{};  // by now, as the contact points
-  if (ground != drives.end()) {
+  if (ground) {
     moved = block_translation(ground->block);
     row.ground_displacement = block_translation_at_forces({ground->block});
   }
