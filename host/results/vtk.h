@@ -1,9 +1,9 @@
 // Fields for ParaView: blocks_NNNN.vtu, joints_NNNN.vtu and forces_NNNN.vtu (resultants, joint by joint), collected
 // over time by blocks.pvd, joints.pvd and forces.pvd. Blocks
 // are drawn where they were at the start; warped by displacement_m, where they stand. Deformable ones are zones, rigid
-// ones faces. Members are lines and panels where they stand, in members_NNNN.vtu. Several processes may write a frame together,
-// each the blocks that it advances: then rank 0 writes blocks_NNNN.pvtu too, which names the pieces blocks_NNNN_r0.vtu,
-// blocks_NNNN_r1.vtu, ..., and so for joints.
+// ones faces. Members are lines and panels where they stand, in members_NNNN.vtu. Several processes may write a frame
+// together, each the blocks that it advances: then rank 0 writes blocks_NNNN.pvtu too, which names the pieces
+// blocks_NNNN_r0.vtu, blocks_NNNN_r1.vtu, ..., and so for joints.
 #pragma once
 
 #include <filesystem>

@@ -27,8 +27,8 @@ inline constexpr const char* kDampingForMotion =
 // Of a stage that moves the ground, whose damping is of that kind; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 
-// With how much of its velocity an edge comes back that lands on a spring and a dashpot of this share of critical, which never
-// pull: m u'' = -k u - c u' from u = 0 until that is 0 again.
+// With how much of its velocity an edge comes back that lands on a spring and a dashpot of this share of critical,
+// which never pull: m u'' = -k u - c u' from u = 0 until that is 0 again.
 double landing_restitution(double damping_ratio);
 
 // What the record of a stage with ground motion leaves: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".

@@ -370,10 +370,11 @@ void find_rest(Simulation& simulation, Simulation::Impl& impl) {
                                              "give the stage equilibrium_ratio without kind = \"rest\"",
                                              stage.source.text));
   if (impl.scene.members)
-    throw Error(Exit::bad_input,
-                fmt::format("{}: a stage of rest does not have the forces of members ([[tie]], "
-                            "[[spring]], [[strip]], [[floor]], [[beam]]); give it equilibrium_ratio without kind = \"rest\"",
-                            stage.source.text));
+    throw Error(
+        Exit::bad_input,
+        fmt::format("{}: a stage of rest does not have the forces of members ([[tie]], "
+                    "[[spring]], [[strip]], [[floor]], [[beam]]); give it equilibrium_ratio without kind = \"rest\"",
+                    stage.source.text));
   const auto out_of_books = [&] {
     const std::optional<Energies> energies = simulation.measure().energies;
     return energies ? energies->balance_error() : 0.0;

@@ -37,7 +37,8 @@ Scene small_building(int courses, bool rigid_beams = true) {
              {"C", 2, {kThickness + 3 * kHalf, kThickness}, 2, kHalf, "whole", {}, {}}};
   b.corners = {{{0.0, 0.0}, 0, 1, {}}, {{kThickness + 3 * kHalf, 0.0}, 2, 0, {}}};
   for (int floor = 0; floor < 2; ++floor)
-    b.floors.push_back({"floor_" + std::to_string(floor + 1), 0, floor * (courses / 2), {0, 2}, 10e3, 0.0, {}, rigid_beams});
+    b.floors.push_back(
+        {"floor_" + std::to_string(floor + 1), 0, floor * (courses / 2), {0, 2}, 10e3, 0.0, {}, rigid_beams});
   scene.building = b;
   return scene;
 }
