@@ -17,6 +17,7 @@
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
 #include "scene/members.h"
+#include "scene/read_masses.h"
 
 namespace quoin {
 namespace {
@@ -313,9 +314,15 @@ void World::fill(Vibrating* v) {
 }  // namespace
 
 SceneBlocks blocks_of(const Scene& scene) {
-  if (scene.blocks) return {blocks::assemble(scene)};
-  const Assembly bricks = assemble(scene);
-  return {blocks::from_bricks(bricks), bricks.symmetry_factor};
+  SceneBlocks blocks;
+  if (scene.blocks) {
+    blocks.assembly = blocks::assemble(scene);
+  } else {
+    const Assembly bricks = assemble(scene);
+    blocks = {blocks::from_bricks(bricks), bricks.symmetry_factor};
+  }
+  add_masses(scene, &blocks.assembly);
+  return blocks;
 }
 
 double Vibrating::free_mass(int axis) const {

@@ -327,7 +327,7 @@ TEST_F(Rocking, TheDefaultIsRightForABlockOfOneByThree) {
 
 // r = 1 - 1.5 sin^2(alpha) at five slendernesses, that of 3 above: one share of critical serves all of them within
 // 0.005. Not that of 2, which keeps 0.711 in place of 0.700: its landing edge gives way along
-// the joint, and with ks = 10 kn it keeps 0.700 (BLOCKS.md).
+// the joint, and with ks = 10 kn it keeps 0.700 (host/scenes/BLOCKS.md).
 TEST_F(Rocking, TheDefaultIsRightAtFiveSlendernesses) {
   for (const double height : {2.5, 4.0, 5.0, 6.0}) {
     const double expected = 1.0 - 1.5 / (1.0 + height * height);
