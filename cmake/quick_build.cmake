@@ -55,8 +55,8 @@ endforeach()
 set(common <algorithm> <array> <chrono> <cmath> <cstring> <filesystem> <fstream> <functional> <map> <memory> <mutex>
     <optional> <set> <span> <sstream> <stdexcept> <string> <thread> <unordered_map> <variant> <vector> <fmt/format.h>)
 set(precompiled
-    quoin_model:
-    quoin_step:
+    quoin_model:${PROJECT_SOURCE_DIR}/host/model/world.h
+    quoin_step:${PROJECT_SOURCE_DIR}/host/step/state.h
     quoin_results:<nlohmann/json.hpp>
     host_test:<gmock/gmock.h>,${PROJECT_SOURCE_DIR}/tests/host/support.h)
 foreach(entry IN LISTS precompiled)

@@ -69,7 +69,7 @@ class World : public blocks::World {
  public:
   explicit World(const blocks::Assembly& assembly) : blocks::World(assembly, SolverSettings{}) {}
 
-  void hold(const Stage& stage, std::vector<std::string>* told);
+  void hold(const Stage& stage, std::vector<std::string>* held);
   void fill(Vibrating* v);
 
  private:
@@ -96,7 +96,7 @@ std::string axes_text(std::uint8_t bits) {
 }
 
 // As Simulation::supports: what is fixed, and what the stage imposes on it in its place.
-void World::hold(const Stage& stage, std::vector<std::string>* told) {
+void World::hold(const Stage& stage, std::vector<std::string>* held) {
   const std::vector<blocks::Block>& blocks = assembly().blocks;
   held_.assign(blocks.size(), 0);
   for (std::size_t i = 0; i < blocks.size(); ++i) held_[i] = blocks[i].fixed ? 0x3f : 0;
@@ -113,7 +113,7 @@ void World::hold(const Stage& stage, std::vector<std::string>* told) {
     if (held_[i] == 0) continue;
     names[blocks[i].name.empty() ? blocks::label(assembly(), static_cast<int>(i)) : blocks[i].name] = held_[i];
   }
-  for (const auto& [name, bits] : names) told->push_back(name + ":" + axes_text(bits));
+  for (const auto& [name, bits] : names) held->push_back(name + ":" + axes_text(bits));
 }
 
 void World::number_body(int block, Vibrating* v) {

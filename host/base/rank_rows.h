@@ -1,4 +1,4 @@
-// Memories that ranks tell each other, some megabytes at a time: what is told may be most of the model.
+// Exchange of memory between ranks, some megabytes at a time: what is exchanged may be most of the model.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +39,7 @@ class RankRows {
   }
 
   // Afterwards all who want them have them. Returns the bytes of all ranks.
-  std::size_t tell() {
+  std::size_t exchange() {
     std::size_t whole = 0, longest = 0;
     for (const Row& row : of_rank_) whole += row.rest, longest = std::max(longest, row.rest);
     const std::size_t most = std::max(kGatherBuffer / of_rank_.size(), std::size_t{1});
@@ -107,7 +107,7 @@ std::vector<T> of_all_ranks(Ranks& ranks, const T& own) {
 
 // Each value by the rank that knows it: rank_of(index). null: one process alone, which knows all.
 template <class T, class RankOf>
-void tell_all(Ranks* ranks, std::span<T> values, const RankOf& rank_of) {
+void all_gather(Ranks* ranks, std::span<T> values, const RankOf& rank_of) {
   if (!ranks) return;
   std::vector<std::size_t> sizes(static_cast<std::size_t>(ranks->count()), 0);
   std::vector<T> own, all(values.size());

@@ -123,11 +123,11 @@ void print_supports(const Simulation& simulation) {
       if (supports.loose.size() > kNamed) text += ", ...";
     }
     const std::string& name = simulation.scene().stages[i].name;
-    const auto alike = std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return line.first == text; });
-    if (alike == lines.end())
+    const auto same = std::find_if(lines.begin(), lines.end(), [&](const auto& line) { return line.first == text; });
+    if (same == lines.end())
       lines.emplace_back(text, name);
     else
-      alike->second += ", " + name;
+      same->second += ", " + name;
   }
   fmt::print("supports, and the axes that they hold or move\n");
   for (const auto& [text, stages] : lines) fmt::print("  {:<16} {}\n", stages, text);
@@ -294,7 +294,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
       "  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} in a frame of their own, {} zone "
       "by zone\n",
       simulation.large_motion()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
-      count_of(Kind::alike), count_of(Kind::unlike), count_of(Kind::by_zone));
+      count_of(Kind::congruent), count_of(Kind::distinct), count_of(Kind::by_zone));
   if (!why_not_lattice.empty()) fmt::print("  not on the lattice: {}\n", why_not_lattice);
   for (const std::string& note : simulation.large_motion()->assembly().notes) fmt::print("  {}\n", note);
   fmt::print("time step {:.4g} s, {:.2f} of 2/omega_max ({:.4g} s)\n", step.time_step,

@@ -30,7 +30,7 @@ struct Options {
   std::string stage, state = "undamaged", out;
 };
 
-void tell_of_zero_modes(const std::string& file, const Vibrating& v, const Modes& modes) {
+void warn_of_zero_modes(const std::string& file, const Vibrating& v, const Modes& modes) {
   constexpr std::size_t kNamed = 5;
   if (modes.zero == 0) return;
   std::vector<std::string> names;
@@ -113,7 +113,7 @@ void run(const Options& options) {
              scene.file, v.drawn.size(), v.points, v.unknown.size(), seconds(begin, assembled),
              seconds(assembled, end));
   if (options.state != "undamaged") fmt::print("{} of {} contact points carry nothing\n", v.open, v.points);
-  tell_of_zero_modes(scene.file, v, modes);
+  warn_of_zero_modes(scene.file, v, modes);
   print(v, modes);
   if (options.out.empty()) return;
   const std::filesystem::path folder = options.out;

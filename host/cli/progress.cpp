@@ -113,9 +113,9 @@ std::string ranks_text(const std::vector<RankTraffic>& ranks) {
   const RankTraffic& first = ranks.front();
   const double steps = std::max(1.0, first.steps), count = static_cast<double>(ranks.size());
   const std::string divided =
-      first.divided_anew > 0.0
+      first.repartitions > 0.0
           ? fmt::format("; divided anew {:.0f} times by measured cost, most / mean of it {:.2f} before, {:.2f} at last",
-                        first.divided_anew, first.uneven_before, first.uneven)
+                        first.repartitions, first.uneven_before, first.uneven)
           : "";
   return fmt::format(
       "ranks: {}; at most {:.2f} kB in {:.3g} messages a rank and step; waiting {:.1f} %, gathering {:.1f} % ({:.0f} "

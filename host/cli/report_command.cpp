@@ -14,7 +14,7 @@ namespace quoin {
 namespace {
 
 // Frames of large models take seconds each.
-class FramesTold {
+class FrameProgress {
  public:
   void operator()(const std::filesystem::path& folder, std::size_t frame, std::size_t frames) {
     const auto now = Clock::now();
@@ -48,7 +48,7 @@ void add_report_command(CLI::App& app) {
       "  quoin report out/solid_wall_030 /tmp/brittle        two runs side by side\n"
       "  quoin run host/scenes/arch.toml --report            at the end of a run");
   command->callback([folders] {
-    fmt::print("{}\n", write_report({folders->begin(), folders->end()}, FramesTold()).string());
+    fmt::print("{}\n", write_report({folders->begin(), folders->end()}, FrameProgress()).string());
   });
 }
 

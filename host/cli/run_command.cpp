@@ -291,7 +291,7 @@ std::string notice_of(const Draw& draw) {
 }
 
 // Holds the folder of the run that goes on and reads what it was asked for. Null: it is done, and nothing was touched.
-std::shared_ptr<FolderLock> take_over(const fs::path& folder, SceneOptions* scene) {
+std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* scene) {
   if (!fs::is_directory(folder))
     throw Error(Exit::bad_input, fmt::format("--resume {}: no such folder of results", folder.string()));
   if (is_done(folder)) return nullptr;
@@ -373,7 +373,7 @@ class Follower : public Observer {
   void on_pause(const Simulation& simulation, bool) override { simulation.save({}); }  // what rank 0 asks for
   void on_promotion(const Simulation&) override { surfaces_ = Surfaces(); }
   void on_frame(const Simulation& simulation, int, int) override {
-    if (!frames_) return bring_frame(simulation, surfaces_);
+    if (!frames_) return collect_frame(simulation, surfaces_);
     if (fault_) return;
     try {
       frames_->add_piece(simulation);
@@ -406,12 +406,12 @@ void gather_for_pictures(Simulation& simulation) {
 }
 
 // What keep_results of rank 0 waits for.
-void bring_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {
+void collect_results(Simulation& simulation, const Surfaces& surfaces, bool failed) {
   const OutputSettings& output = simulation.scene().output;
-  if (failed && simulation.scene().has_frames()) bring_frame(simulation, surfaces);
+  if (failed && simulation.scene().has_frames()) collect_frame(simulation, surfaces);
   find_crushed_out(simulation);
   gather_for_pictures(simulation);
-  if (output.plots && !shows_blocks(simulation)) bring_cracks(simulation, surfaces);
+  if (output.plots && !shows_blocks(simulation)) collect_cracks(simulation, surfaces);
   if (output.end_state && !failed) simulation.save({});
 }
 
@@ -466,7 +466,7 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
   });
   const StopOnSignal guard(simulation);
   Follower follower(folder, options.compressed, pieces);
-  const auto tell = [&](const std::string& text) {
+  const auto print_fault = [&](const std::string& text) {
     notices_wanted = true;
     notice(fmt::format("quoin: rank {}: {}", ranks.rank(), text));
   };
@@ -477,14 +477,14 @@ void follow(RunOptions options, Ranks& ranks, int& exit_code) {
     failed = true;
     exit_code = static_cast<int>(error.exit_code);
     if (!simulation.ranks_together()) {
-      tell(error.what());
+      print_fault(error.what());
       ranks.abort(exit_code);
     }
   }
-  bring_results(simulation, follower.surfaces(), failed);
+  collect_results(simulation, follower.surfaces(), failed);
   if (failed || !follower.fault()) return;
   exit_code = static_cast<int>(follower.fault()->exit_code);
-  tell(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
+  print_fault(fmt::format("frames for ParaView lack its pieces: {}", follower.fault()->what()));
 }
 
 // Before the first step. resumed: by --resume, goes_on: from a checkpoint.
@@ -579,7 +579,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   keep([&] {
     if (!simulation.scene().has_frames()) return;
     const bool shows_end = failure && has_all && info.law_answers;
-    if (shows_end && recorder.frames_fault()) bring_frame(simulation, surfaces);
+    if (shows_end && recorder.frames_fault()) collect_frame(simulation, surfaces);
     if (shows_end && !recorder.frames_fault()) recorder.frames().add_frame(simulation);
     recorder.frames().finish();
   });
@@ -653,7 +653,7 @@ void run(RunOptions options, Ranks* ranks, int& exit_code) {
   std::shared_ptr<FolderLock> lock;
   if (!options.resume.empty()) {
     folder = fs::absolute(options.resume);
-    lock = take_over(folder, &options.scene);
+    lock = take_folder(folder, &options.scene);
     if (!lock) {
       fmt::print("{}: the run is done; nothing to resume\n", options.resume);
       return;

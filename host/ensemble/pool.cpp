@@ -201,7 +201,7 @@ class Pool {
     if (stop_asked) return;
     if (is_finished(folder_.sample(sample))) {
       ++computed_;
-      tell();
+      print_progress();
       return;
     }
     judge(sample, status, said);
@@ -239,11 +239,11 @@ class Pool {
                    : fmt::format("its process ended with code {}", WEXITSTATUS(status));
     fail_(sample, place, reason);
     ++computed_;
-    tell();
+    print_progress();
   }
 
   // A line now and then: on a terminal it is overwritten.
-  void tell() {
+  void print_progress() {
     const auto now = Clock::now();
     std::uint64_t done = 0;
     for (std::uint64_t i = settings_.first; i <= settings_.samples; ++i) done += is_finished(folder_.sample(i)) ? 1 : 0;

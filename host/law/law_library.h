@@ -18,7 +18,7 @@ class LawLibrary {
   // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
   // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
   // missing file, not a shared library, not all of one, no quoin_library_v1, other ABI version. The library runs from a
-  // copy in memory, made anew where the file has changed since the last load: what happens to the file later does not
+  // copy in memory, made again where the file has changed since the last load: what happens to the file later does not
   // touch it. With $QUOIN_LAW_IN_PLACE set it runs from its file, as debuggers and profilers need it.
   static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path);
   ~LawLibrary();

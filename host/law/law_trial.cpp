@@ -25,7 +25,7 @@ namespace {
 
 constexpr char kCameBack = '+', kThrew = '!';
 
-[[noreturn]] void load_and_tell(const std::function<void()>& load, int to) {
+[[noreturn]] void load_and_report(const std::function<void()>& load, int to) {
   end_of_watch();  // the status says what happened
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(signal, SIG_DFL);
@@ -70,7 +70,7 @@ std::string fault_of_loading(const std::function<void()>& load, double seconds) 
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return "";
   const pid_t child = fork();
-  if (child == 0) load_and_tell(load, ends[1]);
+  if (child == 0) load_and_report(load, ends[1]);
   close(ends[1]);
   const int how = child > 0 ? heard(ends[0], seconds) : kCameBack;
   close(ends[0]);

@@ -99,7 +99,7 @@ void World::scale_motion(std::span<const int> blocks, const std::vector<UnitIner
 }
 
 // Whether a point of the joint between halves can close before the next look, as each of them moves by less than a
-// quarter of the way until then (motion_looks.cpp), or holds them: what is left of its stiffness, sigma over opening,
+// quarter of the way until then (motion_checks.cpp), or holds them: what is left of its stiffness, sigma over opening,
 // is more than 1/s_u of kn, so that without the added inertia it would vibrate faster than a closed joint does with it.
 // What has come apart is farther away.
 bool World::are_together(int a, int b) const {
@@ -133,7 +133,7 @@ void World::part_units() {
     changed = true;
   }
   if (!any(changed)) return;
-  tell_by_block(freed);
+  gather_by_block(freed);
   std::vector<int> here;
   for (int a = 0; a < block_count(); ++a) {
     if (std::isnan(freed[size_t(a)])) continue;

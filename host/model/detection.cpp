@@ -98,7 +98,7 @@ double World::allowed_motion(const Contact& c, const PairPlace& place) const {
 }
 
 struct World::Finding {
-  bool looked_at = false;
+  bool examined = false;
   bool fresh = false;             // new points, or none any more
   size_t begin = 0;               // of its new points in Detection::points, where they are found here
   uint32_t fresh_count = 0;       // of these
@@ -110,7 +110,7 @@ struct World::Detection {
   bool at_start;
   std::vector<Contact> contacts;  // in the order of the pairs
   LaneVector<PairPlace> places;   // of each contact
-  LaneVector<PairLook> looks;     // the same
+  LaneVector<PairCheck> checks;   // the same
   std::vector<Finding> findings;  // the same
   std::vector<NewPoint> points;
   std::vector<Contact> lost;  // had points, and are no longer close to each other
@@ -137,21 +137,21 @@ void World::detect_contacts(bool everything) {
   const std::vector<Pair> pairs = close_pairs(everything);
   std::optional<Error> fault;
   try {
-    look_closely(pairs, everything, found);
+    narrow_phase(pairs, everything, found);
   } catch (const Error& error) {
     fault = error;
   }
   fail_together(fault);
-  tell_findings(found);
+  exchange_findings(found);
   if (found.changed || found.at_start) {
     place_points(found);
   } else {
     contacts_ = std::move(found.contacts);
     pair_place_ = std::move(found.places);
-    pair_look_ = std::move(found.looks);
+    pair_check_ = std::move(found.checks);
   }
   for (size_t i = 0; i < contacts_.size(); ++i) {
-    if (owns(contacts_[i])) next_check_ = std::min(next_check_, pair_look_[i].step);
+    if (owns(contacts_[i])) next_check_ = std::min(next_check_, pair_check_[i].step);
   }
   next_check_ = -long(largest(double(-next_check_)));
   bind_neighbours();
@@ -176,7 +176,7 @@ std::vector<Pair> World::close_pairs(bool everything) {
     boxes[i].lower -= inflate, boxes[i].upper += inflate;
     pose(int(i), broad_[i].x, broad_[i].r);
   }
-  tell_by_block(boxes);
+  gather_by_block(boxes);
   for (size_t i = 0; i < blocks_.size(); ++i) rough_place_[i] = 0.5 * (boxes[i].lower + boxes[i].upper);
   pairs = overlapping_pairs(boxes);
   const auto held = [&](int i) {  // those that stages drive are laid out everywhere
@@ -184,15 +184,15 @@ std::vector<Pair> World::close_pairs(bool everything) {
            (!laid_out_[size_t(i)] || bodies_[blocks_[i].body].held == 0x3f);
   };
   std::erase_if(pairs, [&](const Pair& p) { return held(p.a) && held(p.b); });
-  hear_of_new_neighbours(pairs);
+  receive_new_neighbours(pairs);
   return pairs;
 }
 
 // Narrow phase: of own pairs those that are new, or have moved enough, are looked at; the others go on as they are.
-void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detection& found) {
+void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detection& found) {
   found.contacts.reserve(pairs.size());
   found.places = LaneVector<PairPlace>(pairs.size());
-  found.looks = LaneVector<PairLook>(pairs.size());
+  found.checks = LaneVector<PairCheck>(pairs.size());
   found.findings.reserve(pairs.size());
   auto old = contacts_.begin();
   const auto lose = [&] {
@@ -210,11 +210,11 @@ void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detect
     finding.first = c.first, finding.count = c.count, finding.first_facet = c.first_facet;
     if (owns(c)) {
       PairPlace& place = found.places[now];
-      PairLook& look = found.looks[now];
-      if (known) place = pair_place_[then], look = pair_look_[then];
-      if (!known || everything || is_ripe(c, place, look)) {
-        look_at(c, place, known, finding, found);
-        look_at_pair(c, place, look);
+      PairCheck& check = found.checks[now];
+      if (known) place = pair_place_[then], check = pair_check_[then];
+      if (!known || everything || is_ripe(c, place, check)) {
+        detect_pair(c, place, known, finding, found);
+        check_pair_motion(c, place, check);
       }
     }
     found.contacts.push_back(c);
@@ -224,8 +224,8 @@ void World::look_closely(const std::vector<Pair>& pairs, bool everything, Detect
 }
 
 // Where the two blocks of a pair touch, and the points that belong there.
-void World::look_at(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found) {
-  finding.looked_at = true;
+void World::detect_pair(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found) {
+  finding.examined = true;
   const Pair pair = c.pair;
   const Placed a = placed(pair.a), b = placed(pair.b);
   place.separation = separate(a, b, skin_, preference_fraction * size_, known ? &place.separation : nullptr);
@@ -260,27 +260,27 @@ void World::look_at(Contact& c, PairPlace& place, bool known, Finding& finding, 
 }
 
 // How many points each pair has now, and of what: known to all, so that points have the numbers of one process.
-void World::tell_findings(Detection& found) {
-  struct Told {
+void World::exchange_findings(Detection& found) {
+  struct Exchanged {
     int32_t family;
     uint32_t fresh_count;
-    bool looked_at, fresh, beside_joint;
+    bool examined, fresh, beside_joint;
   };
-  std::vector<Told> told;
+  std::vector<Exchanged> exchanged;
   for (size_t i = 0; ranks_ && i < found.contacts.size(); ++i) {
     const Finding& f = found.findings[i];
-    told.push_back({found.contacts[i].family, f.fresh_count, f.looked_at, f.fresh, found.contacts[i].beside_joint});
+    exchanged.push_back({found.contacts[i].family, f.fresh_count, f.examined, f.fresh, found.contacts[i].beside_joint});
   }
-  tell_all(ranks_, std::span(told), [&](size_t i) { return rank_of(found.contacts[i]); });
-  for (size_t i = 0; i < told.size(); ++i) {
+  all_gather(ranks_, std::span(exchanged), [&](size_t i) { return rank_of(found.contacts[i]); });
+  for (size_t i = 0; i < exchanged.size(); ++i) {
     Contact& c = found.contacts[i];
     Finding& f = found.findings[i];
-    c.family = told[i].family, c.beside_joint = told[i].beside_joint;
-    f.fresh_count = told[i].fresh_count, f.looked_at = told[i].looked_at, f.fresh = told[i].fresh;
+    c.family = exchanged[i].family, c.beside_joint = exchanged[i].beside_joint;
+    f.fresh_count = exchanged[i].fresh_count, f.examined = exchanged[i].examined, f.fresh = exchanged[i].fresh;
   }
   found.changed = !found.lost.empty();
   for (const Finding& f : found.findings) {
-    narrow_calls_ += f.looked_at ? 1 : 0;
+    narrow_calls_ += f.examined ? 1 : 0;
     found.changed |= f.fresh && (f.fresh_count > 0 || f.count > 0);
   }
 }
@@ -389,13 +389,13 @@ void World::place_points(Detection& found) {
     }
   }
   keep();
-  tell_all(ranks_, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
+  all_gather(ranks_, std::span(freed), [&](size_t i) { return rank_of(*freed_by[i]); });
   double sum = 0.0;
   for (const double energy : freed) sum += energy;
   if (energy_) later_.detection += sum;
   contacts_ = std::move(found.contacts);
   pair_place_ = std::move(found.places);
-  pair_look_ = std::move(found.looks);
+  pair_check_ = std::move(found.checks);
   if (found.at_start) note_start_joints();
   divide_work();
   if (found.at_start) return;

@@ -10,7 +10,7 @@ namespace quoin {
 // Whose the items of an array are.
 enum class Owner { block, body, gridpoint, pair, contact_point, facet };
 // When an array has its items; else it may be empty.
-enum class When { always, with_stiffness_damping, with_maxwell, with_energies, after_looks, after_law_swaps };
+enum class When { always, with_stiffness_damping, with_maxwell, with_energies, after_checks, after_law_swaps };
 
 struct Field {
   Owner owner;
@@ -21,7 +21,7 @@ struct Field {
   std::size_t hashed = 0;     // bytes of an item, its first ones, that belong to the hash of the state
   Part gathered = Part::all;  // from which on ranks gather it in steps; nothing: steps do not change it
   bool known_to_all = false;  // ranks have all of it
-  bool of_step = false;       // every step finds it anew before it is read: new contact points need not have it
+  bool of_step = false;       // every step finds it again before it is read: new contact points need not have it
   bool saved = true;
 
   // The same but for what they name.

@@ -1,5 +1,5 @@
 // The table of what changes in a run: every array once, with what it is and whose. Checkpoints, state hashes, what
-// ranks gather in steps, tell each other when blocks change hands and give back, and what new contact points take over,
+// ranks gather in steps, exchange when blocks change their rank and give back, and what new contact points take over,
 // are loops over it; nobody else lists arrays. Blocks on the lattice: step/lattice_fields.h. Single numbers, which only
 // checkpoints want, are listed there.
 #pragma once
@@ -29,15 +29,15 @@ struct WorldFields {
     visit(Field{Owner::block, "apart", 1, "-"}.in(nothing).on_all_ranks(), w.apart_);
     visit(Field{Owner::block, "by_zone", 1, "-"}.in(nothing).on_all_ranks(), w.by_zone_);
     visit(Field{Owner::block, "pose_at_broad_phase", 12, "m, -"}.in(nothing), w.broad_);
-    visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_looks), w.block_look_);
-    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_looks), w.seen_);
+    visit(Field{Owner::block, "next_look", 1, "steps"}.in(nothing).only(When::after_checks), w.block_check_);
+    visit(Field{Owner::body, "seen_motion", 0, "SI"}.in(nothing).only(When::after_checks), w.seen_);
   }
 
   // Of each pair that is close.
   template <class World, class Visit>
   static void of_pairs(World& w, const Visit& visit) {
     visit(Field{Owner::pair, "place", 0, "SI"}.in(Part::nothing), w.pair_place_);
-    visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.pair_look_);
+    visit(Field{Owner::pair, "look", 0, "steps"}.in(Part::nothing), w.pair_check_);
   }
 
   // Of the contact points of a family, or of several side by side: visit(field, array of each).

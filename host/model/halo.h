@@ -1,4 +1,4 @@
-// Numbers that neighbouring ranks tell each other again and again.
+// Halo exchange: numbers that neighbouring ranks send each other in every step.
 #pragma once
 
 #include <cstddef>

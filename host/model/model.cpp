@@ -46,7 +46,7 @@ std::vector<UnitClass> unit_classes(const Assembly& assembly, const std::vector<
       blocks_of[assembly.bricks[i].unit].push_back(static_cast<int>(i));
   }
   std::vector<UnitClass> classes;
-  const auto alike = [&](const std::vector<int>& x, const std::vector<int>& y) {
+  const auto congruent = [&](const std::vector<int>& x, const std::vector<int>& y) {
     for (std::size_t b = 0; b < std::min(x.size(), y.size()); ++b) {
       if (template_of[at(x[b])] != template_of[at(y[b])]) return false;
       const Brick& brick = assembly.bricks[at(x[b])];
@@ -65,7 +65,7 @@ std::vector<UnitClass> unit_classes(const Assembly& assembly, const std::vector<
     if (brick.unit >= 0 && blocks_of[brick.unit].size() == kUnitBlocks) unit = blocks_of[brick.unit];
     if (unit[0] != static_cast<int>(i)) continue;
     const auto found =
-        std::find_if(classes.begin(), classes.end(), [&](const UnitClass& c) { return alike(c.units[0], unit); });
+        std::find_if(classes.begin(), classes.end(), [&](const UnitClass& c) { return congruent(c.units[0], unit); });
     (found == classes.end() ? classes.emplace_back() : *found).units.push_back(unit);
   }
   return classes;

@@ -108,7 +108,7 @@ std::vector<Vector> World::places_of(const Contact& c) const {
 
 std::vector<PartedPoint> World::parted_points(int first_block, int end_block) const {
   std::vector<PartedPoint> parted;
-  if (!has_placed_anew()) return parted;
+  if (!has_replaced_points()) return parted;
   const size_t width = kept_width();
   auto joint =
       std::ranges::lower_bound(start_joints_, first_block, {}, [](const StartJoint& j) { return int(j.pair.a); });
@@ -146,7 +146,7 @@ std::vector<PartedPoint> World::parted_points(int first_block, int end_block) co
 
 // States go over by their names, as those of points in contact do; others begin as those of a dry joint.
 void World::keep_states_by_id(int family, const quoin_law& old, size_t old_width) {
-  if (!has_placed_anew()) return;
+  if (!has_replaced_points()) return;
   const Family& f = families_[size_t(family)];
   const quoin_law& law = f.material->api();
   const size_t width = kept_width();

@@ -126,7 +126,7 @@ std::vector<double> values_by_joint(const Scatter& scatter, const Places& places
                                     const std::vector<double>& z) {
   std::map<std::uint64_t, std::vector<std::size_t>> joints;
   for (std::size_t i = 0; i < points.size(); ++i) joints[places.joint(points[i])].push_back(i);
-  std::map<std::vector<long>, random::Sampler> alike;  // by the pattern of places and weights: joints repeat
+  std::map<std::vector<long>, random::Sampler> by_pattern;  // by the pattern of places and weights: joints repeat
   std::vector<double> values(points.size());
   for (const auto& [key, members] : joints) {
     std::vector<double> x, weight;
@@ -138,10 +138,10 @@ std::vector<double> values_by_joint(const Scatter& scatter, const Places& places
       weight.push_back(points[i].area / area);
       pattern.push_back(std::lround(x.back() * 1e7)), pattern.push_back(std::lround(weight.back() * 1e9));
     }
-    auto sampler = alike.find(pattern);
-    if (sampler == alike.end())
+    auto sampler = by_pattern.find(pattern);
+    if (sampler == by_pattern.end())
       sampler =
-          alike
+          by_pattern
               .emplace(pattern,
                        random::Sampler(random::of_points(scatter.distribution, scatter.correlation_length, x, weight)))
               .first;

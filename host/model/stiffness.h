@@ -1,4 +1,4 @@
-// Stiffness of the zones of a block, assembled once for all blocks alike, as kernels over lanes read it.
+// Stiffness of the zones of a block, assembled once for all congruent blocks, as kernels over lanes read it.
 #pragma once
 
 #include <array>

@@ -42,7 +42,7 @@ struct Inertia {
   RigidMotions rigid;                    // empty when neither scaling nor damping asks for it
 };
 
-// What a report tells: critical.value alone, nodal.value with it, or also where they are set and the third limit, for
+// Contents of a report: critical.value alone, nodal.value with it, or also where they are set and the third limit, for
 // twice the time and of a whole model.
 enum class Limits { critical, nodal, all };
 

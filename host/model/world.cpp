@@ -107,7 +107,8 @@ void World::set_solver(const SolverSettings& solver) {
 // Where the next block's numbers begin in each array.
 struct World::Counts {
   size_t bodies = 0, nodes = 0, zones = 0, zone_lanes = 0, corners = 0, normals = 0;
-  std::map<std::array<double, 11>, int32_t> lanes_of;  // alike blocks share them: shape, material, zones, orientation
+  std::map<std::array<double, 11>, int32_t>
+      lanes_of;  // congruent blocks share them: shape, material, zones, orientation
   std::map<std::array<double, 6>, std::pair<int, int>> zoned;  // gridpoints and zones by zoning_key
 };
 
@@ -252,7 +253,7 @@ void World::begin(std::vector<int> rank_of_block) {
     fault = error;
   }
   fail_together(fault);
-  tell_by_block(block_mass_);
+  gather_by_block(block_mass_);
   detect_contacts(true);
   draw_columns();
   set_solver(SolverSettings(solver_));
@@ -367,7 +368,7 @@ void World::lay_out_zones(int block) {
     const auto& t = z->zones[k];
     Zone& zone = zones_[size_t(b.first_zone) + k];
     for (size_t c = 0; c < 4; ++c) zone.node[c] = b.first_node + t[c];
-    // From the shape, not from the place: alike blocks have the same bits.
+    // From the shape, not from the place: congruent blocks have the same bits.
     const Vector& o = z->nodes[size_t(t[0])];
     const Vector e1 = turned * (z->nodes[size_t(t[1])] - o), e2 = turned * (z->nodes[size_t(t[2])] - o),
                  e3 = turned * (z->nodes[size_t(t[3])] - o);
@@ -402,7 +403,7 @@ void World::lay_out_zones(int block) {
     b.surface.push_back(t);
   }
   b.corner_area = area_at_corners(b, node_reference_) / (3.0 * double(b.shape->vertices.size()));
-  if (b.alike >= 0 || node_anchor_.empty()) return;
+  if (b.congruent >= 0 || node_anchor_.empty()) return;
   std::ranges::copy(
       anchors_of(std::span(node_reference_).subspan(first, count), std::span(node_mass_).subspan(first, count)),
       node_anchor_.begin() + b.first_node);
@@ -443,7 +444,7 @@ void World::find_frames(InternalForces wanted) {
                 double(b.divisions[1]),         double(b.divisions[2]), double(b.parity)};
   };
   std::map<Kind, std::vector<int>> of_kind;
-  std::vector<int> unlike;
+  std::vector<int> distinct;
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body >= 0) continue;
     const Unit unit = unit_of(i);
@@ -454,23 +455,23 @@ void World::find_frames(InternalForces wanted) {
     };
     if (is_made_elsewhere || carries_mass(unit.block[0]) || carries_mass(unit.block[size_t(unit.count) - 1]) ||
         kind_of(unit.block[0]) != kind_of(unit.block[size_t(unit.count) - 1]))
-      unlike.push_back(i);
+      distinct.push_back(i);
     else
       of_kind[kind_of(i)].push_back(i);
   }
   for (const auto& [kind, blocks] : of_kind) {
     if (blocks.size() < kFewestAlike) {
-      unlike.insert(unlike.end(), blocks.begin(), blocks.end());
+      distinct.insert(distinct.end(), blocks.begin(), blocks.end());
       continue;
     }
-    for (const int i : blocks) blocks_[size_t(i)].alike = int32_t(alike_.size());
-    make_alike(blocks.front());
+    for (const int i : blocks) blocks_[size_t(i)].congruent = int32_t(congruent_.size());
+    make_congruent(blocks.front());
   }
-  if (!unlike.empty()) node_anchor_ = LaneVector<Vector>(node_x_.size());
+  if (!distinct.empty()) node_anchor_ = LaneVector<Vector>(node_x_.size());
 }
 
 // Turned back to how the shape stands.
-void World::make_alike(int block) {
+void World::make_congruent(int block) {
   lay_out(block);
   const ModelBlock& b = blocks_[size_t(block)];
   const Matrix turned = matrix(assembly_.blocks[size_t(block)].orientation);
@@ -488,8 +489,8 @@ void World::make_alike(int block) {
     }
   }
   const Zone& first = zones_[size_t(b.first_zone)];
-  alike_.push_back(
-      make_alike_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones, first.lambda, first.mu));
+  congruent_.push_back(make_congruent_blocks(node, {node_mass_.data() + b.first_node, size_t(b.node_count)}, zones,
+                                             first.lambda, first.mu));
 }
 
 void World::draw_columns() {

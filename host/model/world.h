@@ -21,8 +21,8 @@
 #include "geometry/broad_phase.h"
 #include "geometry/separation.h"
 #include "law/law_library.h"
-#include "model/alike_blocks.h"
 #include "model/block_inertia.h"
+#include "model/congruent_blocks.h"
 #include "model/field.h"
 #include "model/halo.h"
 #include "model/lanes.h"
@@ -141,7 +141,7 @@ struct FacetLanes {
   double reference[kCount], area[kCount];  // m, m2
   double weight_a[3][kCount];  // of the foot of the point on the triangle that owns the plane; of the last step
 };
-// Frames of those triangles as they stand. In large motion a step forms them anew: they never leave the cache.
+// Frames of those triangles as they stand. In large motion a step forms them again: they never leave the cache.
 struct FacetFrames {
   static constexpr int kCount = FacetLanes::kCount;
   alignas(64) double n[3][kCount];
@@ -228,12 +228,12 @@ struct PairTouch {
 struct Piece {
   uint32_t first, count;  // of World::piece_blocks_; at most kBodies
   bool halves;
-  enum class Kind : uint8_t { rigid, alike, unlike, by_zone } kind;
-  int32_t alike = -1;  // into World::alike_, of those alike
+  enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
+  int32_t congruent = -1;  // into World::congruent_, of congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
   size_t columns = kNoColumns;  // where its FixedColumns begin in World::piece_columns_
   bool some_held = false;
-  bool in_frame() const { return kind == Kind::alike || kind == Kind::unlike; }
+  bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
 };
 
 // What steps seldom change of the gridpoints of up to kLanes deformable blocks, side by side: a line a gridpoint, three
@@ -244,22 +244,22 @@ struct FixedColumns {
   Number *mass, *over_mass;  // of inertia, kg, 1/kg or 0
   Number *place, *anchor;    // of blocks in frames of their own: X from the first gridpoint, m, and b, 1/m; else null
   Number *held, *held_v;     // where some are held: 1 or 0, m/s; else null
-  FixedColumns(Number* from, int node_count, bool unlike, bool some_held) {
+  FixedColumns(Number* from, int node_count, bool distinct, bool some_held) {
     const auto take = [&](bool wanted, int numbers) {
       Number* const column = wanted ? from : nullptr;
       if (wanted) from += size_t(node_count) * size_t(numbers);
       return column;
     };
     mass = take(true, kLanes), over_mass = take(true, kLanes);
-    place = take(unlike, kLine), anchor = take(unlike, kLine);
+    place = take(distinct, kLine), anchor = take(distinct, kLine);
     held = take(some_held, kLine), held_v = take(some_held, kLine);
   }
-  static size_t size(int node_count, bool unlike, bool some_held) {
-    return size_t(node_count) * size_t(2 * kLanes + (unlike ? 2 * kLine : 0) + (some_held ? 2 * kLine : 0));
+  static size_t size(int node_count, bool distinct, bool some_held) {
+    return size_t(node_count) * size_t(2 * kLanes + (distinct ? 2 * kLine : 0) + (some_held ? 2 * kLine : 0));
   }
 };
 
-// The motion that the next looks at a rigid block reckon with (motion_looks.cpp): it moves as it was seen to, but for
+// The motion that the next looks at a rigid block reckon with (motion_checks.cpp): it moves as it was seen to, but for
 // so much of the speed of any part of it. In the order in which kernels read it.
 struct SeenMotion {
   Vector v;                // m/s
@@ -270,7 +270,7 @@ struct SeenMotion {
 };
 
 // When a pair of blocks is looked at next.
-struct PairLook {
+struct PairCheck {
   int32_t a, b;
   bool ripe = false;  // has moved by most of its way
   long step = 0;
@@ -283,7 +283,7 @@ struct BlockSums {
   double positions = 0.0;   // sum of coordinates; its only use is that it is not finite when one of them is not
   double kinetic = 0.0, strain = 0.0, damping = 0.0, external = 0.0;  // J
   double deformation = 0.0;          // in a frame, the largest |u| beside the first gridpoint, m
-  bool startled = false;             // moves otherwise than it was seen to
+  bool deviates = false;             // moves otherwise than it was seen to
   double moved = 0.0, turned = 0.0;  // since the start, for a row of the history, m, rad
 };
 
@@ -358,8 +358,8 @@ struct Energies {        // J
   double dissipated[QUOIN_DISSIPATED_COUNT] = {};  // tension, cohesion, friction, crushing
   double damping = 0.0;                            // taken by damping
   double external = 0.0;  // done by weight, loads and supports: what joints take from these, whatever their inertia
-  // Energy lost (> 0) or gained when contact points were placed anew, and lost with the inertia of halves on each other
-  // when a unit came apart.
+  // Energy lost (> 0) or gained when contact points were placed again, and lost with the inertia of halves on each
+  // other when a unit came apart.
   double detection = 0.0;
   double members_stored = 0.0, members_dissipated = 0.0;  // of host/members
   double dissipated_total() const { return dissipated[0] + dissipated[1] + dissipated[2] + dissipated[3]; }
@@ -371,7 +371,7 @@ struct Energies {        // J
 };
 
 // What belongs to the energies of the next step: work of forces in the second half of their own, and what is lost with
-// points that are placed anew and units that come apart at its end.
+// points that are placed again and units that come apart at its end.
 struct HalfStep {
   double damping = 0.0, external = 0.0, detection = 0.0;  // J
 };
@@ -400,8 +400,8 @@ struct ModelBlock {
   int32_t body = -1;                        // rigid: index into bodies
   int32_t first_node = 0, node_count = 0;   // deformable
   int32_t first_zone = 0, zone_count = 0;
-  int32_t first_lanes = 0;  // into the zones in lanes, which alike blocks share
-  int32_t alike = -1;       // into what blocks of the same shape share; -1: too few of them
+  int32_t first_lanes = 0;  // into the zones in lanes, which congruent blocks share
+  int32_t congruent = -1;   // into what blocks of the same shape share; -1: too few of them
   int32_t lanes_count() const { return (zone_count + ZoneLanes::kCount - 1) / ZoneLanes::kCount; }
   uint32_t first_corner = 0;  // into corner arrays: vertices of the shape
   uint32_t first_normal = 0;
@@ -453,7 +453,7 @@ class World {
     loaded_.assign(blocks_.size(), 0);
   }
   const std::array<MaxwellElement, kMaxwellElements>& maxwell_elements() const { return maxwell_; }
-  // Of a stage: mass_scaling stays as it was at the start. The time step is chosen anew.
+  // Of a stage: mass_scaling stays as it was at the start. The time step is chosen again.
   void set_solver(const SolverSettings& solver);
   // Damping of stages that run to equilibrium, or of others.
   void settle(bool on) { settling_ = on; }
@@ -471,7 +471,7 @@ class World {
   // Velocity of the ground half a step ago and now, m/s: what mass-proportional and local damping brake against.
   void move_ground(const Vector& half_step_ago, const Vector& now) { ground_then_ = half_step_ago, ground_now_ = now; }
   // Members that hold blocks beside their joints (world_members.cpp); in one process alone. The time step is chosen
-  // anew.
+  // again.
   void hold_by_members(std::shared_ptr<members::Members> members);
   const members::Members* members() const { return members_.get(); }
   members::Members* members() { return members_.get(); }
@@ -489,9 +489,9 @@ class World {
   StepLimit what_sets_time_step() const;
   bool small_displacement() const { return small_; }
   long detections() const { return detections_; }
-  long divisions() const { return divisions_; }  // how often the work has been divided anew
+  long divisions() const { return divisions_; }  // how often the work has been divided again
   // Whether the step of now looks at how far blocks have moved, at its end: then only may contacts be detected.
-  bool looks_at_motion() const { return step_count_ + 1 >= next_check_ || (dt_ != look_dt_ && !bodies_.empty()); }
+  bool checks_motion() const { return step_count_ + 1 >= next_check_ || (dt_ != check_dt_ && !bodies_.empty()); }
 
   // For ranks that share the model (world_parts.cpp). All have its outline: blocks, pairs that are close, how many
   // contact points they have. Arrays have the numbers of the whole model; laid out, and in memory, is what a rank works
@@ -499,9 +499,9 @@ class World {
   void begin(std::vector<int> rank_of_block);
   // Blocks go to these ranks from now on. known: blocks that every rank is to have besides.
   void hold(std::vector<int> rank_of_block, std::span<const int> known);
-  void tell_blocks(std::span<const int> blocks);  // to all
-  void tell_joints(std::span<const int> blocks);  // to all: the contact points of these blocks, and whom they touch
-  size_t tell_everything(bool to_all);            // or to rank 0 alone; bytes
+  void exchange_blocks(std::span<const int> blocks);  // to all
+  void exchange_joints(std::span<const int> blocks);  // to all: the contact points of these blocks, and whom they touch
+  size_t gather_everything(bool to_all);              // or to rank 0 alone; bytes
   bool is_laid_out(int block) const { return laid_out_[size_t(block)]; }
   bool owns(int block) const { return !ranks_ || rank_of_block_[size_t(block)] == ranks_->rank(); }
   Vector rough_place(int block) const { return rough_place_[size_t(block)]; }  // the same on all ranks, m
@@ -526,10 +526,11 @@ class World {
   const std::vector<Contact>& contacts() const { return contacts_; }  // in the order of their pairs
   const PairPlace& place_of_pair(size_t contact) const { return pair_place_[contact]; }
   bool owns(const Contact& c) const { return owns(c.pair.a) || owns(c.pair.b); }
-  // Of joints that begin at blocks [first, end), in their order. With ranks of own blocks, after tell_parted_blocks().
+  // Of joints that begin at blocks [first, end), in their order. With ranks of own blocks, after
+  // exchange_parted_blocks().
   std::vector<PartedPoint> parted_points(int first_block, int end_block) const;
-  void tell_parted_blocks();                               // by all ranks at the same moment
-  bool has_placed_anew() const { return !kept_.empty(); }  // contact points, since the start
+  void exchange_parted_blocks();                               // by all ranks at the same moment
+  bool has_replaced_points() const { return !kept_.empty(); }  // contact points, since the start
   // Pairs that have points in a chunk, and their blocks.
   template <class Visit>
   void each_contact_of_chunk(int chunk, Visit visit) const {
@@ -604,13 +605,13 @@ class World {
   using GiveParts = std::function<void(const void* first, size_t bytes, const TakeBytes& take)>;
   uint64_t hash(const GiveParts& parts = {}) const;
 
-  // A run that goes on from one in small displacements (take_over.cpp), before the first step. Clock; then the pose of
-  // every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points. take_over keeps
-  // tractions, states and openings as they are, whatever the turning of the blocks means for the gap. Throws
-  // Error(numerical) when a history has no contact point here. Points without a history begin without load.
+  // A run that goes on from one in small displacements (adopt_histories.cpp), before the first step. Clock; then the
+  // pose of every rigid block, gridpoints by node_positions() and node_velocities(); then all contact points.
+  // adopt_histories keeps tractions, states and openings as they are, whatever the turning of the blocks means for the
+  // gap. Throws Error(numerical) when a history has no contact point here. Points without a history begin without load.
   void start_at(double time, long steps) { time_ = time, step_count_ = steps; }
   void set_pose(int block, const Vector& centre, const Quaternion& turn);  // rigid; turn: since the start
-  void take_over(const std::vector<PointHistory>& histories);
+  void adopt_histories(const std::vector<PointHistory>& histories);
 
   // contact geometry checks, for tests
   void detect_now() { detect_contacts(true); }
@@ -619,9 +620,9 @@ class World {
   friend struct WorldFields;
   bool moved_enough();
   void see(int block);
-  bool look_at_block(int block, long& step) const;
-  bool look_at_pair(const Contact& c, const PairPlace& place, PairLook& look) const;
-  bool is_ripe(const Contact& c, const PairPlace& place, const PairLook& look) const;  // to be looked at closely
+  bool check_block_motion(int block, long& step) const;
+  bool check_pair_motion(const Contact& c, const PairPlace& place, PairCheck& check) const;
+  bool is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const;  // to be looked at closely
   long step_after(double way, double speed, double acceleration = 0.0) const;
   long steps_of_gridpoints() const;
   void detect_contacts(bool everything = false);
@@ -654,7 +655,7 @@ class World {
   void pack(const Chunk& chunk);
   void bind(Family& f, Chunk& chunk) const;
   void adopt(Family& f, std::shared_ptr<const Material> material, const std::string& initial_state);
-  // Rigid motion is told from the rest: inertia is scaled apart, or damping is by block.
+  // Rigid motion is advanced apart from the rest: inertia is scaled apart, or damping is by block.
   bool splits_motion() const {
     return solver_.damping == DampingKind::block || solver_.deformation_inertia != 1.0 || solver_.unit_inertia != 1.0;
   }
@@ -672,7 +673,7 @@ class World {
   void put_in_lanes(const ModelBlock& block);  // its zones
   void put_in_lanes(const Point& p, uint32_t index, Chunk& chunk);
   void find_frames(InternalForces wanted);
-  void make_alike(int block);
+  void make_congruent(int block);
   void find_units();
   void part_units();
   bool are_together(int a, int b) const;
@@ -707,17 +708,17 @@ class World {
   void forget_blocks(size_t first, size_t end);
   void find_time_step(bool may_grow = false);  // beside that in use
 
-  // What processes tell each other; one alone knows it all.
+  // Exchange between processes; one alone has everything.
   int rank_of(const Contact& c) const { return rank_of_block_[size_t(c.pair.a)]; }
   template <class Memory>
-  void tell_by_block(Memory& values) const;
+  void gather_by_block(Memory& values) const;
   bool any(bool here) const;
   double largest(double here) const;
   void fail_together(const std::optional<Error>& here) const;  // throws on all ranks where one has failed
   struct Wanted;
-  size_t tell(const Wanted& wanted);  // bytes
+  size_t exchange(const Wanted& wanted);  // bytes
   template <class Visit>
-  void each_told_memory(const Wanted& wanted, Visit visit);
+  void each_exchanged_memory(const Wanted& wanted, Visit visit);
   using VisitBytes = std::function<void(void*, size_t)>;
   struct Items {
     size_t first, end;
@@ -727,9 +728,9 @@ class World {
   Items start_points_of(int first_block, int end_block) const;  // of joints that begin at these blocks
   void each_memory_of_points(int family, size_t first, size_t end, const VisitBytes& visit);
   void forget_points(size_t family, const std::vector<bool>& contact_stays);
-  void hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs);
+  void receive_new_neighbours(const std::vector<geometry::Pair>& pairs);
   void bind_neighbours();
-  void hear_of_neighbours();
+  void receive_neighbours();
   int facets_a_point(const Contact& c) const {
     return int(blocks_[size_t(c.pair.a)].body < 0) + int(blocks_[size_t(c.pair.b)].body < 0);
   }
@@ -767,16 +768,16 @@ class World {
   double lever_of(const Contact& c, double distance) const;
   double motion_since_broad_phase(int block) const;                       // translation plus rotation times radius, m
   double detection_fraction() const;                                      // of a block's least extent
-  double allowed_motion(const Contact& c, const PairPlace& place) const;  // of a pair until it is detected anew, m
+  double allowed_motion(const Contact& c, const PairPlace& place) const;  // of a pair until it is detected again, m
   struct NewPoint;
   struct Finding;
   struct Heir;
   struct Detection;
   struct Before;
   std::vector<geometry::Pair> close_pairs(bool everything);
-  void look_closely(const std::vector<geometry::Pair>& pairs, bool everything, Detection& found);
-  void look_at(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found);
-  void tell_findings(Detection& found);
+  void narrow_phase(const std::vector<geometry::Pair>& pairs, bool everything, Detection& found);
+  void detect_pair(Contact& c, PairPlace& place, bool known, Finding& finding, Detection& found);
+  void exchange_findings(Detection& found);
   void number_points(Detection& found, Before& before);
   bool carries(const Contact& c) const;
   void name_family(Contact& c, const Vector& normal, std::span<const NewPoint> points) const;
@@ -832,8 +833,8 @@ class World {
   std::vector<int> rank_of_block_;  // with ranks
   std::vector<bool> laid_out_;      // by block
   std::vector<Vector> rough_place_;
-  Halo neighbours_;                      // motion of whole blocks that are close to those of other ranks
-  std::vector<double> startled_blocks_;  // by block, as neighbours tell it
+  Halo neighbours_;                       // motion of whole blocks that are close to those of other ranks
+  std::vector<double> deviating_blocks_;  // by block, as received from neighbours
 
   std::vector<ModelBlock> blocks_;
   std::vector<double> block_mass_;  // that has weight, kg
@@ -849,7 +850,7 @@ class World {
   LaneVector<Vector> node_held_v_;
   LaneVector<Zone> zones_;
   LaneVector<ZoneLanes> zone_lanes_;
-  std::vector<AlikeBlocks> alike_;
+  std::vector<CongruentBlocks> congruent_;
   LaneVector<Vector> node_anchor_;   // b of blocks in frames of their own; empty: there are none
   std::vector<uint8_t> by_zone_;     // by block: it has deformed too much for a frame
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none
@@ -861,8 +862,8 @@ class World {
   std::vector<Contact> contacts_;
   std::vector<std::vector<uint32_t>> contacts_of_family_;  // those that have points
   LaneVector<PairPlace> pair_place_;                       // of each contact
-  LaneVector<PairLook> pair_look_;                         // the same
-  LaneVector<long> block_look_;                            // step, by block
+  LaneVector<PairCheck> pair_check_;                       // the same
+  LaneVector<long> block_check_;                           // step, by block
   std::vector<uint8_t> due_;                               // by block: for a look of now
   LaneVector<SeenMotion> seen_;                            // by body
   std::vector<StartJoint> start_joints_;
@@ -888,7 +889,7 @@ class World {
   std::vector<int32_t> piece_of_block_;
   std::vector<int> held_blocks_changed_;  // deformable, since the last step
   bool held_changed_ = false;             // of any gridpoints
-  long divisions_ = 0;                    // how often the work has been divided anew
+  long divisions_ = 0;                    // how often the work has been divided again
   std::function<void()> fetch_ = [] {};
 
   std::shared_ptr<members::Members> members_;  // null: none
@@ -912,9 +913,9 @@ class World {
   double impact_share_ = 1.0;  // of what the settings ask for
   std::array<MaxwellElement, kMaxwellElements> maxwell_{};
   long step_count_ = 0, next_check_ = 0, detections_ = 0, narrow_calls_ = 0;
-  long calm_steps_ = 0;    // between two looks at deformable blocks
-  double look_dt_ = 0.0;   // that looks reckon with, s
-  bool startled_ = false;  // some block in the last step
+  long calm_steps_ = 0;        // between two looks at deformable blocks
+  double check_dt_ = 0.0;      // that looks reckon with, s
+  bool any_deviates_ = false;  // some block in the last step
   double unbalanced_ = 0.0;
   Vector net_;
   Energies energies_;

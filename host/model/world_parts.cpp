@@ -19,11 +19,11 @@ void forget_items(Array& array, size_t first, size_t end) {
 }  // namespace
 
 template <class Memory>
-void World::tell_by_block(Memory& values) const {
-  tell_all(ranks_, std::span(values), [&](size_t block) { return rank_of_block_[block]; });
+void World::gather_by_block(Memory& values) const {
+  all_gather(ranks_, std::span(values), [&](size_t block) { return rank_of_block_[block]; });
 }
-template void World::tell_by_block(std::vector<double>&) const;
-template void World::tell_by_block(std::vector<geometry::Box>&) const;
+template void World::gather_by_block(std::vector<double>&) const;
+template void World::gather_by_block(std::vector<geometry::Box>&) const;
 
 bool World::any(bool here) const { return largest(here ? 1.0 : 0.0) > 0.0; }
 
@@ -47,12 +47,12 @@ void World::fail_together(const std::optional<Error>& here) const {
   const int code = int(largest(mine ? double(here->exit_code) : 0.0));
   std::vector<size_t> sizes(size_t(ranks_->count()), 0);
   sizes[size_t(rank)] = length;
-  std::string told(length, ' ');
-  ranks_->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(told)));
-  throw Error(Exit(code), told);
+  std::string received(length, ' ');
+  ranks_->gather(std::as_bytes(std::span(text)), sizes, std::as_writable_bytes(std::span(received)));
+  throw Error(Exit(code), received);
 }
 
-// ---- What there is to tell -----------------------------------------------------------------------------------------
+// ---- What can be exchanged ------------------------------------------------------------------------------------------
 
 World::Items World::items_of_blocks(Owner owner, size_t first, size_t end) const {
   const ModelBlock &from = blocks_[first], &last = blocks_[end - 1];
@@ -98,7 +98,7 @@ void World::each_memory_of_points(int family, size_t first, size_t end, const Vi
 }
 
 struct World::Wanted {
-  std::vector<bool> block, contact;            // that are told
+  std::vector<bool> block, contact;            // that are sent
   std::vector<bool> block_here, contact_here;  // wanted here
   std::span<const int> known_by;               // rank of each block
   explicit Wanted(const World& world, std::span<const int> known)
@@ -112,7 +112,7 @@ struct World::Wanted {
 // visit(rank, first byte, bytes, whether it is wanted here). Neighbouring contacts of one rank go together, array by
 // array, in the same order on all ranks, whatever each of them wants of them.
 template <class Visit>
-void World::each_told_memory(const Wanted& w, Visit visit) {
+void World::each_exchanged_memory(const Wanted& w, Visit visit) {
   for (size_t i = 0; i < blocks_.size(); ++i) {
     if (!w.block[i]) continue;
     each_memory_of_block(int(i), [&](void* first, size_t bytes) {
@@ -169,30 +169,31 @@ void World::each_told_memory(const Wanted& w, Visit visit) {
   }
 }
 
-size_t World::tell(const Wanted& wanted) {
+size_t World::exchange(const Wanted& wanted) {
   RankRows rows(*ranks_);
-  each_told_memory(wanted, [&](int rank, void* first, size_t bytes, bool here) { rows.add(rank, first, bytes, here); });
-  return rows.tell();
+  each_exchanged_memory(wanted,
+                        [&](int rank, void* first, size_t bytes, bool here) { rows.add(rank, first, bytes, here); });
+  return rows.exchange();
 }
 
 void World::each_owned_memory(const VisitOwned& visit) {
   Wanted all(*this, rank_of_block_);
   all.block.assign(blocks_.size(), true), all.contact.assign(contacts_.size(), true);
-  each_told_memory(all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
+  each_exchanged_memory(all, [&](int rank, void* first, size_t bytes, bool) { visit(rank, first, bytes); });
 }
 
-// ---- Who is told what ----------------------------------------------------------------------------------------------
+// ---- Which items are exchanged --------------------------------------------------------------------------------------
 
 namespace {
 
-// Who needs something that some ranks know.
+// Items that some ranks lack, and whether this one does.
 struct Need {
-  std::vector<bool>& told;
+  std::vector<bool>& sent;
   std::vector<bool>& here;
   int this_rank;
   void add(size_t item, int rank, bool knows) {
     if (knows) return;
-    told[item] = true;
+    sent[item] = true;
     if (rank == this_rank) here[item] = true;
   }
 };
@@ -244,7 +245,7 @@ void World::hold(std::vector<int> rank_of_block, std::span<const int> known) {
   for (int b = 0; b < block_count(); ++b) {
     if (stays[size_t(b)]) lay_out(b);
   }
-  tell(wanted);
+  exchange(wanted);
 
   each_row(stays, false, [&](size_t first, size_t end) { forget_blocks(first, end); });
   each_row(contact_stays, false, [&](size_t first, size_t end) {
@@ -297,16 +298,16 @@ void World::forget_blocks(size_t first, size_t end) {
   }
 }
 
-void World::tell_blocks(std::span<const int> told) {
+void World::exchange_blocks(std::span<const int> chosen) {
   Wanted wanted(*this, rank_of_block_);
-  for (const int b : told) {
+  for (const int b : chosen) {
     lay_out(b);
     wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
   }
-  tell(wanted);
+  exchange(wanted);
 }
 
-void World::tell_joints(std::span<const int> of_blocks) {
+void World::exchange_joints(std::span<const int> of_blocks) {
   Wanted wanted(*this, rank_of_block_);
   std::vector<bool> asked(blocks_.size());
   for (const int b : of_blocks) asked[size_t(b)] = true;
@@ -319,12 +320,12 @@ void World::tell_joints(std::span<const int> of_blocks) {
       wanted.block[size_t(b)] = true, wanted.block_here[size_t(b)] = !owns(b);
     }
   }
-  tell(wanted);
+  exchange(wanted);
 }
 
 // The rank of a joint's first block may know nothing of the other one any more, or no more than what it touches of it.
-void World::tell_parted_blocks() {
-  if (!ranks_ || !has_placed_anew()) return;
+void World::exchange_parted_blocks() {
+  if (!ranks_ || !has_replaced_points()) return;
   Wanted wanted(*this, rank_of_block_);
   Need need{wanted.block, wanted.block_here, ranks_->rank()};
   for (const StartJoint& joint : start_joints_) {
@@ -334,10 +335,10 @@ void World::tell_parted_blocks() {
   for (int b = 0; b < block_count(); ++b) {
     if (wanted.block_here[size_t(b)]) lay_out(b);
   }
-  tell(wanted);
+  exchange(wanted);
 }
 
-size_t World::tell_everything(bool to_all) {
+size_t World::gather_everything(bool to_all) {
   take_back_facets();
   Wanted wanted(*this, rank_of_block_);
   const bool here = to_all || ranks_->rank() == 0;
@@ -347,7 +348,7 @@ size_t World::tell_everything(bool to_all) {
   }
   for (size_t i = 0; i < contacts_.size(); ++i)
     wanted.contact[i] = true, wanted.contact_here[i] = here && !owns(contacts_[i]);
-  const size_t bytes = tell(wanted);
+  const size_t bytes = exchange(wanted);
   for (Chunk& chunk : chunks_) {
     if (here) pack(chunk), bind(families_[size_t(chunk.family)], chunk);
   }
@@ -356,7 +357,7 @@ size_t World::tell_everything(bool to_all) {
 
 // ---- Blocks close to those of other ranks --------------------------------------------------------------------------
 
-void World::hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs) {
+void World::receive_new_neighbours(const std::vector<geometry::Pair>& pairs) {
   if (!ranks_) return;
   Wanted wanted(*this, rank_of_block_);
   Need need{wanted.block, wanted.block_here, ranks_->rank()};
@@ -368,7 +369,7 @@ void World::hear_of_new_neighbours(const std::vector<geometry::Pair>& pairs) {
   for (int b = 0; b < block_count(); ++b) {
     if (wanted.block_here[size_t(b)]) lay_out(b);
   }
-  tell(wanted);
+  exchange(wanted);
   place_blocks();
 }
 
@@ -376,8 +377,8 @@ void World::bind_neighbours() {
   neighbours_.clear();
   if (!ranks_) return;
   const int here = ranks_->rank();
-  startled_blocks_.resize(blocks_.size(), 0.0);
-  std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks that it is told, and tells
+  deviating_blocks_.resize(blocks_.size(), 0.0);
+  std::map<int, std::pair<std::vector<int>, std::vector<int>>> with;  // by rank: blocks sent to it, and received
   for (const Contact& c : contacts_) {
     const auto [a, b] = c.pair;
     const int rank_a = rank_of_block_[size_t(a)], rank_b = rank_of_block_[size_t(b)];
@@ -397,7 +398,7 @@ void World::bind_neighbours() {
         for (Vector* v : {&body.x, &body.v, &body.omega}) add(*v);
         for (Vector& row : body.r.row) add(row);
         for (Vector& row : body.transposed_r.row) add(row);
-        numbers.push_back(&startled_blocks_[size_t(block)]);
+        numbers.push_back(&deviating_blocks_[size_t(block)]);
       }
       for (int n = b.first_node; n < b.first_node + b.node_count; ++n) add(node_x_[size_t(n)]);
     }
@@ -409,13 +410,14 @@ void World::bind_neighbours() {
   }
 }
 
-void World::hear_of_neighbours() {
+void World::receive_neighbours() {
   if (!ranks_) return;
-  for (size_t i = 0; i < blocks_.size(); ++i) startled_blocks_[i] = owns(int(i)) && block_sums_[i].startled ? 1.0 : 0.0;
+  for (size_t i = 0; i < blocks_.size(); ++i)
+    deviating_blocks_[i] = owns(int(i)) && block_sums_[i].deviates ? 1.0 : 0.0;
   neighbours_.send(*ranks_);
   neighbours_.receive(*ranks_);
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!owns(int(i))) block_sums_[i].startled = startled_blocks_[i] > 0.0;
+    if (!owns(int(i))) block_sums_[i].deviates = deviating_blocks_[i] > 0.0;
   }
 }
 

@@ -149,7 +149,7 @@ double World::kinetic_energy_of_all() const {
   for (int i = 0; i < block_count(); ++i) {
     if (owns(i)) of_block[size_t(i)] = kinetic_energy_of(i);
   }
-  tell_by_block(of_block);
+  gather_by_block(of_block);
   double sum = 0.0;
   for (const double e : of_block) sum += e;
   return sum;

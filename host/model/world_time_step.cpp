@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "members/members.h"
+#include "model/gathered_sums.h"
 #include "model/lanczos.h"
-#include "model/told_sums.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
 
@@ -29,7 +29,7 @@ void World::each_own_point(Visit visit, const Unit* alone) const {
 }
 
 // Upper bound of the stiffness-to-mass ratio that contacts give to any one block or gridpoint, 1/s2: cheap, coarse, and
-// only compared with its own earlier value, to learn whether the frequency must be computed anew.
+// only compared with its own earlier value, to learn whether the frequency must be computed again.
 double World::local_stiffness_bound() const {
   LaneVector<double> body(bodies_.size()), node(node_x_.size());
   each_own_point([&](const Family& f, const Point& p) {
@@ -181,7 +181,7 @@ struct World::Vibration {
   const Stiffness& stiffness;
   const Unit* alone;
   Ranks* ranks;  // null: one process, or a unit alone
-  std::unique_ptr<ToldSums> shared;
+  std::unique_ptr<GatheredSums> shared;
   std::vector<int> blocks, own_bodies;
   std::vector<VectorRow> own_nodes;
   std::vector<UnitInertia> inertia;  // empty: none is scaled
@@ -242,7 +242,7 @@ struct World::Vibration {
         own_nodes.push_back(of_block);
     }
     if (!ranks) return;
-    shared = std::make_unique<ToldSums>(*ranks);
+    shared = std::make_unique<GatheredSums>(*ranks);
     const auto append = [&](size_t i, size_t numbers) { shared->append(world.rank_of_block_[i], numbers); };
     for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, world.blocks_[i].body >= 0 ? 6 : 0);
     for (size_t i = 0; i < world.blocks_.size(); ++i) append(i, 3 * size_t(world.blocks_[i].node_count));

@@ -234,8 +234,8 @@ void World::divide_sides() {
   });
 }
 
-// As many as a vector takes. Units of blocks alike go by kind, so that most vectors are full; where few are left of a
-// kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
+// As many as a vector takes. Units of congruent blocks go by kind, so that most vectors are full; where few are left of
+// a kind they go zone by zone. Of the others those of one size go together, so that lanes are as long as each other.
 void World::divide_blocks() {
   pieces_.clear(), piece_blocks_.clear();
   const auto zones_of = [&](const Unit& unit) {
@@ -247,15 +247,15 @@ void World::divide_blocks() {
   const int most_zones = int(std::clamp(zones_.size() / 16, size_t(500), size_t(4000)));
   // Of a list of units, in its order, those that go into one piece after the other. Halves that are apart stay in one
   // piece, so that one rank has both when they meet again.
-  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t alike = -1) {
-    const bool one_by_one = kind == Piece::Kind::unlike || kind == Piece::Kind::by_zone;
+  const auto divide = [&](std::span<const Unit> units, Piece::Kind kind, int32_t congruent = -1) {
+    const bool one_by_one = kind == Piece::Kind::distinct || kind == Piece::Kind::by_zone;
     const auto of_one_kind = [&](int count, bool halves) {
       std::vector<Unit> together;
       int zones = 0;
       const auto put = [&] {
         if (together.empty()) return;
         pieces_.push_back(
-            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, alike});
+            {uint32_t(piece_blocks_.size()), uint32_t(count) * uint32_t(together.size()), halves, kind, congruent});
         for (int half = 0; half < count; ++half) {
           for (const Unit& unit : together) piece_blocks_.push_back(unit.block[half]);
         }
@@ -271,7 +271,7 @@ void World::divide_blocks() {
     };
     of_one_kind(1, false), of_one_kind(2, true), of_one_kind(2, false);
   };
-  std::vector<Unit> rigid, fixed, unlike, by_zone;
+  std::vector<Unit> rigid, fixed, distinct, by_zone;
   std::map<int32_t, std::vector<Unit>> of_kind;
   for (int i = 0; i < block_count(); ++i) {
     if (blocks_[size_t(i)].body >= 0) {
@@ -281,20 +281,20 @@ void World::divide_blocks() {
     const Unit unit = unit_of(i, Halves::also_apart);
     if (unit.block[0] != i) continue;  // goes with the first half
     const bool leaves = by_zone_[size_t(i)] || by_zone_[size_t(unit.block[size_t(unit.count) - 1])];
-    const int32_t kind = blocks_[size_t(i)].alike;
-    (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : unlike)).push_back(unit);
+    const int32_t kind = blocks_[size_t(i)].congruent;
+    (leaves ? by_zone : (kind >= 0 ? of_kind[kind] : distinct)).push_back(unit);
   }
   for (const auto& [kind, units] : of_kind) {
     size_t blocks = 0;
     for (const Unit& unit : units) blocks += size_t(unit.count);
     if (blocks >= kFewestAlike)
-      divide(units, Piece::Kind::alike, kind);
+      divide(units, Piece::Kind::congruent, kind);
     else
       by_zone.insert(by_zone.end(), units.begin(), units.end());
   }
-  std::stable_sort(unlike.begin(), unlike.end(),
+  std::stable_sort(distinct.begin(), distinct.end(),
                    [&](const Unit& a, const Unit& b) { return zones_of(a) > zones_of(b); });
-  divide(unlike, Piece::Kind::unlike);
+  divide(distinct, Piece::Kind::distinct);
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
@@ -308,7 +308,7 @@ int World::most_gridpoints(const Piece& piece) const {
 
 void World::fill_columns(Piece& piece) {
   const std::span<const int32_t> blocks = blocks_of(piece);
-  const bool unlike = piece.kind == Piece::Kind::unlike;
+  const bool distinct = piece.kind == Piece::Kind::distinct;
   const int most = most_gridpoints(piece);
   const bool some_held = std::any_of(blocks.begin(), blocks.end(), [&](int32_t block) {
     const ModelBlock& b = blocks_[size_t(block)];
@@ -318,9 +318,9 @@ void World::fill_columns(Piece& piece) {
   if (some_held != piece.some_held || piece.columns == Piece::kNoColumns) {  // else they stay where they are
     piece.some_held = some_held;
     piece.columns = piece_columns_.size();
-    piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, unlike, some_held));
+    piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, distinct, some_held));
   }
-  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, unlike, some_held);
+  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, distinct, some_held);
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
@@ -329,7 +329,7 @@ void World::fill_columns(Piece& piece) {
       const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
       for (int c = 0; c < 3; ++c) {
         const size_t at = n * kLine + size_t(c) * kLanes + l;
-        if (unlike) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+        if (distinct) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
         if (some_held) to.held[at] = node_held_[node] >> c & 1, to.held_v[at] = node_held_v_[node][c];
       }
     }
@@ -344,18 +344,19 @@ int World::count_of(Piece::Kind kind) const {
 
 double World::piece_work(int index) const {
   // A body costs about as much as three sides of contact points, a pair of them as one; zones about as much as two,
-  // with a stiffness of their own one, and a quarter of it as one of up to kBodies blocks alike.
-  constexpr double kZone = 2.0, kUnlikeZone = 1.0, kAlikeZone = 4.0, kBody = 3.0;
+  // with a stiffness of their own one, and a quarter of it as one of up to kBodies congruent blocks.
+  constexpr double kZone = 2.0, kDistinctZone = 1.0, kCongruentZone = 4.0, kBody = 3.0;
   const Piece& piece = pieces_[size_t(index)];
   double work = 0.0;
   for (const int32_t i : blocks_of(piece)) {
     work += sides_[size_t(i)];
     const int zones = blocks_[size_t(i)].zone_count;
     if (piece.kind == Piece::Kind::rigid) work += kBody;
-    if (piece.kind == Piece::Kind::unlike) work += kUnlikeZone * zones;
+    if (piece.kind == Piece::Kind::distinct) work += kDistinctZone * zones;
     if (piece.kind == Piece::Kind::by_zone) work += kZone * zones;
   }
-  if (piece.kind == Piece::Kind::alike) work += kAlikeZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
+  if (piece.kind == Piece::Kind::congruent)
+    work += kCongruentZone * blocks_[size_t(piece_blocks_[piece.first])].zone_count;
   return work;
 }
 

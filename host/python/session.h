@@ -29,7 +29,7 @@ namespace py = pybind11;
 struct Frame {
   double time = 0.0;                               // s
   std::vector<Vec3> displacement;                  // of the gridpoints of all blocks, one block after the other, m
-  std::shared_ptr<const std::vector<Vec3>> place;  // of these at the start, m; a promotion numbers them anew
+  std::shared_ptr<const std::vector<Vec3>> place;  // of these at the start, m; a promotion numbers them again
   std::vector<JointPoint> joints;
 };
 

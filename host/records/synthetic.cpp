@@ -40,7 +40,7 @@ double envelope(double share) {
 }
 
 // Less the two envelopes, plain and with a linear factor, that leave velocity and displacement at the end.
-void bring_to_rest(TimeSeries& series, const std::vector<double>& shape) {
+void end_at_rest(TimeSeries& series, const std::vector<double>& shape) {
   TimeSeries plain{series.time, shape}, sloped{series.time, shape};
   for (std::size_t i = 0; i < shape.size(); ++i) sloped.value[i] *= series.time[i] / series.time.back();
   const auto end_of = [](const TimeSeries& s) {
@@ -134,7 +134,7 @@ SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSe
     fft.inv(signal, whole);
     series.value.resize(count);
     for (std::size_t i = 0; i < count; ++i) series.value[i] = shape[i] * signal[i].real();
-    bring_to_rest(series, shape);
+    end_at_rest(series, shape);
     const std::vector<SpectralOrdinates> spectrum = response_spectrum(series, target.damping, periods);
     double mean = 0.0, misfit = 0.0, worst = 1e300;
     for (std::size_t i = 0; i < kFittedPeriods; ++i) {

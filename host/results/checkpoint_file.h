@@ -27,7 +27,7 @@ Identity identity_of(const Simulation& simulation, const Provenance& provenance)
 // Where the state lies in a file that was found whole: what other ranks need to know of it.
 struct StoredState {
   std::uint64_t begin = 0, bytes = 0;
-  std::uint64_t checksum = 0;  // that the file is told by
+  std::uint64_t checksum = 0;  // by which files are compared
   bool is_refused = false;     // for other ranks: there is nothing to go on from
 };
 

@@ -19,8 +19,8 @@ struct LastSeen {
   std::vector<std::uint32_t> flags;
 };
 
-void look_at_family(const std::vector<blocks::PartedPoint>& points, const blocks::Family& family, int index,
-                    LastSeen& seen) {
+void evaluate_family(const std::vector<blocks::PartedPoint>& points, const blocks::Family& family, int index,
+                     LastSeen& seen) {
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].family == index) chosen.push_back(i);
@@ -74,7 +74,7 @@ std::vector<PartedPoint> parted_points(const Simulation& simulation, int first_b
   unknown.fill(kUnknown);
   LastSeen seen{std::vector(points.size(), unknown), std::vector<std::uint32_t>(points.size(), 0)};
   for (std::size_t f = 0; f < large_motion->families().size(); ++f)
-    look_at_family(points, large_motion->families()[f], static_cast<int>(f), seen);
+    evaluate_family(points, large_motion->families()[f], static_cast<int>(f), seen);
 
   std::vector<PartedPoint> parted;
   for (std::size_t i = 0; i < points.size(); ++i) {

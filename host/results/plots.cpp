@@ -219,7 +219,7 @@ class JointQuads {
         order_(points_by_joint(simulation)),
         crack_(static_cast<size_t>(simulation.point_count())) {
     for (const Run& run : simulation.runs_of_points()) {
-      for (const JointPoint& p : surfaces.joint_points(simulation, {run.first, run.end}, simulation.ranks_bring()))
+      for (const JointPoint& p : surfaces.joint_points(simulation, {run.first, run.end}, simulation.ranks_collect()))
         crack_[static_cast<size_t>(p.contact.index)] = p.crack;
     }
   }
@@ -288,11 +288,11 @@ class JointQuads {
 
 // Rank 0 takes the data of all, piece by piece: take(Data).
 template <class Take>
-Magnified bring_data(const Simulation& simulation, const Surfaces& surfaces, const Take& take) {
+Magnified collect_data(const Simulation& simulation, const Surfaces& surfaces, const Take& take) {
   const Magnified view = magnified(simulation);
   const JointQuads joints(simulation, surfaces, view);
-  const auto bring = [&](const std::vector<Run>& runs, const auto& add) {
-    simulation.bring_to_first(
+  const auto collect = [&](const std::vector<Run>& runs, const auto& add) {
+    simulation.collect_at_first(
         runs,
         [&](const Run& run) {
           Data data;
@@ -311,10 +311,10 @@ Magnified bring_data(const Simulation& simulation, const Surfaces& surfaces, con
           take(data);
         });
   };
-  bring(simulation.runs_of_blocks(), [&](const Run& run, Data& data) {
+  collect(simulation.runs_of_blocks(), [&](const Run& run, Data& data) {
     for (int b = run.first; b < run.end; ++b) add_outline(simulation, view, b, data);
   });
-  bring(simulation.runs_of_joints(), [&](const Run& run, Data& data) { joints.add(run, data); });
+  collect(simulation.runs_of_joints(), [&](const Run& run, Data& data) { joints.add(run, data); });
   return view;
 }
 
@@ -375,7 +375,7 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
   std::optional<DataFiles> files;
   attempt([&] { files.emplace(folder / "plots"); });
   const Magnified view =
-      bring_data(simulation, surfaces, [&](const Data& data) { attempt([&] { files->append(data); }); });
+      collect_data(simulation, surfaces, [&](const Data& data) { attempt([&] { files->append(data); }); });
   attempt([&] { files->finish(); });
   attempt.rethrow();
 
@@ -424,9 +424,9 @@ plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
   return draw_picture(folder, "cracks", script);
 }
 
-void bring_cracks(const Simulation& simulation, const Surfaces& surfaces) {
-  if (simulation.ranks_bring() && simulation.block_count() <= kMostBricks)
-    bring_data(simulation, surfaces, [](const Data&) {});
+void collect_cracks(const Simulation& simulation, const Surfaces& surfaces) {
+  if (simulation.ranks_collect() && simulation.block_count() <= kMostBricks)
+    collect_data(simulation, surfaces, [](const Data&) {});
 }
 
 }  // namespace quoin

@@ -24,9 +24,9 @@ std::string moved_part(const Scene& scene, const Stage& stage);
 // Returns a one-line notice when there is no picture (no gnuplot), otherwise nothing. label: of warnings.h, or nothing.
 std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
                        const std::string& law, const std::string& label);
-// Of the lattice. Other ranks call bring_cracks at the same moment.
+// Of the lattice. Other ranks call collect_cracks at the same moment.
 std::string plot_cracks(const std::filesystem::path& folder, const Simulation& simulation, const Surfaces& surfaces,
                         const std::vector<HistoryRow>& rows, const std::string& law, const std::string& label);
-void bring_cracks(const Simulation& simulation, const Surfaces& surfaces);
+void collect_cracks(const Simulation& simulation, const Surfaces& surfaces);
 
 }  // namespace quoin

@@ -193,7 +193,7 @@ Surface surface_of(const VtuFile& blocks) {
   return s;
 }
 
-// By vertex of the surface: the file's point, where a run has gone over to large motion and numbers them anew.
+// By vertex of the surface: the file's point, where a run has gone over to large motion and numbers them again.
 std::vector<std::uint32_t> points_of(const VtuFile& blocks, const Surface& surface, const std::vector<float>& start) {
   const VtuGrid& grid = blocks.grid();
   const auto block = blocks.read_indices("block", VtkRows::cell, grid.cells());

@@ -306,8 +306,8 @@ Json ranks_of(const std::vector<RankTraffic>& ranks) {
           {"steps", first.steps},
           {"gathers", first.gathers},
           {"gathered_bytes", first.gathered_bytes},
-          {"divided_anew", first.divided_anew},
-          {"most_over_mean_before", first.divided_anew > 0.0 ? Json(first.uneven_before) : Json(nullptr)},
+          {"divided_anew", first.repartitions},
+          {"most_over_mean_before", first.repartitions > 0.0 ? Json(first.uneven_before) : Json(nullptr)},
           {"most_over_mean", first.uneven > 0.0 ? Json(first.uneven) : Json(nullptr)},
           {"by_rank", each}};
 }

@@ -19,7 +19,7 @@ struct RunInfo {
   double wall_clock_s = 0.0;    // process start to end
   QuasiStatic quasi_static;
   CrushedOut crushed_out;
-  bool law_answers = true;  // else states of contact points, which laws tell, are left out
+  bool law_answers = true;  // else states of contact points, which laws return, are left out
   std::vector<Warning> warnings;
   Provenance provenance;
 };
@@ -27,7 +27,7 @@ struct RunInfo {
 // False once the process that evaluates one of them has ended.
 bool laws_answer(const Simulation& simulation);
 
-// What is told of a law that does not return from a batch, but for how to give it more time.
+// Message about a law that does not return from a batch, but for how to give it more time.
 std::string overdue_text(const Simulation& simulation, const Material& material, const quoin_batch& batch,
                          double seconds);
 

@@ -132,7 +132,7 @@ JointPoint joint_point(const Simulation& simulation, const ContactPoint& contact
   p.damage_tension = damage(QUOIN_DAMAGE_TENSION, QUOIN_FLAG_TENSION_DAMAGED, QUOIN_FLAG_TENSION_COMPLETE);
   p.damage_shear = damage(QUOIN_DAMAGE_COHESION, QUOIN_FLAG_SHEAR_DAMAGED, QUOIN_FLAG_SHEAR_COMPLETE);
   p.closure = std::isfinite(law.closure) ? law.closure : 0.0;
-  // Points of blocks in large motion are placed anew: how far they have slid only their law has.
+  // Points of blocks in large motion are placed again: how far they have slid only their law has.
   const bool slip_known = std::isfinite(law.slip) || !simulation.large_motion();
   if (contact.condition == Condition::crushed_out || contact.condition == Condition::crushing)
     p.crack = Crack::crushed;

@@ -349,7 +349,7 @@ void write_blocks(const Simulation& simulation, const Target& target, Attempt& a
       if (simulation.owns_block(run.first)) sink.take(rows_of(run));
     }
   } else {
-    simulation.bring_to_first(
+    simulation.collect_at_first(
         runs, [&](const Run& run) { return rows_of(run).packed(); },
         [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
   }
@@ -422,13 +422,13 @@ void write_joints(const Simulation& simulation, const Surfaces& surfaces, const 
               quads ? VtkSizes{alive, parted_or_quads, 4 * parted_or_quads} : VtkSizes{points, points, points},
               target.compressed);
   }
-  simulation.bring_to_first(
+  simulation.collect_at_first(
       runs, [&](const Run& run) { return points_of(run).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
-  simulation.bring_to_first(
+  simulation.collect_at_first(
       runs_of_blocks, [&](const Run& run) { return parted_of(run).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows)); });
-  simulation.bring_to_first(
+  simulation.collect_at_first(
       of_joints, [&](const Run& run) { return quads_of(quads_in(run), [](int point) { return point; }).packed(); },
       [&](const std::string& rows) { sink.take(Rows::unpacked(rows), kAbsolute); });
   if (target.written) sink.finish();
@@ -541,10 +541,10 @@ void VtkSeries::add(const Simulation& simulation, bool piece) {
 }
 
 void VtkSeries::leave_out(const Simulation& simulation) {
-  if (pieces_.count <= 1) bring_frame(simulation, surfaces_);
+  if (pieces_.count <= 1) collect_frame(simulation, surfaces_);
 }
 
-void bring_frame(const Simulation& simulation, const Surfaces& surfaces) {
+void collect_frame(const Simulation& simulation, const Surfaces& surfaces) {
   Attempt nothing;
   write_blocks(simulation, {}, nothing);
   write_joints(simulation, surfaces, {}, nothing);

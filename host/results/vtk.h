@@ -24,14 +24,14 @@ struct Pieces {
 };
 
 // What a rank does that writes no file, so that rank 0 can write the frame: its add_frame or add_piece waits for that.
-void bring_frame(const Simulation& simulation, const Surfaces& surfaces);
+void collect_frame(const Simulation& simulation, const Surfaces& surfaces);
 
 class VtkSeries {
  public:
   // before: times of the frames of a run that this one goes on with, s.
   VtkSeries(std::filesystem::path folder, const Surfaces& surfaces, std::vector<double> before = {},
             bool compressed = false, Pieces pieces = {});
-  void add_frame(const Simulation& simulation);  // all of it; other ranks call bring_frame
+  void add_frame(const Simulation& simulation);  // all of it; other ranks call collect_frame
   void add_piece(const Simulation& simulation);  // by all ranks; where there are no pieces: all of it
   void leave_out(const Simulation& simulation);  // in place of add_piece: other ranks write theirs, or wait for no one
   void finish() const;                           // writes the collections

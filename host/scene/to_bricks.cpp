@@ -99,7 +99,7 @@ class JointFinder {
       const Vector margin = 0.5 * Vector{skin_, skin_, skin_};
       boxes.push_back({vector(brick.origin) - margin, vector(brick.origin) + vector(brick.size) + margin});
     }
-    for (const Pair& pair : overlapping_pairs(boxes)) look_at(pair.a, pair.b);
+    for (const Pair& pair : overlapping_pairs(boxes)) compare(pair.a, pair.b);
     if (found_.empty()) unfit("no two blocks touch");
     std::sort(found_.begin(), found_.end(), [](const Found& x, const Found& y) { return x.place < y.place; });
     std::vector<Joint> joints;
@@ -117,7 +117,7 @@ class JointFinder {
     return fmt::format("blocks {} and {}", label(assembly_, a), label(assembly_, b));
   }
 
-  void look_at(int i, int j) {
+  void compare(int i, int j) {
     const Block &first = assembly_.blocks[size_t(i)], &second = assembly_.blocks[size_t(j)];
     if (first.fixed && second.fixed) return;
     const Overlap o = overlap_of(bricks_[size_t(i)], bricks_[size_t(j)]);
@@ -286,13 +286,13 @@ void share_names(std::vector<Stage>* stages, std::vector<Brick>* bricks) {
   for (const Stage& stage : *stages) {
     if (!stage.monitor.empty()) controls[stage.monitor] += "watched as " + stage.monitor;
   }
-  std::map<std::string, std::vector<std::string>> alike;
+  std::map<std::string, std::vector<std::string>> by_control;
   for (const Brick& brick : *bricks) {
     const auto found = controls.find(brick.body);
-    if (found != controls.end()) alike[(brick.rigid ? "rigid " : "loaded ") + found->second].push_back(brick.body);
+    if (found != controls.end()) by_control[(brick.rigid ? "rigid " : "loaded ") + found->second].push_back(brick.body);
   }
   std::map<std::string, std::string> shared;
-  for (const auto& [control, bodies] : alike) {
+  for (const auto& [control, bodies] : by_control) {
     for (const std::string& body : bodies)
       shared[body] = bodies.size() == 1 ? body : fmt::format("{} and {} more", bodies[0], bodies.size() - 1);
   }

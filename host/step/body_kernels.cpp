@@ -1,4 +1,4 @@
-// Rigid bodies that are alike, one a lane: the same equations as in rigid_bodies.cpp.
+// Rigid bodies of one kind, one a lane: the same equations as in rigid_bodies.cpp.
 #include "step/state.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -46,7 +46,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.row_interval);
   archive.value(s.in_stage);
   archive.value(s.motion_seen);
-  archive.value(s.next_motion_look);
+  archive.value(s.next_motion_check);
   archive.value(s.watch);
   archive.list(s.outcome.warnings, [](auto& a, auto& warning) {
     a.array(warning.about);

@@ -93,11 +93,11 @@ HWY_INLINE void add_outer(const Lanes3& x, const Lanes3& b, Lanes33& sum) {
 
 HWY_INLINE Lanes33 zero_matrix() { return {{zeros(), zeros(), zeros()}}; }
 
-// What the shapes of blocks alike are in all lanes; place, anchor: of gridpoint n, of the lanes `first` on.
+// The shape that congruent blocks share in all lanes; place, anchor: of gridpoint n, of the lanes `first` on.
 struct SharedFrame {
-  const AlikeBlocks& alike;
-  HWY_INLINE Lanes3 place(int n, int) const { return broadcast(&alike.place[static_cast<std::size_t>(n)].x); }
-  HWY_INLINE Lanes3 anchor(int n, int) const { return broadcast(&alike.anchor[static_cast<std::size_t>(n)].x); }
+  const CongruentBlocks& congruent;
+  HWY_INLINE Lanes3 place(int n, int) const { return broadcast(&congruent.place[static_cast<std::size_t>(n)].x); }
+  HWY_INLINE Lanes3 anchor(int n, int) const { return broadcast(&congruent.anchor[static_cast<std::size_t>(n)].x); }
   void times_stiffness(const double* w, int node_count, double* product) const;
 };
 
@@ -163,7 +163,7 @@ HWY_INLINE V displacements(const Frame& frame, const LaneColumns& columns, int f
 
 // K w, for all lanes.
 void SharedFrame::times_stiffness(const double* w, int node_count, double* product) const {
-  StiffnessRows<1> rows(alike.stiffness);
+  StiffnessRows<1> rows(congruent.stiffness);
   const double* const of[1] = {w};
   for (int n = 0; n < node_count; ++n) {
     V f[1][3][kParts];
@@ -257,11 +257,11 @@ HWY_INLINE void frame_forces(const Frame& frame, const ZoneStep& step, LaneColum
   for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], c.viscous_force);
 }
 
-void AlikeForces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  frame_forces(SharedFrame{alike}, step, columns, sums);
+void CongruentForces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  frame_forces(SharedFrame{congruent}, step, columns, sums);
 }
 
-void UnlikeForces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+void DistinctForces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
   frame_forces(OwnFrames{blocks, *columns}, step, columns, sums);
 }
 
@@ -406,8 +406,8 @@ HWY_AFTER_NAMESPACE();
 namespace quoin::blocks {
 
 HWY_EXPORT(LoadBlocks);
-HWY_EXPORT(AlikeForces);
-HWY_EXPORT(UnlikeForces);
+HWY_EXPORT(CongruentForces);
+HWY_EXPORT(DistinctForces);
 HWY_EXPORT(AdvanceGridpoints);
 
 void LaneColumns::resize(int nodes) {
@@ -431,12 +431,12 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
 }
 
-void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  HWY_DYNAMIC_DISPATCH(AlikeForces)(alike, step, columns, sums);
+void congruent_forces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  HWY_DYNAMIC_DISPATCH(CongruentForces)(congruent, step, columns, sums);
 }
 
-void unlike_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  HWY_DYNAMIC_DISPATCH(UnlikeForces)(blocks, step, columns, sums);
+void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+  HWY_DYNAMIC_DISPATCH(DistinctForces)(blocks, step, columns, sums);
 }
 
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,

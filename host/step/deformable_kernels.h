@@ -1,5 +1,5 @@
 // Deformable blocks in large motion, eight side by side: gridpoints moved on; and the forces inside of blocks from a
-// stiffness in their own frame, which blocks that are alike share. Compiled for every instruction set that Highway
+// stiffness in their own frame, which congruent blocks share. Compiled for every instruction set that Highway
 // knows and chosen at run time. What a lane holds does not depend on the others: the bits stay in any company.
 //
 // Blocks in their frames. X: places of the undeformed shape about its mass centre, m: masses, x: places now;
@@ -27,10 +27,10 @@ namespace quoin::blocks {
 struct LaneBlock {
   Vector *x, *v;          // m, m/s at half steps
   const double* force;    // N, four doubles a gridpoint, the last of no meaning
-  const double* viscous;  // the viscous part of it, alike; null where it is not wanted, or not yet known
+  const double* viscous;  // the viscous part of it, likewise; null where it is not needed, or not yet computed
   Vector acceleration;    // of weight and what is shared by mass, by the mass of inertia, m/s2
   int node_count;
-  std::span<const ZoneLanes> zones;  // of unlike_forces; the shape stands as it did at the start
+  std::span<const ZoneLanes> zones;  // of distinct_forces; the shape stands as it did at the start
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
@@ -39,9 +39,9 @@ struct LaneColumns {
   int node_count = 0, fewest = 0;            // most and fewest of a block
   bool viscous = false;                      // viscous_force is wanted: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
-  double *u, *weighted, *product, *elastic;  // of alike_forces and unlike_forces
-  double* rows;                              // of unlike_forces: of one block
-  // FixedColumns; place and anchor of unlike_forces.
+  double *u, *weighted, *product, *elastic;  // of congruent_forces and distinct_forces
+  double* rows;                              // of distinct_forces: of one block
+  // FixedColumns; place and anchor of distinct_forces.
   const double *mass, *over_mass, *place, *anchor, *held, *held_v;
 
   void resize(int nodes);
@@ -59,8 +59,8 @@ struct FrameSums {
 inline constexpr double kLargestDeformation = 0.01;  // |u| over the least extent of a block: error of its stiffness 1 %
 
 // Adds internal forces to those in the columns.
-void alike_forces(const AlikeBlocks& alike, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
-void unlike_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
+void congruent_forces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
+void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
 
 // How gridpoints are moved on.
 struct GridpointStep {

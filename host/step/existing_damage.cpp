@@ -185,7 +185,7 @@ void slide(double slip, const Material& material, std::span<const std::size_t> p
 }
 
 // Without traction: the law says at which opening. Points that are not damaged are not asked.
-void bring_to_rest(const JointFamily& family, const std::shared_ptr<const Material>& material,
+void unload_points(const JointFamily& family, const std::shared_ptr<const Material>& material,
                    std::span<const PlacedPoint> points, std::span<const std::size_t> damaged,
                    const std::vector<double>& opening, DamagedFamily& result) {
   const std::size_t n = damaged.size(), states = material->api().state_count;
@@ -254,7 +254,7 @@ DamagedFamily damage_family(const std::vector<Damage>& damage, const JointFamily
   result.points = damaged.size();
   if (damaged.empty()) return result;
 
-  bring_to_rest(family, material, points, damaged, opening, result);
+  unload_points(family, material, points, damaged, opening, result);
   for (const std::size_t i : damaged) {
     if (opening[i] == 0.0 || std::abs(result.opening_shift[i] - opening[i]) <= 1e-9 * opening[i]) continue;
     const Vec3& x = points[i].position;

@@ -696,8 +696,8 @@ template <DampingKind kDamping, bool kMeasure>
 HWY_NOINLINE void AdvanceUnitsAs(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                                  Measured* measured) {
   const UnitData unit(model, units, step, scratch);
-  const bool alike = unit.count == 2 && &unit.blocks[0].shape == &unit.blocks[1].shape;
-  if (alike && !forces_by_zone(unit.blocks[0])) {
+  const bool congruent = unit.count == 2 && &unit.blocks[0].shape == &unit.blocks[1].shape;
+  if (congruent && !forces_by_zone(unit.blocks[0])) {
     group_forces<kDamping, kMeasure, 2>(unit.blocks);
   } else {
     for (int b = 0; b < unit.count; ++b) group_forces<kDamping, kMeasure, 1>(&unit.blocks[b]);

@@ -300,7 +300,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
   thread_local LaneColumns columns;
   thread_local std::vector<double> rows;
   columns.viscous = energy_ && zone_damping() > 0;
-  const bool unlike = piece.kind == Piece::Kind::unlike;
+  const bool distinct = piece.kind == Piece::Kind::distinct;
   size_t size = 0;
   for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
   rows.resize(std::max(rows.size(), 2 * size));
@@ -321,16 +321,16 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                 b.node_count,    zones_in_lanes(b)};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
-  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), unlike,
+  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), distinct,
                                          piece.some_held);
   load_blocks({lanes, count}, fixed, &columns);
   if (piece.in_frame()) {
     const ZoneStep step{zone_damping(), dt_, energy_};
     FrameSums of_frame;
-    if (unlike)
-      unlike_forces({lanes, count}, step, &columns, &of_frame);
+    if (distinct)
+      distinct_forces({lanes, count}, step, &columns, &of_frame);
     else
-      alike_forces(alike_[size_t(piece.alike)], step, &columns, &of_frame);
+      congruent_forces(congruent_[size_t(piece.congruent)], step, &columns, &of_frame);
     for (size_t l = 0; l < count; ++l) {
       sums[l]->deformation = of_frame.deformation[l];
       if (energy_) sums[l]->strain = of_frame.strain[l];
@@ -594,7 +594,7 @@ void Model::sum_up() {
     unbalanced_ = larger(unbalanced_, sums.unbalanced);
     net_ += sums.net;
     measured_kinetic_ += sums.kinetic;
-    startled_ |= sums.startled && owns(i);
+    any_deviates_ |= sums.deviates && owns(i);
   }
   if (!energy_) return;
   energies_.contact_stored = energies_.kinetic = energies_.strain = dissipated_in_step_ = 0.0;

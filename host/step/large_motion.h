@@ -4,7 +4,7 @@
 //   follows by the implicit midpoint rule, so that a free block keeps its angular momentum to rounding and its energy
 //   without drift.
 // Deformable blocks: linear elasticity at small strain, exactly indifferent to rotation. By a stiffness in their own
-//   frame (deformable_kernels.h), which blocks alike share; those that deform much zone by zone, total Lagrangian
+//   frame (deformable_kernels.h), which congruent blocks share; those that deform much zone by zone, total Lagrangian
 //   (zone_kernels.h).
 #pragma once
 
@@ -52,7 +52,7 @@ class Model : public World {
   bool end_step();
   // At the time of the forces of the last step, which was measured, J.
   double measured_kinetic_energy() const { return measured_kinetic_; }
-  void startle() { startled_ = true; }  // as if a block had been: one of another process
+  void mark_deviation() { any_deviates_ = true; }  // for a block of another process
   void find_contacts();
   void run(double duration);  // s
   void run_steps(long steps) {
@@ -70,10 +70,10 @@ class Model : public World {
   // For several processes, each of which advances some chunks and pieces (large_motion_ranks.cpp).
   // Whether something of theirs is wrong: a law that has failed, a block that is nowhere.
   bool in_trouble(std::span<const int> chunks, std::span<const int> pieces) const;
-  bool leaves_frame(std::span<const int> pieces) const;  // some block of theirs, which has deformed too much for it
-  bool is_startled(std::span<const int> pieces) const;   // some block of theirs: contacts may have to be found anew
+  bool leaves_frame(std::span<const int> pieces) const;   // some block of theirs, which has deformed too much for it
+  bool has_deviating(std::span<const int> pieces) const;  // some block of theirs: contacts may have to be found again
   // For rows of the history: what is asked of all blocks and points, found for these.
-  void look_for_row(std::span<const int> chunks, std::span<const int> pieces);
+  void scan_for_row(std::span<const int> chunks, std::span<const int> pieces);
   void each_memory_of_piece(Part part, int piece, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
   // Of each side of a contact point: its block, and the body or gridpoint whose motion the point reads.

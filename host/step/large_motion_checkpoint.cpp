@@ -68,7 +68,7 @@ void Model::transfer_state(Archive& archive, Self& m) {
   archive.value(m.step_count_);
   archive.value(m.next_check_);
   archive.value(m.calm_steps_);
-  archive.value(m.look_dt_);
+  archive.value(m.check_dt_);
   archive.value(m.detections_);
   archive.value(m.narrow_calls_);
   archive.value(m.unbalanced_);
@@ -151,7 +151,7 @@ void Model::restore(ArchiveReader& reader) {
                             c.first_facet + size_t(c.count) * size_t(facets_a_point(c)) <= facets_.size());
     require(fits);
   }
-  for (const PairLook& look : pair_look_) require(is_block(look.a) && is_block(look.b));
+  for (const PairCheck& check : pair_check_) require(is_block(check.a) && is_block(check.b));
   for (const SeenMotion& seen : seen_) require(seen.step >= 0 && seen.step <= step_count_);
   for (int i = 0; i < block_count(); ++i) {
     const int other = other_half_[size_t(i)];

@@ -29,7 +29,7 @@ bool Model::leaves_frame(std::span<const int> pieces) const {
   return false;
 }
 
-void Model::look_for_row(std::span<const int> chunks, std::span<const int> pieces) {
+void Model::scan_for_row(std::span<const int> chunks, std::span<const int> pieces) {
   for (const int c : chunks) {
     Chunk& chunk = chunks_[size_t(c)];
     chunk.force_sum = force_sum_of(chunk);
@@ -43,10 +43,10 @@ void Model::look_for_row(std::span<const int> chunks, std::span<const int> piece
   }
 }
 
-bool Model::is_startled(std::span<const int> pieces) const {
+bool Model::has_deviating(std::span<const int> pieces) const {
   for (const int p : pieces) {
     for (const int32_t b : blocks_of(pieces_[size_t(p)])) {
-      if (block_sums_[size_t(b)].startled) return true;
+      if (block_sums_[size_t(b)].deviates) return true;
     }
   }
   return false;
@@ -55,7 +55,7 @@ bool Model::is_startled(std::span<const int> pieces) const {
 void Model::each_memory_of_piece(Part part, int piece, const VisitMemory& visit) {
   for (const int32_t i : blocks_of(pieces_[size_t(piece)])) {
     if (part == Part::motion)
-      visit(&block_sums_[size_t(i)].startled, sizeof(bool));
+      visit(&block_sums_[size_t(i)].deviates, sizeof(bool));
     else
       visit(&block_sums_[size_t(i)], sizeof(BlockSums));
     WorldFields::of_blocks(*this, [&](const Field& field, auto& array) {

@@ -72,7 +72,7 @@ std::vector<int> Simulation::Impl::rank_by_block() const {
 // What every rank follows through a stage, whoever advances it.
 std::vector<int> Simulation::Impl::followed_blocks() const {
   std::vector<int> followed = monitor_blocks;
-  bool on_ground = false;  // which moves as its record says: one block tells of all
+  bool on_ground = false;  // which moves as its record says: one block stands for all
   for (const Drive& drive : drives) {
     if (!drive.of_ground || drive.motion > 0 || !on_ground) followed.push_back(drive.block);
     on_ground = on_ground || (drive.of_ground && drive.motion == 0);
@@ -85,27 +85,27 @@ std::vector<int> Simulation::Impl::followed_blocks() const {
 }
 
 // Before a stage is bound that names them; previous: null: it is the first.
-void Simulation::Impl::tell_blocks_of_stage(const Stage& settings, const Stage* previous) {
-  std::vector<int> told = followed_blocks();
+void Simulation::Impl::exchange_blocks_of_stage(const Stage& settings, const Stage* previous) {
+  std::vector<int> followed = followed_blocks();
   for (const Stage* named_by : {&settings, previous}) {
     if (!named_by) continue;
     const std::vector<int> named = blocks_named_in(*named_by);
-    told.insert(told.end(), named.begin(), named.end());
+    followed.insert(followed.end(), named.begin(), named.end());
   }
   for (const Drive& drive : drives) {
-    if (drive.of_ground) told.push_back(drive.block);
+    if (drive.of_ground) followed.push_back(drive.block);
   }
   for (int block = 0; settings.ground && block < large_motion->block_count(); ++block) {
-    if (large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed) told.push_back(block);
+    if (large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed) followed.push_back(block);
   }
   std::vector<int> watched;
   if (const std::string& name = watched_block(settings); !name.empty())
     watched = blocks_named(name, settings.source.text);
-  told.insert(told.end(), watched.begin(), watched.end());
-  std::sort(told.begin(), told.end());
-  told.erase(std::unique(told.begin(), told.end()), told.end());
-  large_motion->tell_blocks(told);
-  large_motion->tell_joints(watched);
+  followed.insert(followed.end(), watched.begin(), watched.end());
+  std::sort(followed.begin(), followed.end());
+  followed.erase(std::unique(followed.begin(), followed.end()), followed.end());
+  large_motion->exchange_blocks(followed);
+  large_motion->exchange_joints(watched);
 }
 
 std::vector<int> Simulation::Impl::blocks_named(const std::string& name, const std::string& where) const {
@@ -193,8 +193,8 @@ void Simulation::Impl::measure_large_motion_step() {
     Energies now;
     now.kinetic = e.kinetic, now.strain = e.strain, now.contact_stored = e.contact_stored + e.members_stored;
     const double work = e.external - e.damping - e.detection;  // since energies were booked first
-    look_at_energies(now, large_motion->dissipated_in_step(), work, -work);
-    if (!watch.pending) stop_look();
+    check_energies(now, large_motion->dissipated_in_step(), work, -work);
+    if (!watch.pending) end_check();
   }
   if (!want_energy) return;
   // On top of what the lattice has spent before a promotion.
@@ -288,14 +288,14 @@ bool Simulation::Impl::stands_below(const std::vector<int>& blocks) const {
 }
 
 // Rotations only: blocks that ride may leave their joints altogether.
-void Simulation::Impl::look_at_rotations() {
+void Simulation::Impl::check_rotations() {
   for (int i = 0; i < large_motion->block_count(); ++i) {
     const double angle = large_motion->turned(i);
     if (!(angle <= motion_seen.rotation)) motion_seen.rotation = angle, motion_seen.turned_block = i;
   }
 }
 
-// All, or where others have not told of theirs, those of this rank.
+// All, or those of this rank where the others were not gathered.
 std::vector<int> Simulation::Impl::chunks_in_large_motion() const {
   return !in_parts || has_all() ? whole_share(large_motion->chunk_count(), 0).chunks : share.chunks;
 }
@@ -436,7 +436,7 @@ std::vector<ContactPoint> Simulation::Impl::points_in_large_motion(const PointRa
       point.family = index;
       point.block_a = p.a;
       point.block_b = p.b;
-      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed anew
+      point.jump = {f.normal_jump[i], 0.0, 0.0};  // slip is the law's to keep: points are placed again
       point.traction = {f.traction[0][i], f.traction[1][i], f.traction[2][i]};
       point.flags = flags_there[static_cast<std::size_t>(point.index - range.first)];
       point.condition = condition_of(point.flags);

@@ -61,7 +61,7 @@ LawSwap report_of(const std::string& family, const Material& from, const Materia
 
 SwapSums MigratedFamily::sums(std::size_t first, std::size_t count) const {
   SwapSums sums;
-  for (std::size_t i = first; i < first + count; ++i) sums.add(told[i]);
+  for (std::size_t i = first; i < first + count; ++i) sums.add(terms[i]);
   return sums;
 }
 
@@ -110,8 +110,8 @@ MigratedFamily migrate(const JointFamily& family, const Material& from, const Ma
                             family.name, new_law.id, old_law.id, migration.failed_count, points.count, message));
   }
   for (std::size_t i = 0; i < points.count; ++i) {
-    result.told.push_back({1, point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0, points.area[i] * stored[i],
-                           points.area[i] * energy_jump[i]});
+    result.terms.push_back({1, point_status[i] == QUOIN_POINT_CLAMPED ? 1 : 0, points.area[i] * stored[i],
+                            points.area[i] * energy_jump[i]});
   }
   return result;
 }

@@ -22,7 +22,7 @@ struct FamilyColumns {
   const double* area = nullptr;             // m2
 };
 
-// What is told of points that have changed their law.
+// Sums over points that have changed their law.
 struct SwapSums {
   long points = 0, limited = 0;
   double stored_before = 0.0, energy_jump = 0.0;  // J
@@ -37,7 +37,7 @@ LawSwap report_of(const std::string& family, const Material& from, const Materia
 struct MigratedFamily {
   std::vector<double> state;          // columns of the new law, one after the other
   std::vector<double> opening_shift;  // by point, m: added to the opening that the new law sees from now on
-  std::vector<SwapSums> told;         // by point
+  std::vector<SwapSums> terms;        // by point
   SwapSums sums(std::size_t first, std::size_t count) const;  // of points in a row, in their order
 };
 

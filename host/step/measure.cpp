@@ -35,8 +35,7 @@ void Simulation::Impl::sum_measurements() {
   unbalanced_ratio = unbalanced == 0.0 ? 0.0
                      : mean > 0.0      ? std::sqrt(unbalanced) / mean
                                        : std::numeric_limits<double>::infinity();
-  if (sample_energy)
-    look_at_energies(now, dissipated, external_before - damping_before, external_after - damping_after);
+  if (sample_energy) check_energies(now, dissipated, external_before - damping_before, external_after - damping_after);
   if (!want_energy) return;
   now.dissipated = energy_dissipated;
   now.damping = energy_damping + damping_before;

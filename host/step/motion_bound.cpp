@@ -63,7 +63,7 @@ WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner) {
 
 JointSliding::JointSliding(const Assembly& assembly, Places places)
     : assembly_(&assembly), diagonal_(diagonal_of(assembly.bricks)) {
-  if (places == Places::found_anew) return;
+  if (places == Places::recomputed) return;
   for (const Joint& joint : assembly.joints) kept_.push_back(place_of(joint));
 }
 

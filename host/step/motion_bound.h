@@ -48,10 +48,10 @@ double diagonal_of(const std::vector<Brick>& bricks);  // of the box around them
 WholeMotion whole_motion(const Vec3& size, const std::array<Vec3, 8>& corner_displacement);
 
 // The joints of an assembly, which must outlive it, with what their sliding and opening are measured by: kept, which is
-// 0.3 kB a block, or found anew at each look.
+// 0.3 kB a block, or found again at each look.
 class JointSliding {
  public:
-  enum class Places { kept, found_anew };
+  enum class Places { kept, recomputed };
   JointSliding() = default;
   explicit JointSliding(const Assembly& assembly, Places places = Places::kept);
   // Adds the motion of now. motion: one a brick.

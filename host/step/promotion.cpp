@@ -231,7 +231,7 @@ void Simulation::Impl::promote(const std::string& why) {
       m.set_velocity(i, geometry::vector(s.velocity), geometry::vector(s.spin));
     }
   }
-  m.take_over(histories);
+  m.adopt_histories(histories);
 
   drives = std::move(continued);
   const Stage& settings = scene.stages[at(stage)];

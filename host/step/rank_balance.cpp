@@ -19,7 +19,7 @@ double most_over_mean(std::span<const double> values) {
 
 bool RankBalance::is_worth_dividing(std::span<const double> seconds, std::span<const double> estimated) {
   if (most_over_mean(seconds) <= kUneven) {
-    begin_anew();
+    reset();
     patience_ = 1.0;
     return false;
   }
@@ -39,12 +39,12 @@ std::vector<double> RankBalance::measured_over_estimated() const {
 }
 
 void RankBalance::divided(double seconds) {
-  begin_anew();
+  reset();
   cost_ = seconds;
   patience_ *= 2.0;  // until a window is even
 }
 
-void RankBalance::begin_anew() {
+void RankBalance::reset() {
   spent_.clear(), estimated_.clear();
   lost_ = 0.0, in_a_row_ = 0;
 }

@@ -1,4 +1,4 @@
-// When blocks are worth being divided among ranks anew, by what their own work of steps has taken.
+// When blocks are worth being divided among ranks again, by what their own work of steps has taken.
 //
 // Unevenness costs what the slowest rank takes beyond the mean, for all wait for it; dividing costs what it took last
 // time. Blocks are divided once the first has reached the second, so that no more is spent on dividing than was lost
@@ -10,7 +10,7 @@
 
 namespace quoin {
 
-double most_over_mean(std::span<const double> values);  // 1: all are alike
+double most_over_mean(std::span<const double> values);  // 1: all are equal
 
 class RankBalance {
  public:
@@ -27,7 +27,7 @@ class RankBalance {
   void costs(double seconds) { cost_ = seconds; }  // before the first division
 
  private:
-  void begin_anew();
+  void reset();
 
   std::vector<double> spent_, estimated_;  // by rank, in the uneven windows
   int in_a_row_ = 0;

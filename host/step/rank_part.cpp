@@ -126,14 +126,14 @@ void Simulation::Impl::throw_together(const std::optional<Error>& fault) {
   const double first = count - largest_of_ranks(fault ? count - ranks->rank() : 0.0);
   if (first == count) return;
   const bool here = ranks->rank() == static_cast<int>(first);
-  double told[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
-  ranks->largest(told);
+  double shared[] = {here ? static_cast<double>(fault->exit_code) : 0.0, here ? static_cast<double>(text.size()) : 0.0};
+  ranks->largest(shared);
   std::vector<std::size_t> sizes(at(count));
-  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(told[1]);
-  std::string of_first(static_cast<std::size_t>(told[1]), ' ');
+  sizes[static_cast<std::size_t>(first)] = static_cast<std::size_t>(shared[1]);
+  std::string of_first(static_cast<std::size_t>(shared[1]), ' ');
   ranks->gather(std::as_bytes(std::span(here ? text : std::string())), sizes,
                 std::as_writable_bytes(std::span(of_first)));
-  throw Error(static_cast<Exit>(static_cast<int>(told[0])), of_first);
+  throw Error(static_cast<Exit>(static_cast<int>(shared[0])), of_first);
 }
 
 void Simulation::Impl::hold_first_part() {

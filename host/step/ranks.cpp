@@ -1,4 +1,4 @@
-// One model on several processes: who does what, what they tell each other in a step, and what is gathered when
+// One model on several processes: their shares, what they exchange in a step, and what is gathered when
 // somebody asks for all of it.
 #include "base/ranks.h"
 
@@ -72,14 +72,14 @@ void visit_value(T& value, const VisitMemory& visit) {
 
 void Simulation::Impl::begin_with_ranks() {
   sparse_memory_wanted = true;
-  if (const char* dear = std::getenv("QUOIN_DEAR_BLOCKS")) {
-    dear_blocks.emplace();
-    if (std::sscanf(dear, "%dx%lf", &dear_blocks->count, &dear_blocks->times) != 2)
+  if (const char* costly = std::getenv("QUOIN_DEAR_BLOCKS")) {
+    costly_blocks.emplace();
+    if (std::sscanf(costly, "%dx%lf", &costly_blocks->count, &costly_blocks->times) != 2)
       throw Error(Exit::usage, "QUOIN_DEAR_BLOCKS, for tests: BLOCKSxTIMES, such as 20x4");
   }
 }
 
-// Before anything is asked for that only ranks with the same model can tell each other.
+// Before anything is asked for that only ranks with the same model can exchange.
 void Simulation::Impl::agree_on_model() const {
   double here[] = {static_cast<double>(large_motion ? large_motion->block_count() : long(model.assembly.bricks.size())),
                    static_cast<double>(contact_point_count()),
@@ -312,7 +312,7 @@ Halo Simulation::Impl::halo_on_borders(const SideNumbers& numbers_of_side) {
   return found;
 }
 
-void Simulation::Impl::hear_all_of_borders() {
+void Simulation::Impl::receive_whole_borders() {
   Halo border = halo_on_borders([&](int block, std::int32_t gridpoint, std::vector<double*>& numbers) {
     const int body = model.place[at(block)].body;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -406,7 +406,7 @@ void Simulation::Impl::each_watched(const std::function<void(int, const std::vec
 
 void Simulation::Impl::send_motion() { halo.send(*ranks); }
 
-void Simulation::Impl::hear_of_motion(bool measure_step) {
+void Simulation::Impl::receive_motion(bool measure_step) {
   const auto before = Clock::now();
   halo.receive(*ranks);
   traffic.steps += 1.0;
@@ -417,11 +417,11 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
-  bool startled = large_motion && large_motion->is_startled(share.items),
+  bool deviates = large_motion && large_motion->has_deviating(share.items),
        leaves = large_motion && large_motion->leaves_frame(share.items);
-  if (large_motion) ranks_failed = agree(large_motion->in_trouble(share.chunks, share.items), &startled, &leaves);
+  if (large_motion) ranks_failed = agree(large_motion->in_trouble(share.chunks, share.items), &deviates, &leaves);
   if (large_motion && in_parts) {
-    if (startled) large_motion->startle();
+    if (deviates) large_motion->mark_deviation();
     if (measure_step)
       gather(Part::row);
     else if (want_energy || leaves || ranks_failed)
@@ -431,20 +431,20 @@ void Simulation::Impl::hear_of_motion(bool measure_step) {
   if (leaves) gather(Part::all);
   if (measure_step || (large_motion && want_energy))
     gather(large_motion ? Part::row : Part::sums);
-  else if (large_motion && (startled || large_motion->looks_at_motion()))
+  else if (large_motion && (deviates || large_motion->checks_motion()))
     gather(Part::motion);
 }
 
-bool Simulation::Impl::agree(bool trouble, bool* startled, bool* leaves_frame) {
+bool Simulation::Impl::agree(bool trouble, bool* deviates, bool* leaves_frame) {
   const auto before = Clock::now();
-  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0, startled && *startled ? 1.0 : 0.0,
+  double wanted[] = {trouble ? 1.0 : 0.0, stop_wanted ? 1.0 : 0.0, deviates && *deviates ? 1.0 : 0.0,
                      leaves_frame && *leaves_frame ? 1.0 : 0.0};
   ranks->largest(wanted);
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
   stop_agreed = stop_agreed || wanted[1] > 0.0;
-  if (startled) *startled = wanted[2] > 0.0;
+  if (deviates) *deviates = wanted[2] > 0.0;
   if (leaves_frame) *leaves_frame = wanted[3] > 0.0;
   if (wanted[0] > 0.0) gather(Part::all, Who::first);
   return wanted[0] > 0.0;
@@ -467,16 +467,16 @@ double Simulation::Impl::largest_of_ranks(double here) const {
 
 void Simulation::Impl::balance_ranks() {
   if (!ranks || ++window.steps < RankBalance::kWindow) return;
-  const double own = dear_blocks ? pretended_seconds() : traffic.own_seconds - window.seconds_before;
+  const double own = costly_blocks ? pretended_seconds() : traffic.own_seconds - window.seconds_before;
   const std::vector<double> seconds = of_all_ranks(*ranks, own);
   const bool worth = balance.is_worth_dividing(seconds, window.estimated);
   traffic.uneven = most_over_mean(seconds);
-  if (worth) divide_anew();
+  if (worth) repartition();
   window = {0, traffic.own_seconds, {}};
 }
 
 // What blocks cost is what their rank has taken for them, whichever of them it was that took more than estimated.
-void Simulation::Impl::divide_anew() {
+void Simulation::Impl::repartition() {
   const auto before = Clock::now();
   if (!in_parts) gather(Part::all);
   const std::vector<double> of_rank = balance.measured_over_estimated();
@@ -493,12 +493,12 @@ void Simulation::Impl::divide_anew() {
   partition_work();
   rest_known = false;                     // of the bodies of others it was not
   if (share.rank_of_item != before_it) {  // else items are too large for anything better
-    if (traffic.divided_anew == 0.0) traffic.uneven_before = traffic.uneven;
-    traffic.divided_anew += 1.0;
+    if (traffic.repartitions == 0.0) traffic.uneven_before = traffic.uneven;
+    traffic.repartitions += 1.0;
   }
   double took[] = {seconds_since(before)};
   ranks->largest(took);
-  balance.divided(dear_blocks ? 0.0 : took[0]);
+  balance.divided(costly_blocks ? 0.0 : took[0]);
 }
 
 double Simulation::Impl::pretended_seconds() const {
@@ -506,9 +506,9 @@ double Simulation::Impl::pretended_seconds() const {
   double sum = 0.0;
   for (const int item : share.items) {
     const std::vector<int> blocks = blocks_of_item(item);
-    const auto dear = std::count_if(blocks.begin(), blocks.end(), [&](int b) { return b < dear_blocks->count; });
-    const double part = static_cast<double>(dear) / static_cast<double>(blocks.size());
-    sum += cost[at(item)] * (1.0 + (dear_blocks->times - 1.0) * part);
+    const auto costly = std::count_if(blocks.begin(), blocks.end(), [&](int b) { return b < costly_blocks->count; });
+    const double part = static_cast<double>(costly) / static_cast<double>(blocks.size());
+    sum += cost[at(item)] * (1.0 + (costly_blocks->times - 1.0) * part);
   }
   return sum * static_cast<double>(window.steps);
 }
@@ -526,7 +526,7 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
   std::size_t whole = 0;
   const Part asked = part;
   if (large_motion && in_parts) {  // whose sums say what a row takes of blocks and contact points
-    if (part == Part::all) whole = large_motion->tell_everything(who == Who::everybody);
+    if (part == Part::all) whole = large_motion->gather_everything(who == Who::everybody);
     part = Part::sums;
   }
   const bool takes_all = part != Part::all || who == Who::everybody || (who == Who::first && ranks->rank() == 0);
@@ -547,7 +547,7 @@ void Simulation::Impl::gather(Part part, Who who, const RankShare* next) {
     each_memory_of_chunk(
         part, c, [&](void* first, std::size_t bytes) { rows.add(share.rank_of_chunk[at(c)], first, bytes, wanted); });
   }
-  whole += rows.tell();
+  whole += rows.exchange();
   has_row = large_motion && in_parts && asked == Part::row;
   gathered = asked == Part::all && who == Who::everybody;
   gathered_by_first = gathered_by_first || gathered || (asked == Part::all && who == Who::first);
@@ -562,12 +562,12 @@ void Simulation::Impl::fetch_for_frame() {
   if (!in_parts && !scene.output.pieces) return gather(Part::all, Who::first);
   if (!ranks) return;
   // What was a joint shows how far its blocks are apart, wherever they are.
-  if (!in_parts && large_motion && large_motion->has_placed_anew()) return gather(Part::all);
+  if (!in_parts && large_motion && large_motion->has_replaced_points()) return gather(Part::all);
   const auto before = Clock::now();
   if (large_motion)
-    large_motion->tell_parted_blocks();
+    large_motion->exchange_parted_blocks();
   else
-    hear_all_of_borders();
+    receive_whole_borders();
   const double seconds = seconds_since(before);
   traffic.waiting_seconds += seconds;
   times[Phase::ranks] += seconds;
@@ -648,7 +648,7 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
 
 void Simulation::Impl::prepare_row() {
   if (large_motion && in_parts) {
-    large_motion->look_for_row(share.chunks, share.items);
+    large_motion->scan_for_row(share.chunks, share.items);
     std::vector<int> own;
     for (const int item : share.items) {
       const std::vector<int>& some = restrained_of_item[at(item)];

@@ -196,7 +196,7 @@ void Simulation::Impl::ask_at_rest(std::uint64_t capability, const PointRange& r
     const ContactChunk& chunk = *there;
     const auto index = static_cast<int>(there - model.chunks.begin());
     const auto c = at(index);
-    // Where other ranks have not told of theirs, nothing is known that a law could be asked about.
+    // Points of other ranks that were not gathered have no state to evaluate a law with.
     if (!has_all() && !std::binary_search(share.chunks.begin(), share.chunks.end(), index)) continue;
     const Material& material = *model.families[at(chunk.family)].material;
     if (!(material.api().capabilities & capability)) continue;
@@ -362,9 +362,9 @@ std::array<long, kConditionCount> Simulation::Impl::conditions_of_all() {
 void Simulation::Impl::end_run() {
   if (!in_parts) return gather(Part::all);
   if (large_motion)
-    large_motion->tell_parted_blocks();
+    large_motion->exchange_parted_blocks();
   else
-    hear_all_of_borders();
+    receive_whole_borders();
   end_conditions = conditions_of_all();
   gather(Part::row);
   end_hash = hash_by_parts(false);

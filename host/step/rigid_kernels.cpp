@@ -402,7 +402,7 @@ void AdvanceRigid(Body* bodies, const SeenMotion* all_seen, const std::int32_t* 
     s.net = {lanes.net[0][i], lanes.net[1][i], lanes.net[2][i]};
     s.positions = lanes.positions[i];
     s.kinetic = lanes.kinetic[i], s.damping = lanes.damping[i], s.external = lanes.external[i];
-    s.startled = lanes.beyond[i] > 0.0;
+    s.deviates = lanes.beyond[i] > 0.0;
   }
 }
 

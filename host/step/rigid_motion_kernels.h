@@ -1,4 +1,4 @@
-// Rigid motion of deformable blocks as they stand, told from the rest, eight a vector: the equations of
+// Rigid motion of deformable blocks as they stand, apart from their deformation, eight a vector: the equations of
 // model/block_inertia.h. Compiled for every instruction set that Highway knows and chosen at run time.
 #pragma once
 

@@ -29,7 +29,7 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   agree_on_model();
   note_start();
   const double took = largest_of_ranks(seconds_since(before));
-  if (!dear_blocks) balance.costs(took);
+  if (!costly_blocks) balance.costs(took);
 #ifdef __GLIBC__
   malloc_trim(0);  // what building has left free: several ranks may share a machine
 #endif
@@ -53,7 +53,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   holds_all = !in_parts;
   model = Model(std::move(assembly), materials, in_parts ? LayOut::nothing : LayOut::all);
   joint_sliding =
-      JointSliding(model.assembly, in_parts ? JointSliding::Places::found_anew : JointSliding::Places::kept);
+      JointSliding(model.assembly, in_parts ? JointSliding::Places::recomputed : JointSliding::Places::kept);
   unjoined = UnjoinedBlocks(model.assembly);
   if (!model.assembly.bricks.empty()) extent = diagonal_of(model.assembly.bricks);
   meeting_family = {};
@@ -134,15 +134,15 @@ void Simulation::Impl::share_inertia() {
   shared_dt_over_mass.clear(), inertia_tables.clear();
   for (const BlockGroup& group : model.groups) {
     std::vector<double> table;
-    bool alike = true;
+    bool uniform = true;
     for (int n = 0; n < model.templates[static_cast<std::size_t>(group.brick_template)].node_count; ++n) {
       for (int c = 0; c < 3; ++c) {
         const double* lane = dt_over_mass.data() + (group.first_line + n) * kLine + c * kLanes;
         table.push_back(lane[0]);
-        alike = alike && std::all_of(lane, lane + group.block_count, [&](double x) { return x == lane[0]; });
+        uniform = uniform && std::all_of(lane, lane + group.block_count, [&](double x) { return x == lane[0]; });
       }
     }
-    shared_dt_over_mass.push_back(alike ? inertia_tables.insert(std::move(table)).first->data() : nullptr);
+    shared_dt_over_mass.push_back(uniform ? inertia_tables.insert(std::move(table)).first->data() : nullptr);
   }
 }
 

@@ -57,7 +57,7 @@ void Simulation::run(Observer& observer) {
   } catch (const Error& error) {
     if (impl_->ranks) impl_->together = impl_->ranks->all_here(kTogether);
     if (impl_->together) {
-      // What all ranks have found is told with all that they know. Who was only asked to stop has nothing to find.
+      // All ranks share what they have found. A rank that was only asked to stop has nothing to share.
       if (impl_->any_rank(error.exit_code != Exit::interrupted))
         impl_->gather(Part::all, Who::first);
       else

@@ -42,7 +42,7 @@ struct Energies {
   std::array<double, 4> dissipated{};  // joints since the start: tension, cohesion, friction, crushing
   double external = 0.0;               // work of weight, forces and prescribed velocities since the start
   double damping = 0.0;                // work taken by damping since the start
-  double detection = 0.0;              // stored energy lost (> 0) or gained where contact points were placed anew
+  double detection = 0.0;              // stored energy lost (> 0) or gained where contact points were placed again
   double members_stored = 0.0, members_dissipated = 0.0;  // ties
   double balance_error() const {
     return kinetic + strain + contact_stored + members_stored + dissipated[0] + dissipated[1] + dissipated[2] +
@@ -57,7 +57,7 @@ struct Reaction {
   Vec3 moment{};        // about the centre at the start, N m; of the sum of all about the origin
   Vec3 displacement{};  // since the start, m
 };
-constexpr std::size_t kMostRestraints = 12;  // that a history tells of one by one
+constexpr std::size_t kMostRestraints = 12;  // columns of a history, one each
 
 // The numbers that every line of the history has. Forces include the symmetry factor: they are those of the whole wall.
 struct HistoryNumbers {
@@ -156,7 +156,7 @@ struct RankTraffic {
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
   double peak_memory = 0.0;                  // bytes of its process until the end of run(), set-up included
-  double divided_anew = 0.0;                 // times, because the ranks' own work was uneven
+  double repartitions = 0.0;                 // times, because the ranks' own work was uneven
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };
 
@@ -166,7 +166,7 @@ struct Observer {
   virtual void on_stage_begin(const Simulation&, int /*stage*/) {}
   virtual void on_law_swap(const LawSwap&) {}
   virtual void on_warning(const Warning&) {}       // once for each assumption that the run leaves, when it goes on
-  virtual void on_promotion(const Simulation&) {}  // Simulation::outcome tells more
+  virtual void on_promotion(const Simulation&) {}  // Simulation::outcome has more
   virtual void on_row(const HistoryRow&) {}
   // Whether on_pause will take the state: with ranks all of them are asked then, and all of them must save.
   virtual bool wants_pause(bool /*last*/) { return true; }
@@ -216,9 +216,9 @@ class Simulation {
   // Everything that the scene holds. threads 0: as many as the machine has. Laws are found by their names.
   // ranks: this is one of several processes that advance the model together, each made from the same scene. The bits
   // are those of one process. run() then calls observers of all ranks at the same steps. Each rank has what it holds:
-  // results of all are brought to rank 0 (bring_to_first), or it has all after gather_at_first(), after a failure that
-  // all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks have
-  // different models. Ranks must outlive the simulation; null: one process.
+  // results of all are brought to rank 0 (collect_at_first), or it has all after gather_at_first(), after a failure
+  // that all ranks have found, and in large motion. Only run() may be used to step. Throws Error(bad_input): the ranks
+  // have different models. Ranks must outlive the simulation; null: one process.
   explicit Simulation(Scene scene, int threads = 1, Ranks* ranks = nullptr);
   // An assembly of conforming bricks; or pass materials, one a joint family.
   Simulation(Scene scene, Assembly assembly, int threads = 1);
@@ -278,7 +278,7 @@ class Simulation {
   };
   Supports supports(int stage) const;
   std::string block_label(int block) const;  // as messages call it
-  // Those that a history tells of; empty where there are more than it can.
+  // Those with columns in the history; empty where there are more than it can.
   const std::vector<Restraint>& restraints() const;
 
   // Results by block. Cold.
@@ -311,7 +311,7 @@ class Simulation {
   std::vector<double> state(const std::string& id) const { return state(id, all_points()); }
   bool keeps_state(const std::string& id) const;  // the law of some point
   // Share of what tensile strength, cohesion and compressive strength can lose that is lost; NaN where the law of a
-  // point does not tell. Cold, as contact_points.
+  // point does not have. Cold, as contact_points.
   using DamageColumns = std::array<std::vector<double>, QUOIN_DAMAGE_COUNT>;
   DamageColumns damage(const PointRange& range) const;
   DamageColumns damage() const { return damage(all_points()); }
@@ -342,7 +342,7 @@ class Simulation {
   // To be called after velocities were written through a view.
   void velocities_changed();
 
-  // Results of all by one process after the other, so that none needs all of it (bring.cpp).
+  // Results of all by one process after the other, so that none needs all of it (collect.cpp).
   // Neighbouring blocks, contact points or joints, [first, end), some hundred or thousand, of which one rank has what
   // results are made of. Runs follow each other in order.
   struct Run {
@@ -355,9 +355,9 @@ class Simulation {
   bool brings(const Run& run) const;        // this rank makes of it what rank 0 takes
   // make: by the rank that brings the run; take: by rank 0, in the order of runs. All ranks call it at the same moment:
   // in on_frame, or after run(). Where rank 0 has all of the state it makes everything, and others do nothing.
-  void bring_to_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
-                      const std::function<void(const std::string&)>& take) const;
-  bool ranks_bring() const;                   // false: one process, or rank 0 has all
+  void collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
+                        const std::function<void(const std::string&)>& take) const;
+  bool ranks_collect() const;                 // false: one process, or rank 0 has all
   double sum_of_ranks(double brought) const;  // of what each brings
   double largest_of_ranks(double brought) const;
   // So that rank 0 has all from now on. All ranks call it at the same moment.

@@ -68,13 +68,13 @@ bool Simulation::Impl::have_contact(int a, int b, int axis) {
   return !meeting_family || meeting_family({a, b, normal}) >= 0;
 }
 
-void Simulation::Impl::look_at_motion() {
+void Simulation::Impl::check_motion() {
   if (has_all()) {  // else gathered: each rank computes those of its own blocks
     whole_motions.resize(model.assembly.bricks.size());
     for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   }
   joint_sliding.look(whole_motions, &motion_seen);
-  next_motion_look = step_count + kMostSteps;
+  next_motion_check = step_count + kMostSteps;
   if (!past_motion_bound().empty()) return;
   const MotionBound& bound = scene.solver.motion_bound;
   const double until_near = unjoined.look(
@@ -88,7 +88,7 @@ void Simulation::Impl::look_at_motion() {
   const double used = std::max(motion_seen.rotation / bound.rotation, motion_seen.sliding / bound.sliding);
   const double way = std::max(0.5 * (1.0 - used), 0.0625) * least * std::min(bound.rotation, bound.sliding);
   const double steps = std::min(until_near, time_for(way, 2.0 * fastest)) / data.time_step;
-  next_motion_look =
+  next_motion_check =
       step_count + (steps < static_cast<double>(kMostSteps) ? std::max(1L, static_cast<long>(steps)) : kMostSteps);
 }
 
@@ -99,12 +99,12 @@ std::string Simulation::Impl::past_motion_bound() const {
   return "blocks have moved further than small displacements allow (contact.small_displacement)";
 }
 
-bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* told) {
+bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* warnings) {
   if (!large_motion) {
-    if (step_count < next_motion_look && !stage_ends) return false;
+    if (step_count < next_motion_check && !stage_ends) return false;
     gather(Part::row);
     const auto before = Clock::now();
-    look_at_motion();
+    check_motion();
     times[Phase::watch] += seconds_since(before);
   }
   const std::string past = past_motion_bound();
@@ -115,7 +115,7 @@ bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* told
               past +
                   ". The curve may be off by more than 1 % from here on; solver.large_motion = \"always\" follows "
                   "large motion",
-              told);
+              warnings);
     if (solver.motion_bound.stop)
       throw Error(Exit::numerical,
                   fmt::format("step {} of stage '{}': {}. Choose solver.large_motion = \"always\", a shorter stage, or "
@@ -128,15 +128,15 @@ bool Simulation::Impl::follow_motion(bool stage_ends, std::vector<Warning>* told
   return true;
 }
 
-bool Simulation::Impl::was_told(const char* about) const {
+bool Simulation::Impl::was_warned(const char* about) const {
   return std::any_of(outcome.warnings.begin(), outcome.warnings.end(),
                      [&](const Warning& w) { return w.about == about; });
 }
 
-void Simulation::Impl::warn_once(const char* about, const std::string& text, std::vector<Warning>* told) {
-  if (was_told(about)) return;
+void Simulation::Impl::warn_once(const char* about, const std::string& text, std::vector<Warning>* warnings) {
+  if (was_warned(about)) return;
   outcome.warnings.push_back({about, text, stage, step_count, now()});
-  told->push_back(outcome.warnings.back());
+  warnings->push_back(outcome.warnings.back());
 }
 
 }  // namespace quoin

@@ -51,7 +51,7 @@ bool StageRun::advance() {
   if (stop_between_rows) follow_motion(done), show_frame(), pause(true);
   if ((due.row && !gone_over_) || done) write_row(done);
   if (!stop_between_rows) follow_motion(done);
-  if (due.check || due.row || done) s_.look_for_falling_block(&warnings_), warn();
+  if (due.check || due.row || done) s_.find_falling_block(&warnings_), warn();
   show_frame();
   if (due.stop && due.planned && !done) pause(true);
   if (due.stop)
@@ -73,7 +73,7 @@ StageRun::Due StageRun::look_ahead() {
   due.planned = s_.stage_step >= s_.next_row;
   due.row = due.stop || due.planned;
   due.frame = frames_ > 0 && s_.next_frame <= frames_ && s_.stage_fraction() * frames_ >= s_.next_frame;
-  s_.sample_energy = s_.watch.pending || (due.planned && s_.begin_look());
+  s_.sample_energy = s_.watch.pending || (due.planned && s_.begins_check());
   const bool count_crushed = due.row && s_.step_count >= s_.watch.next_flags;
   if (count_crushed) s_.watch.next_flags = Watch::after(s_.step_count);
   s_.step_once(due.check || due.row || due.frame || s_.books_energy() || s_.sample_energy, count_crushed || due.frame);
@@ -109,7 +109,7 @@ void StageRun::write_row(bool done) {
   s_.require_finite(row);
   write([&] { observer_.on_row(row); });
   const auto watched = Clock::now();
-  if (s_.large_motion) s_.look_at_rotations();
+  if (s_.large_motion) s_.check_rotations();
   if (done) s_.watch.next_stiffness = std::min(s_.watch.next_stiffness, s_.step_count);  // what ends a stage is seen
   const std::vector<Warning> of_watch = s_.look();
   warnings_.insert(warnings_.end(), of_watch.begin(), of_watch.end());

@@ -32,9 +32,9 @@ void Simulation::Impl::begin_stage(int index) {
   else if (settings.whiffletree && !large_motion)
     gather(Part::all, Who::holders);
   else if (swaps_laws)
-    hear_all_of_borders();
+    receive_whole_borders();
   const Stage* const previous = index > 0 ? &scene.stages[static_cast<std::size_t>(index) - 1] : nullptr;
-  if (large_motion && in_parts) tell_blocks_of_stage(settings, previous);
+  if (large_motion && in_parts) exchange_blocks_of_stage(settings, previous);
   if (large_motion)
     begin_large_motion_stage(settings, previous);
   else
@@ -58,7 +58,7 @@ void Simulation::Impl::begin_stage(int index) {
   // The end of the stage before shows how this one begins.
   next_frame = index > 0 && scene.frames_in(static_cast<std::size_t>(index) - 1) > 0 ? 1 : 0;
   next_row = 0;
-  next_motion_look = step_count;  // what drives blocks is new
+  next_motion_check = step_count;  // what drives blocks is new
   force_loss = {};
   watch.pending = false;  // what a stage changes at once is in no balance of steps
   swaps.clear();

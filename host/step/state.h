@@ -83,7 +83,7 @@ struct RankWindow {
 
 // Tests cannot wait for costs that differ. QUOIN_DEAR_BLOCKS=20x4: clocks say that each of the first 20 blocks costs
 // four times as much as it is estimated to, and that dividing is free.
-struct DearBlocks {
+struct CostlyBlocks {
   int count = 0;
   double times = 1.0;
 };
@@ -159,7 +159,7 @@ struct Simulation::Impl {
   void each_chunk(const Work& work);
   void each_item(bool measure, const Work& work);
   PhaseClock* started_clock(int thread);
-  void book_time(double wall, double weight);  // s, by what the clocks of the threads say; they begin anew
+  void book_time(double wall, double weight);  // s, by what the clocks of the threads say; they begin again
   // Of the lattice.
   void advance_contacts(int thread, int chunk, bool measure, bool report, PhaseClock* clock);
   void advance_item(int thread, int item, bool measure);
@@ -208,34 +208,34 @@ struct Simulation::Impl {
   std::vector<int> groups_of_joined_blocks() const;                // by block: the first one of its group
   std::vector<int> loose_blocks(const Stage& settings) const;
   void require_moving_ground() const;  // Error(bad_input): a stage moves the ground, and no block is fixed
-  void warn_of_loose_blocks(std::vector<Warning>* told);
+  void warn_of_loose_blocks(std::vector<Warning>* warnings);
   // Warns of a block that has left all supports. Throws Error(numerical) where the stage can only end at rest.
-  void look_for_falling_block(std::vector<Warning>* told);
+  void find_falling_block(std::vector<Warning>* warnings);
   std::string block_label(int block) const;
 
   // --- small displacements, and what ends them (small_motion.cpp) ----------------------------------------------------
   WholeMotion whole_motion_of(std::size_t brick) const;
   bool have_contact(int a, int b, int axis);  // two blocks that no joint joins, where they meet across this axis
-  void look_at_motion();                      // and when to do so again: no output has a say in that
+  void check_motion();                        // and when to do so again: no output has a say in that
   std::string past_motion_bound() const;
   // After a step: goes over to large motion where blocks have moved too far, or warns, or throws Error(numerical).
   // Whether it has gone over.
-  bool follow_motion(bool stage_ends, std::vector<Warning>* told);
-  bool was_told(const char* about) const;
-  void warn_once(const char* about, const std::string& text, std::vector<Warning>* told);
+  bool follow_motion(bool stage_ends, std::vector<Warning>* warnings);
+  bool was_warned(const char* about) const;
+  void warn_once(const char* about, const std::string& text, std::vector<Warning>* warnings);
 
   // --- the watch (watch.cpp) ----------------------------------------------------------------------------------------
   // Whether the energies of this step, before a row, are to be held against those of the next.
-  bool begin_look() const;
-  void stop_look();
-  void look_at_energies(const Energies& now, double dissipated, double work_before, double work_after);
+  bool begins_check() const;
+  void end_check();
+  void check_energies(const Energies& now, double dissipated, double work_before, double work_after);
   double allowed_overlap() const;
-  void look_at_points();
-  void look_at_stiffness();
+  void check_points();
+  void check_stiffness();
   std::string damped_motion() const;  // what of it damping falsifies; all ranks ask together
   std::string motion_left_to_ground() const;
   std::optional<WrongAnswer> wrong_law() const;  // as the laws have answered last
-  // When a row is written, after its step. Returns what is to be told, which outcome has too.
+  // When a row is written, after its step. Returns new warnings, which outcome has too.
   std::vector<Warning> look();
 
   Vec3 of_body(int body, BodyLanes::Quantity BodyLanes::*quantity) const;
@@ -269,7 +269,7 @@ struct Simulation::Impl {
   bool may_ride_in_parts(const blocks::Assembly& shapes) const;
   std::vector<int> rank_by_block() const;
   std::vector<int> followed_blocks() const;
-  void tell_blocks_of_stage(const Stage& settings, const Stage* previous);
+  void exchange_blocks_of_stage(const Stage& settings, const Stage* previous);
   std::vector<int> blocks_named(const std::string& name, const std::string& where) const;
   void watch_blocks(const Stage& settings);                       // the monitor of the stage
   const std::string& watched_block(const Stage& settings) const;  // name of the stage's monitor; empty: none
@@ -301,14 +301,14 @@ struct Simulation::Impl {
   void add_pressures(const Stage& settings);
   void pull_block(int block, double pull);
   bool stands_below(const std::vector<int>& blocks) const;
-  bool collapse_ended(std::vector<Warning>* told);
+  bool collapse_ended(std::vector<Warning>* warnings);
   void watch_uplift();
   Vec3 block_translation(int block) const;                                 // of the centre of mass since the start, m
   Vec3 block_translation(const std::vector<int>& blocks) const;            // on average
   Vec3 block_translation_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
   void measure_large_motion(HistoryRow& row) const;
   void measure_base(HistoryRow& row) const;
-  void look_at_rotations();
+  void check_rotations();
   BlockMesh mesh_in_large_motion(int block) const;
   BlockSize size_in_large_motion(int block) const;
   std::vector<Vec3> gridpoint_displacements(int block) const;  // of its gridpoints since the start, m
@@ -342,7 +342,7 @@ struct Simulation::Impl {
   // Of gridpoints and bodies on borders: of those who move them to those who evaluate their contact points. Lattice.
   using SideNumbers = std::function<void(int block, std::int32_t gridpoint, std::vector<double*>&)>;
   Halo halo_on_borders(const SideNumbers& numbers_of);
-  void hear_all_of_borders();                  // displacement and velocity, which steps tell in part
+  void receive_whole_borders();                // displacement and velocity, which steps exchange in part
   std::vector<int> ranks_of(int chunk) const;  // that evaluate it
   // Afterwards they have it as one process alone has it. next: of the shares that holders are to have; null: now.
   void gather(Part part, Who who = Who::everybody, const RankShare* next = nullptr);
@@ -352,7 +352,7 @@ struct Simulation::Impl {
   // An array whose parts ranks hold, some megabytes at a time, to rank 0.
   void give_array(const void* array, std::size_t bytes, const Simulation::TakeBytes& take);
   void end_run();     // what results ask rank 0 for
-  void note_start();  // the hash, where no rank can tell it alone
+  void note_start();  // the hash, where no rank can compute it alone
   std::uint64_t hash_by_parts(bool at_rest);
   // How many contact points are in which state: of all, who has them; of chunks of this rank; of those of all ranks.
   std::array<long, kConditionCount> conditions_here() const;
@@ -379,21 +379,21 @@ struct Simulation::Impl {
   void bind_inertia();  // of what is held
   void each_memory_of_item(Part part, int item, const VisitMemory& visit);
   void each_memory_of_chunk(Part part, int chunk, const VisitMemory& visit);
-  void fetch_for_frame();    // what results by run, or pieces, show of the blocks of others; or all of it
-  bool ranks_bring() const;  // to rank 0 what it writes of them
-  void prepare_row();        // what a row has of the blocks of this rank
+  void fetch_for_frame();      // what results by run, or pieces, show of the blocks of others; or all of it
+  bool ranks_collect() const;  // to rank 0 what it writes of them
+  void prepare_row();          // what a row has of the blocks of this rank
   // Whether any rank is in trouble: then all has been gathered, so that rank 0 sees what it is.
-  bool agree(bool trouble, bool* startled = nullptr, bool* leaves_frame = nullptr);
+  bool agree(bool trouble, bool* deviates = nullptr, bool* leaves_frame = nullptr);
   double largest_of_ranks(double here) const;
   void send_motion();
-  void hear_of_motion(bool measure_step);  // after the blocks have moved
+  void receive_motion(bool measure_step);  // after the blocks have moved
   bool any_rank(bool here);                // wants it
   // All ranks throw what the first of them has found that has found anything.
   void throw_together(const std::optional<Error>& fault);
   void collect_traffic();
-  void balance_ranks();  // between two steps: divides blocks anew where that is worth it, by measured costs
-  void divide_anew();
-  double pretended_seconds() const;  // of dear_blocks, own work in the window, any unit
+  void balance_ranks();  // between two steps: divides blocks again where that is worth it, by measured costs
+  void repartition();
+  double pretended_seconds() const;  // of costly_blocks, own work in the window, any unit
   // Sides of contact points: visit(item, key); numbers_of says where the motion that a key stands for lies.
   void each_side(int chunk, const std::function<void(int, std::int64_t)>& visit) const;
   void each_item(int chunk, const std::function<void(int)>& visit) const;  // side by side, of chunks of all ranks
@@ -414,7 +414,7 @@ struct Simulation::Impl {
   void bind_energies(LawCall& call, const ContactChunk& chunk);
   std::vector<int> chunks_here() const;  // that this process holds
   void begin_states();                   // of laws
-  void share_inertia();                  // where the blocks of a group are alike
+  void share_inertia();                  // where the blocks of a group are congruent
   void divide_work();                    // costs, and the share of this rank
   void bind_work();                      // what follows from it
   void partition_work();                 // both, and holds its part
@@ -454,7 +454,7 @@ struct Simulation::Impl {
   long row_interval = 1;  // of the stage; found at its start, as the step may change later
   bool in_stage = false;
   MotionSeen motion_seen;
-  long next_motion_look = 0;  // step
+  long next_motion_check = 0;  // step
   Watch watch;
   ForceLoss force_loss;  // in cycles
 
@@ -544,13 +544,13 @@ struct Simulation::Impl {
   RankBalance balance;
   RankWindow window;
   std::vector<double> measured_over_estimated;  // cost by block; empty: nothing is known yet
-  std::optional<DearBlocks> dear_blocks;        // for tests
+  std::optional<CostlyBlocks> costly_blocks;    // for tests
   std::vector<RankTraffic> traffic_of_all;
-  bool together = true;  // all ranks end alike
+  bool together = true;  // all ranks end in the same way
   // Of the end of a run in parts, for rank 0.
   std::optional<std::array<long, kConditionCount>> end_conditions;
   std::uint64_t end_hash = 0;
-  std::optional<std::uint64_t> start_hash;  // of a run in parts whose states do not begin all alike
+  std::optional<std::uint64_t> start_hash;  // of a run in parts whose states differ from rank to rank at the start
 
   bool time_every_step = false;
   double timed_steps = 0.0;  // that this one's time stands for; 0: it is not timed

@@ -102,7 +102,7 @@ void Simulation::Impl::steer_bodies(const char* what, const std::string& name, c
   }
   rest_known = false;
   find_bodies_at_rest();
-  next_motion_look = step_count;
+  next_motion_check = step_count;
 }
 
 void Simulation::Impl::steer_drives(const char* what, const std::string& name, const Vec3& value, bool velocities) {

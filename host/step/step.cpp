@@ -41,7 +41,7 @@ void Simulation::Impl::step_once(bool measure_step, bool report) {
 // What acts from outside, and what the step is asked for.
 void Simulation::Impl::begin_step(bool measure_step) {
   apply_controls();
-  if (watch.pending && !sample_energy) stop_look();
+  if (watch.pending && !sample_energy) end_check();
   if (large_motion && sample_energy && !watch.pending) large_motion->book_energy(true);
   if (!large_motion && sample_energy && energy_columns[0].empty()) {
     for (auto& column : energy_columns) column.assign(static_cast<std::size_t>(model.point_count), 0.0);
@@ -120,7 +120,7 @@ void Simulation::Impl::each_item(bool measure_step, const Work& work) {
   if (timed_steps > 0.0) book_time(seconds_since(before), timed_steps);
   if (!ranks) return;
   traffic.own_seconds += processor_seconds() - moving;
-  hear_of_motion(measure_step);
+  receive_motion(measure_step);
 }
 
 void Simulation::Impl::book_time(double wall, double weight) {

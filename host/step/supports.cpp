@@ -112,7 +112,7 @@ void Simulation::Impl::require_moving_ground() const {
 }
 
 // That only some blocks are loose is no fault: they may fall onto others. `quoin check` names them.
-void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* told) {
+void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* warnings) {
   const Stage& settings = scene.stages[at(stage)];
   held_blocks = held_in(settings);
   if (settings.gravity == Vec3{} || loose_blocks(settings).size() < held_blocks.size()) return;
@@ -121,11 +121,11 @@ void Simulation::Impl::warn_of_loose_blocks(std::vector<Warning>* told) {
       fmt::format("stage '{}' holds nothing against gravity: all blocks fall freely; give a block fixed = true, or "
                   "a body of the stage a velocity (0 holds it)",
                   settings.name),
-      told);
+      warnings);
 }
 
 // What has moved further than the model is large, and than any support, has left everything that could hold it.
-void Simulation::Impl::look_for_falling_block(std::vector<Warning>* told) {
+void Simulation::Impl::find_falling_block(std::vector<Warning>* warnings) {
   const Stage& settings = scene.stages[at(stage)];
   if (held_blocks.empty()) held_blocks = held_in(settings);
   const auto moved = [&](std::size_t i) {
@@ -145,7 +145,7 @@ void Simulation::Impl::look_for_falling_block(std::vector<Warning>* told) {
   const std::string what =
       fmt::format("block {} has moved by {:.3g} m, farther than the model is large ({:.3g} m): nothing holds it",
                   block_label(falling), farthest, extent);
-  warn_once("free_fall", what + "; quoin check lists what holds blocks in each stage", told);
+  warn_once("free_fall", what + "; quoin check lists what holds blocks in each stage", warnings);
   if (!ends_at_rest_alone(settings)) return;
   throw Error(
       Exit::numerical,
@@ -170,18 +170,18 @@ Simulation::Supports Simulation::supports(int stage) const {
   const std::vector<std::uint8_t> held = s.held_in(settings);
   for (std::size_t i = 0; i < held.size(); ++i) {
     if (held[i] == 0) continue;
-    std::vector<std::string>& alike = names[held[i]];
+    std::vector<std::string>& with_axes = names[held[i]];
     std::string name = s.large_motion ? s.large_motion->assembly().blocks[i].name : s.model.assembly.bricks[i].body;
     if (name.empty()) name = block_label(static_cast<int>(i));
-    if (alike.empty() || alike.back() != name) alike.push_back(std::move(name));
+    if (with_axes.empty() || with_axes.back() != name) with_axes.push_back(std::move(name));
   }
-  for (auto& [bits, alike] : names) {
-    const std::size_t more = alike.size() > kNamed ? alike.size() - kNamed : 0;
-    alike.resize(alike.size() - more);
+  for (auto& [bits, with_axes] : names) {
+    const std::size_t more = with_axes.size() > kNamed ? with_axes.size() - kNamed : 0;
+    with_axes.resize(with_axes.size() - more);
     std::string axes;
     for (unsigned c = 0; c < 3; ++c) axes += (bits >> c & 1u) != 0 ? std::string(" ") + "xyz"[c] : "";
     supports.held.push_back(
-        fmt::format("{}{}:{}", fmt::join(alike, ", "), more > 0 ? fmt::format(" and {} more", more) : "", axes));
+        fmt::format("{}{}:{}", fmt::join(with_axes, ", "), more > 0 ? fmt::format(" and {} more", more) : "", axes));
   }
   if (settings.gravity != Vec3{}) supports.loose = s.loose_blocks(settings);
   return supports;

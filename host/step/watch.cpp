@@ -15,7 +15,7 @@ namespace quoin {
 
 using geometry::Vector;
 
-bool Simulation::Impl::begin_look() const {
+bool Simulation::Impl::begins_check() const {
   if (want_energy || watch.pending || step_count < watch.next_energies) return false;
   return std::all_of(model.families.begin(), model.families.end(), [](const ContactFamily& family) {
     return (family.material->api().capabilities & QUOIN_CAN_ENERGY) != 0;
@@ -23,13 +23,13 @@ bool Simulation::Impl::begin_look() const {
 }
 
 // Between a step that was looked at and the next, another one has come, or both are done.
-void Simulation::Impl::stop_look() {
+void Simulation::Impl::end_check() {
   watch.pending = false;
   if (large_motion && !want_energy) large_motion->book_energy(false);
 }
 
 // The balance of a step: what it stores more, less what came in, is nothing. Steps that were looked at stand for all.
-void Simulation::Impl::look_at_energies(const Energies& now, double dissipated, double work_before, double work_after) {
+void Simulation::Impl::check_energies(const Energies& now, double dissipated, double work_before, double work_after) {
   const double kinds[3] = {now.kinetic, now.strain, now.contact_stored};
   const double stored = now.kinetic + now.strain + now.contact_stored;
   if (watch.pending) {
@@ -57,7 +57,7 @@ double Simulation::Impl::allowed_overlap() const {
   return Watch::kAllowedOverlap * least;
 }
 
-void Simulation::Impl::look_at_points() {
+void Simulation::Impl::check_points() {
   const auto see = [&](double opening, const auto& place) {
     if (!(-opening > watch.overlap)) return;
     watch.overlap = -opening;
@@ -78,7 +78,7 @@ void Simulation::Impl::look_at_points() {
 }
 
 // The time step follows from upper bounds that the laws state of themselves.
-void Simulation::Impl::look_at_stiffness() {
+void Simulation::Impl::check_stiffness() {
   LaneVector<double> normal(contact_point_count(), 0.0), shear[2]{normal, normal};
   ask_at_rest(QUOIN_CAN_TANGENT, all_points(), [&](quoin_batch& batch, std::size_t first) {
     batch.tangent[0] = {normal.data() + first, 1};
@@ -115,7 +115,7 @@ std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
     return large_motion->wrong_law(all ? whole_share(large_motion->chunk_count(), 0).chunks : share.chunks);
   }
   // Of `count` points of a family from `first` on.
-  const auto look_at = [&](std::size_t f, std::size_t first, std::size_t count) {
+  const auto examine = [&](std::size_t f, std::size_t first, std::size_t count) {
     const ContactFamily& family = model.families[f];
     Answers answers;
     answers.count = count;
@@ -139,13 +139,13 @@ std::optional<WrongAnswer> Simulation::Impl::wrong_law() const {
   if (!has_all()) {
     for (const int c : share.chunks) {
       const ContactChunk& chunk = model.chunks[at(c)];
-      if (auto wrong = look_at(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
+      if (auto wrong = examine(at(chunk.family), at(chunk.first_point), at(chunk.point_count))) return wrong;
     }
     return std::nullopt;
   }
   for (std::size_t f = 0; f < model.families.size(); ++f) {
     const ContactFamily& family = model.families[f];
-    if (auto wrong = look_at(f, at(family.first_point), at(family.point_count))) return wrong;
+    if (auto wrong = examine(f, at(family.first_point), at(family.point_count))) return wrong;
   }
   return std::nullopt;
 }
@@ -198,18 +198,18 @@ std::string Simulation::Impl::motion_left_to_ground() const {
 }
 
 std::vector<Warning> Simulation::Impl::look() {
-  look_at_points();
+  check_points();
   std::optional<WrongAnswer> wrong;
   if (step_count >= watch.next_stiffness) {
     watch.next_stiffness = step_count + Watch::kStiffnessSteps;
     if (in_parts) {
-      if (!large_motion) hear_all_of_borders();
-      look_at_stiffness();
+      if (!large_motion) receive_whole_borders();
+      check_stiffness();
       watch.stiffness_ratio = largest_of_ranks(watch.stiffness_ratio);
       if (any_rank(wrong_law().has_value())) gather(Part::all);  // so that all see the first of them
     } else {
       gather(Part::all);
-      look_at_stiffness();
+      check_stiffness();
     }
     wrong = wrong_law();
   }
@@ -229,7 +229,7 @@ std::vector<Warning> Simulation::Impl::look() {
   const auto warn_where_said = [&](const char* about, const std::string& words) {
     if (!words.empty()) warn_once(about, words, &fresh);
   };
-  if (!was_told("damping")) warn_where_said("damping", damped_motion());
+  if (!was_warned("damping")) warn_where_said("damping", damped_motion());
   warn_where_said("ground_motion", motion_left_to_ground());
   warn(watch.overlap > allowed_overlap(), "interpenetration", [&] {
     const Vec3& x = watch.overlap_at;

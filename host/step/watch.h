@@ -8,7 +8,7 @@
 
 namespace quoin {
 
-// An assumption that a run has left, told once.
+// An assumption that a run has left, reported once.
 struct Warning {
   std::string about;  // as in summary.json: energy_balance, interpenetration, crushed_out, small_displacements,
                       // time_step, law_states, damping, ground_motion, free_fall, collapse_multiplier
@@ -24,7 +24,7 @@ struct Watch {
   static constexpr double kAllowedMissing = 0.05;          // of the energy that was moved about
   static constexpr double kAllowedStiffness = 1.0 + 1e-6;  // of what the time step was chosen with
   // Between two looks at the energies of a step and the next, or at the flags of points, at least; and a twentieth of
-  // the steps until then: a law is asked for all that it can tell, which costs ten to twenty steps.
+  // the steps until then: a law is asked for all that it can return, which costs ten to twenty steps.
   static constexpr long kOutputSteps = 200;
   static long after(long step) { return step + std::max(kOutputSteps, step / 20); }
   static constexpr long kStiffnessSteps = 2000;  // between two looks at tangents and bounds of states, at least

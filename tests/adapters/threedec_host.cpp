@@ -209,8 +209,8 @@ void check_stiffness_of_damaged_joint(const JointModel& prototype) {
   contact.move({4e-5, 0, 0});
   const double secant = -contact.state.normal_force_ / area / 4e-5;
   CHECK(secant > 1e-3 * kn && secant < 0.1 * kn);
-  const double told = contact.model->getMaxNormalStiffness();
-  CHECK(QUOIN_3DEC_VERSION == 9 ? std::abs(told - secant) <= 1e-12 * kn : told == kn);
+  const double stiffness = contact.model->getMaxNormalStiffness();
+  CHECK(QUOIN_3DEC_VERSION == 9 ? std::abs(stiffness - secant) <= 1e-12 * kn : stiffness == kn);
   CHECK(contact.model->getMaxShearStiffness() == ks);
   contact.move({1e-3, 0, 0});  // beyond the softening
   CHECK(contact.model->getMaxNormalStiffness() == (QUOIN_3DEC_VERSION == 9 ? 0.0 : kn));

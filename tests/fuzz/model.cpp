@@ -53,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     simulation.advance(2);
 #ifndef QUOIN_SANITIZED
     if (peak.grown() > 2.0 * bytes + kOfAProgram) {
-      std::fprintf(stderr, "%g bytes were told, %g were taken\n", bytes, peak.grown());
+      std::fprintf(stderr, "%g bytes were estimated, %g were taken\n", bytes, peak.grown());
       std::abort();
     }
 #endif

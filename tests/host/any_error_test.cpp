@@ -21,23 +21,23 @@ TEST(AnyError, MemoryThatIsMissingIsToldAsSuchWhoeverMissedIt) {
   for (const std::exception* error :
        {static_cast<const std::exception*>(&of_new), static_cast<const std::exception*>(&of_thread),
         static_cast<const std::exception*>(&of_files)}) {
-    const Error told = any_error(*error, "take fewer ranks");
-    EXPECT_EQ(told.exit_code, Exit::numerical);
-    EXPECT_STREQ(told.what(), "out of memory; take fewer ranks");
+    const Error converted = any_error(*error, "take fewer ranks");
+    EXPECT_EQ(converted.exit_code, Exit::numerical);
+    EXPECT_STREQ(converted.what(), "out of memory; take fewer ranks");
   }
 }
 
 TEST(AnyError, FaultsOfOursAskForAReport) {
-  const Error told = any_error(std::system_error(std::make_error_code(std::errc::io_error)), "", "the law");
-  EXPECT_EQ(told.exit_code, Exit::numerical);
-  EXPECT_THAT(told.what(), AllOf(HasSubstr("internal error: "), HasSubstr("please report it with the law"),
-                                 Not(HasSubstr("memory"))));
+  const Error converted = any_error(std::system_error(std::make_error_code(std::errc::io_error)), "", "the law");
+  EXPECT_EQ(converted.exit_code, Exit::numerical);
+  EXPECT_THAT(converted.what(), AllOf(HasSubstr("internal error: "), HasSubstr("please report it with the law"),
+                                      Not(HasSubstr("memory"))));
 }
 
 TEST(AnyError, ErrorsStayAsTheyAre) {
-  const Error told = any_error(Error(Exit::bad_input, "scene.toml:3: no"));
-  EXPECT_EQ(told.exit_code, Exit::bad_input);
-  EXPECT_STREQ(told.what(), "scene.toml:3: no");
+  const Error converted = any_error(Error(Exit::bad_input, "scene.toml:3: no"));
+  EXPECT_EQ(converted.exit_code, Exit::bad_input);
+  EXPECT_STREQ(converted.what(), "scene.toml:3: no");
 }
 
 }  // namespace

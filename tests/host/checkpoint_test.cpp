@@ -22,7 +22,7 @@ struct Saved {
 };
 
 // Saves at moments 1, 2, 3, 5, 8, ... of those offered and some further on, at the first and the last of each stage,
-// and at the first few after contacts were detected anew.
+// and at the first few after contacts were detected again.
 struct Saver : Observer {
   std::vector<HistoryRow> rows;
   std::vector<Saved> saved;

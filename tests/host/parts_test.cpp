@@ -169,11 +169,11 @@ struct Kept : Observer {
   bool wants_pause(bool) override { return true; }
   void on_pause(const Simulation& simulation, bool) override {
     std::vector<std::uint8_t>& bytes = saved.emplace_back();
-    const std::size_t told = simulation.saved_bytes();
+    const std::size_t expected = simulation.saved_bytes();
     simulation.save(
         [&](std::span<const std::uint8_t> piece) { bytes.insert(bytes.end(), piece.begin(), piece.end()); });
     if (!bytes.empty()) {
-      EXPECT_EQ(bytes.size(), told);
+      EXPECT_EQ(bytes.size(), expected);
     }
   }
 };

@@ -349,7 +349,7 @@ TEST(Promotion, HalfOfTheThicknessKeepsItsPlane) {
 }
 
 // Floors under a whiffletree and deformable blocks with loads go on as they were driven: the roof follows the same way
-// and the same force, which rises by 15 kN in a millimetre when the tree starts anew (seen once: elapsed time counted
+// and the same force, which rises by 15 kN in a millimetre when the tree starts again (seen once: elapsed time counted
 // in steps of the new length). 2 % of the peak, as above.
 TEST(Promotion, WhiffletreeGoesOn) {
   const std::vector<std::string> more = {"solver.rotation_bound=5e-4", "stage.push.displacement=0.0025",

@@ -332,7 +332,7 @@ TEST(Ranks, CheckpointsOfLargeMotionAreOfAnyNumberOfThem) {
 // An error of one rank while it makes its part is thrown by all of them, with its message.
 TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
   const auto words = [&](const Overrides& overrides, int rank) {
-    std::string told;
+    std::string message;
     EXPECT_THROW(on_ranks(3,
                           [&](Ranks& ranks) {
                             try {
@@ -341,13 +341,13 @@ TEST(Ranks, FaultsOfOnePartAreThoseOfAll) {
                               Observer nobody;
                               simulation.run(nobody);
                             } catch (const Error& error) {
-                              if (ranks.rank() == rank) told = error.what();
+                              if (ranks.rank() == rank) message = error.what();
                               EXPECT_TRUE(error.exit_code == Exit::bad_input || error.exit_code == Exit::law_refused);
                               throw;
                             }
                           }),
                  Error);
-    return told;
+    return message;
   };
   const Overrides small{"wall.courses=6", "wall.zones=[2, 1, 1]", "stage.precompression.duration=0.001"};
   const auto with = [&](const Overrides& more) {

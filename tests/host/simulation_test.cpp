@@ -362,10 +362,10 @@ TEST(Simulation, NotANumberStopsWithPlaceAndValues) {
 TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
   struct Watcher : Observer {
     Simulation* simulation = nullptr;
-    std::vector<Progress> told;
+    std::vector<Progress> reports;
     void on_progress(const Progress& progress) override {
-      told.push_back(progress);
-      if (told.size() == 3) simulation->request_stop();
+      reports.push_back(progress);
+      if (reports.size() == 3) simulation->request_stop();
     }
   } watcher;
   Scene scene = sheared_wall(1e-4, 2, 1);
@@ -376,9 +376,9 @@ TEST(Simulation, ProgressTellsTheTimeThatIsLeft) {
   Simulation simulation(scene, assemble(scene), 1);
   watcher.simulation = &simulation;
   EXPECT_THROW(simulation.run(watcher), Error);
-  ASSERT_EQ(watcher.told.size(), 3u);
+  ASSERT_EQ(watcher.reports.size(), 3u);
   const double steps = 10.0 / simulation.time_step_report().time_step;
-  for (const Progress& p : watcher.told) {
+  for (const Progress& p : watcher.reports) {
     const double done = static_cast<double>(p.step) / steps;
     EXPECT_NEAR(p.fraction, done, 1e-9);
     EXPECT_NEAR(p.seconds_left * p.steps_per_second, steps - static_cast<double>(p.step), 1e-6 * steps);

@@ -178,7 +178,7 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
   EXPECT_NEAR(report.nodal.value, shortest, 1e-12 * shortest);  // sums in another order
   // It says whose step it is, and what of its stiffness are joints and not zones. Gridpoints that symmetry makes equal
   // differ in rounding.
-  bool told = false;
+  bool found = false;
   for (const BlockGroup& group : model.groups) {
     for (int line = group.first_line; line < group.first_line + model.templates[0].node_count; ++line) {
       for (int k = 0; k < 3 * group.block_count; ++k) {
@@ -187,15 +187,15 @@ TEST(TimeStep, NodalStepIsEquation3WithTheDiagonalOfTheStiffness) {
         if (std::abs(2.0 * std::sqrt(inertia.node[dof] / diagonal[dof]) - shortest) > 1e-9 * shortest) continue;
         const int row = 3 * node + component;
         const double zones = dense_stiffness(assembly.bricks[size_t(block)], brick_material())(row, row);
-        told = told || (report.nodal.position == model.gridpoint_position(block, node) &&
-                        report.nodal.where ==
-                            fmt::format("block {}, gridpoint {}, joint family '{}' brings {:.0f} % of its "
-                                        "stiffness",
-                                        block, node, model.families[0].name, 100 * (1 - zones / diagonal[dof])));
+        found = found || (report.nodal.position == model.gridpoint_position(block, node) &&
+                          report.nodal.where ==
+                              fmt::format("block {}, gridpoint {}, joint family '{}' brings {:.0f} % of its "
+                                          "stiffness",
+                                          block, node, model.families[0].name, 100 * (1 - zones / diagonal[dof])));
       }
     }
   }
-  EXPECT_TRUE(told) << report.nodal.where;
+  EXPECT_TRUE(found) << report.nodal.where;
   EXPECT_DOUBLE_EQ(report.time_step, settings.time_step_fraction * report.nodal.value);
   Inertia of_run;
   EXPECT_EQ(choose_time_step(model, settings, &of_run, Limits::critical).time_step, report.time_step);

@@ -72,18 +72,18 @@ kernels = "general"
   for (const std::string& scene : {with(lattice, "false"), with(lattice, "true"), with(blocks, ""),
                                    with(blocks, "rigid = false\nzones = [2, 2, 1]")}) {
     const char* courses = scene.starts_with("[wall]") ? "wall.courses=" : "dry_wall.1.courses=";
-    double told[2], written[2];
+    double estimated[2], written[2];
     for (const int i : {0, 1}) {
       const Simulation simulation(
           read_scene_text(begin + scene, "s.toml", {courses + std::string(i == 0 ? "4" : "8")}));
       const Surfaces surfaces;
       VtkSeries(folder_, surfaces).add_frame(simulation);
-      told[i] = frame_bytes(simulation, surfaces);
+      estimated[i] = frame_bytes(simulation, surfaces);
       written[i] = static_cast<double>(std::filesystem::file_size(folder_ / "blocks_0000.vtu") +
                                        std::filesystem::file_size(folder_ / "joints_0000.vtu"));
     }
     EXPECT_GT(written[1] - written[0], 1e4);
-    EXPECT_NEAR(told[1] - told[0], written[1] - written[0], 50.0) << scene;
+    EXPECT_NEAR(estimated[1] - estimated[0], written[1] - written[0], 50.0) << scene;
   }
 }
 

@@ -62,7 +62,7 @@ class Writer : public Observer {
 
 class Helper : public Observer {
  public:
-  void on_frame(const Simulation& simulation, int, int) override { bring_frame(simulation, surfaces_); }
+  void on_frame(const Simulation& simulation, int, int) override { collect_frame(simulation, surfaces_); }
 
  private:
   Surfaces surfaces_;
@@ -79,8 +79,8 @@ Written written_by(const Case& of, const std::filesystem::path& folder, Ranks* r
     Helper helper;
     simulation.run(helper);
     find_crushed_out(simulation);
-    if (!simulation.large_motion()) bring_cracks(simulation, {});
-    EXPECT_TRUE(simulation.ranks_bring()) << "rank 0 has all";
+    if (!simulation.large_motion()) collect_cracks(simulation, {});
+    EXPECT_TRUE(simulation.ranks_collect()) << "rank 0 has all";
     return {};
   }
   std::filesystem::create_directories(folder);

@@ -1,5 +1,5 @@
-// Contact points that are placed anew in large motion: what energy they take or give, and that they are no stiffer than
-// what touches.
+// Contact points that are placed again in large motion: what energy they take or give, and that they are no stiffer
+// than what touches.
 //
 // The balance of a run closes up to the second order of the step: central differences do the work of the mean of two
 // forces over a step, which is exact while a contact stays elastic, and off by k d1 d2 / 2 where it closes, opens or
@@ -139,7 +139,7 @@ TEST(EnergyBalance, CrackedWallPushedToCollapse) {
        {0.02, 0.02});
 }
 
-// Where nothing has changed, points that are placed anew change nothing: a block bounces with stiffness damping as it
+// Where nothing has changed, points that are placed again change nothing: a block bounces with stiffness damping as it
 // does on points that stay, up to rounding. (Points that forgot the rate of their traction were not damped.)
 TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
   double height[2];

@@ -96,10 +96,10 @@ void Simulation::Impl::find_blocks_on_base() {
   }
   if (area > 0.0) base_centre = base_centre / area;
   if (in_parts)
-    tell_all(ranks, std::span(on_base), [rank = rank_by_block()](std::size_t block) { return rank[block]; });
+    all_gather(ranks, std::span(on_base), [rank = rank_by_block()](std::size_t block) { return rank[block]; });
 }
 
-bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
+bool Simulation::Impl::collapse_ended(std::vector<Warning>* warnings) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   if (!settings.collapse) return false;
   gather(Part::row);
@@ -124,7 +124,7 @@ bool Simulation::Impl::collapse_ended(std::vector<Warning>* told) {
                   "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
                   "({:g} s)",
                   settings.name, c.displacement, multiplier, c.start, settings.ramp_time),
-      told);
+      warnings);
   return true;
 }
 

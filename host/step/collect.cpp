@@ -29,7 +29,7 @@ void extend(std::vector<Simulation::Run>& runs, std::int32_t end, int rank, std:
 }  // namespace
 
 // Each rank has its own part, until rank 0 has all.
-bool Simulation::Impl::ranks_bring() const { return in_parts && !gathered && !gathered_by_first; }
+bool Simulation::Impl::ranks_collect() const { return in_parts && !gathered && !gathered_by_first; }
 
 std::vector<Simulation::Run> Simulation::runs_of_blocks() const {
   std::vector<Run> runs;
@@ -67,7 +67,7 @@ std::vector<Simulation::Run> Simulation::runs_of_joints() const {
 
 bool Simulation::brings(const Run& run) const {
   const int here = impl_->ranks ? impl_->ranks->rank() : 0;
-  return impl_->ranks_bring() ? run.rank == here : here == 0;
+  return impl_->ranks_collect() ? run.rank == here : here == 0;
 }
 
 namespace {
@@ -105,8 +105,8 @@ std::string receive_from(Ranks& ranks, int rank) {
 
 }  // namespace
 
-void Simulation::bring_to_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
-                                const std::function<void(const std::string&)>& take) const {
+void Simulation::collect_at_first(std::span<const Run> runs, const std::function<std::string(const Run&)>& make,
+                                  const std::function<void(const std::string&)>& take) const {
   const bool is_first = !impl_->ranks || impl_->ranks->rank() == 0;
   for (const Run& run : runs) {
     const bool here = brings(run);
@@ -115,16 +115,16 @@ void Simulation::bring_to_first(std::span<const Run> runs, const std::function<s
   }
 }
 
-bool Simulation::ranks_bring() const { return impl_->ranks_bring(); }
+bool Simulation::ranks_collect() const { return impl_->ranks_collect(); }
 
 double Simulation::largest_of_ranks(double brought) const {
-  return impl_->ranks_bring() ? impl_->largest_of_ranks(brought) : brought;
+  return impl_->ranks_collect() ? impl_->largest_of_ranks(brought) : brought;
 }
 
 void Simulation::gather_at_first() { impl_->gather(Part::all, Who::first); }
 
 double Simulation::sum_of_ranks(double brought) const {
-  if (!impl_->ranks_bring()) return brought;
+  if (!impl_->ranks_collect()) return brought;
   double sum = 0.0;
   for (const double x : of_all_ranks(*impl_->ranks, brought)) sum += x;
   return sum;

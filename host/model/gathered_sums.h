@@ -1,7 +1,7 @@
 // Sums over a vector whose numbers ranks share, in the order of one process.
 //
-// Each rank tells all others its terms, a few megabytes of all ranks at a time, and everybody adds up all of them: so
-// it takes as many messages however often numbers in a row change hands (step/rank_sums.h hands the sum on instead).
+// All ranks gather all terms, a few megabytes at a time, and each adds up all of them. So the number of messages does
+// not depend on how often numbers in a row change their rank (step/rank_sums.h hands the sum on instead).
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace quoin {
 
-class ToldSums : public SharedVectors {
+class GatheredSums : public SharedVectors {
  public:
-  explicit ToldSums(Ranks& ranks) : ranks_(ranks) {}
+  explicit GatheredSums(Ranks& ranks) : ranks_(ranks) {}
 
   void append(int rank, std::size_t numbers);  // the next ones of the vector, by the rank that computes them
   std::span<const VectorRow> rows() const override { return rows_; }

@@ -1,7 +1,7 @@
 // When blocks have moved enough for contact detection. A pair, and a block since the last broad phase, may move
 // by some way. From how fast it moves follows the step before which it cannot have, and until then nobody looks at it.
 // What is reckoned with is the motion that a block was seen in. A block that leaves it by more than a small speed,
-// which is reckoned with too, is startled (rigid_kernels.cpp), and all that it belongs to is looked at in that very
+// which is reckoned with too, deviates (rigid_kernels.cpp), and all that it belongs to is looked at in that very
 // step. So no rigid block comes further than it may unseen, whatever hits it, and a look costs only those that are due.
 //
 // Deformable blocks are not seen so closely: theirs is a rule of thumb, by the fastest of all blocks.
@@ -17,9 +17,9 @@ using namespace geometry;
 namespace {
 
 // The speed that a block may gain unnoticed is such that a pair of the smallest ones would use up its way in so many
-// steps: at first, and of blocks that are startled all the time.
+// steps: at first, and of blocks that deviate all the time.
 constexpr double kCalmSteps = 1000.0, kBusySteps = 50.0;
-// Blocks that are startled sooner than this may gain twice as much from then on, those later than that half of it,
+// Blocks that deviate sooner than this may gain twice as much from then on, those later than that half of it,
 // steps.
 constexpr long kSoon = 30, kLate = 300;
 constexpr long kMostSteps = 1000;  // between two looks at the same
@@ -33,35 +33,35 @@ constexpr double kSmallRotation = 1e-3;
 }  // namespace
 
 bool World::moved_enough() {
-  const bool all = dt_ != look_dt_ && !bodies_.empty();
-  if (step_count_ < next_check_ && !startled_ && !all) return false;
-  if (all) look_dt_ = dt_;
-  hear_of_neighbours();
+  const bool all = dt_ != check_dt_ && !bodies_.empty();
+  if (step_count_ < next_check_ && !any_deviates_ && !all) return false;
+  if (all) check_dt_ = dt_;
+  receive_neighbours();
   due_.assign(blocks_.size(), all);
   seen_.resize(bodies_.size());
   for (size_t i = 0; i < blocks_.size(); ++i) {
-    if (!laid_out_[i] || blocks_[i].body < 0 || !(all || block_sums_[i].startled)) continue;
+    if (!laid_out_[i] || blocks_[i].body < 0 || !(all || block_sums_[i].deviates)) continue;
     see(int(i));
-    due_[i] = 1, block_sums_[i].startled = false;
+    due_[i] = 1, block_sums_[i].deviates = false;
   }
-  startled_ = false;
+  any_deviates_ = false;
   calm_steps_ = node_x_.empty() ? 0 : steps_of_gridpoints();
 
   bool moved = false;
   next_check_ = step_count_ + kMostSteps;
-  block_look_.resize(blocks_.size(), 0);
+  block_check_.resize(blocks_.size(), 0);
   for (size_t i = 0; i < blocks_.size(); ++i) {
     if (!owns(int(i))) continue;
-    long& step = block_look_[i];
-    if (due_[i] || step <= step_count_) moved |= look_at_block(int(i), step);
+    long& step = block_check_[i];
+    if (due_[i] || step <= step_count_) moved |= check_block_motion(int(i), step);
     next_check_ = std::min(next_check_, step);
   }
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (!owns(contacts_[i])) continue;
-    PairLook& look = pair_look_[i];
-    if (due_[size_t(look.a)] || due_[size_t(look.b)] || look.step <= step_count_)
-      moved |= look_at_pair(contacts_[i], pair_place_[i], look);
-    next_check_ = std::min(next_check_, look.step);
+    PairCheck& check = pair_check_[i];
+    if (due_[size_t(check.a)] || due_[size_t(check.b)] || check.step <= step_count_)
+      moved |= check_pair_motion(contacts_[i], pair_place_[i], check);
+    next_check_ = std::min(next_check_, check.step);
   }
   if (ranks_) {
     double of_all[] = {moved ? 1.0 : 0.0, double(-next_check_)};
@@ -73,15 +73,15 @@ bool World::moved_enough() {
     for (size_t i = 0; i < blocks_.size(); ++i) {
       if (blocks_[i].body < 0) continue;
       next_check_ = step_count_ + 1;  // its way is another one
-      if (laid_out_[i]) block_look_[i] = next_check_;
+      if (laid_out_[i]) block_check_[i] = next_check_;
     }
   }
   return moved;
 }
 
-bool World::is_ripe(const Contact& c, const PairPlace& place, const PairLook& look) const {
+bool World::is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const {
   const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
-  return seen ? look.ripe : pair_motion(c, place) > kRipe * allowed_motion(c, place);
+  return seen ? check.ripe : pair_motion(c, place) > kRipe * allowed_motion(c, place);
 }
 
 void World::see(int i) {
@@ -91,7 +91,7 @@ void World::see(int i) {
   const double way_a_step = detection_fraction() * size_ / dt_;
   double unnoticed = seen.unnoticed;
   const long since = step_count_ - seen.step;
-  if (block_sums_[size_t(i)].startled && since < kSoon) unnoticed *= 2.0;
+  if (block_sums_[size_t(i)].deviates && since < kSoon) unnoticed *= 2.0;
   if (since > kLate) unnoticed *= 0.5;
   unnoticed = std::clamp(unnoticed, way_a_step / kCalmSteps, way_a_step / kBusySteps);
   seen = {body.v, b.radius, body.omega, unnoticed, step_count_};
@@ -129,7 +129,7 @@ long World::steps_of_gridpoints() const {
 
 // Small displacement also means that no block has come near others that are not its neighbours, and that frozen frames
 // on deformable blocks still point the right way.
-bool World::look_at_block(int i, long& step) const {
+bool World::check_block_motion(int i, long& step) const {
   const ModelBlock& b = blocks_[size_t(i)];
   double moved, turned = 0.0;
   if (small_) {
@@ -153,11 +153,11 @@ bool World::look_at_block(int i, long& step) const {
   return moved > way || turned > kSmallRotation;
 }
 
-bool World::look_at_pair(const Contact& c, const PairPlace& place, PairLook& look) const {
+bool World::check_pair_motion(const Contact& c, const PairPlace& place, PairCheck& check) const {
   const double moved = pair_motion(c, place), way = allowed_motion(c, place);
-  look = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
+  check = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
   const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
-  if (a.body >= 0 && b.body >= 0 && look_dt_ > 0.0) {
+  if (a.body >= 0 && b.body >= 0 && check_dt_ > 0.0) {
     // As pair_motion: of b as seen from a.
     const SeenMotion &of_a = seen_[size_t(a.body)], &of_b = seen_[size_t(b.body)];
     const Vector apart = bodies_[size_t(b.body)].x - bodies_[size_t(a.body)].x;
@@ -167,7 +167,7 @@ bool World::look_at_pair(const Contact& c, const PairPlace& place, PairLook& loo
                              of_b.unnoticed * std::max(1.0, lever / b.radius);
     // a turns away below b, which flies straight on: |R(omega t) - 1 - omega t x| <= (omega t)^2/2.
     const double spin = norm(of_a.omega) + of_a.unnoticed / a.radius;
-    look.step = step_after((look.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
+    check.step = step_after((check.ripe ? 1.0 : kRipe) * way - moved, seen + unnoticed, spin * spin * distance);
   }
   return moved > way;
 }

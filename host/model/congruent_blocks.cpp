@@ -1,4 +1,4 @@
-#include "model/alike_blocks.h"
+#include "model/congruent_blocks.h"
 
 namespace quoin::blocks {
 
@@ -28,8 +28,8 @@ std::vector<Vector> anchors_of(std::span<const Vector> node, std::span<const dou
   return anchor;
 }
 
-AlikeBlocks make_alike_blocks(std::span<const Vector> node, std::span<const double> mass,
-                              std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
+CongruentBlocks make_congruent_blocks(std::span<const Vector> node, std::span<const double> mass,
+                                      std::span<const quoin::Zone> zones, double lambda, double shear_modulus) {
   return {assemble_stiffness(zones, static_cast<int>(node.size()), lambda, shear_modulus), places_of(node, mass),
           anchors_of(node, mass)};
 }

@@ -1,4 +1,4 @@
-// When contacts are found anew (model/motion_looks.cpp): no pair of rigid blocks comes further than it may unseen,
+// When contacts are found again (model/motion_checks.cpp): no pair of rigid blocks comes further than it may unseen,
 // however long nobody has looked at it and whatever hits it.
 #include <algorithm>
 
@@ -33,7 +33,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   constexpr int kQuiet = 500;
   int looks = 0;
   for (int i = 0; i < kQuiet; ++i) {
-    looks += m.looks_at_motion();
+    looks += m.checks_motion();
     m.step();
   }
   EXPECT_LT(looks, kQuiet / 10) << "at rest, and looked at all the time";
@@ -49,7 +49,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
   }
   EXPECT_GT(norm(m.velocity(stack[2])) + norm(m.velocity(stack[3])), 0.1) << "nothing was hit: nothing is tested";
   EXPECT_GT(m.detections(), detections + 10);
-  // Beyond it, contacts are found anew at the end of the same step, from where motion counts again. Rounding aside.
+  // Beyond it, contacts are found again at the end of the same step, from where motion counts again. Rounding aside.
   EXPECT_LE(furthest, 1.0 + 1e-12);
 }
 
@@ -78,7 +78,7 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
     double furthest = 0.0;
     int looks = 0, steps = 0;
     for (; m.time() < 0.05; ++steps) {
-      looks += m.looks_at_motion();
+      looks += m.checks_motion();
       m.step();
       furthest = std::max(furthest, m.furthest());
     }

@@ -1,5 +1,5 @@
 // Blocks whose inner forces come from a stiffness in their own frame (host/step/deformable_kernels.h), one that three
-// or more alike share or each its own, beside the same blocks zone by zone (zone_kernels.h).
+// or more congruent blocks share or each its own, beside the same blocks zone by zone (zone_kernels.h).
 #include <cstring>
 
 #include "support.h"
@@ -9,15 +9,15 @@ namespace {
 
 const Vector kAxis = normalized(Vector{0.5, -0.3, 0.8});
 
-enum class Kind { alike, unlike };
-constexpr Kind kKinds[] = {Kind::alike, Kind::unlike};
-std::string name_of(Kind kind) { return kind == Kind::alike ? "blocks alike" : "blocks unlike"; }
+enum class Kind { congruent, distinct };
+constexpr Kind kKinds[] = {Kind::congruent, Kind::distinct};
+std::string name_of(Kind kind) { return kind == Kind::congruent ? "blocks alike" : "blocks unlike"; }
 
 // `count` bricks apart from each other, each turned otherwise; unlike ones of other lengths and numbers of gridpoints.
-Scene bricks_apart(int count, Kind kind = Kind::alike) {
+Scene bricks_apart(int count, Kind kind = Kind::congruent) {
   Scene scene(elastic_joint(1e9, 1e9), 2000, 1e9, 0.2);
   for (int i = 0; i < count; ++i) {
-    const bool is_other = kind == Kind::unlike && i > 0;
+    const bool is_other = kind == Kind::distinct && i > 0;
     const double length = is_other ? 0.4 + 0.01 * i : 0.4;
     Block b;
     b.rigid = false, b.divisions = {is_other ? 1 + i % 3 : 2, 1, 1};
@@ -25,7 +25,7 @@ Scene bricks_apart(int count, Kind kind = Kind::alike) {
     b.position = {2.0 * i, 0.0, 0.0};
     scene.assembly.add(box({-0.5 * length, -0.05, -0.1}, {length, 0.1, 0.2}), b);
   }
-  if (kind == Kind::alike) {
+  if (kind == Kind::congruent) {
     for (Block& b : scene.assembly.blocks) b.shape = 0;
   }
   return scene;
@@ -77,7 +77,7 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
       double difference[2];
       for (int i = 0; i < 2; ++i) {
         auto framed = bricks_apart(4, kind).model(solver), other = bricks_apart(4, kind).model(zone_by_zone(solver));
-        ASSERT_EQ(framed->count_of(kind == Kind::alike ? Piece::Kind::alike : Piece::Kind::unlike), 4);
+        ASSERT_EQ(framed->count_of(kind == Kind::congruent ? Piece::Kind::congruent : Piece::Kind::distinct), 4);
         ASSERT_EQ(other->count_of(Piece::Kind::by_zone), 4);
         for (Model* m : {framed.get(), other.get()}) {
           shake(*m, i == 0 ? 1.0 : 0.01);
@@ -88,7 +88,7 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
           const std::vector<Vector> u = displacements(*other, block);
           difference[i] = std::max(difference[i], largest_difference(displacements(*framed, block), u) / largest(u));
           // In whatever direction a block is turned; places to 6 m.
-          if (kind == Kind::alike) {
+          if (kind == Kind::congruent) {
             EXPECT_LT(largest_difference(displacements(*framed, block), displacements(*framed, 0)), 1e-13);
           }
         }
@@ -173,7 +173,7 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
   };
   double lost = 0.0;
   const SolverSettings solver = viscous(0, 2e-5, 0.7);
-  const double alone = spin(1, Kind::alike, zone_by_zone(solver), &lost);
+  const double alone = spin(1, Kind::congruent, zone_by_zone(solver), &lost);
   EXPECT_GT(alone, 1e-6);
   for (const Kind kind : kKinds) {
     const double stretch = spin(3, kind, solver, &lost);
@@ -184,8 +184,8 @@ TEST(BlocksInFrames, ViscositySeesNoRigidMotion) {
 
 // A block that deforms by more than its frame may leave out goes on zone by zone; energy stays.
 TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
-  auto alike = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(zone_by_zone(undamped(0.5)));
-  for (Model* m : {alike.get(), alone.get()}) {
+  auto congruent = bricks_apart(3).model(undamped(0.5)), alone = bricks_apart(1).model(zone_by_zone(undamped(0.5)));
+  for (Model* m : {congruent.get(), alone.get()}) {
     // Stretched along its length, 3 % at most.
     for (int i = 0; i < m->block_count(); ++i) {
       const ModelBlock& b = m->block(i);
@@ -200,16 +200,16 @@ TEST(BlocksInFrames, LeaveWhenTheyDeformMuch) {
   }
   const auto energy = [](const Model& m) { return m.energies().kinetic + m.energies().strain; };
   const auto change = [&](const Model& m, double from) { return std::abs(energy(m) / from - 1); };
-  const double start = energy(*alike), start_alone = energy(*alone);
+  const double start = energy(*congruent), start_alone = energy(*alone);
   double furthest = 0.0, lost = 0.0, lost_alone = 0.0;
   for (int step = 0; step < 60; ++step) {
-    alike->step(), alone->step();
+    congruent->step(), alone->step();
     furthest = std::max(furthest, largest(displacements(*alone, 0)));
-    lost = std::max(lost, change(*alike, start)), lost_alone = std::max(lost_alone, change(*alone, start_alone));
+    lost = std::max(lost, change(*congruent, start)), lost_alone = std::max(lost_alone, change(*alone, start_alone));
   }
   EXPECT_GT(furthest, 0.02 * 0.1);
   check("blocks alike, stretched by percents: swing of the energy", lost_alone, lost, 0.1, "-", "that of zone by zone");
-  EXPECT_LT(largest_difference(displacements(*alike, 0), displacements(*alone, 0)), 0.03 * furthest);
+  EXPECT_LT(largest_difference(displacements(*congruent, 0), displacements(*alone, 0)), 0.03 * furthest);
 }
 
 // What a block does is the same to the last bit whatever its neighbours in a vector do.

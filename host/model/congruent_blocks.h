@@ -8,7 +8,7 @@
 
 namespace quoin::blocks {
 
-struct AlikeBlocks {
+struct CongruentBlocks {
   Stiffness stiffness;                   // K of the undeformed shape
   std::vector<geometry::Vector> place;   // X of gridpoints about the mass centre, m
   std::vector<geometry::Vector> anchor;  // b = m S^-1 X, S = sum m X X^T, 1/m: sum X b^T = 1, sum b = 0
@@ -18,7 +18,7 @@ struct AlikeBlocks {
 std::vector<geometry::Vector> anchors_of(std::span<const geometry::Vector> node, std::span<const double> mass);
 
 // node, mass: of gridpoints, m and kg. zones: as of one block, indices from 0.
-AlikeBlocks make_alike_blocks(std::span<const geometry::Vector> node, std::span<const double> mass,
-                              std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
+CongruentBlocks make_congruent_blocks(std::span<const geometry::Vector> node, std::span<const double> mass,
+                                      std::span<const quoin::Zone> zones, double lambda, double shear_modulus);
 
 }  // namespace quoin::blocks

@@ -1,4 +1,4 @@
-#include "model/told_sums.h"
+#include "model/gathered_sums.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 
 namespace quoin {
 
-void ToldSums::append(int rank, std::size_t numbers) {
+void GatheredSums::append(int rank, std::size_t numbers) {
   if (numbers == 0) return;
   const std::size_t first = runs_.empty() ? 0 : runs_.back().row.end;
   if (!runs_.empty() && runs_.back().rank == rank)
@@ -20,7 +20,7 @@ void ToldSums::append(int rank, std::size_t numbers) {
     rows_.push_back({first, first + numbers});
 }
 
-double ToldSums::sum(const Add& add) {
+double GatheredSums::sum(const Add& add) {
   constexpr std::size_t kWindow = kGatherBuffer / sizeof(double);
   const std::size_t whole = runs_.empty() ? 0 : runs_.back().row.end;
   std::vector<std::size_t> sizes(static_cast<std::size_t>(ranks_.count())), next(sizes.size());

@@ -23,7 +23,7 @@ void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
   body.turn_to(normalized(turn * body.q));
 }
 
-void World::take_over(const std::vector<PointHistory>& histories) {
+void World::adopt_histories(const std::vector<PointHistory>& histories) {
   std::map<Pair, std::vector<const PointHistory*>> of_pair;
   for (const PointHistory& h : histories)
     of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);
