@@ -275,7 +275,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const Vibrating& v, con
   json["state"] = v.state;
   if (v.state != "undamaged") json["open_points"] = v.open;
   json["symmetric_modes_only"] = v.symmetry_factor != 1.0;
-  json["blocks"] = v.drawn.size(), json["zones"] = v.zones, json["contact_points"] = v.points;
+  json["blocks"] = v.drawn.size() - v.members, json["zones"] = v.zones, json["contact_points"] = v.points;
   json["degrees_of_freedom"] = v.unknown.size();
   return json;
 }

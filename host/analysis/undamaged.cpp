@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "law/material_point.h"
+#include "members/linear.h"
 #include "members/members.h"
 #include "model/world.h"
 #include "scene/from_bricks.h"
@@ -70,7 +71,7 @@ class World : public blocks::World {
   explicit World(const blocks::Assembly& assembly) : blocks::World(assembly, SolverSettings{}) {}
 
   void hold(const Stage& stage, std::vector<std::string>* held);
-  void fill(Vibrating* v);
+  void fill(const std::string& file, Vibrating* v);
 
  private:
   void number(Vibrating* v);
@@ -79,6 +80,8 @@ class World : public blocks::World {
   void add_zones(std::vector<Triplet>* entries) const;
   void add_points(Vibrating* v, std::vector<Triplet>* entries) const;
   void add_members(const Vibrating& v, std::vector<Triplet>* entries) const;
+  void number_members(Vibrating* v);
+  void add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const;
   void add_node(const members::Node& node, double sign, const Vibrating& v, std::vector<Share>* shares) const;
   void add_side(int block, int facet, const Vector& place, double sign, const Vibrating& v,
                 std::vector<Share>* shares) const;
@@ -86,6 +89,8 @@ class World : public blocks::World {
   std::vector<std::uint8_t> held_;                  // by block: bits 0..2 translations, 3..5 rotations
   std::vector<int> first_of_body_, count_of_body_;  // unknowns, by block
   std::vector<std::array<int, 3>> of_gridpoint_;    // -1: held
+  members::LinearMembers own_;                      // floors and beams
+  std::vector<int> first_of_node_;                  // unknowns, by own node of a member; one more at the end
 };
 
 std::string axes_text(std::uint8_t bits) {
@@ -299,15 +304,78 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   }
 }
 
-void World::fill(Vibrating* v) {
+// Nodes of floors and beams, drawn behind the blocks.
+void World::number_members(Vibrating* v) {
+  for (const members::OwnBody& body : own_.bodies) {
+    const auto drawn_as = static_cast<int>(v->drawn.size());
+    DrawnBlock& drawn = v->drawn.emplace_back();
+    v->label.push_back(body.label), ++v->members;
+    drawn.face = body.faces;
+    for (int n = body.first; n < body.end; ++n) {
+      const members::OwnNode& node = own_.nodes[at(n)];
+      first_of_node_.push_back(static_cast<int>(v->unknown.size()));
+      for (const Vector& way : node.ways)
+        v->unknown.push_back({drawn_as, n - body.first, way, {}, node.at}), v->mass.push_back(node.mass);
+      for (const Vector& turn : node.turns)
+        v->unknown.push_back({drawn_as, n - body.first, {}, turn, node.at}), v->mass.push_back(node.inertia);
+      v->groups.begin.push_back(static_cast<int>(v->unknown.size())), v->groups.place.push_back(node.at);
+      drawn.point.push_back(node.at);
+    }
+  }
+  first_of_node_.push_back(static_cast<int>(v->unknown.size()));
+}
+
+// Of a deformation: unknowns, and what a unit of each gives. Connectors and supports count as closed.
+void World::add_deformations(const Vibrating& v, std::vector<Triplet>* entries) const {
+  using Row = std::vector<std::pair<int, double>>;
+  std::vector<Share> shares;
+  const auto row_of = [&](const members::Deformation& d) {
+    Row row;
+    for (const members::Deformation::Share& share : d.shares) {
+      if (share.own) {
+        for (int u = first_of_node_[at(share.node)]; u < first_of_node_[at(share.node) + 1]; ++u)
+          row.emplace_back(u, dot(share.way, v.unknown[at(u)].translation) + dot(share.turn, v.unknown[at(u)].spin));
+        continue;
+      }
+      shares.clear();
+      add_node(members()->nodes()[at(share.node)], 1.0, v, &shares);
+      for (const Share& s : shares) row.emplace_back(s.unknown, dot(share.way, s.moves));
+    }
+    return row;
+  };
+  const auto add = [&](const Row& rows, const Row& columns, double stiffness) {
+    for (const auto& [i, a] : rows) {
+      for (const auto& [j, b] : columns) {
+        if (j <= i && a * b != 0.0) entries->emplace_back(i, j, stiffness * a * b);
+      }
+    }
+  };
+  Row before;
+  for (const members::Deformation& d : own_.deformations) {
+    const Row row = row_of(d);
+    add(row, row, d.stiffness);
+    if (d.coupling != 0.0) add(row, before, d.coupling), add(before, row, d.coupling);
+    before = row;
+  }
+  for (const members::Rest& rest : own_.rests) {
+    for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}}) {
+      const Row row = row_of({{{true, rest.own, -1.0 * axis, {}}, {false, rest.node, axis, {}}}});
+      add(row, row, rest.stiffness);
+    }
+  }
+}
+
+void World::fill(const std::string& file, Vibrating* v) {
   number(v);
   draw(v);
+  if (members()) own_ = members::linear_of(*members(), file), number_members(v);
   const auto count = static_cast<Eigen::Index>(v->unknown.size());
   v->stiffness.resize(count, count);
   std::vector<Triplet> entries;
   add_zones(&entries);
   add_points(v, &entries);
   add_members(*v, &entries);
+  add_deformations(*v, &entries);
   v->stiffness.setFromTriplets(entries.begin(), entries.end());
 }
 
@@ -327,7 +395,8 @@ SceneBlocks blocks_of(const Scene& scene) {
 
 double Vibrating::free_mass(int axis) const {
   double sum = 0.0;
-  for (std::size_t i = 0; i < unknown.size(); ++i) sum += mass[i] * unknown[i].translation[axis];
+  for (std::size_t i = 0; i < unknown.size(); ++i)
+    sum += mass[i] * unknown[i].translation[axis] * unknown[i].translation[axis];
   return symmetry_factor * sum;
 }
 
@@ -355,7 +424,7 @@ Vibrating vibrating(const Scene& scene, int stage) {
   Vibrating v;
   v.symmetry_factor = given.symmetry_factor;
   world.hold(scene.stages.empty() ? Stage{} : scene.stages[at(stage)], &v.held);
-  world.fill(&v);
+  world.fill(scene.file, &v);
   if (v.unknown.empty())
     throw Error(
         Exit::bad_input,

@@ -27,13 +27,13 @@ SceneBlocks blocks_of(const Scene& scene);
 
 // Velocity with which a degree of freedom moves a block: of all of it, or of one gridpoint.
 struct Unknown {
-  int block = 0, gridpoint = -1;           // -1: a rigid block
+  int block = 0, gridpoint = -1;           // index of what is drawn; -1: a rigid block
   geometry::Vector translation{}, spin{};  // one of them a unit vector; spin about the centre of mass
   geometry::Vector centre{};               // m
   geometry::Vector at(const geometry::Vector& place) const { return translation + cross(spin, place - centre); }
 };
 
-// Where a block is drawn: gridpoints, of rigid blocks corners.
+// Where a block is drawn: gridpoints, of rigid blocks corners. Floors and beams follow the blocks, with their nodes.
 struct DrawnBlock {
   std::vector<geometry::Vector> point;  // m
   std::vector<std::array<int, 4>> zone;
@@ -49,6 +49,7 @@ struct Vibrating {
   std::vector<DrawnBlock> drawn;
   std::vector<std::string> label;  // of blocks, as messages have them
   std::vector<std::string> held;   // "bottom_beam: x y z, no rotation"
+  std::size_t members = 0;         // of what is drawn, floors and beams
   long points = 0, zones = 0;
   long open = 0;                    // of the points, those that carry nothing; of the undamaged scene not counted
   std::string state = "undamaged";  // or "weight", or the folder of a run

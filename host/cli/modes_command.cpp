@@ -110,7 +110,7 @@ void run(const Options& options) {
   const auto end = std::chrono::steady_clock::now();
   const auto seconds = [](auto from, auto to) { return std::chrono::duration<double>(to - from).count(); };
   fmt::print("{}: {} blocks, {} contact points, {} degrees of freedom; {:.2g} s to set up, {:.2g} s to solve\n",
-             scene.file, v.drawn.size(), v.points, v.unknown.size(), seconds(begin, assembled),
+             scene.file, v.drawn.size() - v.members, v.points, v.unknown.size(), seconds(begin, assembled),
              seconds(assembled, end));
   if (options.state != "undamaged") fmt::print("{} of {} contact points carry nothing\n", v.open, v.points);
   warn_of_zero_modes(scene.file, v, modes);

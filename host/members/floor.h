@@ -64,6 +64,7 @@ class Floor {
   double share_of(int place) const;  // of the area, m2
   const Grid& grid() const { return grid_; }
   const Membrane& membrane() const { return membrane_; }
+  const ConnectorLaw& law() const { return law_; }
   double area() const { return grid_.size[0] * grid_.size[1]; }
 
   // Forces on the blocks, and the floor on by a step.

@@ -50,6 +50,51 @@ std::string cube(const char* joint) {
          box("base", -1.0, "[1.0, 1.0, 1.0]", "fixed = true\n") + box("cube", 0.0, "[1.0, 1.0, 1.0]") + kStage;
 }
 
+// Slender beam built into a fixed block: E I (1.8751/L)^2 and (4.6941/L)^2 over sqrt(E I m), each twice, as the section
+// is square. 1 %: rotary inertia by the polar moment, and masses at 40 nodes, (h/L)^2.
+TEST(Modes, BeamBuiltIntoABlock) {
+  constexpr double kLength = 4.0, kModulus = 1e9, kArea = 0.01, kInertia = 1e-4 / 12, kDensity = 500.0;
+  const std::string text =
+      std::string(kMaterials) + "[[joint_rule]]\nfamily = \"dry\"\n" +
+      box("base", -1.0, "[1.0, 2.0, 1.0]", "fixed = true\n") +
+      fmt::format(
+          "[[beam]]\nname = \"b\"\npoints = [[1.0, 0.5, 0.5], [{}, 0.5, 0.5]]\nspacing = 0.1\narea = {}\n"
+          "young_modulus = {}\ndensity = {}\ninertia = [{}, {}]\ntorsion = {}\nsupport_stiffness = 1e11\n"
+          "[[beam.support]]\nblock = \"base\"\npoint = [1.0, 0.5, 0.5]\nhold = \"built_in\"\n",
+          1.0 + kLength, kArea, kModulus, kDensity, kInertia, kInertia, kInertia) +
+      kStage;
+  const Found found = modes_of(text);
+  const double unit = std::sqrt(kModulus * kInertia / (kDensity * kArea)) / (2.0 * M_PI * kLength * kLength);
+  ASSERT_GE(found.modes.mode.size(), 4u);
+  for (int m = 0; m < 4; ++m) {
+    const double root = m < 2 ? 1.875104 : 4.694091;
+    EXPECT_NEAR(found.modes.mode[static_cast<std::size_t>(m)].frequency / (root * root * unit), 1.0, 0.01) << m;
+  }
+  EXPECT_NEAR(found.v.free_mass(1), kDensity * kArea * kLength, 0.02 * kDensity * kArea * kLength);
+}
+
+// Floor between two walls that stand still, soft in shear alone: c/(2 L) with c = sqrt(G/m). 0.5 %: 24 panels along it.
+TEST(Modes, FloorIsAShearBeam) {
+  constexpr double kLength = 6.0, kShear = 1e6, kMass = 100.0;  // m, N/m, kg/m2
+  const std::string text =
+      std::string(kMaterials) + "[[joint_rule]]\nfamily = \"dry\"\n" +
+      "[[block]]\nname = \"left\"\nmaterial = \"stone\"\nfixed = true\nbox = { lower = [-1, 0, -1], size = [1, 1, 6] "
+      "}\n"
+      "[[block]]\nname = \"right\"\nmaterial = \"stone\"\nfixed = true\nbox = { lower = [6, 0, -1], size = [1, 1, 6] "
+      "}\n" +
+      fmt::format(
+          "[[floor]]\nname = \"f\"\ncorner = [0, 0.5, 0]\nalong = [{}, 0, 0]\nacross = [0, 0, 4]\nspacing = 0.25\n"
+          "axial_stiffness = [1e12, 1e12]\nshear_stiffness = {}\nmass = {}\nspan = \"along\"\n"
+          "connector = {{ axial_stiffness = 1e12, shear_stiffness = 1e12 }}\n",
+          kLength, kShear, kMass) +
+      kStage;
+  const Modes modes = modes_of(text).modes;
+  ASSERT_FALSE(modes.mode.empty());
+  EXPECT_NEAR(modes.mode[0].frequency / (std::sqrt(kShear / kMass) / (2.0 * kLength)), 1.0, 0.005);
+  // Half sine: 8/pi^2 of the mass along z.
+  EXPECT_NEAR(modes.mode[0].effective_mass[2] / (kMass * kLength * 4.0), 8.0 / (M_PI * M_PI), 0.01);
+}
+
 // REFERENCE_DYNAMICS 7. Sway and rocking are coupled: the roots of a 2 x 2 problem; the other two stand alone. A dry
 // joint is closed at the start, and vibrates as a bonded one.
 TEST(Modes, RigidCubeOnAJoint) {

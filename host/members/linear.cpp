@@ -1,0 +1,180 @@
+#include "members/linear.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "members/members.h"
+
+namespace quoin::members {
+
+namespace {
+
+// Axial strains at both edges of a panel go with each other, as floor.cpp integrates them; shear stands alone.
+void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformation>* out) {
+  const Floor::Grid& grid = floor.grid();
+  const Membrane& membrane = floor.membrane();
+  const double a = grid.size[0] / grid.pieces[0], b = grid.size[1] / grid.pieces[1];
+  const int low = first + floor.place_at(i, j), right = low + 1, high = first + floor.place_at(i, j + 1);
+  const auto stretch = [&](int from, int to, const Vector& way, double stiffness, bool second) {
+    Deformation d;
+    d.shares = {{true, from, -1.0 * way, {}}, {true, to, way, {}}};
+    d.stiffness = stiffness / 3.0, d.coupling = second ? stiffness / 6.0 : 0.0;
+    out->push_back(d);
+  };
+  stretch(low, right, grid.along, membrane.along * b / a, false);
+  stretch(high, high + 1, grid.along, membrane.along * b / a, true);
+  stretch(low, high, grid.across, membrane.across * a / b, false);
+  stretch(right, high + 1, grid.across, membrane.across * a / b, true);
+  // The mean shear strain, times the area: its force is the shear flow.
+  const Vector along = 0.5 * a * grid.along, across = 0.5 * b * grid.across;
+  Deformation shear;
+  shear.shares = {{true, low, -1.0 * along - across, {}},
+                  {true, right, across - along, {}},
+                  {true, high + 1, along + across, {}},
+                  {true, high, along - across, {}}};
+  shear.stiffness = membrane.shear / (a * b);
+  out->push_back(shear);
+}
+
+void add_connector(const Floor& floor, int first, const Floor::Connector& c, std::vector<Deformation>* out) {
+  const Floor::Grid& grid = floor.grid();
+  const ConnectorLaw& law = floor.law();
+  const Vector away = c.out.along * grid.along + c.out.across * grid.across;
+  const Vector edge = c.out.along * grid.across - c.out.across * grid.along;
+  const int place = first + c.place;
+  Deformation open;
+  open.shares = {{true, place, -1.0 * away, {}}, {false, c.node, away, {}}};
+  open.stiffness = law.axial * c.length;
+  out->push_back(open);
+  if (!(law.shear > 0.0)) return;
+  Deformation slip;
+  slip.shares = {{true, place, -1.0 * edge, {}}, {false, c.node, edge, {}}};
+  slip.stiffness = law.shear * c.length;
+  out->push_back(slip);
+}
+
+void add_floor(const Floor& floor, LinearMembers* out) {
+  const Floor::Grid& grid = floor.grid();
+  const auto& [n, m] = grid.pieces;
+  OwnBody body{fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, {}};
+  for (int place = 0; place < (n + 1) * (m + 1); ++place)
+    out->nodes.push_back(
+        {floor.start_of(place), floor.membrane().mass * floor.share_of(place), 0.0, {grid.along, grid.across}, {}});
+  body.end = static_cast<int>(out->nodes.size());
+  for (int j = 0; j < m; ++j) {
+    for (int i = 0; i < n; ++i) {
+      add_panel(floor, body.first, i, j, &out->deformations);
+      body.faces.push_back(
+          {floor.place_at(i, j), floor.place_at(i + 1, j), floor.place_at(i + 1, j + 1), floor.place_at(i, j + 1)});
+    }
+  }
+  for (const Floor::Connector& c : floor.connectors()) add_connector(floor, body.first, c, &out->deformations);
+  out->bodies.push_back(body);
+}
+
+// Rotations of a piece's ends from its chord, and their moments: of Timoshenko's beam.
+void add_bending(const Section& section, const Beam::Piece& piece, int plane, int first,
+                 std::vector<Deformation>* out) {
+  const auto p = static_cast<std::size_t>(plane);
+  const double l = piece.length, ei = section.bending[p];
+  const double phi = std::isfinite(section.shear_area[p]) ? 12.0 * ei / (section.shear_area[p] * l * l) : 0.0;
+  const Vector side = piece.frame.column(plane == 0 ? 2 : 1), along = piece.frame.column(0);
+  const Vector chord = cross(side, along) / l;  // its rotation, of the way of the far end
+  for (int end = 0; end < 2; ++end) {
+    Deformation d;
+    d.shares = {{true, first, chord, end == 0 ? side : Vector{}},
+                {true, first + 1, -1.0 * chord, end == 1 ? side : Vector{}}};
+    d.stiffness = ei / l * (4.0 + phi) / (1.0 + phi);
+    d.coupling = end == 1 ? ei / l * (2.0 - phi) / (1.0 + phi) : 0.0;
+    out->push_back(d);
+  }
+}
+
+void add_piece(const Beam& beam, std::size_t i, int first, std::vector<Deformation>* out) {
+  const Section& section = beam.section();
+  const Beam::Piece& piece = beam.pieces()[i];
+  const int from = first + static_cast<int>(i);
+  const Vector along = piece.frame.column(0);
+  Deformation axial;
+  axial.shares = {{true, from, -1.0 * along, {}}, {true, from + 1, along, {}}};
+  axial.stiffness = section.axial / piece.length;
+  out->push_back(axial);
+  if (section.torsion > 0.0) {
+    Deformation twist;
+    twist.shares = {{true, from, {}, -1.0 * along}, {true, from + 1, {}, along}};
+    twist.stiffness = section.torsion / piece.length;
+    out->push_back(twist);
+  }
+  for (int plane = 0; plane < 2; ++plane) add_bending(section, piece, plane, from, out);
+}
+
+void add_support(const Beam::Support& s, int first, LinearMembers* out) {
+  if (s.rests) {
+    out->rests.push_back({first + s.place, s.node, s.law.normal});
+    return;
+  }
+  for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}}) {
+    Deformation d;
+    d.shares = {{true, first + s.place, -1.0 * axis, -1.0 * cross(s.arm, axis)}, {false, s.node, axis, {}}};
+    d.stiffness = s.law.normal;
+    out->deformations.push_back(d);
+  }
+}
+
+// Without torsional stiffness a node of a straight line does not turn about it, unless a support grips it.
+std::vector<Vector> turns_of(const Beam& beam, std::size_t node) {
+  const std::vector<Beam::Piece>& pieces = beam.pieces();
+  const geometry::Matrix& before = pieces[node > 0 ? node - 1 : 0].frame;
+  const geometry::Matrix& after = pieces[std::min(node, pieces.size() - 1)].frame;
+  constexpr double kParallel = 1e-9;
+  bool turns = beam.section().torsion > 0.0 || norm(cross(before.column(0), after.column(0))) > kParallel;
+  for (const Beam::Support& s : beam.supports())
+    turns = turns || (s.place == static_cast<int>(node) && norm(s.arm) > 0.0);
+  std::vector<Vector> about{before.column(1), before.column(2)};
+  if (turns) about.push_back(before.column(0));
+  return about;
+}
+
+void add_beam(const Beam& beam, LinearMembers* out) {
+  OwnBody body{fmt::format("beam '{}'", beam.name()), static_cast<int>(out->nodes.size()), 0, {}};
+  const std::size_t count = beam.nodes().size();
+  for (std::size_t k = 0; k < count; ++k) {
+    double half = 0.0;  // m
+    if (k > 0) half += 0.5 * beam.pieces()[k - 1].length;
+    if (k + 1 < count) half += 0.5 * beam.pieces()[k].length;
+    out->nodes.push_back({beam.nodes()[k],
+                          beam.section().mass * half,
+                          beam.section().polar * half,
+                          {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                          turns_of(beam, k)});
+  }
+  body.end = static_cast<int>(out->nodes.size());
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    add_piece(beam, i, body.first, &out->deformations);
+    const auto from = static_cast<int>(i);
+    body.faces.push_back({from, from + 1, from});
+  }
+  for (const Beam::Support& s : beam.supports()) add_support(s, body.first, out);
+  out->bodies.push_back(body);
+}
+
+}  // namespace
+
+LinearMembers linear_of(const Members& members, const std::string& file) {
+  LinearMembers out;
+  for (const Floor& floor : members.floors()) add_floor(floor, &out);
+  for (const Beam& beam : members.beams()) {
+    if (!(beam.section().bending[0] > 0.0 && beam.section().bending[1] > 0.0))
+      throw Error(
+          Exit::bad_input,
+          fmt::format("{}: modes: beam '{}' does not bend both ways (inertia), so nothing holds its line before "
+                      "it sags; give inertia, or a [[tie]] in its place",
+                      file, beam.name()));
+    add_beam(beam, &out);
+  }
+  return out;
+}
+
+}  // namespace quoin::members

@@ -1,0 +1,57 @@
+// Floors and beams in small motion about the start, for modes: their own nodes, and each of their deformations as a
+// linear function of the motion of nodes and blocks.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "members/node.h"
+
+namespace quoin::members {
+
+class Members;
+
+// A node that is a member's own. Directions without inertia and forces are no unknowns.
+struct OwnNode {
+  Vector at;                         // m
+  double mass = 0.0, inertia = 0.0;  // kg, kg m2
+  std::vector<Vector> ways, turns;   // unit: in which it moves, about which it turns
+};
+
+// A floor or beam: its nodes are in a row.
+struct OwnBody {
+  std::string label;  // "floor 'first'"
+  int first = 0, end = 0;
+  std::vector<std::vector<int>> faces;  // as it is drawn; of its nodes, from 0
+};
+
+// Deformation = sum of way . displacement + turn . rotation; a force F in it acts on each node with -F way, -F turn.
+struct Deformation {
+  struct Share {
+    bool own = false;
+    int node = 0;  // index among own ones, else a node on a block
+    Vector way, turn;
+  };
+  std::vector<Share> shares;
+  double stiffness = 0.0;  // N/m or N m
+  double coupling = 0.0;   // with the deformation before it, N/m or N m
+};
+
+// A node of a beam that rests on a block: closed, and without slip.
+struct Rest {
+  int own = 0, node = 0;
+  double stiffness = 0.0;  // N/m, in every direction
+};
+
+struct LinearMembers {
+  std::vector<OwnNode> nodes;
+  std::vector<OwnBody> bodies;
+  std::vector<Deformation> deformations;
+  std::vector<Rest> rests;
+};
+
+// Throws Error(bad_input) with the file for a cable, which has no stiffness on its straight line.
+LinearMembers linear_of(const Members& members, const std::string& file);
+
+}  // namespace quoin::members
