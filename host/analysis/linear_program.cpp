@@ -7,30 +7,6 @@
 
 namespace quoin {
 
-struct LinearSolver::Solver {
-  LinearProgram program;
-  ClpSimplex clp;
-  bool has_basis = false;
-};
-
-LinearSolver::LinearSolver(LinearProgram program) : solver_(std::make_unique<Solver>()) {
-  solver_->program = std::move(program);
-  const LinearProgram& p = solver_->program;
-  ClpSimplex& clp = solver_->clp;
-  clp.setLogLevel(0);
-  clp.scaling(0);  // Clp's own scaling leaves infeasibilities of the unscaled programme that it reports as solved
-  clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
-                  p.cost.data(), p.row_low.data(), p.row_high.data());
-  clp.setOptimizationDirection(-1.0);  // maximise
-}
-
-LinearSolver::~LinearSolver() = default;
-
-void LinearSolver::set_row_high(int row, double to) {
-  solver_->program.row_high[static_cast<std::size_t>(row)] = to;
-  solver_->clp.setRowUpper(row, to);
-}
-
 namespace {
 
 // Of prices and bounds: prices > 0 belong to upper bounds of a maximum, < 0 to lower ones. A price without a bound is
@@ -69,22 +45,17 @@ void hold_against_programme(const LinearProgram& p, LinearSolution* solution) {
 
 }  // namespace
 
-LinearSolution LinearSolver::solve(bool interior) {
-  ClpSimplex& clp = solver_->clp;
-  if (interior) {
-    ClpSolve how;
-    how.setSolveType(ClpSolve::useBarrierNoCross);
-    clp.initialSolve(how);
-    solver_->has_basis = false;
-  } else if (!solver_->has_basis) {
-    ClpSolve how;
-    how.setSolveType(ClpSolve::useBarrier);  // and crossover to a basis; simplex alone takes ten times as long
-    clp.initialSolve(how);
-    solver_->has_basis = true;
-    if (!clp.isProvenOptimal()) clp.dual();
-  } else {
-    clp.dual();
-  }
+LinearSolution solve(const LinearProgram& p, bool interior) {
+  ClpSimplex clp;
+  clp.setLogLevel(0);
+  clp.scaling(0);  // Clp's own scaling leaves infeasibilities of the unscaled programme that it reports as solved
+  clp.loadProblem(p.columns(), p.rows(), p.begin.data(), p.row.data(), p.value.data(), p.low.data(), p.high.data(),
+                  p.cost.data(), p.row_low.data(), p.row_high.data());
+  clp.setOptimizationDirection(-1.0);  // maximise
+  ClpSolve how;
+  how.setSolveType(interior ? ClpSolve::useBarrierNoCross : ClpSolve::useBarrier);
+  clp.initialSolve(how);
+  if (!interior && !clp.isProvenOptimal()) clp.dual();
   LinearSolution solution;
   solution.status = clp.isProvenOptimal()            ? LinearStatus::solved
                     : clp.isProvenPrimalInfeasible() ? LinearStatus::infeasible
@@ -92,7 +63,7 @@ LinearSolution LinearSolver::solve(bool interior) {
                                                      : LinearStatus::stopped;
   solution.x.assign(clp.primalColumnSolution(), clp.primalColumnSolution() + clp.numberColumns());
   solution.price.assign(clp.dualRowSolution(), clp.dualRowSolution() + clp.numberRows());
-  hold_against_programme(solver_->program, &solution);
+  hold_against_programme(p, &solution);
   return solution;
 }
 

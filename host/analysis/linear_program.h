@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <memory>
 #include <vector>
 
 namespace quoin {
@@ -46,21 +45,7 @@ struct LinearSolution {
   double dual_residual = 0.0;    // largest price of a row or column towards a bound that it does not have
 };
 
-// Keeps its basis, so that a programme whose bounds change a little is solved again quickly. One thread.
-class LinearSolver {
- public:
-  explicit LinearSolver(LinearProgram program);
-  ~LinearSolver();
-  LinearSolver(const LinearSolver&) = delete;
-  LinearSolver& operator=(const LinearSolver&) = delete;
-
-  void set_row_high(int row, double to);
-  // interior: the middle of all solutions, by an interior point method alone, and no basis is kept.
-  LinearSolution solve(bool interior = false);
-
- private:
-  struct Solver;
-  std::unique_ptr<Solver> solver_;
-};
+// At a vertex; interior: the middle of all solutions, by an interior point method alone. One thread.
+LinearSolution solve(const LinearProgram& program, bool interior = false);
 
 }  // namespace quoin

@@ -40,6 +40,10 @@ LimitResult carried_share(const LimitProblem& problem, const LimitSettings& sett
 }
 
 Stands stands(const LimitProblem& problem, const LimitSettings& settings) {
+  // One programme in place of three for what only presses. Not with cohesion, which over friction limits tension.
+  const bool cohesive =
+      std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });
+  if (!cohesive && carried_with(problem, settings, 0.0)) return {true, 1.0, 0.0, {}};
   const LimitResult result = carried_share(problem, settings);
   Stands answer;
   answer.carried = result.status == LimitStatus::solved ? std::clamp(result.multiplier, 0.0, 1.0) : 0.0;

@@ -112,6 +112,23 @@ TEST(Limit, BlockSlidesOrTurns) {
   }
 }
 
+// Single blocks side by side turn over at half their breadth over their height. Of 1200 points the middle of all
+// solutions is taken where it is as exact as a vertex. 1e-6: between both bounds.
+TEST(Limit, ManyPointsAreSolvedInTheMiddle) {
+  Boxes many;
+  many.add({-1.0, -1.0, -1.0}, {800.0, 1.0, 3.0}, {}, true);
+  for (int k = 0; k < 300; ++k) many.add({2.0 * k, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+  many.join(0.9);
+  ASSERT_GE(many.problem.points.size(), 1200u);
+  const LimitResult result = limit_multiplier(many.problem);
+  ASSERT_EQ(result.status, LimitStatus::solved);
+  EXPECT_NEAR(result.multiplier, 0.5, 1e-6);
+  EXPECT_LT(result.gap, 1e-6);
+  const Stands answer = stands(many.problem);
+  EXPECT_TRUE(answer.stands);
+  EXPECT_EQ(answer.friction, 0.0);
+}
+
 // Forces of the result are in equilibrium and within strength: what the static theorem asks for, checked without the
 // solver.
 TEST(Limit, ForcesAreInEquilibriumAndWithinStrength) {
