@@ -20,7 +20,8 @@ constexpr double kInteriorResidual = 1e-4;  // the same of the middle of all sol
 
 // Contact points from which the vertex is left out where the middle is as exact: the way to it takes most of the time.
 constexpr std::size_t kManyPoints = 1000;
-constexpr double kGap = 1e-6;  // between both bounds of the multiplier, of max(1, multiplier)
+constexpr double kGap =
+    2e-7;  // between both bounds of the multiplier, of max(1, multiplier); within kAll of stands.cpp
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Exit::bad_input, "limit analysis: " + why); }
 
