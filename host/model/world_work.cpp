@@ -27,9 +27,6 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
   });
 }
 
-// The first one of its triangle: World::anchor.
-bool sits_on_gridpoint(const Facet& f) { return f.weight[0] == 1.0 && f.weight[1] == 0.0 && f.weight[2] == 0.0; }
-
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 }  // namespace
@@ -69,6 +66,7 @@ void World::bind_work() {
   for (int c = 0; c < chunk_count(); ++c) {
     Chunk& chunk = chunks_[size_t(c)];
     chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
+    chunk.gridpoint_pairs.clear(), chunk.node_a.clear(), chunk.node_b.clear();
     bool own = !ranks_;
     if (ranks_) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
     if (!own) {
@@ -76,6 +74,10 @@ void World::bind_work() {
       continue;
     }
     own_chunks_.push_back(c);
+    Family& f = families_[size_t(chunk.family)];
+    for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+      if (f.point[i].on_gridpoints && !in_frame_[size_t(f.point[i].a)]) leave_gridpoints(f, i);
+    }
     pack(chunk);
     bind_points(chunk);
   }
@@ -111,7 +113,7 @@ void World::pack(const Chunk& chunk) {
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
-    f.offset[i] = p.offset, f.area[i] = p.area;
+    f.offset[i] = p.on_gridpoints ? p.reference : p.offset, f.area[i] = p.area;
   }
 }
 
@@ -119,6 +121,10 @@ void World::bind_points(Chunk& chunk) {
   const Family& f = families_[size_t(chunk.family)];
   for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
+    if (p.on_gridpoints) {
+      put_on_gridpoints(p, i, chunk);
+      continue;
+    }
     if (p.facet_a >= 0 && p.facet_b >= 0) {
       put_in_lanes(p, i, chunk);
       continue;
@@ -146,6 +152,27 @@ void World::count_sides() {
     const double sides = facets_a_point(c) == 0 ? 1.0 : double(c.count);
     sides_[size_t(c.pair.a)] += sides, sides_[size_t(c.pair.b)] += sides;
   }
+}
+
+void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
+  chunk.node_a.resize(chunk.count), chunk.node_b.resize(chunk.count);
+  chunk.node_a[i - chunk.first] = facets_[size_t(p.facet_a)].node[0];
+  chunk.node_b[i - chunk.first] = facets_[size_t(p.facet_b)].node[0];
+  GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
+  const bool goes_on = last && last->a == p.a && last->b == p.b && last->first + last->count == i &&
+                       same(last->axis[0], p.n) && same(last->axis[1], p.s);
+  if (goes_on) {
+    ++last->count;
+  } else {
+    GridpointPair pair{p.a, p.b, i, 1, uint32_t(facet_rows_.size()), {p.n, p.s, p.t}, {}, {}};
+    const Matrix r = start_of_frame(p.a);  // in small displacements they stay so
+    for (int k = 0; k < 3; ++k) {
+      const Vector axis = r * pair.axis[k];
+      for (int c = 0; c < 3; ++c) pair.in_space[k][c] = axis[c];
+    }
+    chunk.gridpoint_pairs.push_back(pair);
+  }
+  facet_rows_.resize(facet_rows_.size() + 1);
 }
 
 void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
@@ -198,6 +225,11 @@ void World::divide_sides() {
       }
     }
   };
+  const auto each_gridpoint_pair = [&](const auto& visit) {
+    for (const int c : own_chunks_) {
+      for (const GridpointPair& pair : chunks_[size_t(c)].gridpoint_pairs) visit(chunks_[size_t(c)], pair);
+    }
+  };
   const auto node_of = [&](const Facet& f, int corner, int block) {
     return f.node[corner] - blocks_[size_t(block)].first_node;
   };
@@ -221,6 +253,21 @@ void World::divide_sides() {
       const Facet& f = facets_[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) visit(p.b, GridpointTouch{row, node_of(f, 0, p.b)});
     });
+    each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
+      const int32_t first = blocks_[size_t(pair.b)].first_node;
+      for (uint32_t k = 0; k < pair.count; ++k)
+        visit(pair.b, GridpointTouch{pair.row + k, chunk.node_b[pair.first + k - chunk.first] - first});
+    });
+  });
+  by_block(blocks_.size(), owner_gridpoint_touches_.touch, owner_gridpoint_touches_.end, own, [&](const auto& visit) {
+    each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
+      const int32_t first = blocks_[size_t(pair.a)].first_node;
+      for (uint32_t k = 0; k < pair.count; ++k)
+        visit(pair.a, GridpointTouch{pair.row + k, chunk.node_a[pair.first + k - chunk.first] - first});
+    });
+  });
+  by_block(blocks_.size(), moment_touches_.touch, moment_touches_.end, own, [&](const auto& visit) {
+    each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) { visit(pair.a, MomentTouch(&pair)); });
   });
   by_block(blocks_.size(), pair_touches_, pair_touch_end_, own, [&](const auto& visit) {
     for (const int c : own_chunks_) {
@@ -298,6 +345,10 @@ void World::divide_blocks() {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
+  in_frame_.assign(blocks_.size(), 0);
+  for (const Piece& piece : pieces_) {
+    for (const int32_t i : blocks_of(piece)) in_frame_[size_t(i)] = piece.in_frame();
+  }
 }
 
 int World::most_gridpoints(const Piece& piece) const {

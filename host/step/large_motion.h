@@ -45,6 +45,7 @@ class Model : public World {
   void begin_step(bool measured = false) {
     measured_ = measured || energy_;
     follow_held();
+    if (frames_are_old_) find_block_frames();
     if (members_) follow_members();
   }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
