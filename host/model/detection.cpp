@@ -18,6 +18,9 @@ namespace {
 constexpr double parallel_cosine = 0.999;
 // Between features that agree within this fraction of the smallest block, the reference face of before is kept.
 constexpr double preference_fraction = 1e-4;
+// Of the local stiffness bound, before 2/omega_max is looked for again: the step is then longer than its fraction of it by
+// at most the root of this.
+constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 
@@ -401,7 +404,9 @@ void World::place_points(Detection& found) {
   divide_work();
   if (found.at_start) return;
   const double bound = local_stiffness_bound();
-  if (bound <= 1.01 * stiffness_bound_) return;
+  // Springs may grow by what the step has in hand, as its frequency costs many steps.
+  const double fraction = solver_.time_step_fraction;
+  if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * stiffness_bound_) return;
   std::set<int> changed;
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (!found.findings[i].fresh) continue;

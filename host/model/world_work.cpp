@@ -155,9 +155,11 @@ void World::count_sides() {
 }
 
 void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
-  chunk.node_a.resize(chunk.count), chunk.node_b.resize(chunk.count);
-  chunk.node_a[i - chunk.first] = facets_[size_t(p.facet_a)].node[0];
-  chunk.node_b[i - chunk.first] = facets_[size_t(p.facet_b)].node[0];
+  const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
+    nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
+    nodes[i - chunk.first] = facets_[size_t(facet)].node[0];
+  };
+  put(chunk.node_a, p.facet_a), put(chunk.node_b, p.facet_b);
   GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
   const bool goes_on = last && last->a == p.a && last->b == p.b && last->first + last->count == i &&
                        same(last->axis[0], p.n) && same(last->axis[1], p.s);

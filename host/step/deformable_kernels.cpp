@@ -325,8 +325,14 @@ struct NoFrame {
   HWY_INLINE Lanes3 anchor(int, int) const { return zeros(); }
 };
 
-// F of the gridpoints of now, and R, lane by lane.
-HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, int first, const Lanes33& f) {
+// F and R of the places in the columns, lane by lane.
+template <class Frame>
+HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
+                             const Frame& frame) {
+  const Lanes3 origin = load_line(columns.x + first);
+  Lanes33 f = zero_matrix();
+  for (int n = 1; n < columns.node_count; ++n)
+    add_outer(difference_of(load_line(columns.x + n * kLine + first), origin), frame.anchor(n, first), f);
   const Lanes33 r = rotation_in(f);
   alignas(64) double number[2][3][3][kWidth];
   for (int i = 0; i < 3; ++i) {
@@ -337,10 +343,10 @@ HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, int first, const
   }
   const int lanes = std::min(kWidth, static_cast<int>(blocks.size()) - first);
   for (int l = 0; l < lanes; ++l) {
-    BlockFrame& frame = *blocks[static_cast<std::size_t>(first + l)].frame;
+    BlockFrame& to = *blocks[static_cast<std::size_t>(first + l)].frame;
     for (int i = 0; i < 3; ++i) {
-      frame.transposed_r.row[i] = {number[0][i][0][l], number[0][i][1][l], number[0][i][2][l]};
-      frame.f.row[i] = {number[1][i][0][l], number[1][i][1][l], number[1][i][2][l]};
+      to.transposed_r.row[i] = {number[0][i][0][l], number[0][i][1][l], number[0][i][2][l]};
+      to.f.row[i] = {number[1][i][0][l], number[1][i][1][l], number[1][i][2][l]};
     }
   }
 }
@@ -351,8 +357,6 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
                                GridpointSums* sums) {
   constexpr bool kFrame = !std::is_same_v<Frame, NoFrame>;
   const D d;
-  Lanes3 origin;  // gridpoint 0
-  Lanes33 f = zero_matrix();
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
   const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
   const double a = 0.5 * step.alpha * step.time_step;  // v' = -alpha v, as the mean of both velocities
@@ -409,12 +413,11 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
-    if (n == 0) origin = place;
-    if constexpr (kFrame) add_outer(difference_of(place, origin), frame.anchor(n, first), f);
+    if constexpr (kFrame) store_line(place, columns.x + at);
     to_x.store(n, place);
     to_v.store(n, next);
   }
-  if constexpr (kFrame) store_frames(blocks, first, f);
+  if constexpr (kFrame) store_frames(blocks, columns, first, frame);
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
   hn::Store(positions, d, sums->positions + first);

@@ -53,12 +53,17 @@ void GridpointJumps(std::span<GridpointPair> pairs, const BlockFrame* frames, co
   }
 }
 
-// Sums lanes 0 .. 7 in this order, whatever the width.
-HWY_INLINE double sum_lanes(const V (&of)[kParts]) {
-  alignas(64) double lane[kLanes];
-  for (int p = 0; p < kParts; ++p) hn::Store(of[p], D(), lane + p * kWidth);
-  double sum = 0.0;
-  for (const double x : lane) sum += x;
+// Three numbers that are summed over eight lanes each, as a tree that is the same for vectors of any width.
+HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
+  alignas(64) double lane[3][kLanes];
+  for (int k = 0; k < 3; ++k) {
+    for (int p = 0; p < kParts; ++p) hn::Store(of[k][p], D(), lane[k] + p * kWidth);
+  }
+  Vector sum;
+  for (int k = 0; k < 3; ++k) {
+    const double* const x = lane[k];
+    sum[k] = ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+  }
   return sum;
 }
 
@@ -92,7 +97,9 @@ void GridpointForces(std::span<GridpointPair> pairs, bool turning, const Gridpoi
     }
     const auto in_space = [&](int k) { return Vector{pair.in_space[k][0], pair.in_space[k][1], pair.in_space[k][2]}; };
     pair.moment = {};
-    for (int k = 0; turning && k < 3; ++k) pair.moment += sum_lanes(moment[k]) * in_space(k);
+    if (!turning) continue;
+    const Vector sum = sums_over_lanes(moment);
+    for (int k = 0; k < 3; ++k) pair.moment += sum[k] * in_space(k);
   }
 }
 

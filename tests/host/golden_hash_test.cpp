@@ -272,8 +272,8 @@ const GoldenKind kKinds[] = {
     {"halves_part",
      QUOIN_HOST_TESTS "/halves_part.toml",
      {"solver.large_motion=always"},
-     0x56835bb06e415013u,
-     0x10e69f2980af4f17u,
+     0x77de53dc58847c7au,
+     0x67fde926ddc3d653u,
      GoldenKind::parting},
     {"turned", QUOIN_HOST_TESTS "/turned_wall.toml", {}, 0xba8ed8785a9e1640u, 0x46b6bc84285f1da1u},
     {"mixed",
@@ -291,8 +291,8 @@ const GoldenKind kKinds[] = {
      QUOIN_SCENES "/arch.toml",
      {"arch.arch.voussoirs=15", "stage.push.collapse.rate=0.5", "stage.weight.duration=0.1",
       "stage.weight.ramp_time=0.05", "stage.push.ramp_time=0.1"},
-     0x9c9087607cbd6055u,
-     0xf868fcb95a3f9698u,
+     0x57a1b8335c81d01fu,
+     0xd9ec360209d0eb8cu,
      GoldenKind::detection},
 };
 
