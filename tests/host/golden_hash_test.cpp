@@ -49,7 +49,7 @@ const GoldenRun kRuns[] = {
      {"stage.2.record_interval=500", "stage.2.ramp_time=0.2", "stage.2.collapse.start=0.5",
       "stage.2.collapse.displacement=3.0"},
      4000,
-     0x6edee8b288250a8au},
+     0x25e5e09ad3d879c2u},
 };
 
 // Stops at the first row of the last stage that lies so many steps in.
