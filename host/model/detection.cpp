@@ -18,8 +18,8 @@ namespace {
 constexpr double parallel_cosine = 0.999;
 // Between features that agree within this fraction of the smallest block, the reference face of before is kept.
 constexpr double preference_fraction = 1e-4;
-// Of the local stiffness bound, before 2/omega_max is looked for again. The step is then longer than its fraction of it by
-// the root of this at most.
+// Of the local stiffness bound, before 2/omega_max is looked for again. The step is then longer than its fraction of it
+// by the root of this at most.
 constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
