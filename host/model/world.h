@@ -147,9 +147,12 @@ struct GridpointPair {
   uint32_t first, count;  // points of the family
   uint32_t row;           // force of the first point in World::facet_rows_, which has one row a point
   Vector axis[3];         // n, s, t in the frame of block a, unit
-  // Of the last step:
-  double in_space[3][4];  // the axes; the fourth has no meaning
-  Vector moment;          // on the frame of a, which turns the axes, N m
+  Vector moment;          // of the last step, on the frame of a, which turns the axes, N m
+};
+// The axes of a pair in space: n, s, t; the fourth number has no meaning. A step forms them again: they never leave the
+// cache.
+struct PairAxes {
+  double axis[3][4];
 };
 
 // Up to kCount points in a row on triangles, lane by lane; those beyond `count` repeat the last one.
@@ -194,6 +197,7 @@ struct Chunk {
   std::vector<quoin_property_column> properties;  // that scatter
   std::vector<RigidPair> pairs;                   // of its points between rigid blocks
   std::vector<GridpointPair> gridpoint_pairs;     // of those on gridpoints
+  std::vector<PairAxes> pair_axes;                // of these; in small displacements, where they stay
   std::vector<int32_t> node_a, node_b;            // of these, by point of the chunk
   std::vector<FacetLanes> facets;                 // on triangles
   std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
@@ -948,6 +952,7 @@ class World {
   std::vector<uint8_t> in_frame_;  // by block: of a piece in frames
   std::vector<int32_t> piece_blocks_;
   LaneVector<double> piece_columns_;
+  std::vector<size_t> shared_columns_;  // of pieces without held gridpoints, by kind of congruent blocks
   std::vector<int32_t> piece_of_block_;
   std::vector<int> held_blocks_changed_;  // deformable, since the last step
   bool held_changed_ = false;             // of any gridpoints

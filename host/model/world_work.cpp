@@ -27,6 +27,10 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
   });
 }
 
+PairAxes pair_axes(const Vector& n, const Vector& s, const Vector& t) {
+  return {{{n.x, n.y, n.z, 0.0}, {s.x, s.y, s.z, 0.0}, {t.x, t.y, t.z, 0.0}}};
+}
+
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
 }  // namespace
@@ -66,7 +70,7 @@ void World::bind_work() {
   for (int c = 0; c < chunk_count(); ++c) {
     Chunk& chunk = chunks_[size_t(c)];
     chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
-    chunk.gridpoint_pairs.clear(), chunk.node_a.clear(), chunk.node_b.clear();
+    chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
     bool own = !ranks_;
     if (ranks_) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
     if (!own) {
@@ -84,6 +88,7 @@ void World::bind_work() {
   bind_columns();
   divide_sides();
   piece_columns_.clear(), held_blocks_changed_.clear();
+  shared_columns_.assign(congruent_.size(), Piece::kNoColumns);
   held_changed_ = false;
   piece_of_block_.assign(blocks_.size(), -1);
   for (Piece& piece : pieces_) {
@@ -166,13 +171,11 @@ void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
   if (goes_on) {
     ++last->count;
   } else {
-    GridpointPair pair{p.a, p.b, i, 1, uint32_t(facet_rows_.size()), {p.n, p.s, p.t}, {}, {}};
-    const Matrix r = start_of_frame(p.a);  // in small displacements they stay so
-    for (int k = 0; k < 3; ++k) {
-      const Vector axis = r * pair.axis[k];
-      for (int c = 0; c < 3; ++c) pair.in_space[k][c] = axis[c];
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(facet_rows_.size()), {p.n, p.s, p.t}, {}});
+    if (small_) {  // they stay so
+      const Matrix r = start_of_frame(p.a);
+      chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
     }
-    chunk.gridpoint_pairs.push_back(pair);
   }
   facet_rows_.resize(facet_rows_.size() + 1);
 }
@@ -359,6 +362,7 @@ int World::most_gridpoints(const Piece& piece) const {
   return most;
 }
 
+// Congruent blocks have the same masses to the last bit; where none is held, all their pieces read the same columns.
 void World::fill_columns(Piece& piece) {
   const std::span<const int32_t> blocks = blocks_of(piece);
   const bool distinct = piece.kind == Piece::Kind::distinct;
@@ -368,11 +372,18 @@ void World::fill_columns(Piece& piece) {
     const auto held = std::span(node_held_).subspan(size_t(b.first_node), size_t(b.node_count));
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
+  const bool shares = piece.kind == Piece::Kind::congruent && !some_held && piece.columns == Piece::kNoColumns;
+  size_t* const shared = shares ? &shared_columns_[size_t(piece.congruent)] : nullptr;
+  if (shared && *shared != Piece::kNoColumns) {
+    piece.some_held = false, piece.columns = *shared;
+    return;
+  }
   if (some_held != piece.some_held || piece.columns == Piece::kNoColumns) {  // else they stay where they are
     piece.some_held = some_held;
     piece.columns = piece_columns_.size();
     piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, distinct, some_held));
   }
+  if (shared) *shared = piece.columns;
   const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, distinct, some_held);
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];

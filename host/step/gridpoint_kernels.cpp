@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 using namespace quoin::HWY_NAMESPACE;
 
 // The axes of a pair in space: sums of the columns of R.
-HWY_INLINE void turn_axes(const BlockFrame& frame, GridpointPair& pair) {
+HWY_INLINE void turn_axes(const BlockFrame& frame, const GridpointPair& pair, PairAxes& axes) {
   const Four d;
   for (int k = 0; k < 3; ++k) {
     const Vector& axis = pair.axis[k];
@@ -25,16 +25,17 @@ HWY_INLINE void turn_axes(const BlockFrame& frame, GridpointPair& pair) {
       const auto column = [&](int j) HWY_ATTR { return hn::LoadU(d, &frame.transposed_r.row[j].x + c); };
       const F sum = hn::MulAdd(hn::Set(d, axis.x), column(0),
                                hn::MulAdd(hn::Set(d, axis.y), column(1), hn::Mul(hn::Set(d, axis.z), column(2))));
-      hn::StoreU(sum, d, pair.in_space[k] + c);
+      hn::StoreU(sum, d, axes.axis[k] + c);
     }
   }
 }
 
-void GridpointJumps(std::span<GridpointPair> pairs, const BlockFrame* frames, const Vector* node_x,
-                    const GridpointColumns& c) {
-  for (GridpointPair& pair : pairs) {
-    if (frames) turn_axes(frames[pair.a], pair);
-    const Lanes3 n = broadcast(pair.in_space[0]), s = broadcast(pair.in_space[1]), t = broadcast(pair.in_space[2]);
+void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                    const Vector* node_x, const GridpointColumns& c) {
+  for (const GridpointPair& pair : pairs) {
+    PairAxes& of_pair = *axes++;
+    if (frames) turn_axes(frames[pair.a], pair, of_pair);
+    const Lanes3 n = broadcast(of_pair.axis[0]), s = broadcast(of_pair.axis[1]), t = broadcast(of_pair.axis[2]);
     const std::uint32_t end = pair.first + pair.count;
     for (std::uint32_t i = pair.first; i < end; i += kWidth) {
       const FirstLanes part{static_cast<int>(end - i)};
@@ -67,10 +68,12 @@ HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
   return sum;
 }
 
-void GridpointForces(std::span<GridpointPair> pairs, bool turning, const GridpointColumns& c, FacetRow* rows) {
+void GridpointForces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning, const GridpointColumns& c,
+                     FacetRow* rows) {
   const D d;
   for (GridpointPair& pair : pairs) {
-    const Lanes3 n = broadcast(pair.in_space[0]), s = broadcast(pair.in_space[1]), t = broadcast(pair.in_space[2]);
+    const auto& in_space = (axes++)->axis;
+    const Lanes3 n = broadcast(in_space[0]), s = broadcast(in_space[1]), t = broadcast(in_space[2]);
     const std::uint32_t end = pair.first + pair.count;
     V moment[3][kParts];
     for (auto& of : moment) std::fill(of, of + kParts, hn::Zero(d));
@@ -95,11 +98,10 @@ void GridpointForces(std::span<GridpointPair> pairs, bool turning, const Gridpoi
       const Lanes3 couple = cross_of(apart, {f[0], f[1], f[2]});  // along n, s, t
       for (int k = 0; k < 3; ++k) moment[k][p] = hn::Add(moment[k][p], couple[k]);
     }
-    const auto in_space = [&](int k) { return Vector{pair.in_space[k][0], pair.in_space[k][1], pair.in_space[k][2]}; };
     pair.moment = {};
     if (!turning) continue;
     const Vector sum = sums_over_lanes(moment);
-    for (int k = 0; k < 3; ++k) pair.moment += sum[k] * in_space(k);
+    for (int k = 0; k < 3; ++k) pair.moment += sum[k] * Vector{in_space[k][0], in_space[k][1], in_space[k][2]};
   }
 }
 
@@ -114,13 +116,14 @@ namespace quoin::blocks {
 HWY_EXPORT(GridpointJumps);
 HWY_EXPORT(GridpointForces);
 
-void gridpoint_jumps(std::span<GridpointPair> pairs, const BlockFrame* frames, const Vector* node_x,
-                     const GridpointColumns& columns) {
-  HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, frames, node_x, columns);
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                     const Vector* node_x, const GridpointColumns& columns) {
+  HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, axes, frames, node_x, columns);
 }
 
-void gridpoint_forces(std::span<GridpointPair> pairs, bool turning, const GridpointColumns& columns, FacetRow* rows) {
-  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, turning, columns, rows);
+void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
+                      const GridpointColumns& columns, FacetRow* rows) {
+  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, turning, columns, rows);
 }
 
 }  // namespace quoin::blocks

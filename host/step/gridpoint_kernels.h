@@ -24,10 +24,11 @@ struct GridpointColumns {
 };
 
 // Openings and slips of the step. frames: by block; null: axes stay those of the start (small displacements).
-void gridpoint_jumps(std::span<GridpointPair> pairs, const BlockFrame* frames, const Vector* node_x,
-                     const GridpointColumns& columns);
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                     const Vector* node_x, const GridpointColumns& columns);
 
 // Forces on a, into the rows of the points, and moments on its frame. turning: axes turn.
-void gridpoint_forces(std::span<GridpointPair> pairs, bool turning, const GridpointColumns& columns, FacetRow* rows);
+void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
+                      const GridpointColumns& columns, FacetRow* rows);
 
 }  // namespace quoin::blocks

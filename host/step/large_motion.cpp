@@ -69,13 +69,15 @@ void Model::advance_contacts(int index, PhaseClock* clock) {
   Chunk& chunk = chunks_[size_t(index)];
   Family& f = families_[size_t(chunk.family)];
   thread_local std::vector<FacetFrames> formed;
+  thread_local std::vector<PairAxes> turned;
   formed.resize(std::max(formed.size(), chunk.facets.size()));
-  FacetFrames* const frames = small_ ? chunk.frames.data() : formed.data();
-  contact_kinematics(f, chunk, frames);  // jumps, in frames that ride on the blocks
+  turned.resize(std::max(turned.size(), chunk.gridpoint_pairs.size()));
+  const Axes axes = small_ ? Axes{chunk.frames.data(), chunk.pair_axes.data()} : Axes{formed.data(), turned.data()};
+  contact_kinematics(f, chunk, axes);  // jumps, in frames that move with the blocks
   lap(clock, Phase::jumps);
   contact_law(f, chunk);  // tractions from jumps: the plug-in
   lap(clock, Phase::law);
-  contact_forces(f, chunk, frames);  // one force a point, which its two blocks fetch
+  contact_forces(f, chunk, axes);  // one force a point, which its two blocks fetch
   lap(clock, Phase::contact_forces);
 }
 
@@ -189,11 +191,11 @@ GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
 
 }  // namespace
 
-void Model::contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames) {
+void Model::contact_kinematics(Family& f, Chunk& chunk, const Axes& axes) {
   rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
-  gridpoint_jumps(chunk.gridpoint_pairs, small_ ? nullptr : frames_.data(), node_x_.data(),
+  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, small_ ? nullptr : frames_.data(), node_x_.data(),
                   gridpoint_columns(f, chunk));
-  facet_jumps(chunk.facets, frames, node_x_.data(), facet_columns(f), small_);
+  facet_jumps(chunk.facets, axes.triangles, node_x_.data(), facet_columns(f), small_);
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
@@ -256,12 +258,12 @@ void Model::report_failure(const Chunk& chunk) const {
           f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
-void Model::contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames) {
+void Model::contact_forces(Family& f, Chunk& chunk, const Axes& axes) {
   chunk.damping = 0.0;
   if (viscous_contacts()) viscous_tractions(f, chunk);
   rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
-  gridpoint_forces(chunk.gridpoint_pairs, !small_, gridpoint_columns(f, chunk), facet_rows_.data());
-  facet_forces(chunk.facets, frames, facet_columns(f), facet_rows_.data());
+  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !small_, gridpoint_columns(f, chunk), facet_rows_.data());
+  facet_forces(chunk.facets, axes.triangles, facet_columns(f), facet_rows_.data());
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     double traction[3];

@@ -85,9 +85,13 @@ class Model : public World {
  private:
   bool has_deformed_too_much(int block) const;
   // phases of the step: contacts chunk by chunk, then blocks piece by piece
-  void contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames);
+  struct Axes {  // of the points of a chunk
+    FacetFrames* triangles;
+    PairAxes* pairs;
+  };
+  void contact_kinematics(Family& f, Chunk& chunk, const Axes& axes);
   void contact_law(Family& f, Chunk& chunk);
-  void contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames);
+  void contact_forces(Family& f, Chunk& chunk, const Axes& axes);
   void viscous_tractions(Family& f, Chunk& chunk);
   void advance_deformable(const Piece& piece, PhaseClock* clock);
   // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the
