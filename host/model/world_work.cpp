@@ -362,7 +362,19 @@ int World::most_gridpoints(const Piece& piece) const {
   return most;
 }
 
-// Congruent blocks have the same masses to the last bit; where none is held, all their pieces read the same columns.
+bool World::has_masses_of(const Piece& piece, size_t columns) const {
+  const std::span<const int32_t> blocks = blocks_of(piece);
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      if (piece_columns_[columns + n * kLanes + l] != node_mass_[size_t(b.first_node) + n]) return false;
+    }
+  }
+  return true;
+}
+
+// Pieces of congruent blocks read the same columns where none is held and masses agree to the last bit: shapes that are
+// congruent but for rounding have others.
 void World::fill_columns(Piece& piece) {
   const std::span<const int32_t> blocks = blocks_of(piece);
   const bool distinct = piece.kind == Piece::Kind::distinct;
@@ -374,7 +386,7 @@ void World::fill_columns(Piece& piece) {
   });
   const bool shares = piece.kind == Piece::Kind::congruent && !some_held && piece.columns == Piece::kNoColumns;
   size_t* const shared = shares ? &shared_columns_[size_t(piece.congruent)] : nullptr;
-  if (shared && *shared != Piece::kNoColumns) {
+  if (shared && *shared != Piece::kNoColumns && has_masses_of(piece, *shared)) {
     piece.some_held = false, piece.columns = *shared;
     return;
   }
@@ -383,7 +395,7 @@ void World::fill_columns(Piece& piece) {
     piece.columns = piece_columns_.size();
     piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, distinct, some_held));
   }
-  if (shared) *shared = piece.columns;
+  if (shared && *shared == Piece::kNoColumns) *shared = piece.columns;
   const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, distinct, some_held);
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
