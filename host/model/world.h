@@ -679,7 +679,7 @@ class World {
   int most_gridpoints(const Piece& piece) const;                                            // of one of its blocks
   void fill_columns(Piece& piece);
   bool has_masses_of(const Piece& piece, size_t columns) const;  // these columns, which begin with masses
-  void follow_held();  // in the columns of pieces, before a step
+  void follow_held();                                            // in the columns of pieces, before a step
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
