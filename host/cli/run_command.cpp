@@ -538,8 +538,8 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
   } else if (shows_blocks(simulation)) {
-    of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
-    of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
+    of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, rows, label); });
+    of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, rows, label); });
   } else {
     of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
   }
@@ -833,7 +833,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
-  command->add_flag("--svg", options->svg, "Write curve.svg and cracks.svg beside the pictures in PNG");
+  command->add_flag("--svg", options->svg, "Write each picture as SVG too, beside its PNG");
   command->add_flag(
       "--live", [options](std::int64_t) { options->serve = 0; },
       "Show the run in a browser while it goes on, at an address of this machine that is printed");

@@ -68,7 +68,7 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   all.merge(Pairs(parted));
   EXPECT_EQ(all, start);
 
-  plot_block_cracks(folder_, simulation, surfaces, "");  // the script stays, also without gnuplot
+  plot_block_cracks(folder_, simulation, surfaces, {}, "");  // the script stays, also without gnuplot
   const std::string script = read_all(folder_ / "plots" / "cracks.gp");
   const std::string name = "$crack" + std::to_string(static_cast<int>(Crack::open)) + " << EOD\n";
   const std::size_t begin = script.find(name);
@@ -196,7 +196,7 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
                     ground = block("name = \"ground\"\nfixed = true\n", "[-2, -0.2, -2]", "[6, 0.2, 6]");
   Simulation simulation(read_scene_text(head + front + back + ground + "[[stage]]\nduration = 1\n", "view.toml", {}),
                         1);
-  plot_block_cracks(folder_, simulation, Surfaces(), "");
+  plot_block_cracks(folder_, simulation, Surfaces(), {}, "");
   std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
   std::vector<std::array<double, 2>> across;  // of each polygon: left and right end on paper, m
   for (std::string line; std::getline(script, line);) {
