@@ -56,9 +56,9 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop, and so do a terminal that closes, a reader of our words that goes, and SIGUSR1,
-// which mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a
-// reader that is gone will be written to again.
+// Ctrl-C asks the simulation to stop. So do a terminal that closes, a closed pipe of our output, and SIGUSR1, which
+// mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a reader
+// that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {
@@ -303,8 +303,8 @@ std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* sc
   return lock;
 }
 
-// From the thread that watches, while another one is inside the law for ever: what was computed is kept, as far as the
-// law is not asked for it.
+// From the thread that watches, while another one never returns from the law. What was computed is kept, as far as the
+// law is not called for it.
 [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds,
                                const fs::path& folder, const Simulation& simulation, Recorder& recorder, RunInfo info) {
   info.status = "failed";

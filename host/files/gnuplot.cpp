@@ -95,7 +95,7 @@ std::optional<int> wait_for(pid_t child, double seconds) {
   return std::nullopt;
 }
 
-// gnuplot reads the script from its standard input and writes the picture to its standard output: neither a name of a
+// gnuplot reads the script from its standard input and writes the picture to its standard output. Neither a name of a
 // file nor any other text is on its command line.
 Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, const fs::path& picture) {
   const Descriptor input(memfd_create("script", MFD_CLOEXEC)), messages(memfd_create("messages", MFD_CLOEXEC));

@@ -111,7 +111,7 @@ std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& vi
   return faces;
 }
 
-// Where two blocks touch, as a line between the two points of the contact that are furthest apart on paper, in the
+// Where two blocks touch, as a line between the points of the contact that are furthest apart on paper. It has the
 // colour of the worst crack on it.
 struct Line {
   Vector from, to;
@@ -175,7 +175,7 @@ std::vector<Line> crack_lines(const Joints& joints, const View& view) {
   return lines;
 }
 
-// What of a joint lies on an edge of a face, as shares of the edge; an empty interval where it has no two points there.
+// The part of a joint on an edge of a face, as shares of the edge. An empty interval: it has no two points there.
 std::pair<double, double> interval_on(const Vector& from, const Vector& to, const std::vector<Vector>& places) {
   const Vector edge = to - from;
   const double length = norm(edge), near = 0.02 * length;  // blocks overlap by less where they press each other

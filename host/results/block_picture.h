@@ -13,9 +13,8 @@ namespace quoin {
 
 inline constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
 
-// Of fewer blocks, all of which this process must have; at the moment of the last of the rows, which tells how the
-// ground has moved. Return a one-line notice when there is no picture, otherwise nothing. label: of warnings.h, or
-// nothing.
+// Of fewer blocks, all of which this process must have, at the moment of the last of the rows. Return a one-line notice
+// when there is no picture, otherwise nothing. label: of warnings.h, or nothing.
 std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation,
                            const std::vector<HistoryRow>& rows, const std::string& label);
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,

@@ -13,8 +13,8 @@ struct CrackStyle {
   const char* colour;
   double width;
 };
-// From the least to the worst, the order of the legend and of drawing. CIEDE2000 distances of at least 15 between any
-// two, as seen with normal sight, without red, green or blue cones, and of 7 in grey: tests/python/colours_test.py.
+// From the least to the worst, the order of the legend and of drawing. Any two have a CIEDE2000 distance of at least
+// 15, with normal sight and without red, green or blue cones; 7 in grey (tests/python/colours_test.py).
 inline constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{
     {{Crack::intact, "intact joint", "#958877", 1.2},
      {Crack::sliding_begun, "sliding begun", "#74aee4", 4.0},

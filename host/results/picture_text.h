@@ -15,8 +15,8 @@ std::string title_of(const Scene& scene);
 // "stage 2 shake, 1.25 s" of the last row; empty without rows.
 std::string moment_of(const std::vector<HistoryRow>& rows, const Scene& scene);
 
-// A gnuplot string of a text that is not wider than so many pixels of a PNG in so many points of DejaVu Sans: what
-// goes beyond is cut, and ends in "...".
+// A gnuplot string of a text that is not wider than so many pixels of a PNG in so many points of DejaVu Sans. A longer
+// one is cut, and ends in "...".
 std::string fitting_text(const std::string& text, double pixels, double points);
 
 }  // namespace quoin

@@ -10,8 +10,8 @@
 
 namespace quoin {
 
-// The highest resistance of a history, as absolute values, along the wall; upright, in vertical
-// stages, where the last one is such (history.h). row: -1 when there is none.
+// The highest resistance of a history, as absolute values. Along the wall; upright, in vertical stages, where the last
+// one is such (history.h). row: -1 when there is none.
 struct Peak {
   int row = -1;
   double force = 0.0, displacement = 0.0, vertical_force = 0.0;
