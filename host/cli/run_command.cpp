@@ -601,6 +601,25 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
 }
 
+// The peak is that of the monitor, whose displacement has the ground's in it: of an earthquake this counts.
+void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
+  const HistoryRow *farthest = nullptr, *sheared = nullptr;
+  std::size_t along = 0;
+  double most = 0.0, shear = 0.0;
+  for (const HistoryRow& row : rows) {
+    const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
+    if (!stage.ground) continue;
+    along = axis_of(stage) == 2 ? 2 : 0;
+    const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
+    if (moved > most) most = moved, farthest = &row;
+    if (base > shear) shear = base, sheared = &row;
+  }
+  if (farthest == nullptr || sheared == nullptr) return;
+  fmt::print(
+      "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base shear {:.2f} kN (at {:.3f} s)\n",
+      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
+}
+
 void print_results(const fs::path& folder, const Simulation& simulation, const std::vector<HistoryRow>& rows,
                    const RunInfo& info) {
   if (const auto& multiplier = simulation.outcome().collapse_multiplier) {
@@ -621,6 +640,7 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
              folder.string());
   const bool shaken =
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  if (shaken) print_response(rows, scene);
   if (shaken && !rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
     const double joints = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];

@@ -186,8 +186,9 @@ set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
                                    both_y ? "*" : "0", pen, label.empty() ? "" : "set bmargin at screen 0.13\n");
   if (both_x) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
   if (both_y) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
-  std::string plot = fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"{}\" {}", pen,
-                                 curve.name.empty() ? "notitle" : "title " + fitting_text(curve.name, 750, 19));
+  std::string plot =
+      fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"{}\" {}", pen,
+                  curve.name.empty() ? "notitle" : "title " + fitting_text(curve.name, curve.pressed ? 750 : 1300, 19));
   if (curve.pressed) {
     script += fmt::format(
         "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"{0}\"\nset y2range [0:*]\n"

@@ -174,6 +174,11 @@ class Stills(Folder):
         np.testing.assert_array_equal(history["displacement_m"][shaken], history["monitor_dz_m"][shaken])
         np.testing.assert_array_equal(history["horizontal_force_N"][shaken], -history["monitor_fz_N"][shaken])
         np.testing.assert_array_equal(history["displacement_m"][~shaken], history["monitor_dx_m"][~shaken])
+        relative, base = (1e3 * abs(history["monitor_relative_dz_m"]), 1e-3 * abs(history["base_shear_z_N"]))
+        far, sheared = (k[shaken].argmax() for k in (relative, base))
+        self.assertIn(f"earthquake: cube moves {relative[shaken][far]:.3f} mm along z against the ground (at "
+                      f"{history['time_s'][shaken][far]:.3f} s), base shear {base[shaken][sheared]:.2f} kN (at "
+                      f"{history['time_s'][shaken][sheared]:.3f} s)", done.stdout)
         self.assertIn(f"stage 2/2 done after {int(last['step'])} steps: {last['displacement_m'] * 1e3:.3f} mm", done.stderr)
 
     def test_spectra(self):
