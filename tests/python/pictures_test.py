@@ -143,6 +143,19 @@ class Drawn(Folder):
         for figure in (run.plot(), run.plot_cracks(), run.plot_field(), run.plot_histories()):
             self.assert_fine(figure)
 
+    def test_an_earthquake_is_drawn_against_the_ground(self):
+        scene = resting_cube()
+        scene.solver = dict(damping="viscous", mass_damping=2.0)
+        scene.stage.append(quoin.Stage(name="shake", duration=0.2, ground_motion=dict(
+            direction=[0, 0, 1], time=[0.0, 0.1, 0.2], acceleration=[0.0, 2.0, 0.0])))
+        scene.output.monitor = "cube"
+        run = quoin.run(scene, threads=1)
+        figure = run.plot(file=self.path("curve.svg"))
+        self.assert_fine(figure, "displacement along z of cube, relative to the ground [mm]", "time [s]")
+        rows = run.history["stage"] == 2
+        np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), 1e3 * run.history["monitor_relative_dz_m"][rows])
+        self.assertGreater(os.path.getsize(self.path("curve.svg")), 5000)
+
     def test_a_label_that_crosses_another_is_seen(self):
         figure = pyplot.figure()
         figure.text(0.5, 0.5, "first")
