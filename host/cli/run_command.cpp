@@ -114,7 +114,7 @@ struct RunOptions {
   std::string again;   // folder of the run that is repeated; empty: none
   double checkpoint_every = 60.0;
   int threads = 0;
-  bool report = false, svg = false, compressed = false;
+  bool report = false, svg = false, histories = false, compressed = false;
   bool isolate_law = false;
   double law_seconds = kLawSeconds;  // for one batch; 0: any time
   int serve = -1;                    // port of a page of the run while it goes on; 0: any, < 0: none
@@ -525,16 +525,18 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   }
 }
 
-// curve.png, cracks.png, mechanism.png; what is missing is reported.
-void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info, bool svg,
-          Recorder& recorder) {
+// curve.png, cracks.png, mechanism.png, histories.png; what is missing is reported.
+void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
+          const RunOptions& options, Recorder& recorder) {
   const auto& rows = recorder.history().rows();
   const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
   // Each waits for a gnuplot of its own.
   auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
     return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
   });
-  std::string of_cracks, of_mechanism;
+  std::string of_cracks, of_mechanism, of_histories;
+  if (options.histories)
+    of_histories = notice_of([&] { return plot_histories(folder, rows, simulation.scene(), label); });
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
   } else if (shows_blocks(simulation)) {
@@ -543,11 +545,11 @@ void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& 
   } else {
     of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
   }
-  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
+  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism, of_histories}) {
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
-  for (const char* name : {"curve", "cracks", "mechanism"}) {
-    if (!svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
+  for (const char* name : {"curve", "cracks", "mechanism", "histories"}) {
+    if (!options.svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
     const std::string notice = notice_of([&] { return draw_as_svg(folder, name); });
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
@@ -587,7 +589,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   if (has_all) gather_for_pictures(simulation);
-  if (output.plots && has_all) draw(folder, simulation, surfaces, info, options.svg, recorder);
+  if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
@@ -853,6 +855,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
+  command->add_flag("--histories", options->histories,
+                    "Write histories.png: displacements, forces and energies over time");
   command->add_flag("--svg", options->svg, "Write each picture as SVG too, beside its PNG");
   command->add_flag(
       "--live", [options](std::int64_t) { options->serve = 0; },

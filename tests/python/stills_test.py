@@ -86,9 +86,9 @@ class Stills(Folder):
                          ["'outside' leaves the picture", "'first' crosses 'second'", "'up' crosses 'over'"])
 
     def test_a_wall(self):
-        self.run_scene("wall", SMALL_WALL, "--set", "output.frames=0")
-        words = self.assert_fine("wall", ("curve", "cracks"))
-        for one in ("small wall", "horizontal force (kN)", "horizontal displacement of the top beam (mm)", "mean vertical stress (MPa)",
+        self.run_scene("wall", SMALL_WALL, "--set", "output.frames=0", "--set", "output.energy=true", "--histories")
+        words = self.assert_fine("wall", ("curve", "cracks", "histories"))
+        for one in ("small wall", "small wall: motion of top beam", "displacement (mm)", "energy (J)", "external work", "along x", "horizontal force (kN)", "horizontal displacement of the top beam (mm)", "mean vertical stress (MPa)",
                     "stage 2 shear, 0.0547 s; displacements drawn 20 times larger", "crushed"):
             self.assertIn(one, words)
 
@@ -109,8 +109,8 @@ class Stills(Folder):
         self.assert_fine("cycle", ("curve", "cracks"))
 
     def test_a_collapse(self):
-        self.run_scene("arch", os.path.join(SCENES, "arch.toml"), "--set", "output.frames=0")
-        words = self.assert_fine("arch", ("curve", "cracks", "mechanism"))
+        self.run_scene("arch", os.path.join(SCENES, "arch.toml"), "--set", "output.frames=0", "--histories")
+        words = self.assert_fine("arch", ("curve", "cracks", "mechanism", "histories"))
         for one in ("multiplier of the weight", "displacement (mm)", "x (m)", "open crack"):
             self.assertIn(one, words)
 
@@ -151,9 +151,9 @@ class Stills(Folder):
                        quoin.Stage(name="shake", duration=0.4, ground_motion=dict(
                            direction=[0, 0, 1], time=[0.0, 0.1, 0.2, 0.4], acceleration=[0.0, 1.0, -1.0, 0.0]))]
         scene.output = dict(frames=0, monitor="cube")
-        done = self.run_scene("cube", scene)
-        words = self.assert_fine("cube", ("curve", "cracks", "mechanism"))
-        for one in ("displacement relative to the ground (mm)", "displacement along z (mm)", "of cube, relative to the ground"):
+        done = self.run_scene("cube", scene, "--histories")
+        words = self.assert_fine("cube", ("curve", "cracks", "mechanism", "histories"))
+        for one in ("shaken: motion of cube, relative to the ground", "displacement relative to the ground (mm)", "displacement along z (mm)", "of cube, relative to the ground"):
             self.assertIn(one, words)
         _, _, texts = texts_of(self.path("cube/mechanism.svg"))
         bar = max(left for word, left, *_ in texts if word == "displacement relative to the ground (mm)")
