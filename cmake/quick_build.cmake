@@ -1,6 +1,6 @@
 # QUOIN_QUICK_BUILD: from nothing in less processor time. Files of a folder are compiled in batches (unity builds); headers
 # of libraries are precompiled where files change too often for that. Off, the default, each file is compiled alone with
-# what it includes, which finds what a file leaves out.
+# what it includes, which finds what a file leaves out. scripts/test has it on where nothing is built yet.
 if(NOT QUOIN_QUICK_BUILD)
   return()
 endif()
