@@ -1,5 +1,5 @@
-// The bits of small runs of every kind, some thousand steps into their loading: the same for any number of threads and
-// any instruction set with fused multiply-add, and the same as when they were recorded. What changes a bit without
+// The bits of small runs of every kind, some thousand steps into their loading. They are the same for any number of
+// threads and any instruction set with fused multiply-add, and as when they were recorded. What changes a bit without
 // meaning to is found here, whatever tolerances other tests have.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -362,7 +362,7 @@ class GoldenKinds : public ::testing::TestWithParam<GoldenKind> {
   }
 };
 
-// One thread is the reference; four threads, two ranks, a run that goes on from its middle and the other instruction
+// One thread is the reference. Four threads, two ranks, a run that goes on from its middle and the other instruction
 // set must have its bits.
 TEST_P(GoldenKinds, ThreadsRanksResumedRunsAndInstructionSetsAgreeWithTheRecord) {
   const GoldenKind& kind = GetParam();
