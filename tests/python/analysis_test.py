@@ -56,6 +56,21 @@ class Modes(Folder):
         self.assertEqual(len(found.shapes[0]), expected["blocks"])
         self.assertAlmostEqual(max(np.linalg.norm(u, axis=1).max() for u in found.shapes[2]), 1.0, places=12)
 
+    def test_of_a_state_they_are_those_of_the_program(self):
+        arch = os.path.join(SCENES, "arch.toml")
+        self.assertEqual(self.command("rest", arch, "--set", "output.end_state=true", "--out", "end").returncode, 0)
+        undamaged = quoin.modes(arch, count=3).frequencies
+        for state in ("weight", self.path("end")):
+            self.assertEqual(self.command("modes", arch, "--count", "3", "--state", state, "--out", "of").returncode, 0)
+            with open(self.path("of/modes.json"), encoding="utf-8") as file:
+                expected = json.load(file)
+            found = quoin.modes(arch, count=3, state=state)
+            self.assertEqual(found.summary["state"], expected["state"])
+            np.testing.assert_allclose(found.frequencies, expected["frequencies_Hz"], rtol=1e-6)
+            self.assertLess(found.frequencies[0], (1 - 1e-6) * undamaged[0])  # weight takes from stiffness
+        with self.assertRaises(quoin.Error):
+            quoin.modes(arch, state=self.path("nowhere"))
+
     def test_a_cube_on_a_joint(self):
         # sqrt(kn A/m) with 1e9 Pa/m, 1 m2 and 1000 kg.
         scene = block_scene()
