@@ -3,8 +3,8 @@
     PYTHONPATH=build/release/python /usr/bin/python3 host/analysis/beside_runs.py [word ...]
 
 Every scene of host/scenes with a dry joint, and vaults, a dome and a bridge of quoin.shapes; words: only what has one in
-its name. A run starts from what limit analysis finds (start = "limit") along the direction of the scene's collapse stage,
-else along the one that it resists least. CPU s: processor time of both.
+its name. A run starts from what limit analysis finds (start = "limit"), along the direction of the scene's collapse stage,
+else along x. CPU s: processor time of both.
 """
 import copy
 import glob
@@ -39,7 +39,8 @@ def scene_of(blocks, direction):
 
 
 def is_dry(scene):
-    return any(joint.get("initial_state") == "dry" for joint in scene.joints.values()) and bool(scene.block)
+    joints = [scene.joints[name] for name in scene.joints]
+    return any("initial_state" in joint and joint.initial_state == "dry" for joint in joints)
 
 
 def pushed(scene, direction):
@@ -58,7 +59,7 @@ def row_of(name, scene, **facets):
         found = quoin.limit(scene, **facets)
     except quoin.Error as error:
         return f"| {name} | refused: {' '.join(str(error).split(': ')[-1].split())} | | | | | |"
-    direction = found.summary["direction"] or found.summary["margin_direction"]
+    direction = found.summary["direction"] or [1.0, 0.0, 0.0]
     if found.multiplier is None:
         found = quoin.limit(scene, direction=direction, **facets)
     limit = time.process_time() - before

@@ -692,8 +692,8 @@ void World::make_points(const Contact& c, const Separation& s, bool at_start, st
 
 // Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
 // They have the nominal area (m2) at least.
-void World::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal,
-                        RigidPoints rule, std::vector<NewPoint>& out) {
+void World::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, RigidPoints rule,
+                        std::vector<NewPoint>& out) {
   const Placed a = placed(owner), b = placed(carrier);
   const Vector n = a.normals[owner_face];
   const auto& corners = a.shape->faces[owner_face];
