@@ -23,7 +23,7 @@ constexpr double kOfSettled = 0.9;
 // by a sixth, a bonded wall that cannot dilate by more than half. Such a start is too high, which the run notices.
 constexpr double kOfAssociated = 0.5;
 // Largest model whose multiplier without dilation is looked for, in contact points: a minute.
-constexpr long kMostPoints = 4000;
+constexpr long kMostPoints = 12000;
 // Of the associated multiplier, which no brittle joint exceeds before blocks have moved: where the stage gives up.
 constexpr double kGivesUp = 1.2;
 

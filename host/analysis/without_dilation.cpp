@@ -29,6 +29,8 @@ constexpr double kNoFriction = 0.01;
 constexpr double kUnloaded = 1e-4, kUnloadedPyramids = 1e-6;
 // Contact points up to which pyramids are tried where cones have not settled: a second a problem.
 constexpr std::size_t kFewPoints = 2000;
+// A start that has not settled and is worse by more than this casts doubt on the other.
+constexpr double kDoubt = 0.05;
 // Shear stiffness of joints over their normal one: of masonry with a Poisson's ratio of 0.25.
 constexpr double kShearStiffness = 0.4;
 
@@ -193,6 +195,11 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
         sought == Sought::friction ? start.multiplier > result.multiplier : start.multiplier < result.multiplier;
     if (result.settled && !worse) continue;
     result.settled = true, result.multiplier = start.multiplier;
+  }
+  for (const SettledLimit& start : result.start) {
+    const double beside = result.multiplier > 0.0 ? start.multiplier / result.multiplier : 1.0;
+    const bool worse = sought == Sought::friction ? beside > 1.0 + kDoubt : beside < 1.0 - kDoubt;
+    if (!start.settled && worse) result.settled = false;
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -55,22 +56,38 @@ collapse = { direction = [1, 0, 0], start = 0.25, rate = "auto" }
 frames = 0
 )";
 
+// The multiplier when a point first softens, and that at which the parapet falls.
+struct Cracks : Observer {
+  explicit Cracks(const Simulation& s) : simulation(s) {}
+  void on_row(const HistoryRow& row) override {
+    const std::vector<double> damage = simulation.state("xi_t");
+    if (first == 0.0 && *std::max_element(damage.begin(), damage.end()) > 0.0) first = row.multiplier;
+  }
+  const Simulation& simulation;
+  double first = 0.0;
+};
+
 // It cracks where the stress at its face, M/(L t^2/6) less W/(L t), reaches the tensile strength, and falls over then,
-// for the joint without tension carries no more than t/h = 0.2. 1 %: the load waits at every 0.5 %.
+// for the joint without tension carries no more than t/h = 0.2. 1 %: the load waits at every 0.5 %. The brittle bond of
+// few points falls a little later than it cracks, as the others take over: by 14 %, of points every 20 mm by 4 %.
 TEST(RigidPoints, AParapetCracksWhereItsFaceReachesTheTensileStrength) {
   const double expected = kThickness / (3.0 * kHeight) * (1.0 + kTension / kWeight);
   ASSERT_GT(expected, 1.2 * kThickness / kHeight);
-  const auto found = [](const std::vector<std::string>& settings) {
+  const auto run = [](const std::vector<std::string>& settings) {
     Simulation simulation(read_scene_text(kParapet, "parapet.toml", settings), 1);
-    Observer nobody;
-    simulation.run(nobody);
-    return simulation.outcome().collapse_multiplier.value_or(0.0);
+    Cracks cracks(simulation);
+    simulation.run(cracks);
+    return std::pair(cracks.first, simulation.outcome().collapse_multiplier.value_or(0.0));
   };
-  const double multiplier = found({});
-  std::printf("parapet: %.4f, %.4f by hand\n", multiplier, expected);
-  EXPECT_NEAR(multiplier, expected, 0.01 * expected);
+  const auto [cracked, fell] = run({});
+  std::printf("parapet: cracks at %.4f, %.4f by hand, falls at %.4f\n", cracked, expected, fell);
+  EXPECT_NEAR(cracked, expected, 0.01 * expected);
+  EXPECT_GE(fell, cracked);
+  EXPECT_LE(fell, 1.16 * expected);
   // Corners have three times the second moment of the joint.
-  EXPECT_NEAR(found({"contact.cubic_points=false"}), 3.0 * expected, 0.02 * 3.0 * expected);
+  const auto [at_corners, fell_from_corners] = run({"contact.cubic_points=false", "stage.tilt.collapse.start=0.6"});
+  EXPECT_NEAR(at_corners, 3.0 * expected, 0.02 * 3.0 * expected);
+  EXPECT_NEAR(fell_from_corners, 3.0 * expected, 0.02 * 3.0 * expected);
 }
 
 std::vector<RigidPoints> chosen(const std::string& joint, const std::vector<std::string>& settings = {}) {

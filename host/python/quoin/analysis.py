@@ -80,8 +80,8 @@ class Modes:
 def modes(scene, *, count=10, stage="", state="undamaged", ratios=(0.05, 0.05), at=(0.0, 0.0)):
     """The lowest modes of a scene, or of the file of one, as `quoin modes` finds them. stage: whose supports hold the
     blocks; else the first. state: "undamaged", as it is at the start; "weight": at rest under the loads of the stage; or
-    the folder of a run of this scene with output.end_state = true, at whose end open joints are open. ratios: of critical
-    damping at the frequencies `at`, Hz; 0: those of the first and the last mode."""
+    the folder of a run of this scene from Python with output.end_state = true, at whose end open joints are open. ratios:
+    of critical damping at the frequencies `at`, Hz; 0: those of the first and the last mode."""
     if not hasattr(_quoin, "modes"):
         raise BadInput("modes: this installation has no natural frequencies; build it with libopenblas-serial-dev")
     return Modes(*_quoin.modes(*scene_of(scene)._source(), whole("count", count, 1, 10000), str(stage),
