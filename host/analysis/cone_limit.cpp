@@ -18,7 +18,9 @@ using geometry::Vector;
 constexpr int kMostSteps = 100;
 constexpr double kToBorder = 0.99;  // share of the way to the border of the cones that a step goes
 constexpr double kWanted = 5e-7;    // gap and residuals at which the search ends
-constexpr double kGood = 1e-4;      // at which it may end where numbers give out
+constexpr double kGood = 1e-5;      // at which it may end where numbers give out
+constexpr double kGoodNear =
+    5e-4;  // the same of forces near to given ones: half of what a settled multiplier changes by
 constexpr double kRegular = 1e-13;  // added to the diagonal, of the largest: what no contact holds yet
 constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than what the gap leaves open
 constexpr double kInside = 1.0;     // distance of the first point from the border of the cones
@@ -128,19 +130,21 @@ class ConeProgramme {
 
   LimitResult solve() {
     LimitResult result;
-    if (!begin()) return result;
+    if (elements_.empty() || !begin()) return result;
     for (int step = 0; step < kMostSteps; ++step) {
       residuals();
       keep_best();
       if (error_ < kWanted || !advance()) break;
     }
-    if (best_error_ > kGood) return result;
+    if (best_error_ > (is_near() ? kGoodNear : kGood)) return result;
     restore_best();
     fill(result);
     return result;
   }
 
  private:
+  bool is_near() const { return !elements_.empty() && elements_.front().pull > 0.0; }
+
   void find_scales() {
     double load = 0.0, arm = 0.0;
     for (const LimitBlock& b : problem_.blocks) load += norm(b.dead.force) + norm(b.live.force);
@@ -388,8 +392,7 @@ class ConeProgramme {
     of_multiplier_ = -1.0 + live_.dot(y_);
     double of_forces = 0.0, of_slacks = 0.0;
     gap_ = 0.0;
-    double dual = -dead_.dot(y_);  // - b^T y - h^T z, with b = -dead: of the minimum of -multiplier
-    dual = dead_.dot(y_);
+    double dual = dead_.dot(y_);  // of the minimum of -multiplier
     for (Element& e : elements_) {
       act(e, e.x, of_rows_);
       e.rest = forces_from(e, y_) + pulled(e);
@@ -414,7 +417,7 @@ class ConeProgramme {
     }
     upper_ = -dual;
     const double scale = std::max(1.0, std::abs(m_));
-    error_ = std::max({gap_ / scale, elements_.front().pull > 0.0 ? 0.0 : std::abs(upper_ - m_) / scale,
+    error_ = std::max({gap_ / scale, is_near() ? 0.0 : std::abs(upper_ - m_) / scale,
                        of_rows_.lpNorm<Eigen::Infinity>(), of_forces, std::abs(of_multiplier_), of_slacks});
   }
 
