@@ -19,8 +19,7 @@ constexpr int kMostSteps = 100;
 constexpr double kToBorder = 0.99;  // share of the way to the border of the cones that a step goes
 constexpr double kWanted = 5e-7;    // gap and residuals at which the search ends
 constexpr double kGood = 1e-5;      // at which it may end where numbers give out
-constexpr double kGoodNear =
-    5e-4;  // the same of forces near to given ones: half of what a settled multiplier changes by
+constexpr double kGoodNear = 1e-3;  // of forces near to given ones: what a settled multiplier may change by
 constexpr double kRegular = 1e-13;  // added to the diagonal, of the largest: what no contact holds yet
 constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than what the gap leaves open
 constexpr double kInside = 1.0;     // distance of the first point from the border of the cones
