@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "files/notice.h"
-#include "scene/collapse_load.h"
 
 #ifdef QUOIN_LIMIT
 #include "analysis/limit_of_scene.h"
@@ -24,7 +23,7 @@ constexpr double kOfSettled = 0.9;
 // by a sixth, a bonded wall that cannot dilate by more than half. Such a start is too high, which the run notices.
 constexpr double kOfAssociated = 0.5;
 // Largest model whose multiplier without dilation is looked for, in contact points: a minute.
-constexpr long kMostPoints = 4000;
+constexpr long kMostPoints = 12000;
 // Of the associated multiplier, which no brittle joint exceeds before blocks have moved: where the stage gives up.
 constexpr double kGivesUp = 1.2;
 
@@ -41,14 +40,14 @@ void find_start(const Simulation& simulation, Stage* stage) {
   const bool settled = limit.without_dilation && limit.without_dilation->settled;
   const double multiplier = settled ? std::min(associated, limit.without_dilation->multiplier) : associated;
   c.start = (settled ? kOfSettled : kOfAssociated) * multiplier;
-  if (c.limit == kNoLimit) c.limit = kGivesUp * associated;
+  if (!c.limit) c.limit = kGivesUp * associated;
   notice(fmt::format("quoin: stage '{}': collapse.start = {:.4g}, {:g} of the multiplier {:.4g} of limit analysis, {}",
-                     stage->name, c.start, settled ? kOfSettled : kOfAssociated, multiplier,
+                     stage->name, *c.start, settled ? kOfSettled : kOfAssociated, multiplier,
                      settled ? "without dilation" : "associated"));
-  if (!(c.limit > c.start))
+  if (!(*c.limit > *c.start))
     throw Error(
         Exit::bad_input,
-        fmt::format("limit = {:g} is no more than the start {:.4g}; give a larger one, or none", c.limit, c.start));
+        fmt::format("limit = {:g} is no more than the start {:.4g}; give a larger one, or none", *c.limit, *c.start));
 }
 
 #endif
@@ -56,7 +55,7 @@ void find_start(const Simulation& simulation, Stage* stage) {
 }  // namespace
 
 void find_collapse_starts(Scene* scene) {
-  const auto asks = [](const Stage& s) { return s.collapse && starts_at_limit(*s.collapse); };
+  const auto asks = [](const Stage& s) { return s.collapse && !s.collapse->start; };
   if (std::none_of(scene->stages.begin(), scene->stages.end(), asks)) return;
 #ifdef QUOIN_LIMIT
   const Simulation simulation(*scene, 1);

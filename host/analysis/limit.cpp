@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analysis/cone_limit.h"
 #include "analysis/linear_program.h"
 #include "base/error.h"
 
@@ -18,6 +19,8 @@ using geometry::Vector;
 constexpr double kResidual = 1e-6;
 constexpr double kInteriorResidual = 1e-4;  // the same of the middle of all solutions
 
+constexpr int kFacets = LimitSettings{}.facets;  // where whole cones do not do
+
 // Contact points from which the vertex is left out where the middle is as exact: the way to it takes most of the time.
 constexpr std::size_t kManyPoints = 1000;
 constexpr double kGap =
@@ -28,7 +31,8 @@ constexpr double kGap =
 bool finite(const Vector& v) { return std::isfinite(v.x + v.y + v.z); }
 
 void require(const LimitProblem& problem, const LimitSettings& settings) {
-  if (settings.facets < 4) refuse(fmt::format("{} facets of a friction cone; allowed: 4 or more", settings.facets));
+  if (settings.facets < 4 && settings.facets != 0)
+    refuse(fmt::format("{} facets of a friction cone; allowed: 4 or more, or 0 for the whole cone", settings.facets));
   const auto count = static_cast<int>(problem.blocks.size());
   bool live = false;
   for (std::size_t i = 0; i < problem.blocks.size(); ++i) {
@@ -89,7 +93,6 @@ class Programme {
         r.velocity[k].moment[c] = solution.price[row + 3] / length_;
       }
     }
-    normalise(r);
     return r;
   }
 
@@ -220,21 +223,6 @@ class Programme {
     return {force_ * (columns.tension - compression), force_ * s, force_ * t};
   }
 
-  void normalise(LimitResult& r) const {
-    double largest = 0.0;
-    for (const Wrench& v : r.velocity) largest = std::max(largest, norm(v.force));
-    for (const LimitPoint& p : problem_.points) {
-      for (const int block : {p.a, p.b}) {
-        const Wrench& v = r.velocity[static_cast<std::size_t>(block)];
-        largest = std::max(
-            largest,
-            norm(v.force + cross(v.moment, p.position - problem_.blocks[static_cast<std::size_t>(block)].centre)));
-      }
-    }
-    if (!(largest > 0.0)) return;
-    for (Wrench& v : r.velocity) v.force *= 1.0 / largest, v.moment *= 1.0 / largest;
-  }
-
   const LimitProblem& problem_;
   const LimitSettings& settings_;
   double force_ = 1.0, length_ = 1.0;  // N, m
@@ -243,6 +231,23 @@ class Programme {
   std::vector<Columns> columns_;
   std::vector<int> tie_columns_;
 };
+
+// The largest velocity of a centre or contact point becomes 1.
+void scale_mechanism(const LimitProblem& problem, LimitResult* r) {
+  if (r->velocity.empty()) return;
+  double largest = 0.0;
+  for (const Wrench& v : r->velocity) largest = std::max(largest, norm(v.force));
+  for (const LimitPoint& p : problem.points) {
+    for (const int block : {p.a, p.b}) {
+      const Wrench& v = r->velocity[static_cast<std::size_t>(block)];
+      largest = std::max(
+          largest,
+          norm(v.force + cross(v.moment, p.position - problem.blocks[static_cast<std::size_t>(block)].centre)));
+    }
+  }
+  if (!(largest > 0.0)) return;
+  for (Wrench& v : r->velocity) v.force *= 1.0 / largest, v.moment *= 1.0 / largest;
+}
 
 // Which blocks are out of balance when the sum of all residuals under dead loads is as small as it can be.
 std::vector<int> unheld_blocks(const LimitProblem& problem, const LimitSettings& settings) {
@@ -311,13 +316,22 @@ LinearSolution solution_of(const LinearProgram& linear, const LimitProblem& prob
 
 }  // namespace
 
-LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings) {
-  require(problem, settings);
+LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& given) {
+  require(problem, given);
+  if (!given.near.empty() || (given.facets == 0 && !given.interior)) {
+    LimitResult whole = limit_with_cones(problem, given.most, given.near);
+    scale_mechanism(problem, &whole);
+    if (whole.status == LimitStatus::solved || !given.near.empty()) return whole;
+  }
+  LimitSettings settings = given;  // pyramids say what has no answer, and find those that have no room in the cones
+  if (settings.facets == 0) settings.facets = kFacets;
   const Programme programme(problem, settings);
   const LinearSolution solution = solution_of(programme.linear(), problem, settings);
   LimitResult result;
   if (solution.status == LinearStatus::solved) result = programme.result(solution);
   result.status = status_of(solution, settings.interior);
+  result.facets = settings.facets;
+  scale_mechanism(problem, &result);
   if (result.status == LimitStatus::no_equilibrium) result.blocks_concerned = unheld_blocks(problem, settings);
   if (result.status == LimitStatus::unbounded) result.blocks_concerned = loaded_blocks(problem);
   return result;

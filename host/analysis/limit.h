@@ -1,7 +1,8 @@
 // Limit analysis of assemblies of rigid blocks by the static theorem: the largest multiplier of loads for which contact
 // forces exist that are in equilibrium and within strength everywhere.
 //
-// Livesley (1978): a linear programme; friction cones are pyramids. Flow is associated: sliding lifts by the friction
+// Livesley (1978): a linear programme where friction cones are pyramids, a second-order cone programme where they are
+// whole. Flow is associated: sliding lifts by the friction
 // angle. The multiplier is an upper bound of those without dilation, far above them where a bonded wall cannot dilate.
 #pragma once
 
@@ -55,12 +56,15 @@ struct LimitProblem {
 struct LimitSettings {
   // Facets of the pyramid inside the friction cone. A shear force between two of its edges is at most 1 -
   // cos(pi/facets) too weak: 0.5 % of friction with 32. Edges lie along s and t where 4 divides it: exact for plane
-  // problems.
+  // problems. 0: the whole cone, by cone_limit.h, and pyramids of 32 facets where that finds nothing.
   int facets = 32;
   bool facet_on_axis = false;  // the normal of the first facet, and not its edge, lies along s
   // The middle of all forces that give the multiplier, and not a corner of them: it moves little when strengths do. To
-  // fewer digits. Friction may be below 0 then.
+  // fewer digits, with pyramids. Friction may be below 0 then.
   bool interior = false;
+  // Compression at each point, N, or none: of all forces that give the multiplier those nearest to these, with the
+  // least shear. With whole cones alone, and with friction below 0, too; not_converged where cone_limit.h finds none.
+  std::vector<double> near{};
   double most =
       std::numeric_limits<double>::infinity();  // of the multiplier; where it is reached, no mechanism is meant
 };
@@ -75,7 +79,8 @@ enum class LimitStatus {
 struct LimitResult {
   LimitStatus status = LimitStatus::not_converged;
   double multiplier = 0.0;
-  double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the linear programme
+  double gap = 0.0;  // (upper - lower bound)/max(1, |multiplier|) of the programme
+  int facets = 0;    // of the friction cones that it is of; 0: whole ones
   // On block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
   std::vector<double> tie_force;  // N, tension positive

@@ -237,7 +237,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   find_loads(simulation.scene(), options, &limit);
   assemble(simulation, options.given, &limit);
   require_supports(file, limit);
-  limit.stands = stands(limit.problem, options.settings);
+  limit.stands = stands(limit.problem, options.settings, options.friction);
   // Normal forces alone, where they carry all, do so without dilation, too.
   const bool needs_friction = limit.stands.friction && *limit.stands.friction > 0.0;
   if (!options.associated && options.friction && needs_friction)
@@ -261,7 +261,7 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
 }
 
 std::vector<int> moving_without_load(const SceneLimit& limit) {
-  constexpr double kNone = 1e-9, kMoves = 1e-6;  // of the weight; of the largest velocity
+  constexpr double kNone = 1e-6, kMoves = 1e-4;  // of the weight; of the largest velocity
   std::vector<int> blocks;
   if (!limit.margin || *limit.margin > kNone || !limit.limit) return blocks;
   for (std::size_t b = 0; b < limit.limit->velocity.size(); ++b) {
@@ -298,7 +298,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["given_multiplier"] = options.given;
   json["gravity_m_s2"] = geometry::array(limit.gravity);
   json["blocks"] = limit.problem.blocks.size(), json["contact_points"] = limit.problem.points.size();
-  json["facets"] = options.settings.facets;
+  json["facets"] = limit.limit ? limit.limit->facets : options.settings.facets;
   if (limit.limit && !limit.tie_names.empty()) json["tie_force_N"] = limit.limit->tie_force;
   return json;
 }

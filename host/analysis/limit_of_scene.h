@@ -15,12 +15,18 @@ namespace quoin {
 
 class Simulation;
 
+inline LimitSettings whole_cones() {
+  LimitSettings settings;
+  settings.facets = 0;
+  return settings;
+}
+
 struct LimitOptions {
   std::vector<double> direction;  // of the load that is multiplied; empty: of the first collapse stage
   double given = 0.0;             // multiple of the weight along it that acts beside the weight
-  LimitSettings settings;
+  LimitSettings settings = whole_cones();
   bool associated = false;  // no search for answers without dilation
-  bool friction = true;     // the smallest scale of friction without dilation, too
+  bool friction = true;     // the smallest scale of friction, too
 };
 
 struct SceneLimit {

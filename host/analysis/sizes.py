@@ -45,7 +45,7 @@ collapse = {{ direction = [1, 0, 0] }}
 [output]
 frames = 0
 """
-JOBS = {"limit, rigid": (["limit", "--associated"], ""), "modes, rigid": (["modes"], ""),
+JOBS = {"limit, associated": (["limit", "--associated"], ""), "limit, without dilation": (["limit"], ""), "modes, rigid": (["modes"], ""),
         "modes, deformable": (["modes"], "rigid = false\nzone_edge = 0.2")}
 
 

@@ -39,7 +39,7 @@ LimitResult carried_share(const LimitProblem& problem, const LimitSettings& sett
   return limit_multiplier(loaded, up_to_all);
 }
 
-Stands stands(const LimitProblem& problem, const LimitSettings& settings) {
+Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool friction) {
   // One programme in place of three for what only presses. Not with cohesion, which over friction limits tension.
   const bool cohesive =
       std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });
@@ -48,9 +48,9 @@ Stands stands(const LimitProblem& problem, const LimitSettings& settings) {
   Stands answer;
   answer.carried = result.status == LimitStatus::solved ? std::clamp(result.multiplier, 0.0, 1.0) : 0.0;
   answer.stands = answer.carried >= kAll;
-  answer.friction = smallest_friction(problem, settings, answer.stands);
+  if (friction) answer.friction = smallest_friction(problem, settings, answer.stands);
   for (std::size_t k = 0; !answer.stands && k < result.velocity.size(); ++k) {
-    constexpr double kMoves = 1e-6;  // of the largest velocity
+    constexpr double kMoves = 1e-4;  // of the largest velocity
     if (norm(result.velocity[k].force) + norm(result.velocity[k].moment) > kMoves)
       answer.out_of_balance.push_back(static_cast<int>(k));
   }

@@ -13,6 +13,7 @@
 #include "law/material_point.h"
 #include "members/linear.h"
 #include "members/members.h"
+#include "model/motion.h"
 #include "model/world.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
@@ -385,8 +386,10 @@ SceneBlocks blocks_of(const Scene& scene) {
   SceneBlocks blocks;
   if (scene.blocks) {
     blocks.assembly = blocks::assemble(scene);
+    choose_rigid_points(scene, &blocks.assembly.families);
   } else {
-    const Assembly bricks = assemble(scene);
+    Assembly bricks = assemble(scene);
+    choose_rigid_points(scene, &bricks.families);
     blocks = {blocks::from_bricks(bricks), bricks.symmetry_factor};
   }
   add_masses(scene, &blocks.assembly);

@@ -17,15 +17,20 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
 // problem.
-constexpr double kSlope = 0.1, kFollow = 0.3;
+constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
 // Settled: the multiplier changes by less, of itself, and shear is beyond Coulomb's friction by less, of the mean
-// normal force. What is left shrinks by 1 - kFollow a problem, so 0.25 % of the multiplier is still to come.
+// normal force. What is left shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
 constexpr double kSteady = 1e-3, kBeyond = 0.05;
 constexpr int kSteadyFor = 3, kMostProblems = 40;
 // A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
-// Of the mean normal force: below it strength does not sink, or the point could take no normal force at all.
-constexpr double kUnloaded = 1e-6;
+// Of the mean normal force: below it there is no friction, and strength does not sink, or the point could take no
+// normal force at all.
+constexpr double kUnloaded = 1e-4, kUnloadedPyramids = 1e-6;
+// Contact points up to which pyramids are tried where cones have not settled: a second a problem.
+constexpr std::size_t kFewPoints = 2000;
+// A start that has not settled and is worse by more than this casts doubt on the other.
+constexpr double kDoubt = 0.05;
 // Shear stiffness of joints over their normal one: of masonry with a Poisson's ratio of 0.25.
 constexpr double kShearStiffness = 0.4;
 
@@ -91,29 +96,30 @@ double mean_of(const std::vector<double>& values) {
 }
 
 // The problem whose shear strengths are those of given normal forces.
-LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal) {
+LimitProblem frozen(const LimitProblem& problem, const std::vector<double>& normal, bool cones) {
   LimitProblem next = problem;
-  const double unloaded = kUnloaded * mean_of(normal);
+  const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
   for (std::size_t i = 0; i < normal.size(); ++i) {
     LimitPoint& p = next.points[i];
     const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
     if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
-    p.cohesion += (1.0 + slope) * friction * std::max(0.0, normal[i]);
+    if (normal[i] > unloaded || !cones) p.cohesion += (1.0 + slope) * friction * std::max(0.0, normal[i]);
     p.friction = -slope * friction;
   }
   return next;
 }
 
 // The problem whose multiplier is the negative of a factor on friction: shear strengths grow with it, loads stay.
-LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor) {
+LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<double>& normal, double factor,
+                             bool cones) {
   LimitProblem next = problem;
   for (LimitBlock& b : next.blocks) b.live = {};
-  const double unloaded = kUnloaded * mean_of(normal);
+  const double unloaded = (cones ? kUnloaded : kUnloadedPyramids) * mean_of(normal);
   for (std::size_t i = 0; i < normal.size(); ++i) {
     LimitPoint& p = next.points[i];
     const double slope = normal[i] > unloaded ? kSlope : 0.0, friction = p.friction;
     if (friction > 0.0) p.tension = std::min(p.tension, p.cohesion / friction);
-    p.live_cohesion = -(1.0 + slope) * friction * std::max(0.0, normal[i]);
+    if (normal[i] > unloaded || !cones) p.live_cohesion = -(1.0 + slope) * friction * std::max(0.0, normal[i]);
     p.friction = -slope * friction * factor;
   }
   return next;
@@ -131,19 +137,22 @@ double beyond_friction(const LimitProblem& problem, const LimitResult& result, d
 
 enum class Sought { multiplier, friction };
 
+// cones: with whole ones and the forces nearest to the last, which is faster by far; else with pyramids, in the middle.
 SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sought sought, std::vector<double> normal,
-                    const std::string& from) {
+                    const std::string& from, bool cones) {
   const bool of_friction = sought == Sought::friction;
   LimitSettings settings = given;
   settings.interior = true;
+  if (settings.facets == 0) settings.facets = LimitSettings{}.facets;
   if (of_friction) settings.most = 0.0;
   const double mean = mean_of(normal);
   SettledLimit now{from};
   int steady = 0;
   double factor = 1.0;
   while (now.problems < kMostProblems) {
-    const LimitResult result =
-        limit_multiplier(of_friction ? frozen_friction(problem, normal, factor) : frozen(problem, normal), settings);
+    if (cones) settings.near = normal;
+    const LimitResult result = limit_multiplier(
+        of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
     if (result.status != LimitStatus::solved) return now;
     const double found = of_friction ? std::max(0.0, -result.multiplier) : result.multiplier;
@@ -153,19 +162,32 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     steady = change <= kSteady * std::max(std::abs(found), of_friction ? kNoFriction : 0.0) ? steady + 1 : 0;
     now.settled = steady >= kSteadyFor && now.beyond <= kBeyond;
     if (now.settled) return now;
-    for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += kFollow * (-result.force[i][0] - normal[i]);
+    for (std::size_t i = 0; i < normal.size(); ++i)
+      normal[i] += (cones ? kFollow : kFollowPyramids) * (-result.force[i][0] - normal[i]);
   }
   return now;
+}
+
+// Whole cones are solved in the middle as they are.
+LimitSettings middle_of(LimitSettings settings) {
+  settings.interior = settings.facets != 0;
+  return settings;
 }
 
 LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSettings& settings, Sought sought,
                                      const LimitResult& associated) {
   LimitWithoutDilation result;
-  result.start.push_back(settle(problem, settings, sought, elastic_normal_forces(problem), "weight"));
+  const auto add = [&](const std::vector<double>& normal, const char* from) {
+    SettledLimit found = settle(problem, settings, sought, normal, from, true);
+    if (!found.settled && problem.points.size() < kFewPoints)
+      found = settle(problem, settings, sought, normal, from, false);
+    result.start.push_back(found);
+  };
+  add(elastic_normal_forces(problem), "weight");
   if (associated.status == LimitStatus::solved) {
     std::vector<double> normal;
     for (const auto& force : associated.force) normal.push_back(std::max(0.0, -force[0]));
-    result.start.push_back(settle(problem, settings, sought, std::move(normal), "associated"));
+    add(normal, "associated");
   }
   for (const SettledLimit& start : result.start) {
     if (!start.settled) continue;
@@ -173,6 +195,11 @@ LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSet
         sought == Sought::friction ? start.multiplier > result.multiplier : start.multiplier < result.multiplier;
     if (result.settled && !worse) continue;
     result.settled = true, result.multiplier = start.multiplier;
+  }
+  for (const SettledLimit& start : result.start) {
+    const double beside = result.multiplier > 0.0 ? start.multiplier / result.multiplier : 1.0;
+    const bool worse = sought == Sought::friction ? beside > 1.0 + kDoubt : beside < 1.0 - kDoubt;
+    if (!start.settled && worse) result.settled = false;
   }
   return result;
 }
@@ -214,15 +241,11 @@ std::vector<double> elastic_normal_forces(const LimitProblem& problem) {
 }
 
 LimitWithoutDilation limit_without_dilation(const LimitProblem& problem, const LimitSettings& settings) {
-  LimitSettings interior = settings;
-  interior.interior = true;
-  return from_two_starts(problem, settings, Sought::multiplier, limit_multiplier(problem, interior));
+  return from_two_starts(problem, settings, Sought::multiplier, limit_multiplier(problem, middle_of(settings)));
 }
 
 LimitWithoutDilation friction_without_dilation(const LimitProblem& problem, const LimitSettings& settings) {
-  LimitSettings interior = settings;
-  interior.interior = true;
-  return from_two_starts(problem, settings, Sought::friction, carried_share(problem, interior));
+  return from_two_starts(problem, settings, Sought::friction, carried_share(problem, middle_of(settings)));
 }
 
 }  // namespace quoin

@@ -23,7 +23,7 @@ struct SettledLimit {
 
 struct LimitWithoutDilation {
   std::vector<SettledLimit> start;
-  bool settled = false;     // from some start
+  bool settled = false;     // from some start, and the other is no worse by more than 5 %
   double multiplier = 0.0;  // the lowest of those that settled
 };
 

@@ -13,7 +13,7 @@
 #include "base/duration_text.h"
 #include "cli/prepare.h"
 #include "files/memory.h"
-#include "law/material_point.h"
+#include "law/at_rest.h"
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
@@ -92,8 +92,8 @@ double print_stages(const Scene& scene, const TimeStepReport& report) {
       if (stage.whiffletree && stage.whiffletree->velocity != 0.0)
         seconds = *stage.displacement / std::abs(stage.whiffletree->velocity) + stage.ramp_time / 2;
     }
-    if (stage.collapse && !waits(*stage.collapse))
-      seconds = stage.ramp_time + (stage.collapse->limit - stage.collapse->start) / stage.collapse->rate;
+    if (const auto growth = stage.collapse ? seconds_of_growth(*stage.collapse) : std::nullopt)
+      seconds = stage.ramp_time + *growth;
     steps += seconds / time_step;
     fmt::print("  {:<16} until {}{}\n", stage.name, end_of(stage),
                seconds > 0 ? fmt::format(", about {:.0f} steps", seconds / time_step) : "");
@@ -230,50 +230,33 @@ void print_family(const JointFamily& family, const Material& material, long poin
   print_scatter(family, columns);
 }
 
-// Whether joints of this kind carry tension at the start: bonded or elastic ones.
-bool carries_tension(const std::shared_ptr<const Material>& material, const std::string& initial_state) {
-  constexpr double kOpening = 1e-9;  // m
-  try {
-    return MaterialPoint(material, initial_state).move_to(kOpening, 0.0, 0.0).traction[0] > 0.0;
-  } catch (const Error&) {
-    return false;
-  }
+// Joints between rigid blocks. Points at their corners alone have the second moment A h^2/4 of a joint, whose faces
+// have A h^2/12. Dry joints turn about their edges, where corners are right. spaced: contact.point_spacing says where
+// points are.
+void print_rigid_joints(const JointFamily& family, const Material& material, long joints, bool spaced) {
+  if (joints == 0 || spaced) return;
+  if (family.rigid_points != RigidPoints::corners)
+    fmt::print("    {} joints of rigid blocks have points that integrate bending exactly (contact.cubic_points)\n",
+               joints);
+  else if (carries_tension(material, family.initial_state))
+    fmt::print(
+        "    warning: {} joints of rigid blocks that carry tension have contact points at their corners alone, which "
+        "makes them 3 times too stiff and too strong in bending: remove contact.cubic_points = false\n",
+        joints);
 }
 
-// Points at the corners alone have the second moment A h^2/4 of a joint, whose faces have A h^2/12. Dry joints turn
-// about their edges, where corners are right.
-void print_corner_points(const JointFamily& family, const std::shared_ptr<const Material>& material, long joints,
-                         const char* remedy) {
-  if (joints == 0 || !carries_tension(material, family.initial_state)) return;
-  fmt::print(
-      "    warning: {} joints of rigid blocks that carry tension have contact points at their corners alone, which "
-      "makes them 3 times too stiff and too strong in bending: {}\n",
-      joints, remedy);
-}
-
-long corner_joints(const blocks::Model& m, int family) {
-  const blocks::ContactSettings& settings = m.assembly().contact;
-  if (settings.cubic_points) return 0;
+long rigid_joints(const blocks::Model& m, int family) {
   const auto is_rigid = [&](int block) { return m.block(block).body >= 0; };
   return std::count_if(m.contacts().begin(), m.contacts().end(), [&](const blocks::Contact& c) {
-    return c.initial && c.family == family && is_rigid(c.pair.a) && is_rigid(c.pair.b) && c.count >= 3 &&
-           (settings.point_spacing == 0.0 || c.count <= 4);
+    return c.initial && c.family == family && is_rigid(c.pair.a) && is_rigid(c.pair.b) && c.count >= 3;
   });
 }
 
-long corner_joints(const Assembly& assembly, int family) {
+long rigid_joints(const Assembly& assembly, int family) {
   const auto is_rigid = [&](int brick) { return assembly.bricks[static_cast<size_t>(brick)].rigid; };
   return std::count_if(assembly.joints.begin(), assembly.joints.end(), [&](const Joint& joint) {
     return joint.family == family && is_rigid(joint.block_a) && is_rigid(joint.block_b);
   });
-}
-
-// Where points may be asked for: blocks have [contact], walls have not.
-const char* more_points(const Scene& scene) {
-  return scene.blocks ? "set contact.cubic_points = true (exact; the lattice has corners alone), or "
-                        "contact.point_spacing to a tenth of the joint's width"
-                      : "give the units zones in place of rigid_units, or make them [[dry_wall]] or [[block]] with "
-                        "contact.cubic_points = true";
 }
 
 void print_notes(const TimeStepReport& report) {
@@ -326,8 +309,9 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   for (std::size_t f = 0; f < families.size(); ++f) {
     print_family(simulation.large_motion()->assembly().families[f], *families[f].material,
                  static_cast<long>(families[f].size()), families[f].kn, families[f].ks, families[f].columns);
-    print_corner_points(simulation.large_motion()->assembly().families[f], families[f].material,
-                        corner_joints(*simulation.large_motion(), static_cast<int>(f)), more_points(scene));
+    print_rigid_joints(simulation.large_motion()->assembly().families[f], *families[f].material,
+                       rigid_joints(*simulation.large_motion(), static_cast<int>(f)),
+                       simulation.large_motion()->assembly().contact.point_spacing > 0.0);
   }
   print_memory(size_of(scene));
   using Kind = blocks::Piece::Kind;
@@ -377,8 +361,8 @@ void check(const SceneOptions& options) {
     const ContactFamily& family = model.families[f];
     print_family(model.assembly.families[f], *family.material, family.point_count, family.normal_stiffness,
                  family.shear_stiffness, family.columns);
-    print_corner_points(model.assembly.families[f], family.material, corner_joints(model.assembly, static_cast<int>(f)),
-                        more_points(scene));
+    print_rigid_joints(model.assembly.families[f], *family.material, rigid_joints(model.assembly, static_cast<int>(f)),
+                       false);
   }
   if (!model.assembly.apart.empty()) fmt::print("  {} joints without mortar\n", model.assembly.apart.size());
   print_memory(scene_size);

@@ -44,6 +44,7 @@ Scene scene_with(const Study& study, const std::vector<std::string>& overrides) 
   SceneOptions options;
   options.scene = study.scene;
   options.overrides = overrides;
+  options.runs = true;
   return prepare_scene(options);
 }
 Scene scene_of(const Study& study, std::uint64_t sample) { return scene_with(study, study.overrides_of(sample)); }

@@ -113,9 +113,12 @@ void print_stands(const SceneLimit& limit) {
   print(*limit.friction);
 }
 
-void print_multiplier(const SceneLimit& limit, int facets) {
-  fmt::print("multiplier {:.5f} of the weight along {}, associated flow, cones of {} facets; gap {:.1e}\n",
-             limit.limit->multiplier, direction_text(*limit.direction), facets, limit.limit->gap);
+void print_multiplier(const SceneLimit& limit) {
+  const int facets = limit.limit->facets;
+  fmt::print("multiplier {:.5f} of the weight along {}, associated flow, {}; gap {:.1e}\n", limit.limit->multiplier,
+             direction_text(*limit.direction),
+             facets > 0 ? fmt::format("friction cones as pyramids of {} facets", facets) : "whole friction cones",
+             limit.limit->gap);
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
   for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
     fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->tie_force[i],
@@ -137,7 +140,7 @@ void run(const Options& options) {
   fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.problem.blocks.size(),
              limit.problem.points.size(), seconds);
   print_stands(limit);
-  if (limit.limit) print_multiplier(limit, options.limit.settings.facets);
+  if (limit.limit) print_multiplier(limit);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())
     notice(fmt::format("quoin: {}: a mechanism that needs no load: nothing resists the motion of {} block(s):{}",
                        scene.file, blocks.size(), blocks_text(limit, blocks)));
@@ -165,7 +168,8 @@ void add_limit_command(CLI::App& app) {
       ->expected(3);
   command->add_option("--given", options->limit.given, "Multiple of that load which acts beside the weight")
       ->capture_default_str();
-  command->add_option("--facets", options->limit.settings.facets, "Of each friction cone, inscribed")
+  command
+      ->add_option("--facets", options->limit.settings.facets, "Of pyramids within the friction cones; 0: whole cones")
       ->capture_default_str();
   command->add_flag("--associated", options->limit.associated, "No search for answers without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");

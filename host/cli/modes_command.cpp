@@ -101,10 +101,13 @@ void write_page(const std::filesystem::path& shapes, const Scene& scene, const M
 }
 
 void run(const Options& options) {
-  const Scene scene = prepare_scene(options.scene);
+  const bool undamaged = options.state == "undamaged";
+  SceneOptions asked = options.scene;
+  asked.runs = !undamaged;
+  const Scene scene = prepare_scene(asked);
   const auto begin = std::chrono::steady_clock::now();
-  const Vibrating v = options.state == "undamaged" ? vibrating(scene, stage_named(scene, options.stage))
-                                                   : vibrating_about(scene, options.state, options.stage);
+  const Vibrating v = undamaged ? vibrating(scene, stage_named(scene, options.stage))
+                                : vibrating_about(scene, options.state, options.stage);
   const auto assembled = std::chrono::steady_clock::now();
   const Modes modes = find_modes(v, options.settings);
   const auto end = std::chrono::steady_clock::now();
@@ -112,7 +115,7 @@ void run(const Options& options) {
   fmt::print("{}: {} blocks, {} contact points, {} degrees of freedom; {:.2g} s to set up, {:.2g} s to solve\n",
              scene.file, v.drawn.size() - v.members, v.points, v.unknown.size(), seconds(begin, assembled),
              seconds(assembled, end));
-  if (options.state != "undamaged") fmt::print("{} of {} contact points carry nothing\n", v.open, v.points);
+  if (!undamaged) fmt::print("{} of {} contact points carry nothing\n", v.open, v.points);
   warn_of_zero_modes(scene.file, v, modes);
   print(v, modes);
   if (options.out.empty()) return;

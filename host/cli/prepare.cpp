@@ -217,7 +217,7 @@ Scene prepare_scene(Scene scene, const SceneOptions& options) {
   refuse_what_does_not_fit(scene, options);
   faults_of_laws(scene, options).throw_any();
   if (const auto stage = rest_asked(options.overrides)) scene = at_rest(std::move(scene), *stage);
-  find_collapse_starts(&scene);
+  if (options.runs) find_collapse_starts(&scene);
   return scene;
 }
 
@@ -235,8 +235,9 @@ std::string end_of(const Stage& stage) {
     add(fmt::format("a half cycle reaches less than {:g} of the largest force before",
                     *stage.cycles->stop_at_force_loss));
   if (stage.collapse)
-    add(fmt::format("some block has moved by {:g} mm, multiplier at most {:g}", stage.collapse->displacement * 1e3,
-                    stage.collapse->limit));
+    add(fmt::format("some block has moved by {:g} mm, multiplier at most {}", stage.collapse->displacement * 1e3,
+                    stage.collapse->limit ? fmt::format("{:g}", *stage.collapse->limit)
+                                          : "1.2 times the associated one of limit analysis"));
   return end;
 }
 

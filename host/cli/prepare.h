@@ -16,6 +16,7 @@ struct SceneOptions {
   std::string text_sha256;          // of what it must hold: a run that goes on is one of the scene that it began with
   std::string law;                  // replaces the law of every joint family; empty: as in the scene
   std::vector<std::string> overrides;
+  bool runs = false;       // the scene is run: where collapse stages start is found by limit analysis
   bool force = false;      // models that seem too large for the machine, too
   int processes = 1;       // that compute the model together
   int processes_here = 1;  // of them, on this machine

@@ -417,6 +417,7 @@ void collect_results(Simulation& simulation, const Surfaces& surfaces, bool fail
 
 Scene scene_of(RunOptions* options, const Ranks* ranks) {
   if (ranks) options->scene.processes = ranks->count(), options->scene.processes_here = ranks->count_on_this_machine();
+  options->scene.runs = true;
   Scene scene = prepare_scene(options->scene);
   if (options->report && pieces_of(scene, ranks).count > 1)
     throw Error(Exit::usage, "--report: not with output.pieces, which ParaView reads and the page does not");

@@ -1,5 +1,7 @@
 #include "law/at_rest.h"
 
+#include <algorithm>
+
 namespace quoin {
 
 void evaluate_at_rest(const Material& material, const RestingPoints& points,
@@ -25,6 +27,21 @@ void evaluate_at_rest(const Material& material, const RestingPoints& points,
   batch.property_column_count = points.properties.size(), batch.property_columns = points.properties.data();
   ask(batch);
   material.evaluate(&batch);
+}
+
+bool carries_tension(const Material& material, const std::string& initial_state) {
+  constexpr double kOpening = 1e-9;  // m
+  const quoin_law& law = material.api();
+  const bool known = std::any_of(law.initial_states, law.initial_states + law.initial_state_count,
+                                 [&](const char* id) { return initial_state == id; });
+  if (!known) return false;
+  const std::vector<double> state = material.initial_state(initial_state);
+  constexpr double kNone = 0.0;
+  double sigma = 0.0;
+  RestingPoints point{1, &kOpening, {&kNone, &kNone, &kNone}, {}};
+  for (const double& value : state) point.state.push_back(&value);
+  evaluate_at_rest(material, point, [&](quoin_batch& batch) { batch.traction_new[0] = {&sigma, 1}; });
+  return sigma > 0.0;
 }
 
 }  // namespace quoin

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "law/law_library.h"
@@ -21,5 +22,9 @@ struct RestingPoints {
 // ask: gives the batch the columns that the law is to fill beside tractions and states, which are thrown away.
 void evaluate_at_rest(const Material& material, const RestingPoints& points,
                       const std::function<void(quoin_batch&)>& ask);
+
+// Whether a point in this initial state answers a little opening with tension: one that is bonded, or elastic. False of
+// a state that the law does not know.
+bool carries_tension(const Material& material, const std::string& initial_state);
 
 }  // namespace quoin

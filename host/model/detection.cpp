@@ -653,31 +653,42 @@ double World::energy_of_points(const Family& f, const LaneVector<Facet>& facets,
   return sum;
 }
 
+// A pair that has had no points yet has no family either: by the one that it would have.
+RigidPoints World::rigid_points_of(const Contact& c, const Vector& normal, bool at_start) const {
+  int family = c.family;
+  if (family < 0) family = assembly_.family_of ? assembly_.family_of({c.pair.a, c.pair.b, normal}) : 0;
+  if (family < 0 || family >= int(assembly_.families.size())) return RigidPoints::corners;
+  const RigidPoints rule = assembly_.families[size_t(family)].rigid_points;
+  if (rule != RigidPoints::cubic_at_start) return rule;
+  return at_start || c.initial ? RigidPoints::cubic : RigidPoints::corners;
+}
+
 void World::make_points(const Contact& c, const Separation& s, bool at_start, std::vector<NewPoint>& out) {
   // Corners are given a nominal area, which keeps them from sinking in. Not those of blocks that touch along an edge
   // since the start, as four units around a joint's end do: their neighbours keep them apart, and the nominal area
   // would lock units that slide past each other by a height of some micrometres.
   const double nominal = c.beside_joint ? 0.0 : std::min(blocks_[c.pair.a].corner_area, blocks_[c.pair.b].corner_area);
   const double of_faces = at_start ? 0.0 : nominal;
+  const RigidPoints rule = rigid_points_of(c, s.normal, at_start);
   if (s.feature == Separation::edges) {
     if (edge_point(c.pair, s, nominal, out)) return;
     // Edges that keep blocks apart but pass beside each other, as the rims of units that lie on one another do.
     const Placed a = placed(c.pair.a), b = placed(c.pair.b);
     const int face_of_a = facing(a, s.normal), face_of_b = facing(b, -s.normal);
     if (dot(a.normals[face_of_a], s.normal) >= -dot(b.normals[face_of_b], s.normal))
-      face_points(c.pair.a, face_of_a, c.pair.b, at_start, of_faces, out);
+      face_points(c.pair.a, face_of_a, c.pair.b, at_start, of_faces, rule, out);
     else
-      face_points(c.pair.b, face_of_b, c.pair.a, at_start, of_faces, out);
+      face_points(c.pair.b, face_of_b, c.pair.a, at_start, of_faces, rule, out);
   } else if (s.feature == Separation::face_of_a) {
-    face_points(c.pair.a, s.index_a, c.pair.b, at_start, of_faces, out);
+    face_points(c.pair.a, s.index_a, c.pair.b, at_start, of_faces, rule, out);
   } else {
-    face_points(c.pair.b, s.index_b, c.pair.a, at_start, of_faces, out);
+    face_points(c.pair.b, s.index_b, c.pair.a, at_start, of_faces, rule, out);
   }
 }
 
 // Points where the face of `carrier` that looks at `owner` overlaps the face `owner_face`, in the plane of that face.
 // They have the nominal area (m2) at least.
-void World::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal,
+void World::face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, RigidPoints rule,
                         std::vector<NewPoint>& out) {
   const Placed a = placed(owner), b = placed(carrier);
   const Vector n = a.normals[owner_face];
@@ -731,7 +742,7 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
         local.clear();
         if (rigid && assembly_.contact.point_spacing > 0) {
           grid_rule(overlap_polygon, assembly_.contact.point_spacing, local);
-        } else if (rigid && assembly_.contact.cubic_points) {
+        } else if (rigid && rule == RigidPoints::cubic) {
           cubic_rule(overlap_polygon, local);
         } else {
           vertex_rule(overlap_polygon, local);

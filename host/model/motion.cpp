@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "law/at_rest.h"
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
@@ -87,8 +88,20 @@ Motion as_blocks(Scene scene, blocks::Assembly shapes) {
 
 }  // namespace
 
+void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families) {
+  for (JointFamily& family : *families) {
+    if (scene.cubic_points)
+      family.rigid_points = *scene.cubic_points ? RigidPoints::cubic : RigidPoints::corners;
+    else if (carries_tension(Material(Law::find(family.law), family.properties), family.initial_state))
+      family.rigid_points = RigidPoints::cubic_at_start;
+    else
+      family.rigid_points = RigidPoints::corners;
+  }
+}
+
 Motion choose_motion(Scene scene, Assembly bricks) {
   if (scene.blocks) refuse(scene, "bricks given in place of blocks of any shape");
+  choose_rigid_points(scene, &bricks.families);
   prepare_for_free_blocks(scene, bricks);
   const std::string begins_free = why_free_from_start(scene);
   const bool at_once = scene.solver.large_motion == LargeMotion::always || !begins_free.empty();
@@ -110,6 +123,7 @@ Motion choose_motion(Scene scene) {
     return choose_motion(std::move(scene), std::move(bricks));
   }
   blocks::Assembly shapes = blocks::assemble(scene);
+  choose_rigid_points(scene, &shapes.families);
   std::string why_not;
   std::optional<blocks::OnLattice> found;
   if (const char* const carried = what_is_carried(scene))

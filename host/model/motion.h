@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "scene/assembly.h"
 #include "scene/blocks.h"
@@ -16,6 +17,10 @@ struct Motion {
   std::optional<blocks::Assembly> shapes;  // blocks of any shape
   std::string why_not_lattice;             // of a scene with blocks of any shape
 };
+
+// Where rigid blocks have contact points, by joint family: what the scene says, else corners, but for joints of the
+// start that carry tension. Throws Error(bad_input) for laws that are not found or refuse their properties.
+void choose_rigid_points(const Scene& scene, std::vector<JointFamily>* families);
 
 // Everything that the scene holds. Throws Error(bad_input), with the reason, where solver.kernels or a setting asks for
 // what the blocks cannot do.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "geometry/overlap.h"
 
 namespace quoin {
 namespace {
@@ -149,7 +150,8 @@ void PointFinder::rigid_to_deformable(const Joint& joint, const Brick& a, const 
 }
 
 // A grid over the overlap with points on its edges and corners, weights of the trapezoidal rule: rigid blocks turn
-// about their true corners. The zones of block a over the overlap set the number of points, 2 x 2 at least.
+// about their true corners. The zones of block a over the overlap set the number of points, 2 x 2 at least. Or, where
+// the family has them, the points that blocks of any shape have too, which integrate cubics exactly.
 void PointFinder::rigid_to_rigid(const Joint& joint, const Brick& a, const Brick& b) {
   const std::size_t s = at((axis_ + 1) % 3), t = at((axis_ + 2) % 3);
   double low[3], length[3];
@@ -159,6 +161,17 @@ void PointFinder::rigid_to_rigid(const Joint& joint, const Brick& a, const Brick
     length[c] = std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - low[c];
     if (length[c] <= tolerance_) return;
     cells[c] = std::max(1, static_cast<int>(std::lround(a.zones[c] * length[c] / a.size[c])));
+  }
+  if (assembly_.families[at(joint.family)].rigid_points != RigidPoints::corners) {
+    std::vector<geometry::QuadraturePoint> points;
+    const double to[2] = {low[s] + length[s], low[t] + length[t]};
+    geometry::cubic_rule({{low[s], low[t]}, {to[0], low[t]}, {to[0], to[1]}, {low[s], to[1]}}, points);
+    for (const geometry::QuadraturePoint& q : points) {
+      Vec3 p{};
+      p[at(axis_)] = b.origin[at(axis_)], p[s] = q.at.x, p[t] = q.at.y;
+      add({joint.block_a, -1}, {joint.block_b, -1}, q.area, p);
+    }
+    return;
   }
   for (int j = 0; j <= cells[t]; ++j) {
     for (int i = 0; i <= cells[s]; ++i) {

@@ -829,7 +829,9 @@ class World {
   double energy_of_points(const Family& f, const LaneVector<Facet>& facets, uint32_t first, uint32_t count) const;
   Vector in_space(const Point& p, const Vector& v) const;  // of p's frame
   void make_points(const Contact& c, const geometry::Separation& s, bool at_start, std::vector<NewPoint>& out);
-  void face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, std::vector<NewPoint>& out);
+  RigidPoints rigid_points_of(const Contact& c, const Vector& normal, bool at_start) const;  // corners or cubic
+  void face_points(int owner, int owner_face, int carrier, bool at_start, double nominal, RigidPoints rule,
+                   std::vector<NewPoint>& out);
   bool edge_point(const geometry::Pair& pair, const geometry::Separation& separation, double area,
                   std::vector<NewPoint>& out);
   void note_start_joints();

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "analysis/modes.h"
+#include "analysis/state_modes.h"
 #endif
 #include "base/error.h"
 #include "base/input_file.h"
@@ -55,9 +56,11 @@ Hashes hashes_of(const quoin::Scene& scene) {
 
 // As `quoin run` prepares a scene: of a document, or of the text of the file of that name, so that messages have its
 // lines. files: as hashes_of had them when the scene was loaded.
-quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files) {
+quoin::Scene scene_of(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
+                      bool runs = false) {
   quoin::SceneOptions options;
   options.scene = path;
+  options.runs = runs;
   quoin::Scene scene;
   if (const auto* text = std::get_if<std::string>(&source)) {
     scene = quoin::read_with_laws(options, [&] { return quoin::read_scene_text(*text, path); });
@@ -183,15 +186,17 @@ PYBIND11_MODULE(_quoin, m) {
   m.def("limit", &limit);
 #endif
 #ifdef QUOIN_MODES
-  m.def("modes",
-        [](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files, int count,
-           const std::string& stage, const std::array<double, 2>& ratios, const std::array<double, 2>& at) {
-          const quoin::Scene scene = scene_of(source, path, files);
-          const py::gil_scoped_release others_go_on;
-          const quoin::Vibrating v = quoin::vibrating(scene, quoin::stage_named(scene, stage));
-          const quoin::Modes modes = quoin::find_modes(v, {count, ratios, at});
-          return std::pair(quoin::json_of(scene.file, v, modes).dump(), quoin::shapes_of(v, modes));
-        });
+  m.def("modes", [](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
+                    int count, const std::string& stage, const std::string& state, const std::array<double, 2>& ratios,
+                    const std::array<double, 2>& at) {
+    const bool undamaged = state == "undamaged";
+    const quoin::Scene scene = scene_of(source, path, files, !undamaged);
+    const py::gil_scoped_release others_go_on;
+    const quoin::Vibrating v = undamaged ? quoin::vibrating(scene, quoin::stage_named(scene, stage))
+                                         : quoin::vibrating_about(scene, state, stage);
+    const quoin::Modes modes = quoin::find_modes(v, {count, ratios, at});
+    return std::pair(quoin::json_of(scene.file, v, modes).dump(), quoin::shapes_of(v, modes));
+  });
 #endif
   m.def("properties_of", &properties_of);
   m.def("read_mesh", &mesh_of);
@@ -224,7 +229,7 @@ PYBIND11_MODULE(_quoin, m) {
   py::class_<Session>(m, "Session")
       .def(py::init([](const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
                        int threads, bool keep_frames, const std::string& folder, bool isolate_law, double law_seconds) {
-        return std::make_unique<Session>(scene_of(source, path, files), threads, keep_frames, folder, isolate_law,
+        return std::make_unique<Session>(scene_of(source, path, files, true), threads, keep_frames, folder, isolate_law,
                                          law_seconds);
       }))
       .def("step", &Session::step)

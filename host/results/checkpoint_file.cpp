@@ -270,6 +270,10 @@ std::string masonry_hash(const Scene& scene) {
 }
 
 // What a stage does, but for its name and for what is recorded of it.
+std::string number_or(const std::optional<double>& number, const char* otherwise) {
+  return number ? fmt::format("{}", *number) : otherwise;
+}
+
 std::string text_of(const Scene& scene, std::size_t index) {
   const Stage& s = scene.stages[index];
   std::string text = fmt::format(
@@ -307,7 +311,8 @@ std::string text_of(const Scene& scene, std::size_t index) {
   if (s.ground) add_ground(*s.ground);
   if (s.collapse)
     add(fmt::format("collapse along {}, {} to {} at {} 1/s, {} m", fmt::join(s.collapse->direction, " "),
-                    s.collapse->start, s.collapse->limit, s.collapse->rate, s.collapse->displacement));
+                    number_or(s.collapse->start, "limit"), number_or(s.collapse->limit, "limit"),
+                    number_or(s.collapse->rate, "auto"), s.collapse->displacement));
   for (const auto& [family, law] : s.law_swaps) add(fmt::format("law of {}: {}", family, law));
   return text;
 }

@@ -52,8 +52,8 @@ struct ContactSettings {
   double skin = 0.0;  // m; pairs closer than this are watched; 0: 5 % of the smallest block's least extent
   double joint_tolerance =
       0.0;  // m; parallel faces closer than this at the start are a joint; 0: 1e-4 of the least extent
-  double point_spacing = 0.0;  // m; contact points inside a joint of rigid blocks no further apart; 0: corners only
-  bool cubic_points = false;   // rigid blocks: points that integrate cubics exactly (rotational stiffness exact)
+  double point_spacing =
+      0.0;  // m; contact points inside a joint of rigid blocks no further apart; 0: as the family has it
   // Contact geometry is frozen until two neighbours have moved against each other by more than this fraction of the
   // smaller one's least extent. From then on contacts are detected again whenever a pair has moved by that much again.
   // 0: large displacement at once.

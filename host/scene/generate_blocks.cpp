@@ -328,7 +328,6 @@ Assembly assemble(const Scene& scene) {
   assembly.contact.joint_tolerance = c.joint_tolerance;
   assembly.contact.point_spacing = c.point_spacing;
   assembly.contact.small_displacement = c.small_displacement;
-  assembly.contact.cubic_points = c.cubic_points;
   if (bricks) assembly.contact.joint_motion = kJointMotion;
   return assembly;
 }

@@ -49,26 +49,26 @@ Collapse read_collapse(Table c) {
     return node && node->is_string();
   };
   std::string word;
-  if (is_word("start"))
-    collapse.start = c.choice("start", word, {"limit"}) ? kStartAtLimit : 0.0;
-  else
-    c.number("start", collapse.start, kNotNegative, "times the weight, or \"limit\"");
-  if (is_word("rate"))
-    collapse.rate = c.choice("rate", word, {"auto"}) ? kWaits : collapse.rate;
-  else
-    c.number("rate", collapse.rate, kPositive, "times the weight, 1/s, or \"auto\"");
-  if (starts_at_limit(collapse) && !c.has("rate")) collapse.rate = kWaits;
+  if (!is_word("start"))
+    c.number("start", *collapse.start, kNotNegative, "times the weight, or \"limit\"");
+  else if (c.choice("start", word, {"limit"}))
+    collapse.start.reset();
+  if (!is_word("rate"))
+    c.number("rate", *collapse.rate, kPositive, "times the weight, 1/s, or \"auto\"");
+  else if (c.choice("rate", word, {"auto"}))
+    collapse.rate.reset();
+  if (!collapse.start && !c.has("rate")) collapse.rate.reset();
   if (waits(collapse) && collapse.start == 0.0)
     c.refuse("rate",
              "\"auto\" with a start of more than 0 (times the weight), of which it is a share; give start, or "
              "start = \"limit\"");
   c.number("displacement", collapse.displacement, kPositive, "m");
-  c.number("limit", collapse.limit, kPositive, "times the weight");
-  if (starts_at_limit(collapse) && !c.has("limit")) collapse.limit = kNoLimit;
-  if (collapse.limit <= collapse.start) {
+  c.number("limit", *collapse.limit, kPositive, "times the weight");
+  if (collapse.start && *collapse.limit <= *collapse.start) {
     c.refuse(c.has("limit") ? "limit" : "start",
-             fmt::format("a limit ({}) of more than start ({})", collapse.limit, collapse.start));
+             fmt::format("a limit ({}) of more than start ({})", *collapse.limit, *collapse.start));
   }
+  if (!collapse.start && !c.has("limit")) collapse.limit.reset();
   c.finish();
   return collapse;
 }

@@ -295,21 +295,18 @@ BlocksSpec read_blocks(Table& t, const Scene& scene, const std::string& folder) 
   std::vector<std::string> families{"none"};
   for (const auto& [name, f] : scene.joints) families.push_back(name);
   t.choice("default_joint", spec.default_joint, families, scene.joints.size() > 1 && spec.rules.empty());
-  if (const auto* table = t.table("contact", "a table [contact]")) {
-    Table c(t.context(), *table, "contact");
-    c.number("skin", spec.contact.skin, kPositive, "m");
-    c.number("joint_tolerance", spec.contact.joint_tolerance, kPositive, "m");
-    c.number("point_spacing", spec.contact.point_spacing, kPositive, "m");
-    c.number("small_displacement", spec.contact.small_displacement, between(0, 0.1), "of the least extent of a block");
-    c.boolean("cubic_points", spec.contact.cubic_points);
-    if (spec.contact.small_displacement == 0.0 && scene.solver.large_motion == LargeMotion::never)
-      c.refuse("small_displacement", "more than 0 with solver.large_motion = \"never\"; 0 means \"always\"");
-    if (spec.contact.small_displacement == 0.0 && scene.solver.kernels == Kernels::lattice)
-      c.refuse("small_displacement", "more than 0 with solver.kernels = \"lattice\"; 0 is large motion from the start");
-    c.finish();
-  }
-  if (scene.solver.large_motion == LargeMotion::always) spec.contact.small_displacement = 0.0;
   return spec;
+}
+
+void read_contact(Table& c, const SolverSettings& solver, BlocksSpec::Contact* contact) {
+  c.number("skin", contact->skin, kPositive, "m");
+  c.number("joint_tolerance", contact->joint_tolerance, kPositive, "m");
+  c.number("point_spacing", contact->point_spacing, kPositive, "m");
+  c.number("small_displacement", contact->small_displacement, between(0, 0.1), "of the least extent of a block");
+  if (contact->small_displacement == 0.0 && solver.large_motion == LargeMotion::never)
+    c.refuse("small_displacement", "more than 0 with solver.large_motion = \"never\"; 0 means \"always\"");
+  if (contact->small_displacement == 0.0 && solver.kernels == Kernels::lattice)
+    c.refuse("small_displacement", "more than 0 with solver.kernels = \"lattice\"; 0 is large motion from the start");
 }
 
 }  // namespace quoin

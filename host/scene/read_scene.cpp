@@ -738,6 +738,15 @@ Scene read_scene_text(const std::string& text, const std::string& path, const st
 
 namespace {
 
+// After the scene's blocks and its wall.
+void read_contact_table(Table c, Scene* scene) {
+  if (bool cubic = false; c.boolean("cubic_points", cubic)) scene->cubic_points = cubic;
+  if (scene->cubic_points && !scene->blocks && !(scene->wall && scene->wall->rigid_units))
+    c.refuse("cubic_points", "only with wall.rigid_units = true: deformable units have their gridpoints; remove it");
+  if (scene->blocks) read_contact(c, scene->solver, &scene->blocks->contact);
+  c.finish();
+}
+
 // Returns the quality that the table names, or the given one; null: none, of blocks.
 const Quality* read_solver_table(Table solver, const Quality* quality, bool of_blocks, Scene* scene) {
   if (!of_blocks || solver.has("quality")) {
@@ -831,9 +840,12 @@ Scene reader::read_scene(toml::table root, const std::string& path, const std::v
     scene.building = read_building({context, *table, "building"}, scene);
   if (scene.building) scene.quality_as_is = false;  // its errors were measured on walls
   if (of_blocks) scene.blocks = read_blocks(t, scene, folder);
-  if (of_blocks && scene.blocks->contact.small_displacement == 0.0) scene.solver.large_motion = LargeMotion::always;
   if (const auto* table = t.table("wall", "a table [wall]", !scene.building && !scene.blocks))
     scene.wall = read_wall({context, *table, "wall"}, scene);
+  if (const auto* table = t.table("contact", "a table [contact]"))
+    read_contact_table({context, *table, "contact"}, &scene);
+  if (of_blocks && scene.solver.large_motion == LargeMotion::always) scene.blocks->contact.small_displacement = 0.0;
+  if (of_blocks && scene.blocks->contact.small_displacement == 0.0) scene.solver.large_motion = LargeMotion::always;
   if (scene.wall && scene.building) t.refuse("wall", "one of [wall] and [building]; remove the other");
 
   scene.masses = read_masses(t);

@@ -57,6 +57,10 @@ struct RandomSample {
   std::uint64_t sample = 1;  // 0: the mean of everything
 };
 
+// Contact points in joints of rigid blocks: at corners alone, about which a dry block turns; or such that cubics, and
+// so bending, are integrated exactly. cubic_at_start: the latter in joints of the start; what meets later is dry.
+enum class RigidPoints { corners, cubic_at_start, cubic };
+
 // A joint family: all contact points that share one law and one set of properties.
 struct JointFamily {
   std::string name;  // "mortar", "unit"
@@ -66,7 +70,8 @@ struct JointFamily {
   Source source, initial_state_source;
 
   std::vector<PropertyCorrelation> correlation{};
-  double missing_mortar = 0.0;  // share of joints that are left out, at random
+  double missing_mortar = 0.0;                      // share of joints that are left out, at random
+  RigidPoints rigid_points = RigidPoints::corners;  // as choose_rigid_points() has it (model/motion.h)
   RandomSample random{};
   bool scatters() const {
     return std::any_of(properties.begin(), properties.end(), [](const auto& p) { return p.scatter.has_value(); });
@@ -182,9 +187,11 @@ struct GroundMotion {
 // is the collapse multiplier.
 struct Collapse {
   Vec3 direction{1, 0, 0};
-  double start = 0.0, rate = 0.01;  // alpha grows to `start` over the ramp, then by `rate` 1/s
-  double displacement = 0.01;       // m
-  double limit = 2.0;               // of alpha: gives up
+  // alpha grows to `start` over the ramp, then by `rate` 1/s. No start: limit analysis finds it before the run
+  // (analysis/collapse_start.h). No rate: the load waits until blocks are at rest (collapse_load.h).
+  std::optional<double> start = 0.0, rate = 0.01;
+  double displacement = 0.01;         // m
+  std::optional<double> limit = 2.0;  // of alpha: gives up; none: limit analysis finds it, too
 };
 
 // A virtual whiffletree: every floor gets the same force along x, F = stiffness (u - mean of the floors'
@@ -404,7 +411,6 @@ struct BlocksSpec {
   std::string default_joint;  // family of blocks that no rule names, or "none"
   struct Contact {
     double skin = 0.0, joint_tolerance = 0.0, point_spacing = 0.0, small_displacement = 0.005;
-    bool cubic_points = false;
   } contact;
 };
 
@@ -469,6 +475,7 @@ struct Scene {
   std::optional<WallSpec> wall;  // or a building; blocks may stand beside either, or alone
   std::optional<BuildingSpec> building;
   std::optional<BlocksSpec> blocks;
+  std::optional<bool> cubic_points;            // of rigid blocks; none: where joints carry tension at the start
   std::shared_ptr<const MemberSpecs> members;  // null: none
   std::vector<AddedMass> masses;               // those of floors too
   std::vector<Damage> damage;

@@ -53,7 +53,19 @@ void add_rigid(double count, double points, const Costs& costs, SceneSize* size)
 }
 
 // Points of a rigid block at the corners of each face, or no further apart than `spacing`, m, where that is more than
-// 0.
+// 0; or `times` as many as corners.
+struct OfRigid {
+  double spacing = 0.0, times = 1.0;
+};
+// Where joints that carry tension have cubic_points: 17 on a rectangle. Which do is for their laws to say.
+OfRigid points_of_rigid(const Scene& scene) {
+  constexpr double kCubic = 17.0 / 4.0;
+  const double spacing = scene.blocks ? scene.blocks->contact.point_spacing : 0.0;
+  const bool bonded = std::any_of(scene.joints.begin(), scene.joints.end(),
+                                  [](const auto& joint) { return joint.second.initial_state != "dry"; });
+  return {spacing, spacing == 0.0 && scene.cubic_points.value_or(bonded) ? kCubic : 1.0};
+}
+
 Counts parts_of_rigid(const Vec3& extent, double spacing) {
   constexpr double kMostParts = 100.0;  // of a side: geometry/overlap.cpp
   Counts n{1, 1, 1};
@@ -78,7 +90,7 @@ Counts divided(const Vec3& extent, double edge) {
 
 Counts as_counts(const std::array<int, 3>& n) { return {double(n[0]), double(n[1]), double(n[2])}; }
 
-void add_block(const BlockSpec& block, double spacing, SceneSize* size) {
+void add_block(const BlockSpec& block, const OfRigid& rigid, SceneSize* size) {
   Vec3 low{}, extent{};
   if (block.box_size) {
     extent = *block.box_size;
@@ -91,29 +103,32 @@ void add_block(const BlockSpec& block, double spacing, SceneSize* size) {
   } else {
     return;
   }
-  if (block.rigid) return add_rigid(1, points_all_round(parts_of_rigid(extent, spacing)), kLargeMotion, size);
+  if (block.rigid)
+    return add_rigid(1, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)), kLargeMotion, size);
   if (!block.tetrahedra.empty()) return add_tetrahedra(block, size);
   const Counts n = block.divisions[0] > 0 ? as_counts(block.divisions) : divided(extent, block.zone_edge);
   add_zoned(1, n, points_all_round(n), kLargeMotion, kAlone, size);
 }
 
-void add_dry_wall(const DryWallSpec& wall, double spacing, SceneSize* size) {
+void add_dry_wall(const DryWallSpec& wall, const OfRigid& rigid, SceneSize* size) {
   const bool halves = wall.mid_unit_joints;
   const double count = wall.courses * (halves ? 2.0 : 1.0) * std::ceil(wall.units_per_course + 1);
   const Vec3 extent{halves ? wall.unit[0] / 2 : wall.unit[0], wall.unit[1], wall.unit[2]};
   Counts hexahedra = as_counts(wall.zones);
   if (!halves) hexahedra[0] *= 2;
   if (wall.rigid)
-    return add_rigid(count, points_in_a_wall(parts_of_rigid(extent, spacing), halves), kLargeMotion, size);
+    return add_rigid(count, rigid.times * points_in_a_wall(parts_of_rigid(extent, rigid.spacing), halves), kLargeMotion,
+                     size);
   const Counts n = wall.zones[0] > 0 ? hexahedra : divided(extent, wall.zone_edge);
   add_zoned(count, n, points_in_a_wall(n, halves), kLargeMotion, 1.0, size);
 }
 
-void add_arch(const ArchSpec& arch, double spacing, SceneSize* size) {
+void add_arch(const ArchSpec& arch, const OfRigid& rigid, SceneSize* size) {
   const double turn = std::abs(arch.angles[1] - arch.angles[0]) * std::numbers::pi / 180;
   const Vec3 extent{(arch.radius + arch.thickness / 2) * turn / arch.voussoirs, arch.thickness, arch.depth};
   if (arch.rigid)
-    return add_rigid(arch.voussoirs + 2, points_all_round(parts_of_rigid(extent, spacing)), kLargeMotion, size);
+    return add_rigid(arch.voussoirs + 2, rigid.times * points_all_round(parts_of_rigid(extent, rigid.spacing)),
+                     kLargeMotion, size);
   const Counts n = divided(extent, arch.zone_edge);
   add_zoned(arch.voussoirs, n, points_all_round(n), kLargeMotion, 1.0, size);
 }
@@ -125,6 +140,7 @@ SceneSize size_of(const Scene& scene) {
   const bool on_lattice =
       scene.solver.large_motion != LargeMotion::always && scene.solver.kernels != Kernels::general && !scene.blocks;
   const Costs& costs = on_lattice ? kLattice : kLargeMotion;
+  const OfRigid rigid = points_of_rigid(scene);
   if (scene.wall) {
     const WallSpec& wall = *scene.wall;
     Counts hexahedra = as_counts(wall.zones);
@@ -133,7 +149,7 @@ SceneSize size_of(const Scene& scene) {
     const double blocks = wall.mid_unit_joints ? halves : halves / 2;
     if (!wall.mid_unit_joints) hexahedra[0] *= 2;
     if (wall.rigid_units)
-      add_rigid(blocks, points_in_a_wall({1, 1, 1}, wall.mid_unit_joints), costs, &size);
+      add_rigid(blocks, rigid.times * points_in_a_wall({1, 1, 1}, wall.mid_unit_joints), costs, &size);
     else
       add_zoned(blocks, hexahedra, points_in_a_wall(hexahedra, wall.mid_unit_joints), costs, 1.0, &size);
   }
@@ -145,10 +161,9 @@ SceneSize size_of(const Scene& scene) {
     add_zoned(halves * building.courses, hexahedra, points_in_a_wall(hexahedra, true), costs, 1.0, &size);
   }
   if (scene.blocks) {
-    const double spacing = scene.blocks->contact.point_spacing;
-    for (const BlockSpec& block : scene.blocks->blocks) add_block(block, spacing, &size);
-    for (const DryWallSpec& wall : scene.blocks->walls) add_dry_wall(wall, spacing, &size);
-    for (const ArchSpec& arch : scene.blocks->arches) add_arch(arch, spacing, &size);
+    for (const BlockSpec& block : scene.blocks->blocks) add_block(block, rigid, &size);
+    for (const DryWallSpec& wall : scene.blocks->walls) add_dry_wall(wall, rigid, &size);
+    for (const ArchSpec& arch : scene.blocks->arches) add_arch(arch, rigid, &size);
   }
   const bool all_rigid = size.zones == 0.0;  // rigid blocks are part of the outline
   if (on_lattice && !all_rigid)

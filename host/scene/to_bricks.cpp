@@ -154,10 +154,10 @@ class JointFinder {
         unfit("{} have zones of {:.4g} and {:.4g} m in their joint, whose gridpoints do not meet", both(i, j),
               below.size[c] / below.zones[c], above.size[c] / above.zones[c]);
     }
-    if (below.rigid && above.rigid && (assembly_.contact.point_spacing > 0.0 || assembly_.contact.cubic_points))
+    if (below.rigid && above.rigid && assembly_.contact.point_spacing > 0.0)
       unfit(
-          "contact.point_spacing and contact.cubic_points ask for more points in the joints of rigid blocks than the "
-          "corners that the lattice has");
+          "contact.point_spacing asks for other points in the joints of rigid blocks than the lattice has: corners, or "
+          "contact.cubic_points");
     const auto cell = [&](size_t c) { return std::lround(o.from[c] / grid_); };
     found_.push_back({{normal == 1, cell(1), cell(2), cell(0)}, {a, b, 2 * int(normal) + 1, family}});
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/collapse_load.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 
@@ -107,10 +108,8 @@ long Simulation::Impl::chosen_record_interval() const {
     if (speed > 0.0)
       steps = std::min(steps, (*settings.displacement / speed + 0.5 * settings.ramp_time) / data.time_step);
   }
-  if (settings.collapse)
-    steps = std::min(
-        steps, (settings.ramp_time + (settings.collapse->limit - settings.collapse->start) / settings.collapse->rate) /
-                   data.time_step);
+  if (const auto growth = settings.collapse ? seconds_of_growth(*settings.collapse) : std::nullopt)
+    steps = std::min(steps, (settings.ramp_time + *growth) / data.time_step);
   if (!std::isfinite(steps)) return kUnknownLength;
   const long rows = cycles ? std::max(kDefaultRows, kHalfCycleRows * cycles->half_cycles()) : kDefaultRows;
   return std::max(1L, std::lround(steps / static_cast<double>(rows)));
@@ -123,7 +122,7 @@ double Simulation::Impl::stage_fraction() const {
   if (settings.collapse) {
     // Where it will end is not known; the limit ends it for certain, and frames and progress go by it.
     const Collapse& c = *settings.collapse;
-    fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - c.start) / (c.limit - c.start)));
+    fraction = std::max(fraction, std::min(1.0 - 1e-9, (multiplier - *c.start) / (*c.limit - *c.start)));
   }
   if (settings.displacement && large_motion) {
     const auto c = static_cast<std::size_t>(settings.direction);

@@ -400,6 +400,87 @@ TEST(Limit, CrushingShortensTheLever) {
   }
 }
 
+LimitSettings whole_cones() {
+  LimitSettings settings;
+  settings.facets = 0;
+  return settings;
+}
+
+// Whole cones against closed forms, for what slides askew too: a block that slides in any direction does so at
+// friction.
+TEST(WholeCones, MeetClosedForms) {
+  for (const double turned : {0.0, 0.1, 0.7}) {
+    Boxes one;
+    one.add({-9.0, -1.0, -9.0}, {19.0, 1.0, 19.0}, {}, true);
+    one.add({0.0, 0.0, 0.0}, {1.0, 0.5, 1.0}, {std::cos(turned), 0.0, std::sin(turned)});
+    one.join(0.3);
+    const LimitResult found = limit_multiplier(one.problem, whole_cones());
+    EXPECT_EQ(found.facets, 0);
+    EXPECT_NEAR(found.multiplier, 0.3, 1e-6) << turned;
+    for (LimitPoint& p : one.problem.points) p.cohesion = 0.02;
+    EXPECT_NEAR(multiplier(one.problem, whole_cones()), 0.3 + 4 * 0.02 / 0.5, 1e-6) << turned;
+  }
+  EXPECT_NEAR(multiplier(running_bond(5, 6, 0.65, 0), whole_cones()), 0.64286, 1e-5);
+  EXPECT_NEAR(multiplier(running_bond(5, 10, 0.65, 0), whole_cones()), 0.58000, 1e-5);
+  EXPECT_NEAR(multiplier(running_bond(8, 4, 10.0, 0, 0.2), whole_cones()), 4.0, 1e-4);
+  EXPECT_NEAR(multiplier(arch(36, 0.15, 10.0, 0.0, pi), whole_cones()), 0.1448, 1e-4);
+}
+
+// Tension that friction does not end, crushing and ties, against pyramids in planes where these are exact.
+TEST(WholeCones, HaveTheStrengthsOfPyramids) {
+  Boxes one;
+  one.add({-2.0, -1.0, -2.0}, {5.0, 1.0, 5.0}, {}, true);
+  one.add({0.0, 0.0, 0.0}, {1.0, 2.0, 1.0}, {1.0, 0.0, 0.0});
+  one.join(5.0);
+  const auto same = [&](const char* what) {
+    EXPECT_NEAR(multiplier(one.problem, whole_cones()), multiplier(one.problem), 1e-5) << what;
+  };
+  same("dry");
+  for (LimitPoint& p : one.problem.points) p.tension = 1.25, p.cohesion = 40.0;
+  same("bonded");
+  for (LimitPoint& p : one.problem.points) p.crushing = 0.8;
+  same("crushed");
+  for (LimitPoint& p : one.problem.points) p.tension = 0.0, p.cohesion = 0.1, p.friction = 0.0;
+  same("without friction");
+  one.problem.ties.push_back({0, 1, {-1.0, 2.0, 0.5}, {0.0, 2.0, 0.5}, 0.3, 0.0});
+  same("tied");
+  const LimitResult tied = limit_multiplier(one.problem, whole_cones());
+  EXPECT_NEAR(tied.tie_force.at(0), 0.3, 1e-5);
+}
+
+// Inscribed pyramids of 16 facets lie at most 1 - cos(pi/16) = 1.9 % within the cones: case 10 gains up to 1.5 %.
+TEST(WholeCones, AreNoWeakerThanPyramidsWithinThem) {
+  LimitSettings sixteen;
+  sixteen.facets = 16, sixteen.facet_on_axis = true;
+  for (const auto& [units, courses] : {std::pair(4, 8), std::pair(6, 10)}) {
+    const LimitProblem walls = u_shape(units, courses, 0.6);
+    const double whole = multiplier(walls, whole_cones()), within = multiplier(walls, sixteen);
+    std::printf("facade of %d units: %.5f, 16 facets %.5f\n", units, whole, within);
+    EXPECT_GE(whole, within - 1e-6);
+    EXPECT_LE(whole, 1.015 * within);
+  }
+}
+
+// Forces in equilibrium and within the cones, to 1e-6 of a block's weight.
+TEST(WholeCones, GiveForcesInEquilibriumAndWithinStrength) {
+  const LimitProblem wall = running_bond(6, 8, 0.65, 0);
+  const LimitResult found = limit_multiplier(wall, whole_cones());
+  const double weight = norm(wall.blocks.back().dead.force);
+  std::vector<Vector> sum;
+  for (const LimitBlock& b : wall.blocks) sum.push_back(b.dead.force + found.multiplier * b.live.force);
+  for (std::size_t i = 0; i < wall.points.size(); ++i) {
+    const LimitPoint& p = wall.points[i];
+    const auto& [n, s, t] = found.force[i];
+    EXPECT_LE(std::hypot(s, t), -p.friction * n + 1e-6 * weight);
+    const Vector f = n * p.n + s * p.s + t * p.t;
+    sum[static_cast<std::size_t>(p.a)] += f, sum[static_cast<std::size_t>(p.b)] += -f;
+  }
+  for (std::size_t k = 0; k < sum.size(); ++k)
+    if (!wall.blocks[k].fixed) {
+      EXPECT_LT(norm(sum[k]), 1e-5 * weight) << k;
+    }
+}
+
 TEST(Limit, WhatHasNoAnswerIsNamed) {
   Boxes floating;
   floating.add({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {}, true);
@@ -416,6 +497,10 @@ TEST(Limit, WhatHasNoAnswerIsNamed) {
   pressed.join(0.5);
   EXPECT_EQ(limit_multiplier(pressed.problem).status, LimitStatus::unbounded);
   EXPECT_EQ(limit_multiplier(pressed.problem).blocks_concerned, std::vector<int>{1});
+
+  // Cones find no answer; pyramids say why.
+  EXPECT_EQ(limit_multiplier(floating.problem, whole_cones()).status, LimitStatus::no_equilibrium);
+  EXPECT_EQ(limit_multiplier(pressed.problem, whole_cones()).status, LimitStatus::unbounded);
 
   LimitProblem bad = pressed.problem;
   bad.points[0].friction = -1.0;

@@ -47,7 +47,7 @@ TEST(Watch, SeesTheDeepestContactPointAndItsPlace) {
     Simulation simulation(read_scene_text(
         stone("kernels = \"general\"", "",
               fmt::format("[[stage.force]]\nblock = \"stone\"\npoint = [{}, 0.2, {}]\nforce = [0, -10e3, 0]\n", x, z)),
-        "stone.toml"));
+        "stone.toml", {"contact.cubic_points=false"}));
     Observer nobody;
     simulation.run(nobody);
     const auto points = simulation.contact_points();

@@ -56,6 +56,26 @@ class Modes(Folder):
         self.assertEqual(len(found.shapes[0]), expected["blocks"])
         self.assertAlmostEqual(max(np.linalg.norm(u, axis=1).max() for u in found.shapes[2]), 1.0, places=12)
 
+    def test_of_a_state_they_are_those_of_the_program(self):
+        arch = os.path.join(SCENES, "arch.toml")
+        self.assertEqual(self.command("modes", arch, "--count", "3", "--state", "weight", "--out", "of").returncode, 0)
+        with open(self.path("of/modes.json"), encoding="utf-8") as file:
+            expected = json.load(file)
+        found = quoin.modes(arch, count=3, state="weight")
+        self.assertEqual(found.summary["state"], "weight")
+        np.testing.assert_allclose(found.frequencies, expected["frequencies_Hz"], rtol=1e-6)
+        # Weight takes from stiffness.
+        self.assertLess(found.frequencies[0], (1 - 1e-6) * quoin.modes(arch, count=3).frequencies[0])
+        # The same state, as a run leaves it.
+        scene = quoin.Scene.load(arch)
+        scene.stage = [quoin.Stage(name="weight", kind="rest", gravity=[0, -9.81, 0])]
+        scene.output = dict(end_state=True, frames=0, plots=False)
+        quoin.run(scene, out=self.path("end"))
+        end = quoin.modes(scene, count=3, state=self.path("end"))
+        np.testing.assert_allclose(end.frequencies, found.frequencies, rtol=1e-4)
+        with self.assertRaises(quoin.Error):
+            quoin.modes(scene, state=self.path("nowhere"))
+
     def test_a_cube_on_a_joint(self):
         # sqrt(kn A/m) with 1e9 Pa/m, 1 m2 and 1000 kg.
         scene = block_scene()

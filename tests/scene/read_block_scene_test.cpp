@@ -336,7 +336,7 @@ TEST_F(ReadBlockScene, LargeMotionFromTheStartIsNoLattice) {
 
 // host/scenes/BLOCKS.md, the column of defaults.
 TEST_F(ReadBlockScene, WhatIsLeftOutIsAsThePageSays) {
-  const BlocksSpec blocks = read_scene(write("least.toml", std::string(kScene) + R"(collapse = { displacement = 0.1 }
+  const Scene least = read_scene(write("least.toml", std::string(kScene) + R"(collapse = { displacement = 0.1 }
 [[dry_wall]]
 material = "stone"
 courses = 2
@@ -352,8 +352,8 @@ voussoirs = 9
 [[block]]
 material = "stone"
 mesh = "stone.off"
-)"))
-                                .blocks.value();
+)"));
+  const BlocksSpec& blocks = least.blocks.value();
   const BlockSpec &box = blocks.blocks.at(0), &mesh = blocks.blocks.at(1);
   EXPECT_TRUE(box.rigid);
   EXPECT_FALSE(box.fixed);
@@ -375,7 +375,7 @@ mesh = "stone.off"
   EXPECT_THAT(arch.centre, ElementsAre(0.0, 0.0, 0.0));
   EXPECT_THAT(arch.angles, ElementsAre(0.0, 180.0));
   EXPECT_EQ(blocks.contact.small_displacement, 0.005);
-  EXPECT_FALSE(blocks.contact.cubic_points);
+  EXPECT_FALSE(least.cubic_points.has_value());
   EXPECT_EQ(blocks.default_joint, "dry");
 }
 

@@ -71,7 +71,9 @@ TEST(Size, OfEachWayToGiveABlockIsThatOfItsHexahedra) {
   const std::string wall =
       "[[dry_wall]]\nmaterial = \"stone\"\ncourses = 3\nunits_per_course = 4\nunit = [0.4, 0.2, 0.3]\n";
   // A course of 4 units is cut into 5 at most. Head joints, and bed joints: whole units lie on two.
-  expect(size(wall), 15, 0, 15 * (4 + 2 * 4));
+  // Elastic: each of them may have the 17 points that integrate bending, unless corners are asked for.
+  expect(size(wall), 15, 0, 15 * (17 + 2 * 17));
+  expect(size(wall + end + "[contact]\ncubic_points = false\n"), 15, 0, 15 * (4 + 2 * 4));
   expect(size(wall + "rigid = false\nzones = [2, 3, 4]\n"), 15, 15 * 5 * 4 * 3 * 4, 15 * (4 * 5 + 2 * 3 * 5));
   expect(size(wall + "rigid = false\nzones = [2, 3, 4]\nmid_unit_joints = true\n"), 30, 30 * 5 * 2 * 3 * 4,
          30 * (4 * 5 + 3 * 5));

@@ -1,5 +1,6 @@
 """What a scene answers without a run."""
 import json
+import os
 
 import numpy as np
 
@@ -44,16 +45,17 @@ class Limit:
         return f"<limit: {answer}, multiplier {self.multiplier}>"
 
 
-def limit(scene, *, direction=None, given=0.0, facets=32, associated=False):
+def limit(scene, *, direction=None, given=0.0, facets=0, associated=False):
     """What `quoin limit` finds of a scene, or of the file of one, without a run. direction: x, y, z of the load that is
     multiplied, a share of the weight; else that of the first collapse stage. given: multiple of it that acts beside the
-    weight. associated: no search for answers without dilation. A scene that does not stand is an answer, not an error."""
+    weight. facets: of pyramids within the friction cones; 0: whole cones. associated: no search for answers without
+    dilation. A scene that does not stand is an answer, not an error."""
     if not hasattr(_quoin, "limit"):
         raise BadInput("limit: this installation has no limit analysis; build it with coinor-libclp-dev")
     way = [] if direction is None else [float(v) for v in direction]
     if len(way) not in (0, 3):
         raise ValueError(f"direction: three numbers are needed, not {len(way)}")
-    return Limit(*_quoin.limit(*scene_of(scene)._source(), way, float(given), whole("facets", facets, 4, 1000),
+    return Limit(*_quoin.limit(*scene_of(scene)._source(), way, float(given), whole("facets", facets, 0, 1000),
                                bool(associated)))
 
 
@@ -75,14 +77,15 @@ class Modes:
         return f"<{len(self.frequencies)} modes from {self.frequencies[0]:.4g} to {self.frequencies[-1]:.4g} Hz>"
 
 
-def modes(scene, *, count=10, stage="", ratios=(0.05, 0.05), at=(0.0, 0.0)):
-    """The lowest modes of a scene, or of the file of one, as it is at the start, as `quoin modes` finds them. stage: whose
-    supports hold the blocks; else the first. ratios: of critical damping at the frequencies `at`, Hz; 0: those of the
-    first and the last mode."""
+def modes(scene, *, count=10, stage="", state="undamaged", ratios=(0.05, 0.05), at=(0.0, 0.0)):
+    """The lowest modes of a scene, or of the file of one, as `quoin modes` finds them. stage: whose supports hold the
+    blocks; else the first. state: "undamaged", as it is at the start; "weight": at rest under the loads of the stage; or
+    the folder of a run of this scene from Python with output.end_state = true, at whose end open joints are open. ratios:
+    of critical damping at the frequencies `at`, Hz; 0: those of the first and the last mode."""
     if not hasattr(_quoin, "modes"):
         raise BadInput("modes: this installation has no natural frequencies; build it with libopenblas-serial-dev")
     return Modes(*_quoin.modes(*scene_of(scene)._source(), whole("count", count, 1, 10000), str(stage),
-                               pair("ratios", ratios), pair("at", at)))
+                               os.fspath(state), pair("ratios", ratios), pair("at", at)))
 
 
 def properties_of(**tests):

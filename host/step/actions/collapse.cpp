@@ -35,7 +35,7 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   const double window = window_of(c, stage.gravity);
   if (seen->since < 0.0) {
     const int reached = static_cast<int>(seen->highest);
-    const double from = reached > 0 ? load_at(c, reached - 1) : 0.0, to = load_at(c, reached);
+    const double from = reached > 0 ? load_at(*c.start, reached - 1) : 0.0, to = load_at(*c.start, reached);
     const double s = (time - seen->lowest) / (reached > 0 ? 0.5 * window : std::max(stage.ramp_time, 2.0 * window));
     if (s < 1.0) return from + (to - from) * s * s * (3.0 - 2.0 * s);
     seen->since = time, seen->lowest = seen->highest = moved;
@@ -44,7 +44,7 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
   seen->highest = std::max(seen->highest, moved);
   if (time - seen->since < window) return multiplier;
   if (seen->highest - seen->lowest <= kAtRest * std::min(c.displacement, kMostSeen)) {
-    seen->carried = true, seen->since = -1.0, seen->lowest = time, seen->highest = last_stop(c, multiplier) + 1;
+    seen->carried = true, seen->since = -1.0, seen->lowest = time, seen->highest = last_stop(*c.start, multiplier) + 1;
     return multiplier;
   }
   seen->since = time, seen->lowest = seen->highest, seen->highest = moved;
@@ -54,7 +54,7 @@ double waiting_load(FirstLoad* seen, const Stage& stage, double time, double mul
 }  // namespace
 
 void Simulation::Impl::bind_collapse(const Stage& settings, const Stage*) {
-  if (settings.collapse && starts_at_limit(*settings.collapse))
+  if (settings.collapse && (!settings.collapse->start || !settings.collapse->limit))
     throw Error(Exit::bad_input,
                 fmt::format("{}: collapse.start = \"limit\" is not found yet; give start as a number, times the weight",
                             settings.source.text));
@@ -66,8 +66,8 @@ void Simulation::Impl::bind_collapse(const Stage& settings, const Stage*) {
 void Simulation::Impl::apply_collapse(const Stage& settings, double s) {
   if (!settings.collapse) return;
   if (!waits(*settings.collapse))
-    multiplier = settings.collapse->start * s +
-                 settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
+    multiplier = *settings.collapse->start * s +
+                 *settings.collapse->rate * std::max(0.0, large_motion->time() - stage_start_time - settings.ramp_time);
   large_motion->set_gravity(geometry::vector(data.gravity) +
                             multiplier * norm(geometry::vector(settings.gravity)) *
                                 normalized(geometry::vector(settings.collapse->direction)));
@@ -111,9 +111,9 @@ bool Simulation::Impl::collapse_ended(std::vector<Warning>* warnings) {
       multiplier = waiting_load(&first_load, settings, stage_time(), multiplier, moved);
     else if (stage_time() >= settings.ramp_time)
       first_load.look(stage_time(), moved, 0.1 * c.displacement, FirstLoad::time_of(c, settings.gravity));
-    return multiplier > c.limit;
+    return multiplier > *c.limit;
   }
-  if (c.start <= 0.0 || first_load.carried) {
+  if (*c.start <= 0.0 || first_load.carried) {
     outcome.collapse_multiplier = multiplier;
     return true;
   }
@@ -123,13 +123,13 @@ bool Simulation::Impl::collapse_ended(std::vector<Warning>* warnings) {
                   "collapse.start = {:g}: the ramp has brought them there, and the collapse multiplier is not "
                   "known. It may lie below start or little above it; give a smaller start, or a longer ramp_time "
                   "({:g} s)",
-                  settings.name, c.displacement, multiplier, c.start, settings.ramp_time),
+                  settings.name, c.displacement, multiplier, *c.start, settings.ramp_time),
       warnings);
   return true;
 }
 
 double FirstLoad::time_of(const Collapse& c, const Vec3& gravity) {
-  return std::max(0.01 * c.start / c.rate, 4.0 * std::sqrt(2.0 * c.displacement / norm(geometry::vector(gravity))));
+  return std::max(0.01 * *c.start / *c.rate, 4.0 * std::sqrt(2.0 * c.displacement / norm(geometry::vector(gravity))));
 }
 
 void FirstLoad::look(double time, double moved, double allowed, double needed) {

@@ -1,0 +1,572 @@
+#include "analysis/cone_limit.h"
+
+#include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace quoin {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+using geometry::Vector;
+
+constexpr int kMostSteps = 100;
+constexpr double kToBorder = 0.99;  // share of the way to the border of the cones that a step goes
+constexpr double kWanted = 5e-7;    // gap and residuals at which the search ends
+constexpr double kGood = 1e-5;      // at which it may end where numbers give out
+constexpr double kGoodNear = 1e-3;  // of forces near to given ones: what a settled multiplier may change by
+constexpr double kRegular = 1e-13;  // added to the diagonal, of the largest: what no contact holds yet
+constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than what the gap leaves open
+constexpr double kInside = 1.0;     // distance of the first point from the border of the cones
+
+// The cone s[0] >= |(s[1], s[2])|, with slack s and price z.
+struct Cone {
+  Vector3d s, z, lambda;
+  Matrix3d w, w_inverse, square, square_inverse;  // Nesterov and Todd's scaling
+
+  static double determinant(const Vector3d& v) { return (v[0] - v.tail<2>().norm()) * (v[0] + v.tail<2>().norm()); }
+  static Vector3d product(const Vector3d& a, const Vector3d& b) {
+    Vector3d c;
+    c << a.dot(b), a[0] * b.tail<2>() + b[0] * a.tail<2>();
+    return c;
+  }
+  Vector3d over_lambda(const Vector3d& d) const {
+    Vector3d x;
+    x[0] = (lambda[0] * d[0] - lambda.tail<2>().dot(d.tail<2>())) / determinant(lambda);
+    x.tail<2>() = (d.tail<2>() - x[0] * lambda.tail<2>()) / lambda[0];
+    return x;
+  }
+  bool scale() {
+    const double of_s = determinant(s), of_z = determinant(z);
+    if (!(of_s > 0.0) || !(of_z > 0.0)) return false;
+    const Vector3d unit_s = s / std::sqrt(of_s);
+    Vector3d unit_z = z / std::sqrt(of_z);
+    const double gamma = std::sqrt(0.5 * (1.0 + unit_s.dot(unit_z)));
+    unit_z.tail<2>() *= -1.0;
+    const Vector3d v = (unit_s + unit_z) / (2.0 * gamma);
+    const double eta = std::sqrt(std::sqrt(of_s / of_z));
+    const Eigen::Vector2d v1 = v.tail<2>();
+    Matrix3d root;
+    root(0, 0) = v[0];
+    root.block<1, 2>(0, 1) = v1.transpose(), root.block<2, 1>(1, 0) = v1;
+    root.block<2, 2>(1, 1) = Eigen::Matrix2d::Identity() + v1 * v1.transpose() / (1.0 + v[0]);
+    w = eta * root;
+    root.block<1, 2>(0, 1) *= -1.0, root.block<2, 1>(1, 0) *= -1.0;
+    w_inverse = root / eta;
+    Vector3d mirrored = v;
+    mirrored.tail<2>() *= -1.0;
+    const Eigen::DiagonalMatrix<double, 3> j(1.0, -1.0, -1.0);
+    square = 2.0 * v * v.transpose();
+    square -= Matrix3d(j);
+    square *= eta * eta;
+    square_inverse = 2.0 * mirrored * mirrored.transpose();
+    square_inverse -= Matrix3d(j);
+    square_inverse /= eta * eta;
+    lambda = w * z;
+    return true;
+  }
+  static double reach(const Vector3d& v, const Vector3d& d) {
+    const double a = determinant(d), b = v[0] * d[0] - v.tail<2>().dot(d.tail<2>()), c = determinant(v);
+    const double discriminant = b * b - a * c;
+    if (discriminant < 0.0 || (a >= 0.0 && b >= 0.0)) return std::numeric_limits<double>::infinity();
+    return c / (std::sqrt(discriminant) - b);
+  }
+};
+
+// sign x[0] <= bound, with slack s and price z.
+struct Bound {
+  double sign = 1.0, bound = 0.0, s = 0.0, z = 0.0;
+  double ds = 0.0, dz = 0.0, corrector = 0.0;
+  double reach() const {
+    const double of_s = ds < 0.0 ? -s / ds : std::numeric_limits<double>::infinity();
+    return std::min(of_s, dz < 0.0 ? -z / dz : std::numeric_limits<double>::infinity());
+  }
+};
+
+// A contact point, with forces x along n, s, t; or a tie, with one force.
+struct Element {
+  int a = -1, b = -1;                      // first rows of its blocks; -1: fixed
+  Eigen::Matrix<double, 6, 3> on_a, on_b;  // what forces do to them
+  bool has_cone = false;                   // its slack: strength - friction x[0] + live multiplier, x[1], x[2]
+  double friction = 0.0, strength = 0.0, live = 0.0;
+  Cone cone{};
+  Vector3d cone_ds, cone_dz, corrector;
+  std::vector<Bound> bounds;
+  double pull = 0.0;  // of the normal force; of shear to 0
+  double towards = 0.0;
+  Vector3d x = Vector3d::Zero(), dx;
+
+  Matrix3d hessian;
+  Matrix3d inverse;        // of it; 0 for forces that it does not have
+  Vector3d to_multiplier;  // Hessian between x and the multiplier
+  Vector3d rest, left;     // right side, and what is left of it
+
+  Vector3d slope(const Vector3d& v, double multiplier) const {  // G x
+    return {friction * v[0] - live * multiplier, -v[1], -v[2]};
+  }
+  Vector3d back(const Vector3d& z) const { return {friction * z[0], -z[1], -z[2]}; }  // its transpose
+};
+
+class ConeProgramme {
+ public:
+  ConeProgramme(const LimitProblem& problem, double most, const std::vector<double>& near) : problem_(problem) {
+    find_scales();
+    number_blocks();
+    for (const LimitPoint& p : problem.points) add_point(p);
+    for (std::size_t i = 0; i < near.size(); ++i) {
+      elements_[i].pull = kNear / static_cast<double>(near.size());
+      elements_[i].towards = -near[i] / force_;
+    }
+    for (const LimitTie& tie : problem.ties) add_tie(tie);
+    if (std::isfinite(most)) multiplier_bounds_.push_back({1.0, most});
+    pattern();
+  }
+
+  LimitResult solve() {
+    LimitResult result;
+    if (elements_.empty() || !begin()) return result;
+    for (int step = 0; step < kMostSteps; ++step) {
+      residuals();
+      keep_best();
+      if (error_ < kWanted || !advance()) break;
+    }
+    if (best_error_ > (is_near() ? kGoodNear : kGood)) return result;
+    restore_best();
+    fill(result);
+    return result;
+  }
+
+ private:
+  bool is_near() const { return !elements_.empty() && elements_.front().pull > 0.0; }
+
+  void find_scales() {
+    double load = 0.0, arm = 0.0;
+    for (const LimitBlock& b : problem_.blocks) load += norm(b.dead.force) + norm(b.live.force);
+    for (const LimitPoint& p : problem_.points)
+      arm += norm(p.position - problem_.blocks[static_cast<std::size_t>(p.a)].centre);
+    force_ = load > 0.0 ? load / static_cast<double>(problem_.blocks.size()) : 1.0;
+    length_ = arm > 0.0 ? arm / static_cast<double>(problem_.points.size()) : 1.0;
+  }
+
+  void number_blocks() {
+    for (const LimitBlock& b : problem_.blocks) {
+      rows_.push_back(b.fixed ? -1 : rows_count_);
+      if (!b.fixed) rows_count_ += 6;
+    }
+    live_ = VectorXd::Zero(rows_count_), dead_ = VectorXd::Zero(rows_count_), y_ = VectorXd::Zero(rows_count_);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      if (rows_[k] < 0) continue;
+      const LimitBlock& b = problem_.blocks[k];
+      for (int c = 0; c < 3; ++c) {
+        live_[rows_[k] + c] = b.live.force[c] / force_, dead_[rows_[k] + c] = b.dead.force[c] / force_;
+        live_[rows_[k] + 3 + c] = b.live.moment[c] / (force_ * length_);
+        dead_[rows_[k] + 3 + c] = b.dead.moment[c] / (force_ * length_);
+      }
+    }
+  }
+
+  void column(int block, const Vector& position, const Vector& f, int c, Eigen::Matrix<double, 6, 3>& on) const {
+    const Vector moment = cross(position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
+    for (int k = 0; k < 3; ++k) on(k, c) = f[k], on(3 + k, c) = moment[k] / length_;
+  }
+
+  void add_point(const LimitPoint& p) {
+    Element e;
+    e.a = rows_[static_cast<std::size_t>(p.a)], e.b = rows_[static_cast<std::size_t>(p.b)];
+    for (int c = 0; c < 3; ++c) {
+      const Vector& axis = c == 0 ? p.n : c == 1 ? p.s : p.t;
+      column(p.a, p.position, axis, c, e.on_a), column(p.b, p.position, -axis, c, e.on_b);
+    }
+    e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
+    e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
+    const bool tip = e.friction > 0.0 && e.live == 0.0 && p.tension >= p.cohesion / p.friction;  // of the cone
+    if (!tip) e.bounds.push_back({1.0, p.tension / force_});
+    if (std::isfinite(p.crushing)) e.bounds.push_back({-1.0, p.crushing / force_});
+    elements_.push_back(e);
+  }
+
+  void add_tie(const LimitTie& tie) {
+    Element e;
+    e.a = rows_[static_cast<std::size_t>(tie.a)], e.b = rows_[static_cast<std::size_t>(tie.b)];
+    const Vector along = normalized(tie.to - tie.from);
+    e.on_a.setZero(), e.on_b.setZero();
+    column(tie.a, tie.from, along, 0, e.on_a), column(tie.b, tie.to, -along, 0, e.on_b);
+    e.bounds.push_back({1.0, tie.tension / force_}), e.bounds.push_back({-1.0, tie.compression / force_});
+    elements_.push_back(e);
+  }
+
+  // Of the matrix, which is the same in all steps: the lower triangle, block by block.
+  void pattern() {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int r = 0; r < rows_count_; ++r) entries.emplace_back(r, r, 1.0);
+    for (const Element& e : elements_) {
+      for (const auto& [row, col] :
+           {std::pair(e.a, e.a), std::pair(e.b, e.b), std::pair(std::max(e.a, e.b), std::min(e.a, e.b))}) {
+        if (row < 0 || col < 0) continue;
+        for (int i = 0; i < 6; ++i)
+          for (int j = 0; j < 6; ++j)
+            if (row + i >= col + j) entries.emplace_back(row + i, col + j, 0.0);
+      }
+    }
+    matrix_.resize(rows_count_, rows_count_);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    factor_.analyzePattern(matrix_);
+  }
+
+  void add_block(int row, int col, const Eigen::Matrix<double, 6, 6>& k) {
+    for (int j = 0; j < 6; ++j) {
+      const int first = row == col ? j : 0;
+      // Rows of a block of one column follow each other.
+      const auto begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[col + j],
+                 end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[col + j + 1];
+      double* value = matrix_.valuePtr() + (std::lower_bound(begin, end, row + first) - matrix_.innerIndexPtr());
+      for (int i = first; i < 6; ++i) *value++ += k(i, j);
+    }
+  }
+
+  // identity: without scaling, as for the first point.
+  bool assemble(bool identity) {
+    std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+    pull_ = live_, own_ = whole_own_ = 0.0;
+    for (Element& e : elements_) {
+      if (e.has_cone && !identity && !e.cone.scale()) return false;
+      scale(e, identity);
+      eliminate(e);
+    }
+    for (const Bound& b : multiplier_bounds_)
+      own_ += identity ? 1.0 : b.z / b.s, whole_own_ += identity ? 1.0 : b.z / b.s;
+    double largest = 0.0;
+    for (int r = 0; r < rows_count_; ++r) largest = std::max(largest, matrix_.coeff(r, r));
+    for (int r = 0; r < rows_count_; ++r) matrix_.coeffRef(r, r) += kRegular * largest;
+    factor_.factorize(matrix_);
+    if (factor_.info() != Eigen::Success) return false;
+    answer_to_pull_ = factor_.solve(pull_);
+    return true;
+  }
+
+  // The inverse by the scaling itself, which is exact to rounding however close to the border forces are.
+  void scale(Element& e, bool identity) {
+    e.hessian.setZero(), e.inverse.setZero(), e.to_multiplier.setZero();
+    double of_bounds = 0.0;
+    for (const Bound& b : e.bounds) of_bounds += identity ? 1.0 : b.z / b.s;
+    of_bounds += e.pull;
+    e.hessian(0, 0) = of_bounds;
+    if (!e.has_cone) {
+      e.inverse(0, 0) = 1.0 / of_bounds;
+      return;
+    }
+    e.hessian(1, 1) = e.hessian(2, 2) = e.pull;
+    if (identity) {
+      e.cone.w.setIdentity(), e.cone.w_inverse.setIdentity();
+      e.cone.square.setIdentity(), e.cone.square_inverse.setIdentity();
+    }
+    const Eigen::DiagonalMatrix<double, 3> g(e.friction, -1.0, -1.0);
+    e.hessian += g * e.cone.square_inverse * g;
+    e.to_multiplier = -e.live * (g * e.cone.square_inverse.col(0));
+    own_ += e.live * e.live * e.cone.square_inverse(0, 0);
+    whole_own_ += e.live * e.live * e.cone.square_inverse(0, 0);
+    if (e.friction == 0.0) {
+      e.inverse(0, 0) = 1.0 / of_bounds;
+      e.inverse.block<2, 2>(1, 1) = e.hessian.block<2, 2>(1, 1).inverse();
+      return;
+    }
+    // (G W^-2 G + D)^-1 = G^-1 W (1 + W G^-1 D G^-1 W)^-1 W G^-1
+    const Eigen::DiagonalMatrix<double, 3> over(1.0 / e.friction, -1.0, -1.0);
+    const Eigen::DiagonalMatrix<double, 3> d(of_bounds / (e.friction * e.friction), e.pull, e.pull);
+    const Matrix3d middle = Matrix3d::Identity() + e.cone.w * d * e.cone.w, half = over * e.cone.w;
+    e.inverse = half * middle.inverse() * half.transpose();
+  }
+
+  void eliminate(const Element& e) {
+    const Eigen::Matrix<double, 6, 3> ah = e.on_a * e.inverse, bh = e.on_b * e.inverse;
+    if (e.a >= 0) add_block(e.a, e.a, ah * e.on_a.transpose()), pull_.segment<6>(e.a) -= ah * e.to_multiplier;
+    if (e.b >= 0) add_block(e.b, e.b, bh * e.on_b.transpose()), pull_.segment<6>(e.b) -= bh * e.to_multiplier;
+    if (e.a >= 0 && e.b >= 0)
+      e.a > e.b ? add_block(e.a, e.b, ah * e.on_b.transpose()) : add_block(e.b, e.a, bh * e.on_a.transpose());
+    own_ -= e.to_multiplier.dot(e.inverse * e.to_multiplier);
+  }
+
+  Vector3d forces_from(const Element& e, const VectorXd& y) const {  // A^T y
+    Vector3d v = Vector3d::Zero();
+    if (e.a >= 0) v += e.on_a.transpose() * y.segment<6>(e.a);
+    if (e.b >= 0) v += e.on_b.transpose() * y.segment<6>(e.b);
+    return v;
+  }
+  void act(const Element& e, const Vector3d& f, VectorXd& on) const {  // A f
+    if (e.a >= 0) on.segment<6>(e.a) += e.on_a * f;
+    if (e.b >= 0) on.segment<6>(e.b) += e.on_b * f;
+  }
+
+  // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier; with what is left
+  // over solved for again.
+  void solve_for(const VectorXd& of_rows, double of_multiplier) {
+    for (Element& e : elements_) e.dx.setZero(), e.left = e.rest;
+    dy_ = VectorXd::Zero(rows_count_), dm_ = 0.0;
+    VectorXd rows = of_rows;
+    double multiplier = of_multiplier;
+    for (int again = 0; again < 3; ++again) {
+      add_solution(rows, multiplier);
+      rows = of_rows - dm_ * live_;
+      multiplier = of_multiplier - live_.dot(dy_) - whole_own_ * dm_;
+      for (Element& e : elements_) {
+        e.left = e.rest - e.hessian * e.dx - forces_from(e, dy_) - dm_ * e.to_multiplier;
+        if (!e.has_cone) e.left[1] = e.left[2] = 0.0;
+        multiplier -= e.to_multiplier.dot(e.dx);
+        act(e, -e.dx, rows);
+      }
+    }
+  }
+  void add_solution(const VectorXd& of_rows, double of_multiplier) {
+    VectorXd right = -of_rows;
+    double pulled = of_multiplier;
+    for (const Element& e : elements_) {
+      const Vector3d x = e.inverse * e.left;
+      act(e, x, right);
+      pulled -= e.to_multiplier.dot(x);
+    }
+    const VectorXd first = factor_.solve(right);
+    const double m = (pulled - pull_.dot(first)) / (own_ + pull_.dot(answer_to_pull_));
+    const VectorXd y = first + m * answer_to_pull_;
+    dm_ += m, dy_ += y;
+    for (Element& e : elements_) e.dx += e.inverse * (e.left - forces_from(e, y) - m * e.to_multiplier);
+  }
+
+  // Forces nearest to the middle of the cones, and prices nearest to 0; both moved inside.
+  bool begin() {
+    if (!assemble(true)) return false;
+    double of_multiplier = 0.0;
+    for (Element& e : elements_) {
+      e.rest = e.has_cone ? e.back({e.strength, 0.0, 0.0}) : Vector3d::Zero();
+      if (e.has_cone) of_multiplier -= e.live * e.strength;
+      for (const Bound& b : e.bounds) e.rest[0] += b.sign * b.bound;
+    }
+    for (const Bound& b : multiplier_bounds_) of_multiplier += b.sign * b.bound;
+    solve_for(-dead_, of_multiplier);
+    m_ = dm_;
+    double outside = -std::numeric_limits<double>::infinity();
+    for (Element& e : elements_) {
+      e.x = e.dx;
+      if (e.has_cone)
+        e.cone.s = Vector3d(e.strength, 0.0, 0.0) - e.slope(e.x, m_),
+        outside = std::max(outside, e.cone.s.tail<2>().norm() - e.cone.s[0]);
+      for (Bound& b : e.bounds) b.s = b.bound - b.sign * e.x[0], outside = std::max(outside, -b.s);
+    }
+    for (Bound& b : multiplier_bounds_) b.s = b.bound - b.sign * m_, outside = std::max(outside, -b.s);
+    move_inside(outside, true);
+
+    for (Element& e : elements_) e.rest.setZero();
+    solve_for(VectorXd::Zero(rows_count_), 1.0);
+    y_ = dy_;
+    outside = -std::numeric_limits<double>::infinity();
+    for (Element& e : elements_) {
+      if (e.has_cone)
+        e.cone.z = e.slope(e.dx, dm_), outside = std::max(outside, e.cone.z.tail<2>().norm() - e.cone.z[0]);
+      for (Bound& b : e.bounds) b.z = b.sign * e.dx[0], outside = std::max(outside, -b.z);
+    }
+    for (Bound& b : multiplier_bounds_) b.z = b.sign * dm_, outside = std::max(outside, -b.z);
+    move_inside(outside, false);
+    degree_ = static_cast<double>(multiplier_bounds_.size());
+    for (const Element& e : elements_) degree_ += (e.has_cone ? 1.0 : 0.0) + static_cast<double>(e.bounds.size());
+    return true;
+  }
+
+  void move_inside(double outside, bool slacks) {
+    if (outside < -1e-8) return;
+    const double by = kInside + outside;
+    for (Element& e : elements_) {
+      if (e.has_cone) (slacks ? e.cone.s : e.cone.z)[0] += by;
+      for (Bound& b : e.bounds) (slacks ? b.s : b.z) += by;
+    }
+    for (Bound& b : multiplier_bounds_) (slacks ? b.s : b.z) += by;
+  }
+
+  // Of equilibrium, prices and slacks; gap.
+  void residuals() {
+    of_rows_ = dead_ + m_ * live_;
+    of_multiplier_ = -1.0 + live_.dot(y_);
+    double of_forces = 0.0, of_slacks = 0.0;
+    gap_ = 0.0;
+    double dual = dead_.dot(y_);  // of the minimum of -multiplier
+    for (Element& e : elements_) {
+      act(e, e.x, of_rows_);
+      e.rest = forces_from(e, y_) + pulled(e);
+      if (e.has_cone) {
+        e.rest += e.back(e.cone.z);
+        of_multiplier_ -= e.live * e.cone.z[0];
+        of_slacks = std::max(of_slacks, slack_error(e).lpNorm<Eigen::Infinity>());
+        gap_ += e.cone.s.dot(e.cone.z), dual -= e.strength * e.cone.z[0];
+      }
+      for (const Bound& b : e.bounds) {
+        e.rest[0] += b.sign * b.z;
+        of_slacks = std::max(of_slacks, std::abs(b.sign * e.x[0] + b.s - b.bound));
+        gap_ += b.s * b.z, dual -= b.bound * b.z;
+      }
+      if (!e.has_cone) e.rest[1] = e.rest[2] = 0.0;
+      of_forces = std::max(of_forces, e.rest.lpNorm<Eigen::Infinity>());
+    }
+    for (const Bound& b : multiplier_bounds_) {
+      of_multiplier_ += b.sign * b.z;
+      of_slacks = std::max(of_slacks, std::abs(b.sign * m_ + b.s - b.bound));
+      gap_ += b.s * b.z, dual -= b.bound * b.z;
+    }
+    upper_ = -dual;
+    const double scale = std::max(1.0, std::abs(m_));
+    error_ = std::max({gap_ / scale, is_near() ? 0.0 : std::abs(upper_ - m_) / scale,
+                       of_rows_.lpNorm<Eigen::Infinity>(), of_forces, std::abs(of_multiplier_), of_slacks});
+  }
+
+  Vector3d slack_error(const Element& e) const { return e.slope(e.x, m_) + e.cone.s - Vector3d(e.strength, 0.0, 0.0); }
+
+  // One of both systems: towards the solution, and towards the middle of the way there with what that found.
+  void direction(double centring) {
+    const double mu = gap_ / degree_, keep = 1.0 - centring;
+    VectorXd rows = -keep * of_rows_;
+    double multiplier = -keep * of_multiplier_;
+    for (Element& e : elements_) {
+      e.rest = -keep * price_error(e);
+      if (e.has_cone) {
+        Vector3d d = -Cone::product(e.cone.lambda, e.cone.lambda) - e.corrector;
+        d[0] += centring * mu;
+        e.cone_ds = e.cone.w * e.cone.over_lambda(d);  // of slack alone; the rest follows from prices
+        const Vector3d right = e.cone.square_inverse * (keep * slack_error(e) + e.cone_ds);
+        e.rest -= e.back(right);
+        multiplier += e.live * right[0];
+      }
+      for (Bound& b : e.bounds) {
+        b.ds = (centring * mu - b.s * b.z - b.corrector) / b.z;
+        e.rest[0] -= b.sign * b.z / b.s * (keep * (b.sign * e.x[0] + b.s - b.bound) + b.ds);
+      }
+    }
+    for (Bound& b : multiplier_bounds_) {
+      b.ds = (centring * mu - b.s * b.z - b.corrector) / b.z;
+      multiplier -= b.sign * b.z / b.s * (keep * (b.sign * m_ + b.s - b.bound) + b.ds);
+    }
+    solve_for(rows, multiplier);
+    for (Element& e : elements_) {
+      for (Bound& b : e.bounds) finish(b, b.sign * e.dx[0], keep * (b.sign * e.x[0] + b.s - b.bound));
+      if (e.has_cone) finish(e, keep);
+    }
+    for (Bound& b : multiplier_bounds_) finish(b, b.sign * dm_, keep * (b.sign * m_ + b.s - b.bound));
+  }
+  static void finish(Bound& b, double moved, double error) {
+    b.dz = b.z / b.s * (moved + error + b.ds);
+    b.ds = -error - moved;
+  }
+  // Slacks and prices so that what forces and velocities say of them holds to rounding.
+  void finish(Element& e, double keep) const {
+    const Vector3d moved = e.slope(e.dx, dm_) + keep * slack_error(e);
+    Vector3d prices = keep * price_error(e) + forces_from(e, dy_) + e.pull * e.dx;
+    for (const Bound& b : e.bounds) prices[0] += b.sign * b.dz;
+    e.cone_dz[0] = e.friction != 0.0 ? -prices[0] / e.friction : (e.cone.square_inverse * (moved + e.cone_ds))[0];
+    e.cone_dz.tail<2>() = prices.tail<2>();
+    e.cone_ds = -moved;
+  }
+
+  static Vector3d pulled(const Element& e) { return e.pull * (e.x - Vector3d(e.towards, 0.0, 0.0)); }
+  Vector3d price_error(const Element& e) const {
+    Vector3d v = forces_from(e, y_) + pulled(e);
+    if (e.has_cone) v += e.back(e.cone.z);
+    for (const Bound& b : e.bounds) v[0] += b.sign * b.z;
+    if (!e.has_cone) v[1] = v[2] = 0.0;
+    return v;
+  }
+
+  double reach() const {
+    double far = std::numeric_limits<double>::infinity();
+    for (const Element& e : elements_) {
+      if (e.has_cone) far = std::min({far, Cone::reach(e.cone.s, e.cone_ds), Cone::reach(e.cone.z, e.cone_dz)});
+      for (const Bound& b : e.bounds) far = std::min(far, b.reach());
+    }
+    for (const Bound& b : multiplier_bounds_) far = std::min(far, b.reach());
+    return far;
+  }
+
+  bool advance() {
+    if (!assemble(false)) return false;
+    for (Element& e : elements_) {
+      e.corrector.setZero();
+      for (Bound& b : e.bounds) b.corrector = 0.0;
+    }
+    for (Bound& b : multiplier_bounds_) b.corrector = 0.0;
+    direction(0.0);
+    const double centring = std::pow(1.0 - std::min(1.0, reach()), 3);
+    for (Element& e : elements_) {
+      if (e.has_cone) e.corrector = Cone::product(e.cone.w_inverse * e.cone_ds, e.cone.w * e.cone_dz);
+      for (Bound& b : e.bounds) b.corrector = b.ds * b.dz;
+    }
+    for (Bound& b : multiplier_bounds_) b.corrector = b.ds * b.dz;
+    direction(centring);
+    const double by = std::min(1.0, kToBorder * reach());
+    if (!std::isfinite(by) || !std::isfinite(dm_) || by < 1e-10) return false;
+    for (Element& e : elements_) {
+      e.x += by * e.dx;
+      if (e.has_cone) e.cone.s += by * e.cone_ds, e.cone.z += by * e.cone_dz;
+      for (Bound& b : e.bounds) b.s += by * b.ds, b.z += by * b.dz;
+    }
+    for (Bound& b : multiplier_bounds_) b.s += by * b.ds, b.z += by * b.dz;
+    m_ += by * dm_, y_ += by * dy_;
+    return true;
+  }
+
+  void keep_best() {
+    if (!(error_ < best_error_)) return;
+    best_error_ = error_, best_m_ = m_, best_upper_ = upper_, best_y_ = y_;
+    best_x_.resize(elements_.size());
+    for (std::size_t i = 0; i < elements_.size(); ++i) best_x_[i] = elements_[i].x;
+  }
+  void restore_best() {
+    m_ = best_m_, upper_ = best_upper_, y_ = best_y_;
+    for (std::size_t i = 0; i < elements_.size(); ++i) elements_[i].x = best_x_[i];
+  }
+
+  void fill(LimitResult& r) const {
+    r.status = LimitStatus::solved;
+    r.multiplier = m_, r.gap = std::abs(upper_ - m_) / std::max(1.0, std::abs(m_));
+    const std::size_t points = problem_.points.size();
+    for (std::size_t i = 0; i < elements_.size(); ++i) {
+      const Vector3d f = force_ * elements_[i].x;
+      if (i < points)
+        r.force.push_back({f[0], f[1], f[2]});
+      else
+        r.tie_force.push_back(f[0]);
+    }
+    r.velocity.resize(problem_.blocks.size());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      for (int c = 0; rows_[k] >= 0 && c < 3; ++c) {
+        r.velocity[k].force[c] = y_[rows_[k] + c];
+        r.velocity[k].moment[c] = y_[rows_[k] + 3 + c] / length_;
+      }
+    }
+  }
+
+  const LimitProblem& problem_;
+  double force_ = 1.0, length_ = 1.0;
+  std::vector<int> rows_;  // first of each block; -1: fixed
+  int rows_count_ = 0;
+  std::vector<Element> elements_;  // points, then ties
+  std::vector<Bound> multiplier_bounds_;
+  VectorXd live_, dead_, y_, dy_;
+  double m_ = 0.0, dm_ = 0.0;  // multiplier
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+  VectorXd pull_, answer_to_pull_;      // of the multiplier on blocks, after elimination of forces
+  double own_ = 0.0, whole_own_ = 0.0;  // of the multiplier, after it and before
+  VectorXd of_rows_;
+  double of_multiplier_ = 0.0, gap_ = 0.0, upper_ = 0.0, error_ = 0.0, degree_ = 0.0;
+  double best_error_ = std::numeric_limits<double>::infinity(), best_m_ = 0.0, best_upper_ = 0.0;
+  VectorXd best_y_;
+  std::vector<Vector3d> best_x_;
+};
+
+}  // namespace
+
+LimitResult limit_with_cones(const LimitProblem& problem, double most, const std::vector<double>& near) {
+  return ConeProgramme(problem, most, near).solve();
+}
+
+}  // namespace quoin
