@@ -145,7 +145,7 @@ class Recorder : public Observer {
       text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
                           step.time_step / step.critical.value);
     const SolverSettings& solver = scene_.solver_in(static_cast<size_t>(stage));
-    const double in_use = simulation.large_motion() ? simulation.large_motion()->impact_damping_in_use() : 0.0;
+    const double in_use = step.impacts.in_use;
     if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
       text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
     if (in_use > 0.0)

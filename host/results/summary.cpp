@@ -198,15 +198,21 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
   json["collapse_lag"] = or_null(collapse_lag(simulation.scene(), simulation.outcome().collapse_multiplier));
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
-  json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
   if (m.members())
     json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
     json["beams"] = of_beams(*m.members());
-  if (m.impact_damping_in_use() > 0.0) {
-    json["impact_damping_in_use"] = m.impact_damping_in_use();
-    json["landing_restitution"] = landing_restitution(m.impact_damping_in_use());
+  return json;
+}
+
+// Of blocks of any shape, and of bricks on a ground that moves.
+Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
+  Json json;
+  json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
+  if (const double in_use = simulation.time_step_report().impacts.in_use; in_use > 0.0) {
+    json["impact_damping_in_use"] = in_use;
+    json["landing_restitution"] = landing_restitution(in_use);
   }
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
@@ -424,7 +430,10 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
   json["motion"] = motion_of(simulation);
+  const bool on_ground =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   if (large_motion) json.update(of_blocks(simulation, rows));
+  if (large_motion || on_ground) json.update(of_motion(simulation, rows));
   json["watch"] = watch_of(simulation);
   Json warnings = Json::array();
   for (const Warning& w : info.warnings)

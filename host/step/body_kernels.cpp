@@ -250,7 +250,7 @@ void AdvanceBodies(const Model& model, const BodyGroup& group, const BodyGroupIn
                    BodyLanes* state, Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
-    case DampingKind::impact:  // of large motion
+    case DampingKind::impact:  // of joints
       return AdvanceBodiesAndMeasure<DampingKind::none>(model, group, inertia, step, state, measured);
     case DampingKind::local:
     case DampingKind::block:

@@ -64,20 +64,24 @@ void ContactJumps(const Model& model, const ContactChunk& chunk, const StepData&
 }
 
 template <class Tag>
-HWY_INLINE void forces_of(Tag d, const double* area, const double* const (&traction)[3], double* const (&force)[3],
-                          int i) {
+HWY_INLINE void forces_of(Tag d, const double* area, const double* const (&traction)[3], const double* const* viscous,
+                          double* const (&force)[3], int i) {
   const auto times = hn::LoadU(d, area + i);
-  for (int k = 0; k < 3; ++k) hn::StoreU(hn::Mul(hn::LoadU(d, traction[k] + i), times), d, force[k] + i);
+  for (int k = 0; k < 3; ++k) {
+    auto sum = hn::LoadU(d, traction[k] + i);
+    if (viscous) sum = hn::Add(sum, hn::LoadU(d, viscous[k] + i));
+    hn::StoreU(hn::Mul(sum, times), d, force[k] + i);
+  }
 }
 
-void ContactForces(const Model& model, const ContactChunk& chunk, const StepData& step) {
+void ContactForces(const Model& model, const ContactChunk& chunk, const StepData& step, const double* const* viscous) {
   const int axis = chunk.axis, end = chunk.first_point + chunk.point_count;
   const double* area = model.area.data();
   const double* const traction[3] = {step.traction[0], step.traction[1], step.traction[2]};
   double* const force[3] = {step.force[axis], step.force[(axis + 1) % 3], step.force[(axis + 2) % 3]};
   int i = chunk.first_point;
-  for (; i + kWidth <= end; i += kWidth) forces_of(D(), area, traction, force, i);
-  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), area, traction, force, i);
+  for (; i + kWidth <= end; i += kWidth) forces_of(D(), area, traction, viscous, force, i);
+  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), area, traction, viscous, force, i);
 }
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------
@@ -606,7 +610,7 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         // K u was formed before u moved on.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
         sums->strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, sums->strain[p]);
-        if (kDamping != DampingKind::none) {
+        if (kDamping != DampingKind::none || step.stiffness_damping != 0.0) {
           sums->damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), sums->damping_before[p]);
           sums->damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), sums->damping_after[p]);
         }
@@ -712,7 +716,7 @@ void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& st
                   Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
-    case DampingKind::impact:  // of large motion
+    case DampingKind::impact:  // of joints, and of zones by stiffness_damping
       return measured ? AdvanceUnitsAs<DampingKind::none, true>(model, units, step, scratch, measured)
                       : AdvanceUnitsAs<DampingKind::none, false>(model, units, step, scratch, measured);
     case DampingKind::local:
@@ -751,8 +755,8 @@ HWY_EXPORT(InstructionSet);
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps) {
   HWY_DYNAMIC_DISPATCH(ContactJumps)(model, chunk, step, jumps);
 }
-void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step) {
-  HWY_DYNAMIC_DISPATCH(ContactForces)(model, chunk, step);
+void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step, const double* const* viscous) {
+  HWY_DYNAMIC_DISPATCH(ContactForces)(model, chunk, step, viscous);
 }
 void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured) {

@@ -55,10 +55,13 @@ struct ChunkJumps {
   alignas(64) double normal[kChunk];
   alignas(64) double slip_s[kChunk];
   alignas(64) double slip_t[kChunk];
+  alignas(64) double old_traction[3][kChunk];  // Pa, where impacts are damped
 };
 
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps);
-void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step);
+// viscous: by contact point, what is added to the tractions, Pa; null: nothing.
+void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step,
+                    const double* const* viscous = nullptr);
 
 // Internal forces, sums of contact forces, weight, damping, central differences. scratch: kUnitBlocks times
 // scratch_doubles, which are kScratchColumns times the doubles of the largest group. measured may be null.

@@ -155,7 +155,8 @@ void Simulation::Impl::swap_law_in_large_motion(std::size_t index, std::shared_p
 }
 
 double Simulation::Impl::now() const {
-  return large_motion ? large_motion->time() : static_cast<double>(step_count) * data.time_step;
+  if (large_motion) return large_motion->time();
+  return clock_start + static_cast<double>(step_count - clock_start_step) * data.time_step;
 }
 
 double Simulation::Impl::stage_time() const {
@@ -182,6 +183,8 @@ void Simulation::Impl::end_large_motion_step(double timed) {
 void Simulation::Impl::follow_time_step() {
   time_step.critical.value = large_motion->critical_time_step();
   time_step.time_step = data.time_step = large_motion->time_step();
+  time_step.impacts = {};
+  time_step.impacts.in_use = large_motion->impact_damping_in_use();
 }
 
 void Simulation::Impl::measure_large_motion_step() {

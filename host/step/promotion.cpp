@@ -148,6 +148,7 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
       if (s.body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
     for (std::size_t c = 0; c < 3; ++c)
       if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
+    drive.of_ground = static_cast<std::uint8_t>(ramp.of_ground);
     drive.velocity_from = geometry::vector(ramp.velocity_from);
     drive.velocity_to = geometry::vector(ramp.velocity_to);
     drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
@@ -235,6 +236,8 @@ void Simulation::Impl::promote(const std::string& why) {
 
   drives = std::move(continued);
   const Stage& settings = scene.stages[at(stage)];
+  if (const SolverSettings& solver = solver_in_use(); &solver != &scene.solver) m.set_solver(solver);
+  follow_time_step();
   stage_start_time = promotion.time - static_cast<double>(stage_step) * dt;
   watch_blocks(settings);
   bind_whiffletree();

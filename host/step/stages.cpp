@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/leaves_lattice.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 
@@ -21,7 +22,8 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
-  if (const std::string beyond = settings.beyond_lattice(); !large_motion && !beyond.empty()) {
+  if (const std::string beyond = leaves_lattice(scene, static_cast<std::size_t>(index));
+      !large_motion && !beyond.empty()) {
     gather(Part::all);
     promote(fmt::format("stage '{}' {}", settings.name, beyond));
   }
@@ -38,13 +40,15 @@ void Simulation::Impl::begin_stage(int index) {
   if (large_motion)
     begin_large_motion_stage(settings, previous);
   else
-    control_bodies(settings);
+    control_bodies(settings, previous);
+  if (!large_motion) stage_start_time = now();
   gravity_from = data.gravity;
   gravity_to = settings.gravity;
   controls_settled = false;
   stage = index;
   stage_step = 0;
   in_stage = true;
+  if (!large_motion && settings.solver) follow_solver();
   bind_controls();
   bind_whiffletree();
   choose_damping();
@@ -69,7 +73,7 @@ void Simulation::Impl::begin_stage(int index) {
 
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
-  const SolverSettings& settings = scene.solver;
+  const SolverSettings& settings = large_motion ? scene.solver : solver_in_use();
   if (large_motion) large_motion->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
@@ -133,8 +137,9 @@ double Simulation::Impl::stage_fraction() const {
                                       *settings.displacement);
   } else if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
-                                           : floor_displacement(whiffletree.size() - 1);
+    double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
+                                     : floor_displacement(whiffletree.size() - 1);
+    for (const int i : monitor_loaded) now += displacement_of_loaded(i)[c] / static_cast<double>(monitor_loaded.size());
     const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }

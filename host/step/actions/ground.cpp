@@ -24,6 +24,30 @@ Vector Simulation::Impl::record_velocity(const Stage& of_stage, double time, std
   return of_record;
 }
 
+// Velocities of what moves are those of half a step ago; that of a record is known for now, and may be back at rest.
+Vector Simulation::Impl::record_since_half_step(const Stage* of_stage, std::int32_t motion) const {
+  if (!of_stage) return {};
+  const double half = 0.5 * (large_motion ? large_motion->time_step() : data.time_step);
+  return record_velocity(*of_stage, now(), motion) - record_velocity(*of_stage, now() - half, motion);
+}
+
+Vec3 Simulation::Impl::left_over_ground_velocity(const Stage* previous) const {
+  const int body = ground_body();
+  if (body < 0) return {};
+  const Vector record = record_since_half_step(previous, 0);
+  Vec3 after = of_body(body, &BodyLanes::velocity);
+  for (std::size_t c = 0; c < 3; ++c) {
+    after[c] += record[static_cast<int>(c)];
+    if (std::abs(after[c]) <= kGroundAtRest) after[c] = 0.0;
+  }
+  return after;
+}
+
+int Simulation::Impl::ground_body() const {
+  const auto moves = std::find_if(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.of_ground == 7; });
+  return moves == ramps.end() ? -1 : static_cast<int>(moves - ramps.begin());
+}
+
 std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings) const {
   std::vector<std::int32_t> group(static_cast<std::size_t>(large_motion->block_count()), 0);
   if (!settings.ground) return group;
@@ -109,6 +133,7 @@ void Simulation::Impl::follow_ground(const Stage& settings, double s) {
 
 // What stands on fixed blocks does to them.
 void Simulation::Impl::measure_base(HistoryRow& row) const {
+  if (!large_motion) return measure_base_on_lattice(row);
   const Drive* const ground = ground_drive();
   Vec3 moved{};  // by now, as the contact points
   if (ground) {
@@ -144,6 +169,47 @@ void Simulation::Impl::measure_base(HistoryRow& row) const {
     }
   }
   row.overturning_moment = geometry::array(moment);
+}
+
+void Simulation::Impl::measure_base_on_lattice(HistoryRow& row) const {
+  const int ground = ground_body();
+  if (ground >= 0) {
+    const Vec3 moved = of_body(ground, &BodyLanes::displacement), v = of_body(ground, &BodyLanes::velocity);
+    for (std::size_t c = 0; c < 3; ++c) row.ground_displacement[c] = moved[c] - data.time_step * v[c];
+  }
+  const double whole = model.assembly.symmetry_factor;
+  Vector moment;
+  bool any = false;
+  for (int b = 0; b < static_cast<int>(model.bodies.size()); ++b) {
+    if (!model.assembly.bricks[static_cast<std::size_t>(model.bodies[static_cast<std::size_t>(b)].block)].fixed)
+      continue;
+    const JointWrench joints = has_all() ? sum_joint_wrench(b) : body_wrench[static_cast<std::size_t>(b)];
+    any = true;
+    for (std::size_t c = 0; c < 3; ++c) row.base_force[c] += whole * joints.force[c];
+    moment += whole * (geometry::vector(joints.moment) +
+                       cross(geometry::vector(joints.centre) - base_centre, geometry::vector(joints.force)));
+  }
+  if (any) row.overturning_moment = geometry::array(moment);
+}
+
+// Centre of the beds between fixed bricks and others, at the start.
+void Simulation::Impl::find_base_of_lattice() {
+  const auto is_fixed = [&](int brick) { return model.assembly.bricks[static_cast<std::size_t>(brick)].fixed; };
+  base_centre = {};
+  double area = 0.0;
+  const auto& bricks = model.assembly.bricks;
+  for (std::size_t j = 0; j < model.assembly.joints.size(); ++j) {
+    const Joint& joint = model.assembly.joints[j];
+    if (joint.face_a / 2 != 1 || is_fixed(joint.block_a) == is_fixed(joint.block_b)) continue;
+    const Brick &a = bricks[static_cast<std::size_t>(joint.block_a)],
+                &b = bricks[static_cast<std::size_t>(joint.block_b)];
+    double of_joint = 1.0;
+    for (const std::size_t c : {std::size_t{0}, std::size_t{2}})
+      of_joint *= std::min(a.origin[c] + a.size[c], b.origin[c] + b.size[c]) - std::max(a.origin[c], b.origin[c]);
+    area += of_joint;
+    base_centre += of_joint * geometry::vector(joint_sliding.centre(static_cast<int>(j)));
+  }
+  if (area > 0.0) base_centre = base_centre / area;
 }
 
 }  // namespace quoin
