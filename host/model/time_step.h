@@ -30,9 +30,9 @@ struct TimeStepReport {
   double quiet_fraction = 1.0;
   std::string warning() const;     // of a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
-  ImpactDamping impacts;           // in large motion in_use alone: blocks::World has the rest
-  double added_mass = 0.0;         // kg, by selective mass scaling
-  double model_mass = 0.0;         // kg, before any scaling
+  ImpactDamping impacts;
+  double added_mass = 0.0;  // kg, by selective mass scaling
+  double model_mass = 0.0;  // kg, before any scaling
 };
 
 // Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.

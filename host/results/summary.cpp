@@ -345,6 +345,15 @@ std::string law_names(const Assembly& assembly) {
   return names.size() == 1 ? *names.begin() : each;
 }
 
+std::string modes_text(const StageModes& modes) {
+  if (!modes.why_none.empty()) return "damping of the first modes not computed: " + modes.why_none;
+  std::string text = "damping of the first modes:";
+  for (const StageModes::Mode& mode : modes.modes)
+    text += fmt::format("{} {:.3g} Hz {:.2g} %", &mode == modes.modes.data() ? "" : ",", mode.frequency,
+                        100.0 * mode.ratio);
+  return text;
+}
+
 std::string why_error_unknown(const Scene& scene, const RunInfo& info) {
   if (info.status != "done") return "the run did not reach its end";
   const std::string outside = outside_measured(scene);
@@ -434,6 +443,13 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   if (large_motion) json.update(of_blocks(simulation, rows));
   if (large_motion || on_ground) json.update(of_motion(simulation, rows));
+  for (const StageModes& of_stage : info.modes) {
+    Json modes = nullptr;
+    if (of_stage.why_none.empty()) modes = Json::array();
+    for (const StageModes::Mode& mode : of_stage.modes)
+      modes.push_back({{"frequency_Hz", mode.frequency}, {"damping_ratio", mode.ratio}});
+    json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = modes;
+  }
   json["watch"] = watch_of(simulation);
   Json warnings = Json::array();
   for (const Warning& w : info.warnings)

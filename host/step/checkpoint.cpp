@@ -42,6 +42,7 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.energy_dissipated);
   archive.value(s.energy_damping);
   archive.value(s.energy_external);
+  archive.value(s.energy_inertia);
   archive.value(s.unbalanced_ratio);
   archive.value(s.kinetic);
   archive.value(s.calm_checks);

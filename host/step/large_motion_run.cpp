@@ -183,8 +183,7 @@ void Simulation::Impl::end_large_motion_step(double timed) {
 void Simulation::Impl::follow_time_step() {
   time_step.critical.value = large_motion->critical_time_step();
   time_step.time_step = data.time_step = large_motion->time_step();
-  time_step.impacts = {};
-  time_step.impacts.in_use = large_motion->impact_damping_in_use();
+  time_step.impacts = large_motion->impact_damping();
 }
 
 void Simulation::Impl::measure_large_motion_step() {
@@ -208,7 +207,7 @@ void Simulation::Impl::measure_large_motion_step() {
                       energy_dissipated,
                       energy_external + e.external,
                       energy_damping + e.damping,
-                      e.detection - jump,
+                      energy_inertia + e.detection - jump,
                       e.members_stored,
                       e.members_dissipated};
   for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] += e.dissipated[k];

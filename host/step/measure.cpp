@@ -43,6 +43,7 @@ void Simulation::Impl::sum_measurements() {
   energy_damping += damped;
   now.damping = energy_damping + damping_before;
   now.external = energy_external + external_before;
+  now.detection = energy_inertia;
   energy_damping += damping_before + damping_after;
   energy_external += external_before + external_after;
   energies = now;

@@ -124,7 +124,7 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
   return histories;
 }
 
-GridpointMotion motion_of_gridpoints(Simulation::Impl& s, int brick) {
+GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   GridpointMotion field;
   s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
     const auto n = static_cast<int>(field.place.size());
@@ -183,7 +183,44 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
   }
 }
 
+// Kinetic energy of the rigid part, J.
+double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
+  const RigidPart part = rigid_part(f, f.velocity, symmetry_plane);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
+    sum += 0.5 * f.mass[i] * dot(v, v);
+  }
+  return sum;
+}
+
 }  // namespace
+
+// v M' v/2 less v M v/2 (model/rigid_motion.h), of this rank's units.
+double Simulation::Impl::added_kinetic_energy() const {
+  const double s_b = inertia.deformation, s_u = inertia.unit;
+  if (s_b == 1.0 && s_u == 1.0) return 0.0;
+  const bool halved = model.assembly.symmetry_plane_z0;
+  double sum = 0.0;
+  for (const UnitGroup& unit : model.unit_groups) {
+    const BlockGroup& first = model.groups[at(unit.first_group)];
+    for (int lane = 0; lane < first.block_count; ++lane) {
+      GridpointMotion whole;
+      double all = 0.0, blocks = 0.0;
+      for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+        const GridpointMotion f = motion_of_gridpoints(*this, model.groups[at(g)].block[at(lane)]);
+        for (std::size_t i = 0; i < f.place.size(); ++i) all += 0.5 * f.mass[i] * dot(f.velocity[i], f.velocity[i]);
+        blocks += rigid_kinetic_energy(f, halved);
+        whole.place.insert(whole.place.end(), f.place.begin(), f.place.end());
+        whole.velocity.insert(whole.velocity.end(), f.velocity.begin(), f.velocity.end());
+        whole.mass.insert(whole.mass.end(), f.mass.begin(), f.mass.end());
+      }
+      sum += (s_b - 1.0) * (all - blocks);
+      if (unit.group_count > 1) sum += (s_u - 1.0) * (blocks - rigid_kinetic_energy(whole, halved));
+    }
+  }
+  return sum;
+}
 
 void Simulation::Impl::promote(const std::string& why) {
   if (scene.solver.selective_time_step > 0.0)  // before anything has left the lattice

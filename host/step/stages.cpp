@@ -48,7 +48,11 @@ void Simulation::Impl::begin_stage(int index) {
   stage = index;
   stage_step = 0;
   in_stage = true;
-  if (!large_motion && settings.solver) follow_solver();
+  if (!large_motion && settings.solver) {
+    const double added = want_energy ? added_kinetic_energy() : 0.0;
+    follow_solver();
+    if (want_energy) energy_inertia += added - added_kinetic_energy();
+  }
   bind_controls();
   bind_whiffletree();
   choose_damping();

@@ -196,9 +196,10 @@ struct Simulation::Impl {
   void choose_damping();  // of the stage
   const SolverSettings& solver_in_use() const { return stage >= 0 ? scene.solver_in(at_stage()) : scene.solver; }
   std::size_t at_stage() const { return static_cast<std::size_t>(stage); }
-  void follow_solver();        // inertia, time step and damping of the lattice, by the settings of the stage
-  void begin_damping();        // columns of the damping of impacts, where it is in use
-  std::vector<LawSwap> swaps;  // of the current stage
+  double added_kinetic_energy() const;  // of deformation and unit inertia, J
+  void follow_solver();                 // inertia, time step and damping of the lattice, by the settings of the stage
+  void begin_damping();                 // columns of the damping of impacts, where it is in use
+  std::vector<LawSwap> swaps;           // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
@@ -475,6 +476,7 @@ struct Simulation::Impl {
   Vec3 monitor_start{};
   std::array<double, 4> energy_dissipated{};
   double energy_damping = 0.0, energy_external = 0.0;  // up to the last half step
+  double energy_inertia = 0.0;                         // lost with added inertia where stages take less of it
   int calm_checks = 0;                                 // equilibrium checks passed in a row
   int next_frame = 0;
   long next_row = 0;      // stage_step of the next history row
