@@ -23,7 +23,7 @@ std::string why_dear(const Simulation& simulation, const Stage& stage) {
     unknowns += size.zones > 0 ? 3.0 * static_cast<double>(size.gridpoints) : 6.0;
   }
   // Measured: as long as so many steps (manual/EARTHQUAKES.md).
-  constexpr double kLikeSteps = 8000.0, kFew = 3000.0, kShare = 0.03;
+  constexpr double kLikeSteps = 6000.0, kFew = 3000.0, kShare = 0.03;
   const double steps = stage.duration.value_or(0.0) / simulation.time_step_report().time_step;
   if (unknowns <= kFew || kLikeSteps <= kShare * steps) return "";
   return fmt::format("that would take more than {:g} % of the stage", 100.0 * kShare);
