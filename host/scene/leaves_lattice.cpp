@@ -1,9 +1,5 @@
 #include "scene/leaves_lattice.h"
 
-#include <fmt/core.h>
-
-#include "scene/damping_text.h"
-
 namespace quoin {
 
 std::string leaves_lattice(const Scene& scene, std::size_t stage) {
@@ -13,8 +9,9 @@ std::string leaves_lattice(const Scene& scene, std::size_t stage) {
   others.ground.reset();
   if (std::string acts = others.beyond_lattice(); !acts.empty()) return acts;
   const SolverSettings& solver = scene.solver_in(stage);
-  if (solver.damping != DampingKind::impact && solver.damping != DampingKind::none)
-    return fmt::format("moves the ground under damping = \"{}\"", name_of(solver.damping));
+  // Of joints the lattice has no viscous damping.
+  if (solver.damping == DampingKind::viscous && solver.stiffness_damping > 0.0)
+    return "moves the ground under stiffness_damping";
   if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
     return "moves the ground under maxwell_damping";
   if (!settings.ground->supports.empty()) return "moves groups of supports";

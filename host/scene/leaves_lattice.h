@@ -7,8 +7,7 @@
 
 namespace quoin {
 
-// What a run leaves the lattice for when this stage begins, in the words of messages; empty: nothing. The lattice moves
-// the ground where damping acts on joints and zones alone.
+// What a run leaves the lattice for when this stage begins, in the words of messages; empty: nothing.
 std::string leaves_lattice(const Scene& scene, std::size_t stage);
 
 }  // namespace quoin

@@ -60,6 +60,7 @@ void Simulation::Impl::follow_ramps() {
     apply_load(i);
   }
   for (std::size_t c = 0; c < 3; ++c) data.gravity[c] = between(gravity_from[c], gravity_to[c]);
+  if (!large_motion) follow_ground_of_lattice(s);
   controls_settled = s >= 1.0 && !(cycles && whiffletree.empty()) && !shakes;
   if (large_motion) apply_actions(s);
 }

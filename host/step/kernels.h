@@ -20,6 +20,7 @@ struct StepData {
   double mass_damping = 0.0;       // alpha, 1/s
   double stiffness_damping = 0.0;  // beta, s
   Vec3 gravity{};                  // m/s2
+  Vec3 ground_velocity{};          // m/s, against which damping brakes: signs of half a step ago, viscous forces of now
 
   double* displacement = nullptr;        // lane layout
   double* velocity = nullptr;            // lane layout, of half a step ago

@@ -304,6 +304,7 @@ struct Simulation::Impl {
   void bind_collapse(const Stage& settings, const Stage* previous);
   void drive_blocks(const Stage& settings, double ramp);
   void follow_ground(const Stage& settings, double ramp);
+  void follow_ground_of_lattice(double ramp);
   const Drive* ground_drive() const;  // a block that moves as the ground does; null: none
   // By block, its group of supports as Drive::motion has it; 0: of none.
   std::vector<std::int32_t> support_groups(const Stage& settings) const;

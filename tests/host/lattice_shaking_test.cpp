@@ -178,6 +178,23 @@ record_interval = 0.0002
     EXPECT_LT(std::abs(row.energies->balance_error()), 0.01 * lattice.back().energies->external);
 }
 
+// Local damping, damping by block and mass damping brake against the ground, as they do in the general kernels. They
+// take energy of a wall that lags behind, and nearly none of what moves along.
+TEST(LatticeOnGround, DampingActsOnTheMotionOnTheGround) {
+  for (const char* damping : {"{damping='local',local_damping=0.3}", "{damping='block',local_damping=0.3}",
+                              "{damping='viscous',mass_damping=200.0,stiffness_damping=0.0}"}) {
+    SCOPED_TRACE(damping);
+    const Overrides braked{std::string("stage.shake.solver=") + damping, "output.record_interval=0.0001",
+                           "solver.time_step_fraction=0.3"};
+    const auto lattice = shaken(braked), general = shaken(with(braked, {"solver.kernels=general"}), false);
+    EXPECT_LT(apart(lattice, general, kGround), 1e-6);
+    EXPECT_LT(apart(lattice, general, kRelative), 0.01);
+    EXPECT_LT(apart(lattice, general, kBase), 0.01);
+    EXPECT_LT(std::abs(lattice.back().energies->balance_error()), 1e-3 * lattice.back().energies->external);
+    EXPECT_NEAR(kDamping(lattice.back()), kDamping(general.back()), 0.02 * kDamping(general.back()));
+  }
+}
+
 // The frequency of the assembled system and the share of damping are the same. Of the general kernels the Lanczos
 // iteration ends after 80 steps, here 2e-4 off.
 TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {

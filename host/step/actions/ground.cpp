@@ -131,6 +131,18 @@ void Simulation::Impl::follow_ground(const Stage& settings, double s) {
                             left_over + record_velocity(settings, now, motion));
 }
 
+void Simulation::Impl::follow_ground_of_lattice(double s) {
+  const int body = ground_body();
+  data.ground_velocity = {};
+  if (body < 0 || stage < 0) return;
+  const BodyRamp& ramp = ramps[static_cast<std::size_t>(body)];
+  const double half = data.damping == DampingKind::viscous ? 0.0 : 0.5 * data.time_step;
+  const Vector record = record_velocity(scene.stages[at_stage()], now() - half);
+  for (std::size_t c = 0; c < 3; ++c)
+    data.ground_velocity[c] =
+        ramp.velocity_from[c] + s * (ramp.velocity_to[c] - ramp.velocity_from[c]) + record[static_cast<int>(c)];
+}
+
 // What stands on fixed blocks does to them.
 void Simulation::Impl::measure_base(HistoryRow& row) const {
   if (!large_motion) return measure_base_on_lattice(row);
