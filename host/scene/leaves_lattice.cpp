@@ -14,7 +14,6 @@ std::string leaves_lattice(const Scene& scene, std::size_t stage) {
     return "moves the ground under stiffness_damping";
   if (solver.damping == DampingKind::impact && solver.maxwell_damping > 0.0)
     return "moves the ground under maxwell_damping";
-  if (!settings.ground->supports.empty()) return "moves groups of supports";
   return "";
 }
 

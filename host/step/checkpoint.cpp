@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -410,8 +411,9 @@ void Simulation::Impl::restore(ByteSource& source) {
   const bool in_cycles =
       std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
       std::any_of(drives.begin(), drives.end(), [](const Drive& drive) { return drive.in_cycles != 0; });
-  const bool on_ground =
-      std::all_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.of_ground <= 7; });
+  const bool on_ground = std::all_of(ramps.begin(), ramps.end(), [&](const BodyRamp& ramp) {
+    return ramp.of_ground <= 7 && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
+  });
   if (!on_ground || !std::isfinite(clock_start) || clock_start_step < 0 || clock_start_step > step_count)
     throw of_another_model();
   if (in_cycles && (stage < 0 || !scene.stages[at(stage)].cycles)) throw of_another_model();

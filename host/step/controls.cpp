@@ -44,8 +44,8 @@ void Simulation::Impl::follow_ramps() {
     BodyLanes& lanes = body_lanes[static_cast<std::size_t>(index)];
     Vec3 record{};
     if (shakes && ramps[b].of_ground != 0)
-      record =
-          geometry::array(record_velocity(scene.stages[static_cast<std::size_t>(stage)], now() + 0.5 * data.time_step));
+      record = geometry::array(record_velocity(scene.stages[at_stage()], now() + 0.5 * data.time_step,
+                                               static_cast<std::int32_t>(ramps[b].motion)));
     for (std::size_t c = 0; c < 3; ++c) {
       lanes.prescribed_velocity[c][lane] = ramps[b].in_cycles[c] != 0.0
                                                ? velocity_in_cycles(ramps[b].velocity_from[c])
@@ -118,44 +118,11 @@ void Simulation::Impl::control_bodies(const Stage& settings, const Stage* previo
     }
   }
   find_monitor(settings);
-  const Vec3 left_over = left_over_ground_velocity(previous);
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    const auto [place, lane] = body_place[b];
-    BodyLanes& body = body_lanes[static_cast<std::size_t>(place)];
-    const Vec3 joints = joint_force(static_cast<int>(b));
-    const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
-      return !c.body.empty() && c.body == model.bodies[b].name;
-    });
-    const bool controlled = control != settings.controls.end(), was_ground = ramps[b].of_ground != 0;
-    const bool ground = !controlled && (settings.ground || was_ground) &&
-                        model.assembly.bricks[static_cast<std::size_t>(model.bodies[b].block)].fixed;
-    ramps[b].of_ground = ground ? 7 : 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const bool was_prescribed = body.prescribed[c][lane] != 0.0;
-      const bool prescribed = ground || (controlled && control->kind[c] == DofKind::velocity);
-      // What a support has carried so far is the force from which a newly freed component starts.
-      const double carried =
-          was_prescribed ? -joints[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c][lane];
-      ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
-      if (was_ground) ramps[b].velocity_from[c] = left_over[c];
-      ramps[b].velocity_to[c] = controlled && prescribed              ? control->velocity[c]
-                                : ground && settings.ramp_time <= 0.0 ? left_over[c]
-                                                                      : 0.0;
-      ramps[b].force_from[c] = prescribed ? 0.0 : carried;
-      ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
-      ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
-      const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
-      // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
-      // the support.
-      const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
-      const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
-      energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
-      body.prescribed_velocity[c][lane] = ramps[b].velocity_from[c];
-      body.applied_force[c][lane] = ramps[b].force_from[c];
-      body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
-      body.prescribed[c + 3][lane] = held ? 1.0 : 0.0;
-    }
-  }
+  const int ground = ground_body();
+  const Vec3 left_over = ground >= 0 ? left_over_velocity(previous, ground) : Vec3{};
+  const std::vector<std::int32_t> motions = support_groups(settings);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b)
+    control_body(b, settings, previous, motions[static_cast<std::size_t>(model.bodies[b].block)], left_over);
   for (std::size_t i = 0; i < loaded_blocks.size(); ++i) {
     const std::string& name = model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[i].block)].body;
     const auto control = std::find_if(settings.controls.begin(), settings.controls.end(),
@@ -167,6 +134,47 @@ void Simulation::Impl::control_bodies(const Stage& settings, const Stage* previo
   for (const int i : monitor_loaded) {
     const Vec3 moved = displacement_of_loaded(i);
     for (std::size_t c = 0; c < 3; ++c) monitor_start[c] += moved[c] / static_cast<double>(monitor_loaded.size());
+  }
+}
+
+void Simulation::Impl::control_body(std::size_t b, const Stage& settings, const Stage* previous, std::int32_t motion,
+                                    const Vec3& left_over) {
+  const auto [place, lane] = body_place[b];
+  BodyLanes& body = body_lanes[static_cast<std::size_t>(place)];
+  const Vec3 joints = joint_force(static_cast<int>(b));
+  const auto control = std::find_if(settings.controls.begin(), settings.controls.end(), [&](const BodyControl& c) {
+    return !c.body.empty() && c.body == model.bodies[b].name;
+  });
+  const bool controlled = control != settings.controls.end(), was_ground = ramps[b].of_ground != 0;
+  const bool ground = !controlled && (settings.ground || was_ground) &&
+                      model.assembly.bricks[static_cast<std::size_t>(model.bodies[b].block)].fixed;
+  const Vec3 goes_on = was_ground ? left_over_velocity(previous, static_cast<int>(b)) : left_over;
+  ramps[b].of_ground = ground ? 7 : 0;
+  ramps[b].motion = ground && settings.ground ? motion : ground ? ramps[b].motion : 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const bool was_prescribed = body.prescribed[c][lane] != 0.0;
+    const bool prescribed = ground || (controlled && control->kind[c] == DofKind::velocity);
+    // What a support has carried so far is the force from which a newly freed component starts.
+    const double carried =
+        was_prescribed ? -joints[c] - model.bodies[b].mass * data.gravity[c] : body.applied_force[c][lane];
+    ramps[b].velocity_from[c] = was_prescribed ? body.prescribed_velocity[c][lane] : body.velocity[c][lane];
+    if (was_ground) ramps[b].velocity_from[c] = goes_on[c];
+    ramps[b].velocity_to[c] = controlled && prescribed              ? control->velocity[c]
+                              : ground && settings.ramp_time <= 0.0 ? goes_on[c]
+                                                                    : 0.0;
+    ramps[b].force_from[c] = prescribed ? 0.0 : carried;
+    ramps[b].force_to[c] = controlled && !prescribed ? control->force[c] : 0.0;
+    ramps[b].in_cycles[c] = controlled && control->in_cycles == static_cast<int>(c) ? 1.0 : 0.0;
+    const bool was_held = body.prescribed[c + 3][lane] != 0.0, held = ground || (controlled && !control->may_turn);
+    // The motion of what is driven is no kinetic energy: what is let go brings its own, what is caught leaves it to
+    // the support.
+    const double linear = 0.5 * model.bodies[b].mass * body.velocity[c][lane] * body.velocity[c][lane];
+    const double angular = 0.5 * model.bodies[b].inertia[c] * body.spin[c][lane] * body.spin[c][lane];
+    energy_external += (was_prescribed - prescribed) * linear + (was_held - held) * angular;
+    body.prescribed_velocity[c][lane] = ramps[b].velocity_from[c];
+    body.applied_force[c][lane] = ramps[b].force_from[c];
+    body.prescribed[c][lane] = prescribed ? 1.0 : 0.0;
+    body.prescribed[c + 3][lane] = held ? 1.0 : 0.0;
   }
 }
 

@@ -9,7 +9,10 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <span>
 
+#include "base/rank_rows.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/large_motion.h"
@@ -149,6 +152,7 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
     for (std::size_t c = 0; c < 3; ++c)
       if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
     drive.of_ground = static_cast<std::uint8_t>(ramp.of_ground);
+    drive.motion = static_cast<std::int32_t>(ramp.motion);
     drive.velocity_from = geometry::vector(ramp.velocity_from);
     drive.velocity_to = geometry::vector(ramp.velocity_to);
     drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
@@ -196,13 +200,15 @@ double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
 
 }  // namespace
 
-// v M' v/2 less v M v/2 (model/rigid_motion.h), of this rank's units.
+// v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks ask together.
 double Simulation::Impl::added_kinetic_energy() const {
   const double s_b = inertia.deformation, s_u = inertia.unit;
   if (s_b == 1.0 && s_u == 1.0) return 0.0;
   const bool halved = model.assembly.symmetry_plane_z0;
-  double sum = 0.0;
-  for (const UnitGroup& unit : model.unit_groups) {
+  std::vector<double> added(model.unit_groups.size(), 0.0);
+  for (std::size_t u = 0; u < added.size(); ++u) {
+    if (ranks && !share.owns_item(static_cast<int>(u), ranks->rank())) continue;
+    const UnitGroup& unit = model.unit_groups[u];
     const BlockGroup& first = model.groups[at(unit.first_group)];
     for (int lane = 0; lane < first.block_count; ++lane) {
       GridpointMotion whole;
@@ -215,11 +221,12 @@ double Simulation::Impl::added_kinetic_energy() const {
         whole.velocity.insert(whole.velocity.end(), f.velocity.begin(), f.velocity.end());
         whole.mass.insert(whole.mass.end(), f.mass.begin(), f.mass.end());
       }
-      sum += (s_b - 1.0) * (all - blocks);
-      if (unit.group_count > 1) sum += (s_u - 1.0) * (blocks - rigid_kinetic_energy(whole, halved));
+      added[u] += (s_b - 1.0) * (all - blocks);
+      if (unit.group_count > 1) added[u] += (s_u - 1.0) * (blocks - rigid_kinetic_energy(whole, halved));
     }
   }
-  return sum;
+  all_gather(ranks, std::span(added), [this](std::size_t u) { return share.rank_of_item[u]; });
+  return std::accumulate(added.begin(), added.end(), 0.0);
 }
 
 void Simulation::Impl::promote(const std::string& why) {

@@ -23,6 +23,8 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_large_motion(*shapes, std::move(materials));
   if (!shapes) require_moving_ground(), find_base_of_lattice();
+  // Every name of every stage is looked up before anything runs.
+  for (std::size_t i = 0; !shapes && i < scene.stages.size(); ++i) support_groups(scene.stages[i]);
   find_restraints();
   take_damage();
   const auto before = Clock::now();

@@ -56,6 +56,7 @@ struct BodyRamp {
   Vec3 force_from{}, force_to{};
   Vec3 in_cycles{};             // 1: this component follows the cycles of the stage; else 0
   std::uint64_t of_ground = 0;  // as in Drive
+  std::int64_t motion = 0;      // as in Drive
 };
 
 // A deformable block that controls can load.
@@ -184,6 +185,9 @@ struct Simulation::Impl {
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
   void control_bodies(const Stage& settings, const Stage* previous);  // and find the monitor; null: none
+  // motion: of the ground, where the body moves with it. left_over: velocity of the ground, m/s.
+  void control_body(std::size_t body, const Stage& settings, const Stage* previous, std::int32_t motion,
+                    const Vec3& left_over);
   void find_monitor(const Stage& settings);
   void find_loaded_blocks();
   // Sets velocities (else forces) of bodies, or blocks, that have this name: those components that are numbers.
@@ -316,9 +320,9 @@ struct Simulation::Impl {
   // Of the ground motion of a stage, m/s. motion: as in Drive.
   static constexpr double kGroundAtRest = 1e-12;  // m/s, rounding of a record that ends at rest
   geometry::Vector record_since_half_step(const Stage* of_stage, std::int32_t motion) const;  // m/s; null: none
-  // On the lattice: velocity of the ground now, as the stage before has left it, m/s; a body that moves as it does, -1:
-  // none.
-  Vec3 left_over_ground_velocity(const Stage* previous) const;
+  // On the lattice: velocity now of a body that moves with the ground, as the stage before has left it, m/s; a body
+  // that moves as the ground does, -1: none.
+  Vec3 left_over_velocity(const Stage* previous, int body) const;
   int ground_body() const;
   geometry::Vector record_velocity(const Stage& of_stage, double time, std::int32_t motion = 0) const;
   void add_forces(const Stage& settings);

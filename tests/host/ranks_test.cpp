@@ -196,7 +196,7 @@ INSTANTIATE_TEST_SUITE_P(
              Case::promotion},
         Case{"ShakenWall",
              QUOIN_HOST_TESTS "/shaken_wall.toml",
-             {"stage.shake.ground_motion.scale=1.5", "stage.shake.duration=0.006"}},
+             {"output.energy=true", "stage.shake.ground_motion.scale=1.5", "stage.shake.duration=0.006"}},
         Case{"ShakenWallThatGoesOver",
              QUOIN_HOST_TESTS "/shaken_wall.toml",
              {"solver.rotation_bound=1e-6", "stage.shake.duration=0.006"},

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "members/members.h"
+#include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/actions/action.h"
 
@@ -31,10 +33,9 @@ Vector Simulation::Impl::record_since_half_step(const Stage* of_stage, std::int3
   return record_velocity(*of_stage, now(), motion) - record_velocity(*of_stage, now() - half, motion);
 }
 
-Vec3 Simulation::Impl::left_over_ground_velocity(const Stage* previous) const {
-  const int body = ground_body();
-  if (body < 0) return {};
-  const Vector record = record_since_half_step(previous, 0);
+Vec3 Simulation::Impl::left_over_velocity(const Stage* previous, int body) const {
+  const std::int64_t motion = ramps[static_cast<std::size_t>(body)].motion;
+  const Vector record = record_since_half_step(previous, static_cast<std::int32_t>(motion));
   Vec3 after = of_body(body, &BodyLanes::velocity);
   for (std::size_t c = 0; c < 3; ++c) {
     after[c] += record[static_cast<int>(c)];
@@ -44,20 +45,30 @@ Vec3 Simulation::Impl::left_over_ground_velocity(const Stage* previous) const {
 }
 
 int Simulation::Impl::ground_body() const {
-  const auto moves = std::find_if(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.of_ground == 7; });
-  return moves == ramps.end() ? -1 : static_cast<int>(moves - ramps.begin());
+  int found = -1;
+  for (std::size_t b = 0; b < ramps.size(); ++b) {
+    if (ramps[b].of_ground != 7) continue;
+    if (ramps[b].motion == 0) return static_cast<int>(b);
+    if (found < 0) found = static_cast<int>(b);
+  }
+  return found;
 }
 
 std::vector<std::int32_t> Simulation::Impl::support_groups(const Stage& settings) const {
-  std::vector<std::int32_t> group(static_cast<std::size_t>(large_motion->block_count()), 0);
-  if (!settings.ground) return group;
+  const std::size_t blocks =
+      large_motion ? static_cast<std::size_t>(large_motion->block_count()) : model.assembly.bricks.size();
+  std::vector<std::int32_t> group(blocks, 0);
+  if (!settings.ground || settings.ground->supports.empty()) return group;
+  std::optional<blocks::Assembly> of_bricks;
+  if (!large_motion) of_bricks = blocks::from_bricks(model.assembly);
+  const blocks::Assembly& assembly = large_motion ? large_motion->assembly() : *of_bricks;
   std::int32_t index = 0;
   for (const GroundMotion& support : settings.ground->supports) {
     ++index;
     for (const std::string& name : support.blocks) {
-      for (const int block : blocks_named(name, settings.source.text)) {
+      for (const int block : blocks::find_blocks(assembly, name, settings.source.text)) {
         std::int32_t& of_block = group[static_cast<std::size_t>(block)];
-        if (!large_motion->assembly().blocks[static_cast<std::size_t>(block)].fixed)
+        if (!assembly.blocks[static_cast<std::size_t>(block)].fixed)
           throw Error(Exit::bad_input,
                       fmt::format("{}: ground_motion.support.{}: block '{}' is not fixed, and only supports follow "
                                   "records; give it fixed = true",
@@ -137,7 +148,7 @@ void Simulation::Impl::follow_ground_of_lattice(double s) {
   if (body < 0 || stage < 0) return;
   const BodyRamp& ramp = ramps[static_cast<std::size_t>(body)];
   const double half = data.damping == DampingKind::viscous ? 0.0 : 0.5 * data.time_step;
-  const Vector record = record_velocity(scene.stages[at_stage()], now() - half);
+  const Vector record = record_velocity(scene.stages[at_stage()], now() - half, static_cast<std::int32_t>(ramp.motion));
   for (std::size_t c = 0; c < 3; ++c)
     data.ground_velocity[c] =
         ramp.velocity_from[c] + s * (ramp.velocity_to[c] - ramp.velocity_from[c]) + record[static_cast<int>(c)];
