@@ -190,6 +190,10 @@ Json of_beams(const members::Members& members) {
   return beams;
 }
 
+double largest_displacement(const std::vector<HistoryRow>& rows) {
+  return rows.empty() ? 0.0 : rows.back().largest_displacement;
+}
+
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -198,6 +202,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
   json["collapse_lag"] = or_null(collapse_lag(simulation.scene(), simulation.outcome().collapse_multiplier));
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
+  json["largest_displacement_m"] = largest_displacement(rows);
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
   if (m.members())
@@ -209,7 +214,7 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
 // Of blocks of any shape, and of bricks on a ground that moves.
 Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   Json json;
-  json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
+  json["largest_displacement_m"] = largest_displacement(rows);
   if (const double in_use = simulation.time_step_report().impacts.in_use; in_use > 0.0) {
     json["impact_damping_in_use"] = in_use;
     json["landing_restitution"] = landing_restitution(in_use);

@@ -399,6 +399,8 @@ void Simulation::Impl::each_watched(const std::function<void(int, const std::vec
     of_large_motion(monitor_blocks);
   else
     of_bodies(monitor);
+  // Against which ranks look at how their blocks have moved.
+  if (const int ground = large_motion ? -1 : ground_body(); ground >= 0) of_bodies({ground});
   for (const int i : monitor_loaded) of_loaded(i, 3);
   for (const Floor& floor : whiffletree) {
     if (large_motion) of_large_motion(floor.large_motion);
