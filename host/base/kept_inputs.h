@@ -1,5 +1,5 @@
-// Input files as they were when they were first read, for programs that read them again and again: a study of a
-// thousand samples finds one scene, whatever its file holds by then.
+// Input files as they were when they were first read. A study of a thousand samples finds one scene, whatever its file
+// holds by then.
 #pragma once
 
 #include <filesystem>

@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// The number that the whole of `text` spells, surrounding blanks and a plus sign allowed, whatever the locale; false
+// The number that the whole of `text` spells, surrounding blanks and a plus sign allowed, whatever the locale. False
 // for anything else and for numbers out of the type's range. Floating point: "inf" and "nan" are numbers. Integers:
 // digits only, so that 1.7 and 1e3 are none.
 template <typename Number>

@@ -1,7 +1,7 @@
 // Memory that takes room in the machine only where something other than zero has been written.
 //
-// A rank has arrays with the numbers of the whole model, so that nothing has a local number, but room for its own items
-// and those of neighbours alone: the rest are addresses that nobody writes to.
+// A rank has arrays with the numbers of the whole model, so that nothing has a local number. It has memory for its own
+// items and those of neighbours alone; nobody writes to the other addresses.
 #pragma once
 
 #include <sys/mman.h>

@@ -13,9 +13,9 @@ namespace quoin {
 
 // Threads wait by spinning for some microseconds (a phase of a step is not longer), then give way to others.
 //
-// Nobody waits for a thread that has nothing in hand: a call is over when all of its pieces are done, and a thread that
-// the machine held up finds out later that it came too late. So a core that others take away costs its share of the
-// work and no more.
+// Nobody waits for a thread without work: a call is over when all of its pieces are done. A thread that the machine
+// held up finds out later that it came too late. So a core that others take away costs its share of the work and no
+// more.
 class ThreadPool {
  public:
   explicit ThreadPool(int thread_count)
@@ -64,7 +64,7 @@ class ThreadPool {
   }
 
  private:
-  // Pieces of a thread. next: the call and its next piece in one word, so that who took part in an earlier call cannot
+  // Pieces of a thread. next: the call and its next piece in one word. Who took part in an earlier call then cannot
   // take a piece of a later one.
   struct alignas(64) Range {
     std::atomic<std::uint64_t> next{0};

@@ -1,6 +1,6 @@
-// TOML that is refused by its text, before anything is made of it: what would take more than the machine has (toml++
-// calls itself once for each part of a dotted key, and keeps a kilobyte for every table), and control characters, which
-// names and titles would bring to the terminal.
+// TOML that is refused by its text, before it is parsed. One reason is memory: toml++ calls itself for each part of a
+// dotted key, and keeps a kilobyte for every table. The other one is control characters, which names and titles would
+// carry to the terminal.
 #pragma once
 
 #include <fmt/format.h>

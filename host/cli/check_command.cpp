@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <vector>
 
 #include "base/duration_text.h"
 #include "cli/prepare.h"
@@ -16,6 +17,7 @@
 #include "members/members.h"
 #include "model/motion.h"
 #include "model/time_step.h"
+#include "results/surface.h"
 #include "scene/collapse_load.h"
 #include "scene/damping_text.h"
 #include "scene/read_tests.h"
@@ -131,6 +133,46 @@ void print_supports(const Simulation& simulation) {
   }
   fmt::print("supports, and the axes that they hold or move\n");
   for (const auto& [text, stages] : lines) fmt::print("  {:<16} {}\n", stages, text);
+}
+
+// Blocks of the lowest course that stand on no support while others do: a ground that is too short, likely.
+void print_overhang(const Simulation& simulation) {
+  constexpr std::size_t kNamed = 5;
+  const int count = static_cast<int>(simulation.block_count());
+  std::vector<double> foot(static_cast<std::size_t>(count), HUGE_VAL);
+  std::vector<bool> fixed(foot.size()), stands(foot.size());
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (int b = 0; b < count; ++b) {
+    const Simulation::BlockMesh mesh = simulation.block_mesh(b);
+    const auto block = static_cast<std::size_t>(b);
+    fixed[block] = mesh.fixed;
+    for (const Vec3& p : mesh.gridpoint) {
+      foot[block] = std::min(foot[block], p[1]);
+      if (!mesh.fixed) highest = std::max(highest, p[1]);
+    }
+    if (!mesh.fixed) lowest = std::min(lowest, foot[block]);
+  }
+  for (const JointPoint& p : Surfaces().joint_points(simulation)) {
+    const auto a = static_cast<std::size_t>(p.contact.block_a), b = static_cast<std::size_t>(p.contact.block_b);
+    stands[a] = stands[a] || fixed[b], stands[b] = stands[b] || fixed[a];
+  }
+  std::vector<int> hanging;
+  bool others = false;
+  for (int b = 0; b < count; ++b) {
+    const auto block = static_cast<std::size_t>(b);
+    if (fixed[block] || foot[block] > lowest + 1e-6 * (highest - lowest)) continue;
+    if (stands[block])
+      others = true;
+    else
+      hanging.push_back(b);
+  }
+  if (hanging.empty() || !others) return;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(kNamed, hanging.size()); ++k)
+    names += (k == 0 ? "" : ", ") + simulation.block_label(hanging[k]);
+  fmt::print(
+      "  {:<16} warning: {} blocks of the lowest course stand on no fixed block: {}{}; is the ground too short?\n", "",
+      hanging.size(), names, hanging.size() > kNamed ? ", ..." : "");
 }
 
 // What the stages take, by some steps of this model on this machine. Throws Error(bad_input) where nobody would wait.
@@ -291,7 +333,8 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   using Kind = blocks::Piece::Kind;
   const auto count_of = [&](Kind kind) { return simulation.large_motion()->count_of(kind); };
   fmt::print(
-      "  motion in {} displacement: {} rigid, {} alike by one stiffness a shape, {} in a frame of their own, {} zone "
+      "  motion in {} displacement: {} rigid, {} congruent by one stiffness a shape, {} in a frame of their own, {} "
+      "zone "
       "by zone\n",
       simulation.large_motion()->small_displacement() ? "large (small at first)" : "large", count_of(Kind::rigid),
       count_of(Kind::congruent), count_of(Kind::distinct), count_of(Kind::by_zone));
@@ -302,6 +345,7 @@ void check_blocks(const SceneOptions& options, const Scene& scene, const std::st
   print_what_sets_step(*simulation.large_motion());
   print_notes(step);
   print_supports(simulation);
+  print_overhang(simulation);
   if (const members::Members* const members = simulation.large_motion()->members())
     print_members(*members, simulation.large_motion()->assembly());
   print_time(simulation, print_stages(scene, step), options.force);

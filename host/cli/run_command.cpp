@@ -59,9 +59,9 @@ extern "C" void stop_running(int) {
   if (Simulation* simulation = running.load()) simulation->request_stop();
 }
 
-// Ctrl-C asks the simulation to stop, and so do a terminal that closes, a reader of our words that goes, and SIGUSR1,
-// which mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a
-// reader that is gone will be written to again.
+// Ctrl-C asks the simulation to stop. So do a terminal that closes, a closed pipe of our output, and SIGUSR1, which
+// mpirun hands on (SIGTERM it follows by SIGKILL within a second). A second time ends the program at once; but a reader
+// that is gone will be written to again.
 class StopOnSignal {
  public:
   explicit StopOnSignal(Simulation& simulation) {
@@ -117,7 +117,7 @@ struct RunOptions {
   std::string again;   // folder of the run that is repeated; empty: none
   double checkpoint_every = 60.0;
   int threads = 0;
-  bool report = false, svg = false, compressed = false;
+  bool report = false, svg = false, histories = false, compressed = false;
   bool isolate_law = false;
   double law_seconds = kLawSeconds;  // for one batch; 0: any time
   int serve = -1;                    // port of a page of the run while it goes on; 0: any, < 0: none
@@ -315,8 +315,8 @@ std::shared_ptr<FolderLock> take_folder(const fs::path& folder, SceneOptions* sc
   return lock;
 }
 
-// From the thread that watches, while another one is inside the law for ever: what was computed is kept, as far as the
-// law is not asked for it.
+// From the thread that watches, while another one never returns from the law. What was computed is kept, as far as the
+// law is not called for it.
 [[noreturn]] void end_with_law(const Material& material, const quoin_batch& batch, double seconds,
                                const fs::path& folder, const Simulation& simulation, Recorder& recorder, RunInfo info) {
   info.status = "failed";
@@ -537,29 +537,31 @@ void say_what_begins(const RunOptions& options, const Simulation& simulation, co
   }
 }
 
-// curve.png, cracks.png, mechanism.png; what is missing is reported.
-void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info, bool svg,
-          Recorder& recorder) {
+// curve.png, cracks.png, mechanism.png, histories.png; what is missing is reported.
+void draw(const fs::path& folder, const Simulation& simulation, const Surfaces& surfaces, const RunInfo& info,
+          const RunOptions& options, Recorder& recorder) {
   const auto& rows = recorder.history().rows();
   const std::string label = warning_label(info.warnings), law = law_names(simulation.assembly());
   // Each waits for a gnuplot of its own.
   auto curve = std::async(std::launch::async | std::launch::deferred, [&] {
     return notice_of([&] { return plot_curve(folder, rows, simulation.scene(), law, label); });
   });
-  std::string of_cracks, of_mechanism;
+  std::string of_cracks, of_mechanism, of_histories;
+  if (options.histories)
+    of_histories = notice_of([&] { return plot_histories(folder, rows, simulation.scene(), label); });
   if (!info.law_answers) {
     of_cracks = "no cracks.png: the law no longer tells the states of contact points";
   } else if (shows_blocks(simulation)) {
-    of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, label); });
-    of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, label); });
+    of_mechanism = notice_of([&] { return plot_mechanism(folder, simulation, rows, label); });
+    of_cracks = notice_of([&] { return plot_block_cracks(folder, simulation, surfaces, rows, label); });
   } else {
     of_cracks = notice_of([&] { return plot_cracks(folder, simulation, surfaces, rows, law, label); });
   }
-  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism}) {
+  for (const std::string& notice : {curve.get(), of_cracks, of_mechanism, of_histories}) {
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
-  for (const char* name : {"curve", "cracks", "mechanism"}) {
-    if (!svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
+  for (const char* name : {"curve", "cracks", "mechanism", "histories"}) {
+    if (!options.svg || !fs::exists(folder / (std::string(name) + ".png"))) continue;
     const std::string notice = notice_of([&] { return draw_as_svg(folder, name); });
     if (!notice.empty()) recorder.progress().message("quoin: " + notice);
   }
@@ -600,7 +602,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.modes = recorder.modes();
   if (has_all) gather_for_pictures(simulation);
-  if (output.plots && has_all) draw(folder, simulation, surfaces, info, options.svg, recorder);
+  if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });
   info.wall_clock_s = process_seconds();
   keep([&] { write_summary(folder / "summary.json", simulation, rows, info); });
@@ -612,6 +614,25 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   });
   std::error_code ignored;
   if (!failure && exit_code == 0) fs::remove(folder / "checkpoint.bin", ignored);  // of no use any more
+}
+
+// The peak is that of the monitor, whose displacement has the ground's in it: of an earthquake this counts.
+void print_response(const std::vector<HistoryRow>& rows, const Scene& scene) {
+  const HistoryRow *farthest = nullptr, *sheared = nullptr;
+  std::size_t along = 0;
+  double most = 0.0, shear = 0.0;
+  for (const HistoryRow& row : rows) {
+    const Stage& stage = scene.stages[static_cast<std::size_t>(row.stage)];
+    if (!stage.ground) continue;
+    along = axis_of(stage) == 2 ? 2 : 0;
+    const double moved = std::abs(row.monitor_relative[along]), base = std::abs(row.base_force[along]);
+    if (moved > most) most = moved, farthest = &row;
+    if (base > shear) shear = base, sheared = &row;
+  }
+  if (farthest == nullptr || sheared == nullptr) return;
+  fmt::print(
+      "earthquake: {} moves {:.3f} mm along {} against the ground (at {:.3f} s), base shear {:.2f} kN (at {:.3f} s)\n",
+      moved_part(scene, scene.stages.back()), most * 1e3, "xyz"[along], farthest -> time, shear / 1e3, sheared -> time);
 }
 
 void print_results(const fs::path& folder, const Simulation& simulation, const std::vector<HistoryRow>& rows,
@@ -634,6 +655,7 @@ void print_results(const fs::path& folder, const Simulation& simulation, const s
              folder.string());
   const bool shaken =
       std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
+  if (shaken) print_response(rows, scene);
   if (shaken && !rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
     const double joints = e.dissipated[0] + e.dissipated[1] + e.dissipated[2] + e.dissipated[3];
@@ -846,7 +868,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
                          ->type_name("dotted.key=value")
                          ->allow_extra_args(false);
   command->add_flag("--report", options->report, "Write report.html too, a page of the run (quoin report --help)");
-  command->add_flag("--svg", options->svg, "Write curve.svg and cracks.svg beside the pictures in PNG");
+  command->add_flag("--histories", options->histories,
+                    "Write histories.png: displacements, forces and energies over time");
+  command->add_flag("--svg", options->svg, "Write each picture as SVG too, beside its PNG");
   command->add_flag(
       "--live", [options](std::int64_t) { options->serve = 0; },
       "Show the run in a browser while it goes on, at an address of this machine that is printed");

@@ -20,7 +20,9 @@
 #include "records/baseline.h"
 #include "records/read_record.h"
 #include "records/response_spectrum.h"
+#include "results/colours.h"
 #include "results/json_file.h"
+#include "results/picture_text.h"
 
 namespace quoin {
 namespace {
@@ -33,6 +35,7 @@ struct Options {
   double scale = 1.0;
   int order = 4;
   double corner = 0.0;
+  bool svg = false;
 };
 
 struct ComponentSpectrum {
@@ -90,11 +93,12 @@ nlohmann::ordered_json json_of(const GroundRecord& record, const std::vector<Com
   return json;
 }
 
-// Left: acceleration over time, a row a component. Right: pseudo-acceleration over period.
+// Left: acceleration over time, a row a component. Right: pseudo-acceleration over period. Thin and thick lines stay
+// apart where two pens have the same grey.
 std::string script_of(const GroundRecord& record, const std::vector<ComponentSpectrum>& spectra,
                       const std::vector<double>& dampings) {
-  std::string script = fmt::format("set terminal pngcairo size 1400,{} font 'sans,11' noenhanced\nset grid\n",
-                                   320 * spectra.size() + 60);
+  std::string script = fmt::format("set terminal pngcairo size 1400,{} font 'Sans,11' noenhanced\nset grid\n",
+                                   340 * spectra.size() + 60);
   for (std::size_t c = 0; c < spectra.size(); ++c) {
     const TimeSeries& a = spectra[c].acceleration;
     script += fmt::format("$a{} << EOD\n", c);
@@ -108,18 +112,18 @@ std::string script_of(const GroundRecord& record, const std::vector<ComponentSpe
     }
   }
   script += fmt::format("set multiplot layout {},2 title {}\n", spectra.size(),
-                        gnuplot_text(std::filesystem::path(record.source).filename().string()));
+                        fitting_text(std::filesystem::path(record.source).filename().string(), 1300, 11));
   for (std::size_t c = 0; c < spectra.size(); ++c) {
     script += fmt::format(
-        "set title {}\nset xlabel 'time [s]'\nset ylabel 'acceleration [m/s2]'\nunset logscale\nset key off\n"
-        "plot $a{} using 1:2 with lines lc rgb '#0072b2'\n",
-        gnuplot_text(spectra[c].name), c);
+        "set title {}\nset xlabel 'time (s)'\nset ylabel 'acceleration (m/s2)'\nunset logscale\nset key off\n"
+        "plot $a{} using 1:2 with lines lc rgb '{}'\n",
+        fitting_text(spectra[c].name, 560, 11), c, kPens[1]);
     std::string plots;
     for (std::size_t d = 0; d < dampings.size(); ++d)
-      plots += fmt::format("{}$s{}_{} using 1:2 with lines lw 2 title '{:g} % damping'", d > 0 ? ", " : "", c, d,
-                           100.0 * dampings[d]);
+      plots += fmt::format("{}$s{}_{} using 1:2 with lines lw {} lc rgb '{}' title '{:g} % damping'", d > 0 ? ", " : "",
+                           c, d, d % 2 == 0 ? 2 : 1, kPens[d % kPens.size()], 100.0 * dampings[d]);
     script += fmt::format(
-        "set title 'elastic response spectrum'\nset xlabel 'period [s]'\nset ylabel 'pseudo-acceleration [m/s2]'\n"
+        "set title 'elastic response spectrum'\nset xlabel 'period (s)'\nset ylabel 'pseudo-acceleration (m/s2)'\n"
         "set logscale x\nset xrange [*:*]\nset yrange [0:*]\nset key top right\nplot {}\nset yrange [*:*]\n",
         plots);
   }
@@ -168,6 +172,8 @@ void run(Options options) {
   if (const std::string missing = draw_picture(folder, "spectrum", script_of(record, spectra, options.dampings));
       !missing.empty())
     notice(missing);
+  else if (const std::string none = options.svg ? draw_as_svg(folder, "spectrum") : ""; !none.empty())
+    notice(none);
   fmt::print("{}\n", (folder / "spectrum.csv").string());
 }
 
@@ -191,6 +197,7 @@ void add_spectrum_command(CLI::App& app) {
   command->add_option("--corner", options->corner, "Corner frequency of the high-pass filter, Hz");
   command->add_option("--out", options->out, "Folder for spectrum.csv, spectrum.json and spectrum.png")
       ->type_name("DIR");
+  command->add_flag("--svg", options->svg, "Write spectrum.svg beside spectrum.png");
   command->footer(
       "Reads PEER .AT2, .VT2 and .DT2, ESM and ITACA ASCII, and CSV whose columns name their units (time_s, x_g).\n"
       "Exact for accelerations that are linear between samples; extremes within 0.05 %.\n"

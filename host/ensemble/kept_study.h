@@ -1,5 +1,5 @@
-// What a study was read from, kept in its folder: with it any process on any machine goes on, whatever has become of
-// the files since.
+// What a study was read from, kept in its folder. Any process on any machine goes on with it, whatever has become of
+// the files.
 #pragma once
 
 #include <filesystem>

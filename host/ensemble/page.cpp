@@ -314,7 +314,8 @@ std::string table_of(const Results& r) {
         name, m.mean, m.of_mean.low, m.of_mean.high, m.scatter, quantile_of(values, 0.05), quantile_of(values, 0.5),
         quantile_of(values, 0.95), r.of_means ? value_of(r.of_means->outputs, name) : kNone);
   }
-  return "<table><tr><th></th><th>mean</th><th>95 % of the mean</th><th>scatter</th><th>5 %</th><th>median</th><th>95 "
+  return "<table><tr><th></th><th>mean</th><th>interval of the mean, 95 %</th><th>scatter</th><th>5 "
+         "%</th><th>median</th><th>95 "
          "%</th>"
          "<th>everything at its mean</th></tr>\n" +
          rows + "</table>\n";
@@ -336,12 +337,13 @@ void write_page(const fs::path& folder, const Study& study, const Results& r, st
       R"(<p>{} of {} samples finished, {} of them failed. Numbers: <a href="samples.csv">samples.csv</a>,
 <a href="summary.json">summary.json</a>, <a href="curve_bands.csv">curve_bands.csv</a>,
 <a href="crack_probability.csv">crack_probability.csv</a>.</p>
-<h2>Scatter</h2>
+<h2>Results</h2>
+{}{}<details><summary>What scatters, and what is set</summary>
 <ul>
 {}</ul>
-<h2>Results</h2>
-{}{}{})",
-      r.samples.size(), samples, failed, set, table_of(r), figures,
+</details>
+{})",
+      r.samples.size(), samples, failed, table_of(r), figures, set,
       failures.empty() ? "" : "<h2>Samples that failed</h2>\n<ul>\n" + failures + "</ul>\n");
   write_page_of(folder, study.title.empty() ? study.scene : study.title, body);
 }

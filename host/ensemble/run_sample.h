@@ -27,9 +27,9 @@ std::vector<std::string> output_names();
 // And of the inputs that a scattering property of a joint family adds: its mean by area, and its least value.
 std::array<std::string, 2> drawn_columns(const std::string& family, const std::string& property);
 
-// Computes the scene that make_scene reads with one thread: history.csv, summary.json, cracks.csv, and at last
-// sample.json, which says that the sample is finished. What the scene or the law makes impossible is a failed sample,
-// not an error of this function. Throws Error(bad_input) where the folder cannot be written.
+// Computes the scene that make_scene reads with one thread. Writes history.csv, summary.json, cracks.csv, and at last
+// sample.json, which marks the sample as finished. What the scene or the law makes impossible is a failed sample, not
+// an error of this function. Throws Error(bad_input) where the folder cannot be written.
 void run_sample(const Study& study, std::uint64_t number, const std::function<Scene()>& make_scene,
                 const std::filesystem::path& folder);
 

@@ -35,8 +35,8 @@ struct Dependence {
 };
 std::optional<Dependence> dependence_of(const std::vector<double>& input, const std::vector<double>& output);
 
-// Shares of the variance of an output that one input brings by itself (first) and with all that it does together with
-// others (total): Sobol's indices, of independent inputs. Intervals hold with 95 %, by drawing the rows again.
+// Shares of the variance of an output by one input alone (first) and with its interactions (total): Sobol's indices, of
+// independent inputs. Intervals hold with 95 %, by drawing the rows again.
 struct SobolIndex {
   std::size_t rows = 0;  // that were used
   double first = 0.0, total = 0.0;
@@ -57,8 +57,8 @@ struct Fragility {
 };
 Fragility fragility_of(const std::vector<double>& values);
 
-// What one run, or several, tell of the intensity at which a wall reaches a limit: it lies above low and not above
-// high. low 0: it may be anything up to high; high infinite: it was not reached at low.
+// Bounds from one run, or several, of the intensity at which a wall reaches a limit: above low, and not above high. low
+// 0: it may be anything up to high; high infinite: it was not reached at low.
 struct Capacity {
   double low, high;
   std::size_t record;  // of which runs depend on each other

@@ -64,8 +64,8 @@ struct Study {
 // Throws Error(bad_input) with every fault of the file.
 Study read_study(const std::string& file);
 
-// What does not go together, which no sample would say: fragilities of what is no column of samples.csv for this scene,
-// columns of one name, keys that are set and drawn. Throws Error(bad_input) with every fault.
+// What does not go together and no sample would report: fragilities of what is no column of samples.csv, columns of one
+// name, keys that are set and drawn. Throws Error(bad_input) with every fault.
 void check_study(const Study& study, const Scene& scene);
 
 }  // namespace quoin::ensemble

@@ -13,7 +13,7 @@ namespace quoin {
 // Throws Error(bad_input) when the folder cannot be made or written.
 void make_folder(const std::filesystem::path& folder);
 void write_file(const std::filesystem::path& path, const std::string& bytes);
-// A file that a user named: where PATH is a link it stays one and its target is written; a device or pipe gets the
+// A file that a user named. Where PATH is a link it stays one and its target is written; a device or pipe gets the
 // bytes and keeps its place. Throws Error(bad_input), for a folder and a link to nothing too.
 void write_named_file(const std::filesystem::path& path, const std::string& bytes);
 // The target of such a link, or PATH itself. Throws Error(bad_input) for a folder and a link to nothing.
@@ -64,8 +64,8 @@ class PlacedFile : public UnfinishedFile {
 // message.
 void require_space(const std::filesystem::path& folder, double bytes, const std::string& what);
 
-// For files that are written bit by bit: begin_file() notes PATH in the manifest of the folder of results that it lies
-// in (result_folder.h) and returns where to write, finish_file() renames that.
+// For files that are written bit by bit. begin_file() notes PATH in the manifest of its folder of results
+// (result_folder.h) and returns where to write; finish_file() renames that.
 std::filesystem::path begin_file(const std::filesystem::path& path);
 void finish_file(const std::filesystem::path& path);
 

@@ -95,7 +95,7 @@ std::optional<int> wait_for(pid_t child, double seconds) {
   return std::nullopt;
 }
 
-// gnuplot reads the script from its standard input and writes the picture to its standard output: neither a name of a
+// gnuplot reads the script from its standard input and writes the picture to its standard output. Neither a name of a
 // file nor any other text is on its command line.
 Drawing run_gnuplot(const fs::path& working_folder, const std::string& script, const fs::path& picture) {
   const Descriptor input(memfd_create("script", MFD_CLOEXEC)), messages(memfd_create("messages", MFD_CLOEXEC));
@@ -191,7 +191,8 @@ std::string draw_as_svg(const fs::path& folder, const std::string& name) {
   script.erase(0, script.find("\nset terminal ") + 1);  // not what gnuplot sends elsewhere than to us
   constexpr std::string_view png = "set terminal pngcairo";
   if (!script.starts_with(png)) return fmt::format("no {}.svg: its script draws no PNG", name);
-  script.replace(0, png.size(), "set terminal svg");
+  // Points of fonts are 96 to 72 pixels of a PNG and pixels of an SVG.
+  script.replace(0, png.size(), "set terminal svg fontscale 1.33333");
   const Drawing drawing = run_gnuplot(plots, script, folder / (name + ".svg"));
   return drawing.fault.empty() ? std::string{} : fmt::format("no {}.svg: {}", name, drawing.fault);
 }

@@ -1,5 +1,5 @@
 // Pictures drawn by gnuplot as a child process. gnuplot executes its scripts, so no text of a user may become part of
-// what it executes: every title, label and name goes through gnuplot_text(), numbers are formatted, files are opened
+// what it executes. Every title, label and name goes through gnuplot_text(). Numbers are formatted, files are opened
 // here and not by the script, and no shell is started.
 #pragma once
 

@@ -39,10 +39,12 @@ constexpr const char* kManifestHead = "results of quoin, partial files .";  // a
 
 // Names that runs give their results: what else has them is in the way.
 constexpr std::array kNames{
-    "summary.json",       "history.csv",   "curve.png",      "cracks.png",        "mechanism.png",    "blocks.pvd",
-    "joints.pvd",         "forces.pvd",    "forces_*.vtu",   "blocks_*.vt[pu]",   "joints_*.vt[pu]",  "blocks_*.pvtu",
-    "joints_*.pvtu",      "plots/curve.*", "plots/cracks.*", "plots/mechanism.*", "plots/bricks.dat", "plots/beams.dat",
-    "plots/joints_*.dat", "run.json",      "checkpoint.bin", "end_state.bin",     "sample.json",      "cracks.csv"};
+    "summary.json",      "history.csv",      "curve.png",       "cracks.png",         "mechanism.png",
+    "blocks.pvd",        "joints.pvd",       "forces.pvd",      "forces_*.vtu",       "blocks_*.vt[pu]",
+    "joints_*.vt[pu]",   "blocks_*.pvtu",    "joints_*.pvtu",   "plots/curve.*",      "plots/cracks.*",
+    "plots/mechanism.*", "plots/bricks.dat", "plots/beams.dat", "plots/joints_*.dat", "run.json",
+    "checkpoint.bin",    "end_state.bin",    "sample.json",     "cracks.csv",         "histories.png",
+    "curve.svg",         "cracks.svg",       "mechanism.svg",   "histories.svg",      "plots/histories.*"};
 
 bool matches(const char* pattern, const std::string& name) {
   return fnmatch(pattern, name.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;

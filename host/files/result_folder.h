@@ -9,8 +9,8 @@
 
 namespace quoin {
 
-// Makes the folder, and holds it until the end of this object or of the process, however it ends: the lock is the
-// kernel's, on FOLDER/.quoin-lock, which says who holds it. Throws Error(bad_input) with the holder when there is one.
+// Makes the folder, and holds it until the end of this object or of the process, however it ends. The lock is the
+// kernel's, on FOLDER/.quoin-lock, which names the holder. Throws Error(bad_input) with the holder when there is one.
 // Where the file system has no locks, a warning is printed and the folder is used.
 class FolderLock {
  public:
@@ -24,13 +24,13 @@ class FolderLock {
 };
 
 // The folder of a run. Locks it, removes the results that the manifest of the last run names, and begins a manifest of
-// its own, FOLDER/.quoin-manifest, in which every file is noted before it is begun: so that the results of a run that
-// was killed are known too. Throws Error(bad_input), with nothing removed, when the folder has something else under a
-// name that a run gives its results.
+// its own, FOLDER/.quoin-manifest. Every file is noted there before it is begun, so that results of a killed run are
+// listed too. Throws Error(bad_input), with nothing removed, when the folder has something else under a name that a run
+// gives its results.
 class ResultFolder {
  public:
-  // For a run that goes on: held, the lock of the folder if it is taken already; kept, asked for each name in the
-  // manifest (relative to the folder), what of it stays.
+  // For a run that goes on: held, the lock of the folder if it is taken already. kept: whether a name of the manifest,
+  // relative to the folder, stays.
   explicit ResultFolder(const std::filesystem::path& folder, std::shared_ptr<FolderLock> held = nullptr,
                         const std::function<bool(const std::string&)>& kept = {});
   ~ResultFolder();

@@ -93,9 +93,9 @@ Farthest depth_of(const RawShape& shape, const ConvexPolyhedron& hull) {
   return worst;
 }
 
-// Moves corners to where the planes of their faces meet, where these differ enough: a corner keeps
-// its place along directions in which its planes leave it free. Where more than three planes meet in a corner, planes
-// are fitted again. False: the faces do not become planar.
+// Moves corners to where the planes of their faces meet, where these differ enough. A corner keeps its place along
+// directions in which its planes leave it free. Where more than three planes meet in a corner, planes are fitted again.
+// False: the faces do not become planar.
 bool make_planar(ConvexPolyhedron& shape, double tolerance) {
   constexpr double kLeastShare = 0.01;  // least sum of squared components of normals along a direction
   constexpr int kRounds = 200;

@@ -1,5 +1,5 @@
-// Blocks from surfaces as other programs draw them: closed, but with faces that no plane fits exactly, corners written
-// several times and faces that run either way round.
+// Blocks from surfaces as other programs draw them. They are closed, but no plane fits their faces exactly. Corners are
+// written several times, and faces run either way round.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace quoin::geometry {
 
 // How far a drawn surface may lie off the planes of the block that is made of it, relative to the block's largest
-// extent: a joint's normal is then off by 0.3 degrees at most, and friction by half a per cent.
+// extent. A joint's normal is then off by 0.3 degrees at most, and friction by half a per cent.
 constexpr double warp_bound = 5e-3;
 
 // Corners at one place made one; faces without area, and those that are there twice, left out.
@@ -34,8 +34,8 @@ struct DrawnShape {
 };
 
 // The block of a welded and oriented surface. Faces warped by less than warp_bound get the plane that fits their
-// corners best, and corners move to where the planes meet: two blocks that share the corners of a face share its plane,
-// and a joint has one face and not two triangles at an angle. Throws Error(bad_input) as from_faces, and for surfaces
+// corners best, and corners move to where the planes meet. Two blocks that share the corners of a face share its plane.
+// A joint then has one face, and not two triangles at an angle. Throws Error(bad_input) as from_faces, and for surfaces
 // beyond the bound.
 DrawnShape from_drawn(const RawShape& shape);
 

@@ -21,8 +21,8 @@ struct ConvexPolyhedron {
   std::vector<Edge> edges;
 };
 
-// Relative to the largest extent of a block: how far a vertex may lie off its face, or in front of another face,
-// before the input is refused. Mesh files in single precision need 1e-6.
+// How far a vertex may lie off its face, or in front of another face, relative to the largest extent of the block.
+// Beyond it the input is refused. Mesh files in single precision need 1e-6.
 constexpr double shape_tolerance = 1e-6;
 
 // The hull of points; points inside it are dropped. `name` stands in the messages. relative_tolerance: of the largest
@@ -38,7 +38,7 @@ ConvexPolyhedron from_faces(const std::vector<Vector>& vertices, const std::vect
                             const std::string& name);
 
 // What from_faces looks at. check_closed throws Error(bad_input) for corner numbers out of range, holes, faces or
-// bodies that are inverted, zero volume; fault_of_faces: the first face that is not planar or has a vertex in front of
+// bodies that are inverted, zero volume. fault_of_faces: the first face that is not planar or has a vertex in front of
 // it, in words; empty: there is none.
 void check_closed(const std::vector<Vector>& vertices, const std::vector<std::vector<int>>& faces,
                   const std::string& name);

@@ -28,7 +28,7 @@ struct Separation {
   Vector normal;                   // unit, from a to b
 };
 
-// `previous` (same pair, an earlier time) is tried first: when it still separates by more than `stop_beyond` nothing
+// `previous` (same pair, an earlier time) is tried first. When it still separates by more than `stop_beyond` nothing
 // else is looked at, and between axes that agree within `preference` (m) the feature of `previous` is kept, then faces
 // before edges, so that the reference does not flicker. A positive distance is a lower bound of the true distance.
 Separation separate(const Placed& a, const Placed& b, double stop_beyond, double preference,
@@ -37,8 +37,8 @@ Separation separate(const Placed& a, const Placed& b, double stop_beyond, double
 // Face of p whose outward normal is closest to `direction`.
 int facing(const Placed& p, const Vector& direction);
 
-// Points of two edges, p to p + u and q to q + v, where their lines are closest to each other; none where the lines
-// pass each other beyond the end of an edge, however near, as those of almost parallel edges do.
+// Points of two edges, p to p + u and q to q + v, where their lines are closest to each other. None where the lines
+// pass each other beyond the end of an edge, however near, as almost parallel edges do.
 std::optional<std::pair<Vector, Vector>> crossing_points(const Vector& p, const Vector& u, const Vector& q,
                                                          const Vector& v);
 

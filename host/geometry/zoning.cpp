@@ -115,8 +115,8 @@ double longest_edge_of(const Zoning& m) {
 }
 
 // Halves edges longer than `bound` (m), the longest first, in all zones around them. Short edges stay, where refine()
-// would halve them too, and with them the time step. What becomes of a face depends on its own edges alone, and of
-// equal ones that with the lower middle comes first: blocks that share a face have the same triangles there.
+// would halve them too, and with them the time step. The division of a face depends on its own edges alone; of equal
+// ones that with the lower middle comes first. So blocks that share a face have the same triangles there.
 class Bisection {
  public:
   Bisection(Zoning& m, double bound) : m_(m), bound_(bound) {

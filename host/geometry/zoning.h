@@ -28,7 +28,7 @@ struct ZoneSize {
 };
 ZoneSize size_of_zone(const Zoning& zoning, const std::array<int, 4>& zone);
 
-// The vertices of a six-sided block of brick topology: number i of the result is at bits (x, y, z) of i, as in
+// The vertices of a six-sided block of brick topology. Number i of the result is at bits (x, y, z) of i, as in
 // geometry::box, along the axes that divisions count. Nothing for other shapes.
 std::optional<std::array<int, 8>> brick_corners(const ConvexPolyhedron& shape);
 
@@ -38,10 +38,10 @@ double hexahedra_along(double length, double target_edge);
 // Hexahedra along these axes with edges of at most `target_edge` (m), for shapes with brick_corners.
 std::array<int, 3> brick_divisions(const ConvexPolyhedron& shape, double target_edge);
 
-// Zones with edges of at most 1.5 times `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs) in
-// n x m x k hexahedra of 5 zones; others in a fan about their centroid, whose long edges are halved, so that blocks
-// that share a face share its triangles (where edges are 12 times the target, first every zone in 8). Throws
-// Error(bad_input) when the target is not positive or would give more than ten million zones.
+// Zones with edges of at most 1.5 times `target_edge` (m). Six-sided blocks of brick topology (bricks, voussoirs) in n
+// x m x k hexahedra of 5 zones. Others in a fan about their centroid, whose long edges are halved; where edges are 12
+// times the target, every zone is first cut in 8. Blocks that share a face share its triangles. Throws Error(bad_input)
+// when the target is not positive or would give more than ten million zones.
 Zoning make_zones(const ConvexPolyhedron& shape, double target_edge, const std::string& name);
 
 // The same with given divisions for six-sided shapes: along the edges 0-1, 0-2, 0-4 of geometry::box. parity: which of
@@ -57,8 +57,8 @@ struct ZonedShape {
 
 // The body of tetrahedra that each name four of the points (m), with positive volume
 // (p1 - p0) . ((p2 - p0) x (p3 - p0)) / 6. Throws Error(bad_input), with the number of the tetrahedron and its place:
-// numbers without a point, points without a tetrahedron, flat and inverted ones; neighbours that do not share whole
-// triangles; what overlaps, has holes or is not convex as a whole.
+// numbers without a point, points without a tetrahedron, flat and inverted ones. Also neighbours that do not share
+// whole triangles; what overlaps, has holes or is not convex as a whole.
 ZonedShape from_tetrahedra(const std::vector<Vector>& points, const std::vector<std::array<int, 4>>& tetrahedra,
                            const std::string& name);
 

@@ -6,8 +6,8 @@
 
 namespace quoin {
 
-// What is missing from the bytes of an ELF file of this machine's kind; empty: nothing, or they are something else, of
-// which the loader can speak.
+// What is missing from the bytes of an ELF file of this machine's kind. Empty: nothing, or it is another file, whose
+// fault the loader reports.
 std::string missing_of_elf(const std::string& bytes);
 
 }  // namespace quoin

@@ -18,8 +18,8 @@ class LawLibrary {
   // name_or_path: a path (contains '/') or the name of a law: searched as NAME.so in $QUOIN_LAW_PATH (colon separated),
   // laws/ beside the program, and ../lib*/quoin/laws. Throws Error(law_refused) naming what was tried and the reason:
   // missing file, not a shared library, not all of one, no quoin_library_v1, other ABI version. The library runs from a
-  // copy in memory, made again where the file has changed since the last load: what happens to the file later does not
-  // touch it. With $QUOIN_LAW_IN_PLACE set it runs from its file, as debuggers and profilers need it.
+  // copy in memory, made again where the file has changed since the last load. What happens to the file later has no
+  // effect. With $QUOIN_LAW_IN_PLACE set it runs from its file, as debuggers and profilers need it.
   static std::shared_ptr<const LawLibrary> load(const std::string& name_or_path);
   ~LawLibrary();
   LawLibrary(const LawLibrary&) = delete;
@@ -58,8 +58,8 @@ class Material {
   const quoin_law& api() const { return *law_.law; }
   const quoin_material* handle() const { return material_.handle(); }
   const std::string& warnings() const { return warnings_; }
-  // As the law's own function, noted so that a call that never returns can be named (law_calls.h), and in a process of
-  // its own where isolate_laws() said so. Thread-safe.
+  // As the law's own function. The call is noted, so that one that never returns can be named (law_calls.h). It is made
+  // in a process of its own after isolate_laws(). Thread-safe.
   quoin_status evaluate(quoin_batch* batch) const;
   std::string fault() const;  // how the law's process has ended; empty: it lives, or there is none
   const LawProcess* process() const { return process_.get(); }  // null: none

@@ -1,5 +1,5 @@
-// A law may crash, end the program past every handler, or never come back when it is loaded: it is loaded by a process
-// of its own first.
+// A law may crash, end the program past every handler, or never return when it is loaded. So a process of its own loads
+// it first.
 #pragma once
 
 #include <functional>

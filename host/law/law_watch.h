@@ -1,5 +1,5 @@
-// Laws are code from outside, in this process. One that crashes, calls exit() or throws ends the program: this names
-// the law before, and sees to it that such an end does not look like success.
+// Laws are code from outside, in this process. One that crashes, calls exit() or throws ends the program. This names
+// the law before, and gives such an end an exit code of failure.
 #pragma once
 
 #include <string>

@@ -32,8 +32,8 @@ class MaterialPoint {
   // Each returns the point at the end of one increment, and throws Error(numerical) when the law reports it as failed.
   const PointResult& move_to(double dn, double ds, double dt);            // totals
   const PointResult& move_by(double dn, double ds_step, double dt_step);  // d_n total, sliding increments
-  // Finds the d_n that gives this normal stress together with the sliding increment, to 1e-10 of the stress: Newton on
-  // the law's tangent inside a bracket. Throws Error(numerical) when no d_n near the old one gives it.
+  // Finds the d_n that gives this normal stress together with the sliding increment, to 1e-10 of the stress. Newton's
+  // method on the law's tangent, inside a bracket. Throws Error(numerical) when no d_n near the old one gives it.
   const PointResult& press_to(double sigma, double ds, double dt);
 
   const PointResult& now() const { return now_; }

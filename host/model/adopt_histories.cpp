@@ -24,6 +24,8 @@ void World::set_pose(int block, const Vector& centre, const Quaternion& turn) {
 }
 
 void World::adopt_histories(const std::vector<PointHistory>& histories) {
+  if (frames_are_old_) find_block_frames();
+  leave_frames_of_deformed();
   std::map<Pair, std::vector<const PointHistory*>> of_pair;
   for (const PointHistory& h : histories)
     of_pair[{std::min(h.block_a, h.block_b), std::max(h.block_a, h.block_b)}].push_back(&h);
@@ -38,10 +40,10 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
         if (dot(d, d) <= near2) history = h;
       }
       // Axes of the start, as the history has them.
-      const bool rides_on_facet = p.facet_a >= 0;
-      const Matrix start = rides_on_facet ? Matrix{} : start_[size_t(p.a)].r;
+      const bool on_triangle = p.facet_a >= 0 && !p.on_gridpoints;
+      const Matrix start = on_triangle ? Matrix{} : (p.on_gridpoints ? start_of_frame(p.a) : start_[size_t(p.a)].r);
       const Vector s = start * p.s, t = start * p.t;
-      if (rides_on_facet) refresh_facet_frame(p, facets_[size_t(p.facet_a)]);
+      if (on_triangle) refresh_facet_frame(p, facets_[size_t(p.facet_a)]);
 
       const Location now = locate(p, facets_);
       double opening = std::max(0.0, now.jump), slip[2] = {};
@@ -68,7 +70,7 @@ void World::adopt_histories(const std::vector<PointHistory>& histories) {
       }
       p.at = now.at;
       p.reference += now.jump - opening;
-      if (!rides_on_facet) p.offset += now.jump - opening;
+      if (p.facet_a < 0) p.offset += now.jump - opening;
       for (int k = 0; k < 2; ++k) f.slid[k][i] = now.slid[k] - slip[k];
     }
   }

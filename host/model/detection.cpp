@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <set>
+#include <tuple>
 
 #include "base/error.h"
 #include "geometry/overlap.h"
@@ -17,6 +18,9 @@ namespace {
 constexpr double parallel_cosine = 0.999;
 // Between features that agree within this fraction of the smallest block, the reference face of before is kept.
 constexpr double preference_fraction = 1e-4;
+// Of the local stiffness bound, before 2/omega_max is looked for again. The step is then longer than its fraction of it
+// by the root of this at most.
+constexpr double kLeastGrowth = 1.01, kMostGrowth = 1.1;
 // Faces of detected overlap merge points within this fraction of the smallest block.
 constexpr double merge_fraction = 1e-6;
 
@@ -400,7 +404,9 @@ void World::place_points(Detection& found) {
   divide_work();
   if (found.at_start) return;
   const double bound = local_stiffness_bound();
-  if (bound <= 1.01 * stiffness_bound_) return;
+  // Springs may grow by what the step has in hand, as its frequency costs many steps.
+  const double fraction = solver_.time_step_fraction;
+  if (bound <= std::clamp(1.0 / (fraction * fraction), kLeastGrowth, kMostGrowth) * stiffness_bound_) return;
   std::set<int> changed;
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (!found.findings[i].fresh) continue;
@@ -514,6 +520,7 @@ void World::hand_over(const Before& before, const Finding& finding, const Contac
 }
 
 Vector World::in_space(const Point& p, const Vector& v) const {
+  if (p.on_gridpoints) return rotation_of_frame(p.a) * v;
   return p.facet_a >= 0 || blocks_[p.a].body < 0 ? v : bodies_[blocks_[p.a].body].r * v;
 }
 
@@ -533,24 +540,13 @@ void World::inherit(const Family& old, size_t from, const Contact& c, Family& f,
   const Vector s = in_space(p, p.s), t = in_space(p, p.t);
   const auto turn = [&](const auto& then_s, const auto& then_t, auto& now_s, auto& now_t) {
     const Vector v = sign * (then_s[from] * in_space(q, q.s) + then_t[from] * in_space(q, q.t));
-    const double along_s = dot(v, s), along_t = dot(v, t);
-    const double size = std::sqrt(along_s * along_s + along_t * along_t), keep = size > 0 ? norm(v) / size : 1.0;
-    now_s[to] = keep * along_s, now_t[to] = keep * along_t;
+    std::tie(now_s[to], now_t[to]) = turned_into(s, t, v);
   };
   f.traction[0][to] = old.traction[0][from];
-  turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);
-  if (!old.viscous[0].empty() && !f.viscous[0].empty()) {
-    f.viscous[0][to] = old.viscous[0][from];
-    turn(old.viscous[1], old.viscous[2], f.viscous[1], f.viscous[2]);
-  }
-  for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3) {
+  if (!old.viscous[0].empty() && !f.viscous[0].empty()) f.viscous[0][to] = old.viscous[0][from];
+  for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3)
     f.maxwell[k][to] = old.maxwell[k][from];
-    turn(old.maxwell[k + 1], old.maxwell[k + 2], f.maxwell[k + 1], f.maxwell[k + 2]);
-  }
-  for (size_t k = 0; k + 1 < f.state.size(); ++k) {
-    if (f.material->api().states[k]->kind != QUOIN_STATE_PAIR_S) continue;
-    turn(old.state[k], old.state[k + 1], f.state[k], f.state[k + 1]);
-  }
+  turn_joint_vectors(old, f, turn);
 }
 
 bool World::has_columns(When when) const {
@@ -756,6 +752,7 @@ void World::face_points(int owner, int owner_face, int carrier, bool at_start, d
     p.reference = made.joint ? gap : 0.0;
     anchor(made, owner, at - gap * n, owner_face, true);
     anchor(made, carrier, at, facing_face, false);
+    choose_frame(made);
     out.push_back(made);
   };
   if (points.empty()) {
@@ -807,6 +804,7 @@ bool World::edge_point(const Pair& pair, const Separation& separation, double ar
   made.joint = false;
   anchor(made, p.a, pa, ea.left, true);
   anchor(made, p.b, pb, eb.left, false);
+  choose_frame(made);
   out.push_back(made);
   return true;
 }
@@ -861,13 +859,25 @@ void World::anchor(NewPoint& made, int block, const Vector& at, int face, bool p
   if (plane_side) {
     p.facet_a = 0;  // numbered when the point is stored
     made.facet_a = facet;
-    // edge contacts of deformable blocks keep the plane of the triangle they sit on
-    refresh_facet_frame(p, made.facet_a);
   } else {
     put_on_gridpoint(facet);
     p.facet_b = 0;
     made.facet_b = facet;
   }
+}
+
+// The frame of a point whose plane belongs to a deformable block: that of the block where both sides are gridpoints,
+// else that of the triangle, which edge contacts keep too.
+void World::choose_frame(NewPoint& made) const {
+  Point& p = made.point;
+  if (p.facet_a < 0) return;
+  Facet on_a = made.facet_a;
+  put_on_gridpoint(on_a);
+  p.on_gridpoints = p.facet_b >= 0 && may_have_frame(p.a) && sits_on_gridpoint(on_a) && sits_on_gridpoint(made.facet_b);
+  if (!p.on_gridpoints) return refresh_facet_frame(p, made.facet_a);
+  made.facet_a = on_a;
+  const Matrix r = rotation_of_frame(p.a);
+  p.n = transposed_times(r, p.n), p.s = transposed_times(r, p.s), p.t = transposed_times(r, p.t);
 }
 
 // The frame of a deformable plane side: n of its triangle, s along its first edge.
@@ -910,8 +920,9 @@ World::Location World::locate(const Point& p, const LaneVector<Facet>& facets) c
   }
   if (p.facet_a >= 0) {
     const Facet& facet = facets[p.facet_a];
-    const Vector d = l.at - (facet.weight[0] * node_x_[facet.node[0]] + facet.weight[1] * node_x_[facet.node[1]] +
-                             facet.weight[2] * node_x_[facet.node[2]]);
+    Vector d = l.at - (facet.weight[0] * node_x_[facet.node[0]] + facet.weight[1] * node_x_[facet.node[1]] +
+                       facet.weight[2] * node_x_[facet.node[2]]);
+    if (p.on_gridpoints) d = transposed_times(rotation_of_frame(p.a), d);
     l.jump = dot(p.n, d) - p.reference;
     l.slid[0] = dot(p.s, d), l.slid[1] = dot(p.t, d);
   } else {

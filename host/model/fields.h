@@ -23,6 +23,7 @@ struct WorldFields {
     visit(Field{Owner::body, "rigid_body", 0, "SI"}.in_hash(kMotion).in(Part::motion), w.bodies_);
     visit(place.in_hash(sizeof(Vector)).in(Part::motion), w.node_x_);
     visit(velocity.in_hash(sizeof(Vector)).in(Part::motion), w.node_v_);
+    visit(Field{Owner::block, "frame", 18, "-"}.in(Part::motion), w.frames_);
     visit(Field{Owner::gridpoint, "held", 1, "-"}.in(nothing), w.node_held_);
     visit(Field{Owner::gridpoint, "held_velocity", 3, "m/s"}.in(nothing), w.node_held_v_);
     visit(Field{Owner::block, "contact_force", 3, "N"}.in(Part::sums), w.block_contact_force_);

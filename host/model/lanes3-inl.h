@@ -83,6 +83,19 @@ HWY_INLINE Lanes3 load_vectors(const Row& row) {
   return vectors;
 }
 
+// The first `count` numbers of a vector; the others are read as 0 and not written.
+struct FirstLanes {
+  int count;
+  HWY_INLINE V load(const double* from) const {
+    if (count >= kWidth) return hn::LoadU(D(), from);
+    return hn::MaskedLoad(hn::FirstN(D(), static_cast<std::size_t>(count)), D(), from);
+  }
+  HWY_INLINE void store(V v, double* to) const {
+    if (count >= kWidth) return hn::StoreU(v, D(), to);
+    hn::BlendedStore(v, hn::FirstN(D(), static_cast<std::size_t>(count)), D(), to);
+  }
+};
+
 // Cofactors, row by row; the determinant is row[0] of both, multiplied.
 HWY_INLINE Lanes33 cofactors_of(const Lanes33& m) {
   return {{cross_of(m.row[1], m.row[2]), cross_of(m.row[2], m.row[0]), cross_of(m.row[0], m.row[1])}};

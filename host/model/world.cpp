@@ -231,6 +231,7 @@ void World::size_fields(const Counts& counts) {
   zones_ = LaneVector<Zone>(counts.zones);
   zone_lanes_ = LaneVector<ZoneLanes>(counts.zone_lanes);
   start_ = broad_ = LaneVector<Pose>(blocks_.size());
+  frames_ = LaneVector<BlockFrame>(blocks_.size());
   block_contact_force_ = LaneVector<Vector>(blocks_.size());
   contacts_of_family_.resize(families_.size());
   laid_out_.resize(blocks_.size());
@@ -395,6 +396,7 @@ void World::lay_out_zones(int block) {
                               node_mass_[n]));
     }
   }
+  frames_[size_t(block)].transposed_r = transposed(start_of_frame(block));
   if (zone_lanes_[size_t(b.first_lanes)].count == 0) put_in_lanes(b);
   b.surface.clear();
   for (Zoning::SurfaceTriangle t : z->surface) {

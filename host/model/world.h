@@ -59,6 +59,12 @@ struct Body {
   }
 };
 
+// The frame of a deformable block that deforms little (step/deformable_kernels.h), as its gridpoints stand.
+struct BlockFrame {
+  Matrix transposed_r;  // of R, from the undeformed shape to space
+  Matrix f;             // F = R U = sum x b^T
+};
+
 struct Zone {
   int32_t node[4];
   Vector gradient[4];  // of the shape functions in the reference configuration, 1/m
@@ -77,11 +83,14 @@ struct ZoneLanes {
   int count;
 };
 
-// A contact point. Everything in the frame of block a: body frame for rigid blocks; triangle frame for deformable ones.
+// A contact point. Everything in the frame of block a: body frame for rigid blocks; for deformable ones BlockFrame
+// where both sides are gridpoints, else that of a triangle.
 struct Point {
   int32_t a, b;                        // blocks
   int32_t facet_a = -1, facet_b = -1;  // index into World::facets_ for a deformable side
-  // Unit, n from a to b. In space where facet_a >= 0: of the last step, or the last detection (see frame_of).
+  bool on_gridpoints = false;          // the first ones of both facets; n, s, t are in the frame of block a
+  // Unit, n from a to b. In space where a triangle is the frame: of the last step, or the last detection (see
+  // frame_of).
   Vector n, s, t;
   double offset = 0.0;     // d_n = n . position in a's frame - offset, m (rigid a); reference gap (deformable a)
   Vector arm;              // of the point in b's body frame (rigid b), m
@@ -99,6 +108,8 @@ struct Facet {
   double weight[3];
   double gradient[3][2];  // of the shape functions along s, t, 1/m; of the triangle that owns the plane
 };
+// On its first one.
+inline bool sits_on_gridpoint(const Facet& f) { return f.weight[0] == 1.0 && f.weight[1] == 0.0 && f.weight[2] == 0.0; }
 
 // Points of one joint family, law columns in structure-of-arrays form.
 struct Family {
@@ -129,7 +140,22 @@ struct RigidPair {
   Vector force, moment_a, moment_b;  // on a, N; about the centre of a, on a, and of b, on b, N m
 };
 
-// Up to kCount points in a row between gridpoints, lane by lane; those beyond `count` repeat the last one.
+// Points in a row of one pair of deformable blocks, which sit on gridpoints of both. Axes turn with the frame of block
+// a.
+struct GridpointPair {
+  int32_t a, b;           // blocks
+  uint32_t first, count;  // points of the family
+  uint32_t row;           // force of the first point in World::facet_rows_, which has one row a point
+  Vector axis[3];         // n, s, t in the frame of block a, unit
+  Vector moment;          // of the last step, on the frame of a, which turns the axes, N m
+};
+// The axes of a pair in space: n, s, t; the fourth number has no meaning. A step forms them again: they never leave the
+// cache.
+struct PairAxes {
+  double axis[3][4];
+};
+
+// Up to kCount points in a row on triangles, lane by lane; those beyond `count` repeat the last one.
 struct FacetLanes {
   static constexpr int kCount = 8;
   uint32_t first, count;  // points of the family
@@ -170,7 +196,10 @@ struct Chunk {
   std::vector<quoin_out> state_new;
   std::vector<quoin_property_column> properties;  // that scatter
   std::vector<RigidPair> pairs;                   // of its points between rigid blocks
-  std::vector<FacetLanes> facets;                 // between gridpoints
+  std::vector<GridpointPair> gridpoint_pairs;     // of those on gridpoints
+  std::vector<PairAxes> pair_axes;                // of these; in small displacements, where they stay
+  std::vector<int32_t> node_a, node_b;            // of these, by point of the chunk
+  std::vector<FacetLanes> facets;                 // on triangles
   std::vector<FacetFrames> frames;                // of these; in small displacements, where they stay
   std::vector<uint32_t> others;                   // with one deformable side
   // of the last step
@@ -185,6 +214,8 @@ inline constexpr uint32_t kChunk = 256;
 inline constexpr int kBodies = 8;  // rigid blocks that move on side by side
 // Alike blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
+// |u| of a frame over the least extent of its block, beyond which it goes zone by zone: error of its stiffness 1 %.
+inline constexpr double kLargestDeformation = 0.01;
 
 // One side of a contact point, as its block sees it.
 struct Touch {
@@ -192,8 +223,8 @@ struct Touch {
   uint32_t point;
   bool side_a;
 };
-// One side of a point between gridpoints, as its block sees it: the one that owns the plane; the one that carries the
-// point on a triangle; the one that carries it on a gridpoint.
+// One side of a point of two deformable blocks, as its block sees it: the one that owns the plane; the one that carries
+// the point on a triangle; one where it sits on a gridpoint.
 struct OwnerTouch {
   uint32_t row;
   int32_t node[3];
@@ -217,6 +248,7 @@ struct ByBlock {
     return std::span(touch).subspan(first, end[size_t(block)] - first);
   }
 };
+using MomentTouch = const GridpointPair*;  // of block a
 // One side of a pair of rigid blocks.
 struct PairTouch {
   const RigidPair* pair;
@@ -560,7 +592,10 @@ class World {
   // Corners of each face as it stands, counter-clockwise seen from outside: faces of rigid blocks, triangles of the
   // surface of deformable ones, m.
   std::vector<std::vector<Vector>> faces(int block) const;
-  LaneVector<Vector>& node_positions() { return node_x_; }
+  LaneVector<Vector>& change_node_positions() {
+    frames_are_old_ = true;
+    return node_x_;
+  }
   const LaneVector<Vector>& node_positions() const { return node_x_; }
   LaneVector<Vector>& node_velocities() { return node_v_; }
   const LaneVector<Vector>& node_reference() const { return node_reference_; }
@@ -643,7 +678,8 @@ class World {
   std::vector<std::pair<int32_t, double>> shares_at(int block, const Vector& point) const;  // of its gridpoints
   int most_gridpoints(const Piece& piece) const;                                            // of one of its blocks
   void fill_columns(Piece& piece);
-  void follow_held();  // in the columns of pieces, before a step
+  bool has_masses_of(const Piece& piece, size_t columns) const;  // these columns, which begin with masses
+  void follow_held();                                            // in the columns of pieces, before a step
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
   }
@@ -672,6 +708,7 @@ class World {
   void hold(uint8_t& held, uint8_t next, double mass, const Vector& v);
   void put_in_lanes(const ModelBlock& block);  // its zones
   void put_in_lanes(const Point& p, uint32_t index, Chunk& chunk);
+  void put_on_gridpoints(const Point& p, uint32_t index, Chunk& chunk);
   void find_frames(InternalForces wanted);
   void make_congruent(int block);
   void find_units();
@@ -802,8 +839,33 @@ class World {
   void keep_states_by_id(int family, const quoin_law& old, size_t old_width);
   std::vector<Vector> places_of(const Contact& c) const;
   void anchor(NewPoint& p, int block, const Vector& at, int face, bool plane_side);
+  void choose_frame(NewPoint& p) const;
+  bool may_have_frame(int block) const {  // deformable
+    return !by_zone_[size_t(block)] && (blocks_[size_t(block)].congruent >= 0 || !node_anchor_.empty());
+  }
+  // Along these axes of a joint: what a vector along slightly different ones becomes, of the same size.
+  static std::pair<double, double> turned_into(const Vector& s, const Vector& t, const Vector& v);
+  // Of what contact points have along s and t: turn(s before, t before, s now, t now), arrays by point.
+  template <class Turn>
+  static void turn_joint_vectors(const Family& old, Family& f, const Turn& turn) {
+    turn(old.traction[1], old.traction[2], f.traction[1], f.traction[2]);
+    if (!old.viscous[0].empty() && !f.viscous[0].empty())
+      turn(old.viscous[1], old.viscous[2], f.viscous[1], f.viscous[2]);
+    for (size_t k = 0; k < std::size(f.maxwell) && !old.maxwell[k].empty() && !f.maxwell[k].empty(); k += 3)
+      turn(old.maxwell[k + 1], old.maxwell[k + 2], f.maxwell[k + 1], f.maxwell[k + 2]);
+    for (size_t k = 0; k + 1 < f.state.size(); ++k) {
+      if (f.material->api().states[k]->kind == QUOIN_STATE_PAIR_S)
+        turn(old.state[k], old.state[k + 1], f.state[k], f.state[k + 1]);
+    }
+  }
   void refresh_facet_frame(Point& p, Facet& facet) const;
-  void take_back_facets();  // frames and feet, from lanes to points
+  Matrix start_of_frame(int block) const;     // R of a deformable block at the start
+  Matrix rotation_of_frame(int block) const;  // of now; in small displacements that of the start
+  void find_block_frames();                   // of all that are laid out
+  double deformation(int block) const;
+  void leave_frames_of_deformed();
+  void leave_gridpoints(Family& f, size_t point);  // whose block a has no frame any more: it goes on from a triangle
+  void take_back_facets();                         // frames and feet, from lanes to points
   struct Location {
     Vector at;
     double jump = 0.0, slid[2] = {0.0, 0.0};
@@ -851,6 +913,8 @@ class World {
   LaneVector<Zone> zones_;
   LaneVector<ZoneLanes> zone_lanes_;
   std::vector<CongruentBlocks> congruent_;
+  LaneVector<BlockFrame> frames_;    // by block, where it is deformable and in one
+  bool frames_are_old_ = true;       // gridpoints have been moved from outside
   LaneVector<Vector> node_anchor_;   // b of blocks in frames of their own; empty: there are none
   std::vector<uint8_t> by_zone_;     // by block: it has deformed too much for a frame
   std::vector<int32_t> other_half_;  // by block: of its unit; -1: none
@@ -880,12 +944,16 @@ class World {
   std::vector<uint32_t> pair_touch_end_;
   ByBlock<OwnerTouch> owner_touches_;  // and of points between gridpoints
   ByBlock<CarrierTouch> carrier_touches_;
-  ByBlock<GridpointTouch> gridpoint_touches_;
-  LaneVector<FacetRow> facet_rows_;  // of the step, of own chunks
+  ByBlock<GridpointTouch> gridpoint_touches_;        // of b
+  ByBlock<GridpointTouch> owner_gridpoint_touches_;  // of a, points on gridpoints of both
+  ByBlock<MomentTouch> moment_touches_;
+  LaneVector<FacetRow> facet_rows_;  // of the step, of own chunks: one of a point on gridpoints, three on a triangle
   std::vector<BlockSums> block_sums_;
   std::vector<Piece> pieces_;
+  std::vector<uint8_t> in_frame_;  // by block: of a piece in frames
   std::vector<int32_t> piece_blocks_;
   LaneVector<double> piece_columns_;
+  std::vector<size_t> shared_columns_;  // of pieces without held gridpoints, by kind of congruent blocks
   std::vector<int32_t> piece_of_block_;
   std::vector<int> held_blocks_changed_;  // deformable, since the last step
   bool held_changed_ = false;             // of any gridpoints

@@ -71,6 +71,10 @@ Vector World::angular_velocity(int block) const {
 Vector World::contact_force(int block) const { return block_contact_force_[block]; }
 
 Matrix World::frame_of(const Point& p) const {
+  if (p.on_gridpoints) {
+    const Matrix r = rotation_of_frame(p.a);
+    return {{r * p.n, r * p.s, r * p.t}};
+  }
   if (p.facet_a >= 0 && !small_) {
     Point now = p;
     Facet facet = facets_[size_t(p.facet_a)];

@@ -27,8 +27,9 @@ void by_block(size_t blocks, std::vector<Side>& sides, std::vector<uint32_t>& en
   });
 }
 
-// The first one of its triangle: World::anchor.
-bool sits_on_gridpoint(const Facet& f) { return f.weight[0] == 1.0 && f.weight[1] == 0.0 && f.weight[2] == 0.0; }
+PairAxes pair_axes(const Vector& n, const Vector& s, const Vector& t) {
+  return {{{n.x, n.y, n.z, 0.0}, {s.x, s.y, s.z, 0.0}, {t.x, t.y, t.z, 0.0}}};
+}
 
 bool same(const Vector& a, const Vector& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
@@ -69,6 +70,7 @@ void World::bind_work() {
   for (int c = 0; c < chunk_count(); ++c) {
     Chunk& chunk = chunks_[size_t(c)];
     chunk.pairs.clear(), chunk.facets.clear(), chunk.frames.clear(), chunk.others.clear();
+    chunk.gridpoint_pairs.clear(), chunk.pair_axes.clear(), chunk.node_a.clear(), chunk.node_b.clear();
     bool own = !ranks_;
     if (ranks_) each_block_of_chunk(c, [&](int block) { own |= owns(block); });
     if (!own) {
@@ -76,12 +78,17 @@ void World::bind_work() {
       continue;
     }
     own_chunks_.push_back(c);
+    Family& f = families_[size_t(chunk.family)];
+    for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+      if (f.point[i].on_gridpoints && !in_frame_[size_t(f.point[i].a)]) leave_gridpoints(f, i);
+    }
     pack(chunk);
     bind_points(chunk);
   }
   bind_columns();
   divide_sides();
   piece_columns_.clear(), held_blocks_changed_.clear();
+  shared_columns_.assign(congruent_.size(), Piece::kNoColumns);
   held_changed_ = false;
   piece_of_block_.assign(blocks_.size(), -1);
   for (Piece& piece : pieces_) {
@@ -111,7 +118,7 @@ void World::pack(const Chunk& chunk) {
   for (size_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
     for (int c = 0; c < 3; ++c) f.arm[c][i] = p.arm[c];
-    f.offset[i] = p.offset, f.area[i] = p.area;
+    f.offset[i] = p.on_gridpoints ? p.reference : p.offset, f.area[i] = p.area;
   }
 }
 
@@ -119,6 +126,10 @@ void World::bind_points(Chunk& chunk) {
   const Family& f = families_[size_t(chunk.family)];
   for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
     const Point& p = f.point[i];
+    if (p.on_gridpoints) {
+      put_on_gridpoints(p, i, chunk);
+      continue;
+    }
     if (p.facet_a >= 0 && p.facet_b >= 0) {
       put_in_lanes(p, i, chunk);
       continue;
@@ -146,6 +157,27 @@ void World::count_sides() {
     const double sides = facets_a_point(c) == 0 ? 1.0 : double(c.count);
     sides_[size_t(c.pair.a)] += sides, sides_[size_t(c.pair.b)] += sides;
   }
+}
+
+void World::put_on_gridpoints(const Point& p, uint32_t i, Chunk& chunk) {
+  const auto put = [&](std::vector<int32_t>& nodes, int32_t facet) {
+    nodes.resize(chunk.count + size_t(kLanes) - 1);  // kernels read whole vectors
+    nodes[i - chunk.first] = facets_[size_t(facet)].node[0];
+  };
+  put(chunk.node_a, p.facet_a), put(chunk.node_b, p.facet_b);
+  GridpointPair* const last = chunk.gridpoint_pairs.empty() ? nullptr : &chunk.gridpoint_pairs.back();
+  const bool goes_on = last && last->a == p.a && last->b == p.b && last->first + last->count == i &&
+                       same(last->axis[0], p.n) && same(last->axis[1], p.s);
+  if (goes_on) {
+    ++last->count;
+  } else {
+    chunk.gridpoint_pairs.push_back({p.a, p.b, i, 1, uint32_t(facet_rows_.size()), {p.n, p.s, p.t}, {}});
+    if (small_) {  // they stay so
+      const Matrix r = start_of_frame(p.a);
+      chunk.pair_axes.push_back(pair_axes(r * p.n, r * p.s, r * p.t));
+    }
+  }
+  facet_rows_.resize(facet_rows_.size() + 1);
 }
 
 void World::put_in_lanes(const Point& p, uint32_t i, Chunk& chunk) {
@@ -198,6 +230,11 @@ void World::divide_sides() {
       }
     }
   };
+  const auto each_gridpoint_pair = [&](const auto& visit) {
+    for (const int c : own_chunks_) {
+      for (const GridpointPair& pair : chunks_[size_t(c)].gridpoint_pairs) visit(chunks_[size_t(c)], pair);
+    }
+  };
   const auto node_of = [&](const Facet& f, int corner, int block) {
     return f.node[corner] - blocks_[size_t(block)].first_node;
   };
@@ -221,6 +258,21 @@ void World::divide_sides() {
       const Facet& f = facets_[size_t(p.facet_b)];
       if (sits_on_gridpoint(f)) visit(p.b, GridpointTouch{row, node_of(f, 0, p.b)});
     });
+    each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
+      const int32_t first = blocks_[size_t(pair.b)].first_node;
+      for (uint32_t k = 0; k < pair.count; ++k)
+        visit(pair.b, GridpointTouch{pair.row + k, chunk.node_b[pair.first + k - chunk.first] - first});
+    });
+  });
+  by_block(blocks_.size(), owner_gridpoint_touches_.touch, owner_gridpoint_touches_.end, own, [&](const auto& visit) {
+    each_gridpoint_pair([&](const Chunk& chunk, const GridpointPair& pair) {
+      const int32_t first = blocks_[size_t(pair.a)].first_node;
+      for (uint32_t k = 0; k < pair.count; ++k)
+        visit(pair.a, GridpointTouch{pair.row + k, chunk.node_a[pair.first + k - chunk.first] - first});
+    });
+  });
+  by_block(blocks_.size(), moment_touches_.touch, moment_touches_.end, own, [&](const auto& visit) {
+    each_gridpoint_pair([&](const Chunk&, const GridpointPair& pair) { visit(pair.a, MomentTouch(&pair)); });
   });
   by_block(blocks_.size(), pair_touches_, pair_touch_end_, own, [&](const auto& visit) {
     for (const int c : own_chunks_) {
@@ -298,6 +350,10 @@ void World::divide_blocks() {
   divide(by_zone, Piece::Kind::by_zone);
   divide(rigid, Piece::Kind::rigid);
   divide(fixed, Piece::Kind::rigid);  // which mostly stay at rest, all of a piece
+  in_frame_.assign(blocks_.size(), 0);
+  for (const Piece& piece : pieces_) {
+    for (const int32_t i : blocks_of(piece)) in_frame_[size_t(i)] = piece.in_frame();
+  }
 }
 
 int World::most_gridpoints(const Piece& piece) const {
@@ -306,6 +362,19 @@ int World::most_gridpoints(const Piece& piece) const {
   return most;
 }
 
+bool World::has_masses_of(const Piece& piece, size_t columns) const {
+  const std::span<const int32_t> blocks = blocks_of(piece);
+  for (size_t l = 0; l < size_t(kLanes); ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
+    for (size_t n = 0; n < size_t(b.node_count); ++n) {
+      if (piece_columns_[columns + n * kLanes + l] != node_mass_[size_t(b.first_node) + n]) return false;
+    }
+  }
+  return true;
+}
+
+// Pieces of congruent blocks read the same columns where none is held and masses agree to the last bit: shapes that are
+// congruent but for rounding have others.
 void World::fill_columns(Piece& piece) {
   const std::span<const int32_t> blocks = blocks_of(piece);
   const bool distinct = piece.kind == Piece::Kind::distinct;
@@ -315,11 +384,18 @@ void World::fill_columns(Piece& piece) {
     const auto held = std::span(node_held_).subspan(size_t(b.first_node), size_t(b.node_count));
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
+  const bool shares = piece.kind == Piece::Kind::congruent && !some_held && piece.columns == Piece::kNoColumns;
+  size_t* const shared = shares ? &shared_columns_[size_t(piece.congruent)] : nullptr;
+  if (shared && *shared != Piece::kNoColumns && has_masses_of(piece, *shared)) {
+    piece.some_held = false, piece.columns = *shared;
+    return;
+  }
   if (some_held != piece.some_held || piece.columns == Piece::kNoColumns) {  // else they stay where they are
     piece.some_held = some_held;
     piece.columns = piece_columns_.size();
     piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, distinct, some_held));
   }
+  if (shared && *shared == Piece::kNoColumns) *shared = piece.columns;
   const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, distinct, some_held);
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];

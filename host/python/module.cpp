@@ -202,6 +202,7 @@ PYBIND11_MODULE(_quoin, m) {
     d["cracks"] = cracks;
     d["cold"] = quoin::kQuantityColours.cold, d["middle"] = quoin::kQuantityColours.middle;
     d["warm"] = quoin::kQuantityColours.warm;
+    d["face"] = quoin::kBlockColours.face, d["edge"] = quoin::kBlockColours.edge;
     d["pens"] = std::vector<std::string>(quoin::kPens.begin(), quoin::kPens.end());
     return d;
   });

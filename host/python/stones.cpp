@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kOnePlace = 1e-6;  // m for stones of 1 m: corners nearer than this are one
 
-// Cells or walls a, b, c along an edge, d and e at its ends: the edge is gone when all five meet in a point.
+// Cells or walls a, b, c along an edge, d and e at its ends. The edge is gone when all five meet in a point.
 using Edge = std::array<int, 5>;
 
 // The side of b on which a point lies, seen from a: 0 on the plane between them.

@@ -13,7 +13,7 @@ struct BaselineCorrection {
 
 // polynomial: less the polynomial of that order that fits the acceleration best (least squares).
 // high_pass: Butterworth, forwards and backwards, so without shift of phase and with twice the order's decay (-6 dB at
-// the corner), on a record extended by zeros for 1.5 * order / corner at both ends (Boore 2005). What lies before the
+// the corner). The record is extended by zeros for 1.5 * order / corner at both ends (Boore 2005). What lies before the
 // first sample is cut again, so the velocity there is not exactly 0. Needs equal steps of time. Throws
 // Error(bad_input).
 TimeSeries correct_baseline(const TimeSeries& acceleration, const BaselineCorrection& correction);

@@ -29,8 +29,8 @@ struct GroundRecord {
   std::vector<std::string> assumptions;     // each a sentence: units or times that the source does not state
 };
 
-// Velocity (m/s) and displacement (m) at the samples from rest at the first one: the exact integrals of an acceleration
-// that is linear between samples.
+// Velocity (m/s) and displacement (m) at the samples, from rest at the first one. They are the exact integrals of an
+// acceleration that is linear between samples.
 struct MotionHistory {
   std::vector<double> velocity, displacement;
 };

@@ -21,11 +21,11 @@ struct DoorLayout {
   std::string name() const;
   std::vector<std::string> overrides() const;  // of pavia_door.toml
 };
-// All that count as Table 2 does, with openings of 4 to 6 half units (0.8 to 1.2 m; 0.94 m recalled) and doors of 10 to
-// 15 courses (1.6 to 2.4 m; 2.14 m recalled), higher than windows.
+// All that count as Table 2 does. Openings have 4 to 6 half units (0.8 to 1.2 m; 0.94 m recalled), doors 10 to 15
+// courses (1.6 to 2.4 m; 2.14 m recalled). Doors are higher than windows.
 std::vector<DoorLayout> door_layouts();
-// Geometry rules these out: widths beside the recalled one of 0.94 m by more than half of a half unit, doors lower than
-// 1.7 m, windows lower than 0.7 m. Empty: it fits.
+// Geometry rules out widths beside the recalled 0.94 m by more than half of a half unit, doors below 1.7 m and windows
+// below 0.7 m. Empty: it fits.
 std::string why_not(const DoorLayout& layout);
 
 // Six equal windows of 5 half units in wall B between corners with walls A and C.

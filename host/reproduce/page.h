@@ -1,5 +1,5 @@
-// The report as a page of HTML that is read from top to bottom: DIR/index.html, and one section a study in
-// DIR/STUDY/section.html, so that studies that were not run this time keep their place on the page.
+// The report as a page of HTML that is read from top to bottom, DIR/index.html. One section a study is in
+// DIR/STUDY/section.html, so that studies that were not run this time keep their place.
 #pragma once
 
 #include <filesystem>

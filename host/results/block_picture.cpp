@@ -11,6 +11,7 @@
 #include "geometry/vector.h"
 #include "results/colours.h"
 #include "results/parted_joints.h"
+#include "results/picture_text.h"
 
 namespace quoin {
 
@@ -29,7 +30,7 @@ struct View {
 // A block as it stands.
 struct Drawn {
   std::vector<std::vector<Vector>> faces;
-  double displacement = 0.0;  // of its gridpoints on average, m
+  Vector displacement;  // of its gridpoints on average, m
   bool fixed = false;
 };
 
@@ -40,9 +41,7 @@ std::vector<Drawn> blocks_of(const Simulation& simulation) {
     const std::vector<Vec3> moved = simulation.block_displacement(i);
     Drawn& block = blocks.emplace_back();
     block.fixed = mesh.fixed;
-    Vector mean;
-    for (const Vec3& u : moved) mean += geometry::vector(u) / double(moved.size());
-    block.displacement = norm(mean);
+    for (const Vec3& u : moved) block.displacement += geometry::vector(u) / double(moved.size());
     for (const auto& face : mesh.face) {
       auto& corners = block.faces.emplace_back();
       for (const int k : face)
@@ -50,6 +49,18 @@ std::vector<Drawn> blocks_of(const Simulation& simulation) {
     }
   }
   return blocks;
+}
+
+// How far the ground has moved, m: as a fixed block that has gone with it. A row is a step older than the blocks.
+Vector ground_of(const std::vector<Drawn>& blocks, const std::vector<HistoryRow>& rows) {
+  const Vector before = rows.empty() ? Vector{} : geometry::vector(rows.back().ground_displacement);
+  Vector ground = before;
+  double nearest = HUGE_VAL;
+  for (const Drawn& block : blocks) {
+    const double away = norm(block.displacement - before);
+    if (block.fixed && away < nearest) nearest = away, ground = block.displacement;
+  }
+  return ground;
 }
 
 View choose_view(const std::vector<Drawn>& blocks) {
@@ -73,19 +84,24 @@ View choose_view(const std::vector<Drawn>& blocks) {
 
 struct Face {
   geometry::Polygon outline;  // on paper, m
+  size_t block, index;        // of Drawn::faces
   bool fixed;
-  double depth, displacement;
+  double depth, displacement;  // m; against the ground
 };
 
-std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& view) {
+// ground: how far it has moved, m.
+std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& view, const Vector& ground) {
   std::vector<Face> faces;
-  for (const Drawn& block : blocks) {
-    for (const auto& corners : block.faces) {
+  for (size_t b = 0; b < blocks.size(); ++b) {
+    const Drawn& block = blocks[b];
+    for (size_t f = 0; f < block.faces.size(); ++f) {
+      const auto& corners = block.faces[f];
       const Vector normal = cross(corners[1] - corners[0], corners[2] - corners[0]);
       if (dot(normal, view.towards) <= 0.1 * norm(normal)) continue;
       Vector centre;
       for (const Vector& p : corners) centre += p / double(corners.size());
-      Face& face = faces.emplace_back(Face{{}, block.fixed, view.depth(centre), block.displacement});
+      Face& face =
+          faces.emplace_back(Face{{}, b, f, block.fixed, view.depth(centre), norm(block.displacement - ground)});
       for (const Vector& p : corners) face.outline.push_back({view.x(p), view.y(p)});
     }
   }
@@ -95,7 +111,7 @@ std::vector<Face> visible_faces(const std::vector<Drawn>& blocks, const View& vi
   return faces;
 }
 
-// Where two blocks touch, as a line between the two points of the contact that are furthest apart on paper, in the
+// Where two blocks touch, as a line between the points of the contact that are furthest apart on paper. It has the
 // colour of the worst crack on it.
 struct Line {
   Vector from, to;
@@ -124,8 +140,10 @@ struct Joint {
   Crack crack = Crack::intact;
 };
 
-std::vector<Line> crack_lines(const Simulation& simulation, const Surfaces& surfaces, const View& view) {
-  std::map<std::pair<int, int>, Joint> joints;
+using Joints = std::map<std::pair<int, int>, Joint>;  // by their blocks, the lower number first
+
+Joints joints_of(const Simulation& simulation, const Surfaces& surfaces) {
+  Joints joints;
   const auto joint_of = [&](const JointPoint& p) -> Joint& {
     Joint& joint = joints[std::minmax(p.contact.block_a, p.contact.block_b)];
     joint.crack = std::max(joint.crack, p.crack);
@@ -139,38 +157,121 @@ std::vector<Line> crack_lines(const Simulation& simulation, const Surfaces& surf
     const bool in_order = p.joint.contact.block_a < p.joint.contact.block_b;
     joint.side_a.push_back(in_order ? on_a : on_b), joint.side_b.push_back(in_order ? on_b : on_a);
   }
-  std::vector<Line> lines;
   for (auto& [pair, joint] : joints) {
-    if (joint.side_a.empty()) add_line(joint.touching, joint.crack, view, lines);
     for (std::vector<Vector>* side : {&joint.side_a, &joint.side_b}) {
-      if (side->empty()) continue;
-      side->insert(side->end(), joint.touching.begin(), joint.touching.end());
-      add_line(*side, joint.crack, view, lines);
+      if (!joint.side_a.empty()) side->insert(side->end(), joint.touching.begin(), joint.touching.end());
     }
+  }
+  return joints;
+}
+
+// Of a plane view.
+std::vector<Line> crack_lines(const Joints& joints, const View& view) {
+  std::vector<Line> lines;
+  for (const auto& [pair, joint] : joints) {
+    if (joint.side_a.empty()) add_line(joint.touching, joint.crack, view, lines);
+    for (const std::vector<Vector>* side : {&joint.side_a, &joint.side_b}) add_line(*side, joint.crack, view, lines);
   }
   return lines;
 }
 
+// The part of a joint on an edge of a face, as shares of the edge. An empty interval: it has no two points there.
+std::pair<double, double> interval_on(const Vector& from, const Vector& to, const std::vector<Vector>& places) {
+  const Vector edge = to - from;
+  const double length = norm(edge), near = 0.02 * length;  // blocks overlap by less where they press each other
+  std::pair<double, double> interval{1.0, 0.0};
+  for (const Vector& p : places) {
+    const double t = dot(p - from, edge) / (length * length);
+    if (t < -0.02 || t > 1.02 || norm(p - from - t * edge) > near) continue;
+    interval.first = std::min(interval.first, std::max(t, 0.0));
+    interval.second = std::max(interval.second, std::min(t, 1.0));
+  }
+  return interval;
+}
+
+// Of other views: joints that are no longer intact, along the edges of faces that are seen, by block.
+class CrackedEdges {
+ public:
+  CrackedEdges(const Joints& joints, size_t blocks) : sides_(blocks) {
+    for (const auto& [pair, joint] : joints) {
+      if (joint.crack == Crack::intact) continue;
+      const bool parted = !joint.side_a.empty();
+      sides_[size_t(pair.first)].push_back({&(parted ? joint.side_a : joint.touching), joint.crack});
+      sides_[size_t(pair.second)].push_back({&(parted ? joint.side_b : joint.touching), joint.crack});
+    }
+  }
+  std::vector<Line> on(const Drawn& block, const Face& face) const {
+    std::vector<Line> lines;
+    const auto& corners = block.faces[face.index];
+    for (size_t k = 0; k < corners.size(); ++k) {
+      const Vector &from = corners[k], &to = corners[(k + 1) % corners.size()];
+      for (const Side& side : sides_[face.block]) {
+        const auto [begin, end] = interval_on(from, to, *side.places);
+        if (end - begin > 0.02) lines.push_back({from + begin * (to - from), from + end * (to - from), side.crack});
+      }
+    }
+    return lines;
+  }
+
+ private:
+  struct Side {
+    const std::vector<Vector>* places;
+    Crack crack;
+  };
+  std::vector<std::vector<Side>> sides_;
+};
+
 std::string point_text(const View& view, const Vector& p) { return fmt::format("{:.6g} {:.6g}", view.x(p), view.y(p)); }
 
-// Script up to the plot command: sizes, title, and every face as a polygon with its outline, the nearer over the
-// further. fill: of faces that have no displacement to show; empty: by displacement, as a place in the colour bar.
-std::string scene_of(const Scene& scene, const View& view, const std::vector<Drawn>& blocks,
-                     const std::vector<Face>& faces, const std::string& fill, const std::string& outline) {
-  double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL;
+// Fill of faces and their outline, in gnuplot's words. Without a fill it is the displacement, as a place in the colour
+// bar. Pixels are left free below the model and to the right of it.
+struct Paint {
+  std::string fill, outline;
+  double below, right;
+  const CrackedEdges* edges = nullptr;  // drawn with the faces, so that what is nearer hides them
+};
+
+// Where there are no axes: a length at the lower left, in the margin.
+std::string scale_bar(double x0, double y0, double margin, double width) {
+  double length = std::pow(10.0, std::floor(std::log10(0.3 * width)));
+  for (const double digit : {5.0, 2.0}) {
+    if (digit * length > 0.3 * width) continue;
+    length *= digit;
+    break;
+  }
+  const double x = x0 + 0.3 * margin, y = y0 + 0.3 * margin;
+  return fmt::format(
+      "unset tics\nunset border\nset arrow 1 from {0:.6g},{2:.6g} to {1:.6g},{2:.6g} nohead linewidth 3\n"
+      "set label 1 \" {3:g} m\" at {1:.6g},{2:.6g} left\n",
+      x, x + length, y, length);
+}
+
+// Of what can move, with a margin around it, m.
+struct Frame {
+  double x0 = HUGE_VAL, x1 = -HUGE_VAL, y0 = HUGE_VAL, y1 = -HUGE_VAL, margin = 0.0;
+};
+
+Frame frame_of(const View& view, const std::vector<Drawn>& blocks) {
+  Frame f;
   for (const Drawn& block : blocks) {
     if (block.fixed) continue;
     for (const auto& face : block.faces) {
       for (const Vector& p : face) {
-        x0 = std::min(x0, view.x(p)), x1 = std::max(x1, view.x(p));
-        y0 = std::min(y0, view.y(p)), y1 = std::max(y1, view.y(p));
+        f.x0 = std::min(f.x0, view.x(p)), f.x1 = std::max(f.x1, view.x(p));
+        f.y0 = std::min(f.y0, view.y(p)), f.y1 = std::max(f.y1, view.y(p));
       }
     }
   }
-  const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
-  x0 -= margin, x1 += margin, y0 -= margin, y1 += margin;
+  f.margin = 0.1 * std::max(f.x1 - f.x0, f.y1 - f.y0);
+  f.x0 -= f.margin, f.x1 += f.margin, f.y0 -= f.margin, f.y1 += f.margin;
+  return f;
+}
+
+// Every face as a polygon with its outline and its cracks, the nearer over the further.
+std::string polygons_of(const Frame& f, const View& view, const std::vector<Drawn>& blocks,
+                        const std::vector<Face>& faces, const Paint& paint) {
   // Cut here: gnuplot garbles filled polygons that reach beyond the picture.
-  const geometry::Polygon paper{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+  const geometry::Polygon paper{{f.x0, f.y0}, {f.x1, f.y0}, {f.x1, f.y1}, {f.x0, f.y1}};
   std::string polygons;
   int number = 0;
   for (const Face& face : faces) {
@@ -179,57 +280,97 @@ std::string scene_of(const Scene& scene, const View& view, const std::vector<Dra
     if (seen.empty()) continue;
     polygons += fmt::format("set object {} polygon from ", ++number);
     for (const geometry::Point2& p : seen) polygons += fmt::format("{:.6g},{:.6g} to ", p.x, p.y);
-    polygons +=
-        fmt::format("{:.6g},{:.6g} fillcolor {} fillstyle solid 1.0 border linecolor {}\n", seen[0].x, seen[0].y,
-                    fill.empty() ? fmt::format("palette cb {:.6g}", face.displacement * 1e3) : fill, outline);
+    polygons += fmt::format(
+        "{:.6g},{:.6g} fillcolor {} fillstyle solid 1.0 border linecolor {}\n", seen[0].x, seen[0].y,
+        paint.fill.empty() ? fmt::format("palette cb {:.6g}", face.displacement * 1e3) : paint.fill, paint.outline);
+    if (paint.edges == nullptr) continue;
+    for (const Line& line : paint.edges->on(blocks[face.block], face)) {
+      const CrackStyle& style = kCrackStyles[size_t(line.crack)];
+      const auto place = [&](const Vector& p) { return fmt::format("{:.6g},{:.6g}", view.x(p), view.y(p)); };
+      polygons += fmt::format(
+          "set object {} polygon from {} to {} to {} fillstyle empty border linecolor rgb '{}' linewidth {}\n",
+          ++number, place(line.from), place(line.to), place(line.from), style.colour, style.width);
+    }
   }
+  return polygons;
+}
+
+// Script up to the plot command. The picture is as high as the model asks for at 1200 pixels of width.
+std::string scene_of(const Scene& scene, const std::vector<HistoryRow>& rows, const View& view,
+                     const std::vector<Drawn>& blocks, const std::vector<Face>& faces, const Paint& paint) {
+  const Frame f = frame_of(view, blocks);
   const bool plane = view.towards.z == 1.0;
+  const double width = 1200.0, above = 100.0, left = plane ? 120.0 : 30.0, below = paint.below + (plane ? 90.0 : 10.0);
+  const double of_model = (width - left - paint.right) * (f.y1 - f.y0) / (f.x1 - f.x0);
+  const double height = std::clamp(of_model + above + below, 500.0, 1400.0);
+  const std::string moment = moment_of(rows, scene);
   return fmt::format(
-      "set terminal pngcairo size 1200,1000 font 'Sans,16'\nset size ratio -1\nset title {} noenhanced\n{}"
-      "set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n{}",
-      gnuplot_text(scene.title.empty() ? scene.file : scene.title),
-      plane ? "set xlabel 'x, m'\nset ylabel 'y, m'\n" : "unset tics\nunset border\n", x0, x1, y0, y1, polygons);
+             "set terminal pngcairo size {:.0f},{:.0f} font 'Sans,16'\nset size ratio -1\nset lmargin at screen "
+             "{:.4f}\n"
+             "set rmargin at screen {:.4f}\nset tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
+             "set title {}.\"\\n\".{} noenhanced\n{}set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n{}",
+             width, height, left / width, 1.0 - paint.right / width, 1.0 - above / height, below / height,
+             fitting_text(title_of(scene), 1000, 16),
+             fitting_text(moment + (moment.empty() ? "true to scale" : "; true to scale"), 1000, 16),
+             plane ? "set xlabel 'x (m)'\nset ylabel 'y (m)'\n" : scale_bar(f.x0, f.y0, f.margin, f.x1 - f.x0), f.x0,
+             f.x1, f.y0, f.y1, polygons_of(f, view, blocks, faces, paint)) +
+         fmt::format("set key at screen 0.5,{:.4f} center top horizontal maxrows 2 reverse Left noenhanced\n",
+                     (paint.below - 10.0) / height);
 }
 
 }  // namespace
 
 std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation,
-                           const std::string& label) {
+                           const std::vector<HistoryRow>& rows, const std::string& label) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("mechanism.png: left out for more than {} blocks; use blocks.pvd", kMostBlocks);
+  const bool shaken = std::any_of(simulation.scene().stages.begin(), simulation.scene().stages.end(),
+                                  [](const Stage& s) { return s.ground.has_value(); });
   const std::vector<Drawn> blocks = blocks_of(simulation);
   const View view = choose_view(blocks);
-  const std::vector<Face> faces = visible_faces(blocks, view);
+  const std::vector<Face> faces = visible_faces(blocks, view, shaken ? ground_of(blocks, rows) : Vector{});
   double largest = 1e-12;
   for (const Face& face : faces) largest = std::max(largest, face.displacement);
+  const std::string script = scene_of(simulation.scene(), rows, view, blocks, faces,
+                                      {"", "rgb '#333333' linewidth 1.5", label.empty() ? 10.0 : 40.0, 210.0}) +
+                             label;
   return draw_picture(folder, "mechanism",
-                      scene_of(simulation.scene(), view, blocks, faces, "", "rgb '#333333' linewidth 1.5") + label +
-                          fmt::format("unset key\nset cblabel 'displacement, mm'\nset cbrange [0:{:.6g}]\n"
-                                      "set palette defined (0 '{}', 1 '{}')\n"
-                                      "plot NaN with lines linecolor palette cb 0\n",
-                                      largest * 1e3, kQuantityColours.middle, kQuantityColours.warm));
+                      script + fmt::format("unset key\nset cblabel 'displacement{} (mm)'\nset cbrange [0:{:.6g}]\n"
+                                           "set cbtics\nset palette defined (0 '{}', 1 '{}')\n"
+                                           "plot NaN with lines linecolor palette cb 0\n",
+                                           shaken ? " relative to the ground" : "", largest * 1e3,
+                                           kQuantityColours.middle, kQuantityColours.warm));
 }
 
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
-                              const Surfaces& surfaces, const std::string& label) {
+                              const Surfaces& surfaces, const std::vector<HistoryRow>& rows, const std::string& label) {
   if (simulation.block_count() > kMostBlocks)
     return fmt::format("cracks.png: left out for more than {} blocks; use joints.pvd", kMostBlocks);
   const std::vector<Drawn> blocks = blocks_of(simulation);
   const View view = choose_view(blocks);
-  std::array<std::string, kCrackCount> data;
-  for (const Line& line : crack_lines(simulation, surfaces, view))
-    data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
-  std::string script =
-      scene_of(simulation.scene(), view, blocks, visible_faces(blocks, view), "rgb '#f1ece0'", "rgb '#b5aa98'");
+  const bool plane = view.towards.z == 1.0;
+  const Joints joints = joints_of(simulation, surfaces);
+  const CrackedEdges edges(joints, blocks.size());
+  const Paint paint{fmt::format("rgb '{}'", kBlockColours.face), fmt::format("rgb '{}'", kBlockColours.edge),
+                    label.empty() ? 80.0 : 110.0, 30.0, plane ? nullptr : &edges};
+  std::string script = scene_of(simulation.scene(), rows, view, blocks, visible_faces(blocks, view, {}), paint);
+  std::array<std::string, kCrackCount> data;  // of lines of a plane view
+  std::array<bool, kCrackCount> seen{};
+  for (const auto& [pair, joint] : joints) seen[size_t(joint.crack)] = plane || joint.crack != Crack::intact;
+  if (plane) {
+    for (const Line& line : crack_lines(joints, view))
+      data[size_t(line.crack)] += point_text(view, line.from) + "\n" + point_text(view, line.to) + "\n\n";
+  }
   std::string plot = "plot NaN notitle";
   for (const CrackStyle& style : kCrackStyles) {
     const std::string& lines = data[size_t(style.crack)];
-    if (lines.empty()) continue;
-    script += fmt::format("$crack{} << EOD\n{}EOD\n", int(style.crack), lines);
-    plot += fmt::format(", $crack{} using 1:2 with lines linewidth {} linecolor rgb '{}' title '{}'", int(style.crack),
-                        style.width, style.colour, style.label);
+    if (!seen[size_t(style.crack)] || (plane && lines.empty())) continue;
+    if (!lines.empty()) script += fmt::format("$crack{} << EOD\n{}EOD\n", int(style.crack), lines);
+    plot += fmt::format(", {} with lines linewidth {} linecolor rgb '{}' title '{}'",
+                        lines.empty() ? "NaN" : fmt::format("$crack{} using 1:2", int(style.crack)), style.width,
+                        style.colour, style.label);
   }
-  return draw_picture(folder, "cracks", script + label + "set key outside below noenhanced\n" + plot + "\n");
+  return draw_picture(folder, "cracks", script + label + plot + "\n");
 }
 
 }  // namespace quoin

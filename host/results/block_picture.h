@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "results/surface.h"
 #include "step/simulation.h"
@@ -12,10 +13,11 @@ namespace quoin {
 
 inline constexpr int kMostBlocks = 3000;  // gnuplot takes seconds for each thousand polygons more
 
-// Of fewer blocks, all of which this process must have. Return a one-line notice when there is no picture, otherwise
-// nothing. label: of warnings.h, or nothing.
-std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation, const std::string& label);
+// Of fewer blocks, all of which this process must have, at the moment of the last of the rows. Return a one-line notice
+// when there is no picture, otherwise nothing. label: of warnings.h, or nothing.
+std::string plot_mechanism(const std::filesystem::path& folder, const Simulation& simulation,
+                           const std::vector<HistoryRow>& rows, const std::string& label);
 std::string plot_block_cracks(const std::filesystem::path& folder, const Simulation& simulation,
-                              const Surfaces& surfaces, const std::string& label);
+                              const Surfaces& surfaces, const std::vector<HistoryRow>& rows, const std::string& label);
 
 }  // namespace quoin

@@ -340,8 +340,8 @@ std::vector<Identity::Part> parts_of(const SolverSettings& s) {
   return parts;
 }
 
-// Places and sizes of blocks at the start, which a lattice and the same blocks in large motion have alike but for
-// rounding; and what they are.
+// Places and sizes of blocks at the start, and what they are. A lattice and the same blocks in large motion differ by
+// rounding alone.
 std::string geometry_hash(const Simulation& simulation) {
   Sha256 hash;
   const auto add = [&](const geometry::Vector& lower, const geometry::Vector& upper, bool rigid) {

@@ -20,8 +20,8 @@ struct Identity {
   std::vector<Part> parts;
 };
 
-// Of a simulation at its start, before any step: program, scene (its text, what is laid over it, series and blocks that
-// it takes from other files) and every law of every stage.
+// Of a simulation at its start, before any step. It covers program, scene (text, overrides, series and blocks from
+// other files) and every law of every stage.
 Identity identity_of(const Simulation& simulation, const Provenance& provenance);
 
 // Where the state lies in a file that was found whole: what other ranks need to know of it.
@@ -54,8 +54,8 @@ void restore_from(const std::filesystem::path& path, const StoredState& state, S
 // FOLDER/end_state.bin: where scenes with start = FOLDER begin. Throws as write_checkpoint.
 void write_end_state(const std::filesystem::path& folder, const Simulation& simulation, const Provenance& provenance);
 
-// Brings a simulation that has not moved yet to where its scene starts: at rest, or at the end of another run, whose
-// stages its own ones begin with. Throws Error(bad_input) with the reason, as read_checkpoint.
+// Puts a simulation that has not moved yet where its scene starts: at rest, or at the end of another run. Its own
+// stages begin with those of that run. Throws Error(bad_input) with the reason, as read_checkpoint.
 void take_start(Simulation* simulation);
 
 // Before a run empties the folder of its results: throws Error(bad_input) when its scene starts from what lies there.

@@ -13,14 +13,21 @@ struct CrackStyle {
   const char* colour;
   double width;
 };
-// From the least to the worst, the order of the legend and of drawing. Colours that stay apart for the colour-blind.
+// From the least to the worst, the order of the legend and of drawing. Any two have a CIEDE2000 distance of at least
+// 15, with normal sight and without red, green or blue cones; 7 in grey (tests/python/colours_test.py).
 inline constexpr std::array<CrackStyle, kCrackCount> kCrackStyles{
-    {{Crack::intact, "intact joint", "#8a7a68", 1.2},
-     {Crack::sliding_begun, "sliding begun", "#6baed6", 4.0},
-     {Crack::opening_begun, "opening begun", "#fdae2b", 4.0},
-     {Crack::slipped, "slipped", "#08519c", 5.0},
-     {Crack::open, "open crack", "#d7191c", 5.0},
-     {Crack::crushed, "crushed", "#7b1fa2", 5.0}}};
+    {{Crack::intact, "intact joint", "#958877", 1.2},
+     {Crack::sliding_begun, "sliding begun", "#74aee4", 4.0},
+     {Crack::opening_begun, "opening begun", "#fdc13c", 4.0},
+     {Crack::slipped, "slipped", "#0d47a1", 5.0},
+     {Crack::open, "open crack", "#ca1a1f", 5.0},
+     {Crack::crushed, "crushed", "#330a40", 5.0}}};
+
+// Of what is no joint: faces and edges of blocks, joints inside a unit, beams.
+struct BlockColours {
+  const char *face, *edge, *joint_in_unit, *beam, *beam_edge;
+};
+inline constexpr BlockColours kBlockColours{"#f1ece0", "#b5aa98", "#dccfb8", "#b9c0c8", "#808890"};
 
 // Of quantities: nothing, the most, and the most below nothing. Both ways it grows darker, so that grey shows how much.
 struct QuantityColours {

@@ -1,4 +1,4 @@
-// Contact points that are crushed out: with a residual compressive strength of 0 they carry nothing, and blocks sink
+// Contact points that are crushed out. With a residual compressive strength of 0 they carry nothing, and blocks sink
 // into each other there (contact_models/fracture_energy/LAW.md).
 #pragma once
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "files/csv_text.h"
@@ -56,9 +57,26 @@ std::array<bool, 3> driven_along(const Stage& stage) {
   return driven;
 }
 
+void add_directions(const GroundMotion& ground, std::vector<Vec3>& directions) {
+  for (const GroundMotion::Component& c : ground.components) directions.push_back(c.direction);
+  for (const GroundMotion& support : ground.supports) add_directions(support, directions);
+}
+
+// Whether the ground, or the load of a collapse, has z as its only horizontal direction.
+bool acts_along_z(const Stage& stage) {
+  std::vector<Vec3> directions;
+  if (stage.ground) add_directions(*stage.ground, directions);
+  if (stage.collapse) directions.push_back(stage.collapse->direction);
+  const auto along = [&](std::size_t c) {
+    return std::any_of(directions.begin(), directions.end(), [c](const Vec3& d) { return d[c] != 0.0; });
+  };
+  return along(2) && !along(0);
+}
+
 }  // namespace
 
 int axis_of(const Stage& stage) {
+  if (stage.direction == 0 && acts_along_z(stage)) return 2;
   if (stage.direction != 0 || stage.whiffletree || stage.cycles || !stage.beyond_lattice().empty())
     return stage.direction;
   const std::array<bool, 3> driven = driven_along(stage);

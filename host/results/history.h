@@ -19,7 +19,8 @@ struct Response {
 };
 Response response(const HistoryRow& row, const Stage& stage);
 
-// 0, 1, 2: what a stage is measured along, or else driven along and nowhere else.
+// 0, 1, 2: what a stage is measured along, or else driven along and nowhere else. It is 2, too, where the ground or the
+// load of a collapse has z as its only horizontal direction.
 int axis_of(const Stage& stage);
 // Measured along y, or driven along y and nowhere else. Where the last stage is, what is shown of the run is upright.
 bool is_vertical(const Stage& stage);

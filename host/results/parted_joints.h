@@ -1,5 +1,5 @@
-// Joints of the start where their blocks have come apart in large motion: no contact point is left there, but what the
-// joint had come to stays.
+// Joints of the start where their blocks have come apart in large motion. No contact point is left there, but the last
+// state of the joint stays.
 #pragma once
 
 #include <string>

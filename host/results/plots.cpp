@@ -13,6 +13,7 @@
 #include "files/gnuplot.h"
 #include "results/colours.h"
 #include "results/history.h"
+#include "results/picture_text.h"
 #include "scene/generate.h"
 
 namespace quoin {
@@ -26,10 +27,6 @@ double round_down(double x) {
     if (x >= digit * power) return digit * power;
   }
   return power;
-}
-
-std::string title_of(const Scene& scene) {
-  return scene.title.empty() ? std::filesystem::path(scene.file).stem().string() : scene.title;
 }
 
 std::string moved_part(const Scene& scene) {
@@ -54,84 +51,6 @@ Peak find_peak(const std::vector<HistoryRow>& rows, const Scene& scene) {
     peak = {static_cast<int>(i), std::abs(r.force), std::abs(r.displacement), rows[i].vertical_force};
   }
   return peak;
-}
-
-std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
-                       const std::string& law, const std::string& label) {
-  make_folder(folder / "plots");
-  const double area = bed_area(scene);
-  const std::string axis = is_vertical(scene) ? "vertical" : "horizontal";
-  std::string data = fmt::format("# displacement_mm {}_force_kN vertical_stress_MPa\n", axis);
-  double lowest = 0.0, highest = 0.0;
-  for (const HistoryRow& row : rows) {
-    const double x = shown(row, scene).displacement;
-    lowest = std::min(lowest, x);
-    highest = std::max(highest, x);
-  }
-  // One way the curve goes to the right, whichever way that was. Noise about 0 is no reason for another quadrant.
-  const double largest = std::max(highest, -lowest);
-  const bool turns = std::min(highest, -lowest) > 0.01 * largest;
-  const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
-  double low_force = 0.0, high_force = 0.0;
-  bool moving = false;  // pressing comes first, and would be a vertical line at 0
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const HistoryRow& row = rows[i];
-    const Shown r = shown(row, scene);
-    const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == row.stage;
-    moving = moving || std::abs(r.displacement) > 1e-9 * largest;
-    if (!moving && next_is_still) continue;
-    low_force = std::min(low_force, sign * r.force);
-    high_force = std::max(high_force, sign * r.force);
-    data += fmt::format("{:.7g} {:.7g} {:.7g}\n", sign * r.displacement * 1e3, sign * r.force / 1e3,
-                        area > 0 ? row.vertical_force / area / 1e6 : 0.0);
-  }
-  write_file(folder / "plots" / "curve.dat", data);
-
-  const bool pushed_back = low_force < -0.02 * high_force;
-  const Peak peak = find_peak(rows, scene);
-  std::string script =
-      fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
-set title {} noenhanced font "Sans,23"
-set xlabel {} noenhanced
-set ylabel "{} force (kN)" textcolor rgb "#b3321e"
-set border 11 linecolor rgb "#404040"
-set xrange [{:.6g}:{:.6g}]
-set yrange [{}:*]
-set xtics nomirror
-set ytics nomirror textcolor rgb "#b3321e"
-set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
-set key bottom right spacing 1.3 samplen 3 noenhanced
-)gp",
-                  gnuplot_text(title_of(scene)),
-                  gnuplot_text(fmt::format("{} displacement of the {} (mm)", axis, moved_part(scene))), axis,
-                  turns ? 1.02 * lowest * 1e3 : 0.0, largest > 0 ? 1.02 * (turns ? highest : largest) * 1e3 : 1.0,
-                  pushed_back ? "*" : "0");
-  if (turns) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
-  if (pushed_back) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
-  std::string plot =
-      fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"#b3321e\" title {}",
-                  gnuplot_text(axis + " force, law " + law));
-  if (area > 0) {
-    script +=
-        "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"#5a7186\"\nset y2range [0:*]\n"
-        "set y2tics nomirror textcolor rgb \"#5a7186\"\n";
-    plot +=
-        ", \\\n     \"curve.dat\" using 1:3 axes x1y2 with lines linewidth 1.7 dashtype (8,5) linecolor rgb "
-        "\"#5a7186\" "
-        "title \"mean vertical stress (right axis)\"";
-  }
-  if (peak.row >= 0 && peak.force > 0) {
-    const HistoryRow& row = rows[static_cast<size_t>(peak.row)];
-    const Shown r = shown(row, scene);
-    const double at = sign * r.displacement * 1e3, force = sign * r.force / 1e3;
-    script += fmt::format(
-        "set label 1 \"{0:.1f} kN at {1:.2f} mm\" at {1:.6g},{0:.6g} center offset 0,{2} font \"Sans,19\" front\n"
-        "set offsets 0, 0, graph 0.1, {3}\n",
-        force, at, force < 0 ? -1.1 : 1.1, pushed_back ? "graph 0.1" : "0");
-    script += fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at, force);
-    plot += ", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"#b3321e\" notitle";
-  }
-  return draw_picture(folder, "curve", script + label + plot + "\n");
 }
 
 namespace {
@@ -355,7 +274,7 @@ std::string joints_plot() {
       plot += fmt::format(", \\\n     \"{}\" with {} rgb \"{}\"{} notitle", name_of_data(file), how, colour,
                           *how == 'l' ? fmt::format(" linewidth {}", width) : std::string());
   };
-  add(kJointsInUnits, "#d3bfa4", 0.7);
+  add(kJointsInUnits, kBlockColours.joint_in_unit, 0.7);
   for (const CrackStyle& style : kCrackStyles)
     add(kFirstCrack + static_cast<size_t>(style.crack), style.colour, style.width);
   for (const CrackStyle& style : kCrackStyles)
@@ -389,19 +308,20 @@ std::string plot_cracks(const std::filesystem::path& folder, const Simulation& s
                                                : " up",
                         is_vertical(scene) ? "vertical" : "horizontal", std::abs(r.force) / 1e3, law);
   }
+  const std::string moment = moment_of(rows, scene);
   // One scale on both axes; the picture is as high as the wall asks for, with room for title and legend.
   const Vec3 &low = view.low, &high = view.high;
   const double width = (high[0] - low[0]) * 1e3, height = (high[1] - low[1]) * 1e3,
                sway = view.largest * view.factor * 1e3;
   const double margin = 0.03 * std::max(width, height);
   const double range_x = width + 2 * (margin + sway), range_y = height + 2 * margin + 0.3 * sway;
-  const double scale = 1200.0 / std::max(range_x, range_y), above = 150.0, below = 110.0;
+  const double scale = 1200.0 / std::max(range_x, range_y), above = 150.0, below = label.empty() ? 110.0 : 140.0;
   const double pixels_x = std::max(1000.0, range_x * scale + 40), pixels_y = range_y * scale + above + below;
   const std::string script = fmt::format(
       R"gp(set terminal pngcairo size {:.0f},{:.0f} font "Sans,17"
 set label 1 {} at screen 0.5,{:.4f} center noenhanced font "Sans,21"
 set label 2 {} at screen 0.5,{:.4f} center noenhanced font "Sans,16"
-set label 3 "displacements drawn {:g} times larger" at screen 0.5,{:.4f} center font "Sans,16"
+set label 3 {} at screen 0.5,{:.4f} center noenhanced font "Sans,16"
 set size ratio -1
 set tmargin at screen {:.4f}
 set bmargin at screen {:.4f}
@@ -411,16 +331,20 @@ set xrange [{:.6g}:{:.6g}]
 set yrange [{:.6g}:{:.6g}]
 unset border
 unset tics
-{}set key outside bottom center horizontal maxrows 2 samplen 2.5 spacing 1.4 width 3 reverse Left
+{}set key at screen 0.5,{:.4f} center top horizontal maxrows 2 samplen 2.5 spacing 1.4 width 3 reverse Left
 set style fill solid 1.0 noborder
-plot "beams.dat" with filledcurves closed fillcolor rgb "#b9c0c8" notitle, \
-     "beams.dat" with lines linewidth 1.0 linecolor rgb "#808890" notitle, \
-     "bricks.dat" with filledcurves closed fillcolor rgb "#ecdcc8" notitle{}
+plot "beams.dat" with filledcurves closed fillcolor rgb "{}" notitle, \
+     "beams.dat" with lines linewidth 1.0 linecolor rgb "{}" notitle, \
+     "bricks.dat" with filledcurves closed fillcolor rgb "{}" notitle{}
 )gp",
-      pixels_x, pixels_y, gnuplot_text(title_of(scene)), 1.0 - 0.27 * above / pixels_y, gnuplot_text(state),
-      1.0 - 0.53 * above / pixels_y, view.factor, 1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y,
-      below / pixels_y, low[0] * 1e3 - margin - sway, high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin,
-      high[1] * 1e3 + margin + sway * 0.3, label, joints_plot());
+      pixels_x, pixels_y, fitting_text(title_of(scene), pixels_x, 21), 1.0 - 0.27 * above / pixels_y,
+      fitting_text(state, pixels_x, 16), 1.0 - 0.53 * above / pixels_y,
+      fitting_text(
+          fmt::format("{}{}displacements drawn {:g} times larger", moment, moment.empty() ? "" : "; ", view.factor),
+          pixels_x, 16),
+      1.0 - 0.76 * above / pixels_y, 1.0 - above / pixels_y, below / pixels_y, low[0] * 1e3 - margin - sway,
+      high[0] * 1e3 + margin + sway, low[1] * 1e3 - margin, high[1] * 1e3 + margin + sway * 0.3, label,
+      (below - 10.0) / pixels_y, kBlockColours.beam, kBlockColours.beam_edge, kBlockColours.face, joints_plot());
   return draw_picture(folder, "cracks", script);
 }
 

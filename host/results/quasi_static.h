@@ -11,9 +11,9 @@ namespace quoin {
 
 // Of the stages that drive a body: by a velocity, or until a displacement is reached.
 struct QuasiStatic {
-  // What supports and loads give in all along the loading direction is force that moves the wall in place of straining
-  // it: root of the mean square, with or without the ramps, whichever is larger, over the peak force. Empty when
-  // nothing was driven.
+  // The sum of supports and loads along the loading direction is force that moves the wall in place of straining it.
+  // Its measure is the root of the mean square, with or without the ramps, whichever is larger, over the peak force.
+  // Empty when nothing was driven.
   std::optional<double> dynamic_force_ratio;
   // Largest kinetic energy over the work done until the end. Empty when no work was done.
   std::optional<double> kinetic_energy_ratio;

@@ -118,8 +118,8 @@ std::string VtuFile::bytes_of(const std::string& name, const char* type) const {
   return file_.substr(place, bytes);
 }
 
-// Blocks one after the other, behind their number, the size of each, that of the last one (0: the same), and the size
-// that each is packed to.
+// Blocks one after the other, behind a head: their number, the size of each, of the last one (0: the same), and each
+// packed size.
 std::string VtuFile::unpacked(std::size_t place) const {
   // zlib packs no better than 1032 to 1; what claims more is damaged, and would fill the memory.
   constexpr std::uint64_t kBest = 1100, kLeast = 1024;

@@ -1,5 +1,5 @@
-// Joints and bricks as surfaces that can be drawn: contact points with the place to which they have moved and with the
-// damage of their law in the words of a reader.
+// Joints and bricks as surfaces that can be drawn. Contact points have the place to which they have moved, and their
+// law's damage in the words of a reader.
 #pragma once
 
 #include <array>

@@ -2,7 +2,7 @@
 // over time by blocks.pvd, joints.pvd and forces.pvd. Blocks
 // are drawn where they were at the start; warped by displacement_m, where they stand. Deformable ones are zones, rigid
 // ones faces. Members are lines and panels where they stand, in members_NNNN.vtu. Several processes may write a frame
-// together, each the blocks that it advances: then rank 0 writes blocks_NNNN.pvtu too, which names the pieces
+// together, each the blocks that it advances. Rank 0 then writes blocks_NNNN.pvtu too, which names the pieces
 // blocks_NNNN_r0.vtu, blocks_NNNN_r1.vtu, ..., and so for joints.
 #pragma once
 
@@ -39,7 +39,7 @@ class VtkSeries {
 
  private:
   void add(const Simulation& simulation, bool piece);
-  // The folder of results is rank 0's, and what is to be written there is noted before: by it, one frame ahead, as no
+  // The folder of results is rank 0's, which notes beforehand what is written there. It does so one frame ahead, as no
   // rank comes to the next frame before all have written this one.
   void note_pieces() const;
 

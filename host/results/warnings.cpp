@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "files/gnuplot.h"
+#include "results/colours.h"
 
 namespace quoin {
 
@@ -25,15 +26,19 @@ std::vector<Warning> warnings_of(const Simulation& simulation, const QuasiStatic
 
 std::string warning_label(const std::vector<Warning>& warnings) {
   if (warnings.empty()) return {};
+  constexpr size_t kLongest = 86;  // characters that fit below the narrowest picture
   std::string text = "Warnings, see summary.json:";
-  for (const Warning& warning : warnings) {
-    std::string about = warning.about == "quasi_static" ? "not known to be quasi-static" : warning.about;
+  for (size_t i = 0; i < warnings.size(); ++i) {
+    std::string about = warnings[i].about == "quasi_static" ? "not known to be quasi-static" : warnings[i].about;
     std::replace(about.begin(), about.end(), '_', ' ');
-    text += (&warning == &warnings.front() ? " " : ", ") + about;
+    if (text.size() + about.size() > kLongest) {
+      text += fmt::format(" and {} more", warnings.size() - i);
+      break;
+    }
+    text += (i == 0 ? " " : ", ") + about;
   }
-  return fmt::format(
-      "set label 99 {} at screen 0.01,0.015 noenhanced font \"Sans,13\" textcolor rgb \"#b3321e\" front\n",
-      gnuplot_text(text));
+  return fmt::format("set label 99 {} at screen 0.01,0.015 noenhanced font \"Sans,13\" textcolor rgb \"{}\" front\n",
+                     gnuplot_text(text), kPens[0]);
 }
 
 }  // namespace quoin

@@ -28,9 +28,9 @@ struct Brick {
 };
 
 // Faces of bricks in order -x, +x, -y, +y, -z, +z.
-// A conforming joint: face `face_a` of block a lies on the opposite face of block b, or, if one side is a rigid brick,
-// takes the gridpoints of the deformable side. The faces may overlap only partly (a whole unit lies on two): the joint
-// is their overlap, its contact points are the gridpoints that coincide, matched by coordinates, and their areas come
+// A conforming joint: face `face_a` of block a lies on the opposite face of block b. If one side is a rigid brick, the
+// joint takes the gridpoints of the deformable side. The faces may overlap only partly (a whole unit lies on two): the
+// joint is their overlap. Its contact points are the gridpoints that coincide, matched by coordinates. Their areas come
 // from the face triangles inside the overlap alone. The normal points from a to b.
 struct Joint {
   int block_a, block_b;

@@ -55,12 +55,12 @@ struct ContactSettings {
   double point_spacing = 0.0;  // m; contact points inside a joint of rigid blocks no further apart; 0: corners only
   bool cubic_points = false;   // rigid blocks: points that integrate cubics exactly (rotational stiffness exact)
   // Contact geometry is frozen until two neighbours have moved against each other by more than this fraction of the
-  // smaller one's least extent; from then on contacts are detected again whenever a pair has moved by that much again.
+  // smaller one's least extent. From then on contacts are detected again whenever a pair has moved by that much again.
   // 0: large displacement at once.
   double small_displacement = 0.005;
-  // A joint of the start keeps its contact points, which ride on their blocks, until its blocks have moved against each
-  // other by this fraction of the smaller one's least extent: points that are placed again inherit their history from
-  // their nearest neighbours, which is good enough for friction and blurs cracks. 0: as other contacts.
+  // A joint of the start keeps its contact points, which move with their blocks, until these have moved against each
+  // other by this fraction of the smaller one's least extent. Points that are placed again inherit their history from
+  // their nearest neighbours; that serves friction and blurs cracks. 0: as other contacts.
   double joint_motion = 0.0;
 };
 

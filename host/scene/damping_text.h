@@ -17,8 +17,8 @@ std::string solver_text(const SolverSettings& solver, bool settling);
 // Of stages with a solver table of their own, and of those after them; else empty.
 std::string own_solver_text(const Scene& scene, std::size_t stage);
 
-// What of the damping of a stage acts on motion in space, whole blocks included, and so falsifies what slides, rocks
-// or falls: "local damping (gamma 0.8)", "mass damping (0.5 1/s)". Empty: none does.
+// The part of the damping of a stage that acts on motion in space, whole blocks included. It falsifies what slides,
+// rocks or falls: "local damping (gamma 0.8)", "mass damping (0.5 1/s)". Empty: none does.
 std::string damping_in_space(const Scene& scene, std::size_t stage);
 // What to write in its place.
 inline constexpr const char* kDampingForMotion =
@@ -27,8 +27,8 @@ inline constexpr const char* kDampingForMotion =
 // Of a stage that moves the ground, whose damping is of that kind; else empty.
 std::string ground_damping_warning(const Scene& scene, std::size_t stage);
 
-// With how much of its velocity an edge comes back that lands on a spring and a dashpot of this share of critical,
-// which never pull: m u'' = -k u - c u' from u = 0 until that is 0 again.
+// The share of its velocity with which an edge comes back after landing on a spring and a dashpot of this share of
+// critical. They never pull: m u'' = -k u - c u' from u = 0 until that is 0 again.
 double landing_restitution(double damping_ratio);
 
 // What the record of a stage with ground motion leaves: "record of 0.8 s along (1, 0, 0), which ends at 1 m/s".

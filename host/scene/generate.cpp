@@ -125,8 +125,8 @@ Assembly generate_wall(const WallSpec& wall, const std::map<std::string, BlockMa
   assembly.symmetry_factor = wall.half_thickness ? 2.0 : 1.0;
   assembly.symmetry_plane_z0 = wall.half_thickness;
 
-  // Blocks. Taken over the whole wall the hexahedra form one grid; colouring it like a chessboard makes the diagonals
-  // of facing 5-tetrahedron patterns coincide at every joint, for odd numbers of layers too.
+  // Blocks. Over the whole wall the hexahedra form one grid. Patterns of 5 tetrahedra alternate in it like a
+  // chessboard, so that their diagonals coincide at every joint, for odd numbers of layers too.
   WallGrid grid(wall);
   const int unit_material = index_of(materials, wall.unit_material);
   for (int course = 0; course < wall.courses; ++course) {

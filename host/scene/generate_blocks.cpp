@@ -220,8 +220,8 @@ void add_arch(const ArchSpec& a, int material, Assembly& assembly) {
   }
 }
 
-// Zones of boxes that stand in one grid alternate like the squares of a chessboard, from the lowest of all corners on:
-// then the diagonals of faces that meet coincide, whatever the number of zones.
+// Zones of boxes that stand in one grid alternate like the squares of a chessboard, from the lowest of all corners on.
+// The diagonals of faces that meet then coincide, whatever the number of zones.
 void match_diagonals(int first_block, Assembly& assembly) {
   std::map<int, Brick> boxes;
   Vector lowest{1e300, 1e300, 1e300};

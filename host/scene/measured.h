@@ -1,4 +1,4 @@
-// What the errors of the qualities were measured on, as ranges of a scene's keys: the walls of
+// Ranges of a scene's keys on which the errors of the qualities were measured: the walls of
 // benchmarks/error_against_cost (host/scenes/README.md lists the ranges). Outside nothing is known of them.
 #pragma once
 

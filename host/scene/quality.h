@@ -1,5 +1,5 @@
-// How exact a run of a wall shall be: settings that go together, and the error they were measured to have
-// (benchmarks/README.md, program benchmarks/error_against_cost). Keys that a scene gives itself win.
+// How exact a run of a wall shall be: settings that go together, and their measured error (benchmarks/README.md,
+// program benchmarks/error_against_cost). Keys that a scene gives itself win.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ struct Quality {
   SolverSettings solver;
   double velocity = 0.0;           // of the top beam in a shear stage, m/s
   double equilibrium_ratio = 0.0;  // at the end of a pressure stage
-  // Expected errors against a converged run, as fractions, at least the largest seen on the measured walls: peak force;
-  // curve (root of the mean square of the difference over that of the force: drops that come later count whole); work
-  // up to the end. Only for scenes within what was measured: scene/measured.h.
+  // Expected errors against a converged run, as fractions, at least the largest seen on the measured walls. Of the peak
+  // force; of the curve, root of the mean square of the difference over that of the force, where later drops count
+  // whole; of the work up to the end. Only for scenes within what was measured: scene/measured.h.
   double peak_error = 0.0, curve_error = 0.0, work_error = 0.0;
 };
 

@@ -11,8 +11,8 @@ namespace quoin {
 // Whether the table of a stage has any of them.
 bool has_actions(const reader::Table& t);
 
-// folder: where files named by the scene are looked for, with its slash. names: of the blocks that can be named; empty:
-// the names are looked up later.
+// folder: of the files that the scene names, with its slash. names: of the blocks that can be named; empty: names are
+// resolved later.
 void read_actions(reader::Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names);
 
 }  // namespace quoin

@@ -39,7 +39,7 @@ std::optional<GroundRecord> record_of(Table& t, const std::string& key, const st
   }
 }
 
-// Displacements as the accelerations of the spline through them that begins and ends at rest: between samples these are
+// Displacements as the accelerations of the spline through them that begins and ends at rest. Between samples these are
 // straight, so that the samples are met exactly.
 TimeSeries accelerations_of_spline(const TimeSeries& displacement) {
   const std::vector<double>&t = displacement.time, &u = displacement.value;

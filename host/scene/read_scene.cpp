@@ -580,7 +580,7 @@ void add_beam_controls(Stage& stage, const std::vector<std::string>& bodies, dou
 }
 
 // What holds and loads the bodies of a stage with forces, pressures, ground motion or collapse that no table of it
-// controls: the lower beam is the ground, the upper one is free under the pressure of the stages before, floors have
+// controls. The lower beam is the ground, the upper one is free under the pressure of the stages before, floors have
 // their loads.
 void add_loads_of_before(Stage& stage, const Scene& scene, const std::vector<std::string>& bodies, double top_force) {
   const auto controlled = [&](const std::string& body) {

@@ -10,9 +10,9 @@
 
 namespace quoin {
 
-// One stage of kind rest, with the weight, the forces, pressures and supports of the stage of that name; empty: the
-// first that has a weight or a load. What moves there, shakes or grows is left out, and the end is kept for scenes that
-// begin from it. Throws Error(bad_input): there is no such stage.
+// One stage of kind rest, with the weight, forces, pressures and supports of the stage of that name. Empty: the first
+// that has a weight or a load. What moves there, shakes or grows is left out, and the end is kept for scenes that begin
+// from it. Throws Error(bad_input): there is no such stage.
 Scene at_rest(Scene scene, const std::string& stage);
 
 // How `quoin rest` asks for it: beside the keys of the scene that a command sets, so that a run that goes on or is

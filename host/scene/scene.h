@@ -1,5 +1,5 @@
-// A scene: everything a run needs, as plain structs in SI units (m, kg, s, Pa). Read from TOML by read_scene.h; the
-// generators turn its walls and blocks into an Assembly (assembly.h), the model module turns that into hot data.
+// A scene: everything a run needs, as plain structs in SI units (m, kg, s, Pa). Read from TOML by read_scene.h. The
+// generators turn its walls and blocks into an Assembly (assembly.h); the module model turns that into hot data.
 #pragma once
 
 #include <algorithm>
@@ -188,10 +188,10 @@ struct Collapse {
 };
 
 // A virtual whiffletree: every floor gets the same force along x, F = stiffness (u - mean of the floors'
-// displacements), shared equally by the bodies of the floor, where u moves with the given velocity. So floors are
-// pushed by equal forces while a displacement is imposed, and what softens can be followed. The displacement of a floor
-// is that of its bodies, on average; the last floor is the roof, which the history records against the shear force at
-// the bottom beam. In a stage with cycles u moves in these.
+// displacements), where u moves with the given velocity. The bodies of a floor share it equally. So floors are pushed
+// by equal forces while a displacement is imposed, and what softens can be followed. The displacement of a floor is
+// that of its bodies, on average. The last floor is the roof; the history records it against the shear force at the
+// bottom beam. In a stage with cycles u moves in these.
 struct Whiffletree {
   std::vector<std::vector<std::string>> floors;  // bodies of each floor
   double stiffness = 0.0;                        // N/m

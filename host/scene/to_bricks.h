@@ -20,9 +20,9 @@ struct OnLattice {
   Scene scene;
 };
 
-// Nothing, with the reason in *why_not, when some block, joint, stage or setting is not one of the lattice's, which has
-// boxes along the axes that touch in conforming faces, in small displacements. Throws Error(bad_input) for stages that
-// name no block, or one of two.
+// Nothing, with the reason in *why_not, when some block, joint, stage or setting is not one of the lattice's. The
+// lattice has boxes along the axes that touch in conforming faces, in small displacements. Throws Error(bad_input) for
+// stages that name no block, or one of two.
 std::optional<OnLattice> to_bricks(const Assembly& assembly, const Scene& scene, std::string* why_not);
 
 }  // namespace quoin::blocks

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <iterator>
 #include <limits>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "step/deformable_kernels.cpp"
@@ -34,7 +35,7 @@ struct Begins {
 struct Begin {
   Begins<const double> x, v, force, viscous;
   int node_count[kLanes];
-  Lanes3 acceleration[kParts];
+  Lanes3 acceleration[kParts], moment[kParts];
   HWY_INLINE explicit Begin(std::span<const LaneBlock> blocks)
       : x(blocks, [](const LaneBlock& b) { return &b.x->x; }),
         v(blocks, [](const LaneBlock& b) { return &b.v->x; }),
@@ -44,8 +45,10 @@ struct Begin {
       return blocks[std::min(static_cast<std::size_t>(l), blocks.size() - 1)];
     };
     for (int l = 0; l < kLanes; ++l) node_count[l] = block(l).node_count;
-    for (int p = 0; p < kParts; ++p)
+    for (int p = 0; p < kParts; ++p) {
       acceleration[p] = load_vectors([&](int l) { return &block(p * kWidth + l).acceleration.x; });
+      moment[p] = load_vectors([&](int l) { return &block(p * kWidth + l).moment.x; });
+    }
   }
 };
 
@@ -68,6 +71,7 @@ HWY_INLINE void load_gridpoint(const Begin& begin, int first, int n, const LaneC
 void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
   const Begin begin(blocks);
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
+    store_line(begin.moment[first / kWidth], columns->moment + first);
     for (int n = 0; n < columns->fewest; ++n) load_gridpoint<true>(begin, first, n, *columns);
     for (int n = columns->fewest; n < columns->node_count; ++n) load_gridpoint<false>(begin, first, n, *columns);
   }
@@ -116,19 +120,21 @@ struct Pose {
   Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
 };
 
-template <class Frame>
-HWY_INLINE Pose pose_of(const Frame& frame, const LaneColumns& columns, int first, const ZoneStep& step) {
+// frame_of(lane).
+template <class Frame, class FrameOf>
+HWY_INLINE Pose pose_of(const Frame& frame, const FrameOf& frame_of, const LaneColumns& columns, int first,
+                        const ZoneStep& step) {
   Pose pose;
   pose.centre = load_line(columns.x + first);  // of gridpoint 0: K and b do not see where it is
-  pose.f = zero_matrix();
-  Lanes33 rate = zero_matrix();
-  for (int n = 0; n < columns.node_count; ++n) {
-    const Lanes3 b = frame.anchor(n, first);
-    add_outer(difference_of(load_line(columns.x + n * kLine + first), pose.centre), b, pose.f);
-    if (step.beta > 0.0) add_outer(load_line(columns.v + n * kLine + first), b, rate);
+  for (int i = 0; i < 3; ++i) {
+    pose.f.row[i] = load_vectors([&](int l) { return &frame_of(first + l).f.row[i].x; });
+    const Lanes3 column = load_vectors([&](int l) { return &frame_of(first + l).transposed_r.row[i].x; });
+    for (int j = 0; j < 3; ++j) pose.r.row[j][i] = column[j];
   }
-  pose.r = rotation_in(pose.f);
   if (step.beta > 0.0) {
+    Lanes33 rate = zero_matrix();
+    for (int n = 0; n < columns.node_count; ++n)
+      add_outer(load_line(columns.v + n * kLine + first), frame.anchor(n, first), rate);
     const V back = hn::Set(D(), -step.dt);
     Lanes33 previous;
     for (int i = 0; i < 3; ++i) previous.row[i] = plus_scaled(pose.f.row[i], back, rate.row[i]);
@@ -194,12 +200,12 @@ void OwnFrames::times_stiffness(const double* w, int node_count, double* product
   }
 }
 
-// -R (g - q x b) of K w, into the forces of the blocks.
+// -R (g - q x b) of K w, into the forces of the blocks. on_frame: moment on the frame besides, in space.
 template <class Frame>
 HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, int first, const Pose& pose,
-                              double* force) {
+                              const Lanes3& on_frame, double* force) {
   const D d;
-  Lanes3 moment = zeros();
+  Lanes3 moment = transposed_times_of(pose.r, on_frame);
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
     const Lanes3 place = sum_of(frame.place(n, first), load_line(columns.u + at));
@@ -226,13 +232,17 @@ HWY_INLINE void add_to_forces(const Frame& frame, const LaneColumns& columns, in
 }
 
 template <class Frame>
-HWY_INLINE void frame_forces(const Frame& frame, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
+HWY_INLINE void frame_forces(const Frame& frame, std::span<const LaneBlock> blocks, const ZoneStep& step,
+                             LaneColumns* columns, FrameSums* sums) {
   const D d;
   const LaneColumns& c = *columns;
   const bool is_viscous = step.beta > 0.0;
   Pose pose[kParts];
   for (int p = 0; p < kParts; ++p) {
-    pose[p] = pose_of(frame, c, p * kWidth, step);
+    const auto frame_of = [&](int l) -> const BlockFrame& {
+      return *blocks[std::min(static_cast<std::size_t>(l), blocks.size() - 1)].frame;
+    };
+    pose[p] = pose_of(frame, frame_of, c, p * kWidth, step);
     hn::Store(displacements(frame, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
   }
   if (step.energies) {
@@ -248,21 +258,23 @@ HWY_INLINE void frame_forces(const Frame& frame, const ZoneStep& step, LaneColum
   }
   // The same forces to the last bit whether or not energies are wanted.
   frame.times_stiffness(is_viscous ? c.weighted : c.u, c.node_count, c.product);
-  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], c.force);
+  for (int p = 0; p < kParts; ++p)
+    add_to_forces(frame, c, p * kWidth, pose[p], load_line(c.moment + p * kWidth), c.force);
   if (!c.viscous) return;
   const int size = c.node_count * kLine;
   std::fill(c.viscous_force, c.viscous_force + size, 0.0);
   for (int i = 0; i < size; i += kWidth)
     hn::Store(hn::Sub(hn::Load(d, c.product + i), hn::Load(d, c.elastic + i)), d, c.product + i);
-  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], c.viscous_force);
+  for (int p = 0; p < kParts; ++p) add_to_forces(frame, c, p * kWidth, pose[p], zeros(), c.viscous_force);
 }
 
-void CongruentForces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  frame_forces(SharedFrame{congruent}, step, columns, sums);
+void CongruentForces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
+                     LaneColumns* columns, FrameSums* sums) {
+  frame_forces(SharedFrame{congruent}, blocks, step, columns, sums);
 }
 
 void DistinctForces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  frame_forces(OwnFrames{blocks, *columns}, step, columns, sums);
+  frame_forces(OwnFrames{blocks, *columns}, blocks, step, columns, sums);
 }
 
 // ---- Gridpoints ----------------------------------------------------------------------------------------------------
@@ -308,9 +320,42 @@ struct Destination {
   }
 };
 
-template <bool kEnergies>
+// No frame: blocks that go zone by zone.
+struct NoFrame {
+  HWY_INLINE Lanes3 anchor(int, int) const { return zeros(); }
+};
+
+// F and R of the places in the columns, lane by lane.
+template <class Frame>
+HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
+                             const Frame& frame) {
+  const Lanes3 origin = load_line(columns.x + first);
+  Lanes33 f = zero_matrix();
+  for (int n = 1; n < columns.node_count; ++n)
+    add_outer(difference_of(load_line(columns.x + n * kLine + first), origin), frame.anchor(n, first), f);
+  const Lanes33 r = rotation_in(f);
+  alignas(64) double number[2][3][3][kWidth];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      hn::Store(r.row[j][i], D(), number[0][i][j]);
+      hn::Store(f.row[i][j], D(), number[1][i][j]);
+    }
+  }
+  const int lanes = std::min(kWidth, static_cast<int>(blocks.size()) - first);
+  for (int l = 0; l < lanes; ++l) {
+    BlockFrame& to = *blocks[static_cast<std::size_t>(first + l)].frame;
+    for (int i = 0; i < 3; ++i) {
+      to.transposed_r.row[i] = {number[0][i][0][l], number[0][i][1][l], number[0][i][2][l]};
+      to.f.row[i] = {number[1][i][0][l], number[1][i][1][l], number[1][i][2][l]};
+    }
+  }
+}
+
+template <bool kEnergies, class Frame>
 HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
-                               const RigidGains* gains, const GridpointStep& step, GridpointSums* sums) {
+                               const RigidGains* gains, const GridpointStep& step, const Frame& frame,
+                               GridpointSums* sums) {
+  constexpr bool kFrame = !std::is_same_v<Frame, NoFrame>;
   const D d;
   const V zero = hn::Zero(d), half = hn::Set(d, 0.5), dt = hn::Set(d, step.time_step);
   const V gamma = hn::Set(d, step.gamma), alpha = hn::Set(d, step.alpha);
@@ -368,9 +413,11 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
+    if constexpr (kFrame) store_line(place, columns.x + at);
     to_x.store(n, place);
     to_v.store(n, next);
   }
+  if constexpr (kFrame) store_frames(blocks, columns, first, frame);
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
   hn::Store(positions, d, sums->positions + first);
@@ -379,15 +426,26 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   hn::Store(external, d, sums->external + first);
 }
 
-void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                       const GridpointStep& step, BlockSums* const* sums) {
-  GridpointSums lanes;
+template <class Frame>
+HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
+                            const GridpointStep& step, const Frame& frame, GridpointSums* lanes) {
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     if (step.energies)
-      advance_vector<true>(blocks, columns, first, gains, step, &lanes);
+      advance_vector<true>(blocks, columns, first, gains, step, frame, lanes);
     else
-      advance_vector<false>(blocks, columns, first, gains, step, &lanes);
+      advance_vector<false>(blocks, columns, first, gains, step, frame, lanes);
   }
+}
+
+void AdvanceGridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
+                       const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums) {
+  GridpointSums lanes;
+  if (!blocks.front().frame)
+    advance_all(blocks, columns, gains, step, NoFrame{}, &lanes);
+  else if (shared)
+    advance_all(blocks, columns, gains, step, SharedFrame{*shared}, &lanes);
+  else
+    advance_all(blocks, columns, gains, step, OwnFrames{blocks, columns}, &lanes);
   for (std::size_t l = 0; l < blocks.size(); ++l) {
     BlockSums& s = *sums[l];
     s.unbalanced = lanes.unbalanced[l];
@@ -414,10 +472,11 @@ void LaneColumns::resize(int nodes) {
   node_count = nodes;
   double** const columns[] = {&x, &v, &force, &viscous_force, &u, &weighted, &product, &elastic};
   const auto size = static_cast<std::size_t>(nodes) * kLine;
-  memory_.resize(std::max(memory_.size(), std::size(columns) * size + size / 3));
+  memory_.resize(std::max(memory_.size(), std::size(columns) * size + kLine + size / 3));
   double* from = memory_.data();
   for (double** column : columns) *column = from, from += size;
-  rows = from;
+  moment = from;
+  rows = from + kLine;
 }
 
 void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const double>& fixed, LaneColumns* columns) {
@@ -431,8 +490,9 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
   HWY_DYNAMIC_DISPATCH(LoadBlocks)(blocks, columns);
 }
 
-void congruent_forces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
-  HWY_DYNAMIC_DISPATCH(CongruentForces)(congruent, step, columns, sums);
+void congruent_forces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
+                      LaneColumns* columns, FrameSums* sums) {
+  HWY_DYNAMIC_DISPATCH(CongruentForces)(blocks, congruent, step, columns, sums);
 }
 
 void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums) {
@@ -440,8 +500,8 @@ void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, La
 }
 
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                        const GridpointStep& step, BlockSums* const* sums) {
-  HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gains, step, sums);
+                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums) {
+  HWY_DYNAMIC_DISPATCH(AdvanceGridpoints)(blocks, columns, gains, step, shared, sums);
 }
 
 }  // namespace quoin::blocks

@@ -6,11 +6,12 @@
 //   b = m S^-1 X,  S = sum m X X^T,   F = sum x b^T = R U (polar),   u = R^T (x - c) - X.
 // The strain energy 1/2 u . K u has the forces
 //   f = -R (g - q x b),  g = K u,  q = (tr(U) 1 - U)^-1 sum (X + u) x g;
-// the second part is what R turns by when a gridpoint moves. So forces and moments balance to rounding, and energy
-// stays as it does with any force that has a potential. Viscosity of zones: g = K (u + beta du/dt) with du the whole
-// change of u in the step, which is nothing in rigid motion however fast. Limits: linear elasticity for small turning,
-// no force in rigid motion. Strain and turning inside of a block have to be small (kLargestDeformation); else zone by
-// zone (zone_kernels.h), which differs by the square of the strain.
+// the second part is what R turns by when a gridpoint moves. A moment on the frame is taken from the sum in q. So
+// forces and moments balance to rounding, and energy stays as it does with any force that has a potential. Viscosity of
+// zones: g = K (u + beta du/dt) with du the whole change of u in the step, which is nothing in rigid motion however
+// fast. Limits: linear elasticity for small turning, no force in rigid motion. Strain and turning inside of a block
+// have to be small (kLargestDeformation); else zone by zone (zone_kernels.h), which differs by the square of the
+// strain.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +30,10 @@ struct LaneBlock {
   const double* force;    // N, four doubles a gridpoint, the last of no meaning
   const double* viscous;  // the viscous part of it, likewise; null where it is not needed, or not yet computed
   Vector acceleration;    // of weight and what is shared by mass, by the mass of inertia, m/s2
+  Vector moment;          // on the frame, of what turns with it (gridpoint_kernels.h), N m
   int node_count;
   std::span<const ZoneLanes> zones;  // of distinct_forces; the shape stands as it did at the start
+  BlockFrame* frame;                 // as gridpoints stand; null: zone by zone
 };
 
 // Columns of up to kLanes blocks, a line a gridpoint. Gridpoints that a block does not have are without mass and force
@@ -40,6 +43,7 @@ struct LaneColumns {
   bool viscous = false;                      // viscous_force is wanted: set before load_blocks
   double *x, *v, *force, *viscous_force;     // m, m/s, N
   double *u, *weighted, *product, *elastic;  // of congruent_forces and distinct_forces
+  double* moment;                            // a line, N m
   double* rows;                              // of distinct_forces: of one block
   // FixedColumns; place and anchor of distinct_forces.
   const double *mass, *over_mass, *place, *anchor, *held, *held_v;
@@ -56,10 +60,10 @@ void load_blocks(std::span<const LaneBlock> blocks, const FixedColumns<const dou
 struct FrameSums {
   alignas(64) double deformation[kLanes], strain[kLanes];
 };
-inline constexpr double kLargestDeformation = 0.01;  // |u| over the least extent of a block: error of its stiffness 1 %
 
 // Adds internal forces to those in the columns.
-void congruent_forces(const CongruentBlocks& congruent, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
+void congruent_forces(std::span<const LaneBlock> blocks, const CongruentBlocks& congruent, const ZoneStep& step,
+                      LaneColumns* columns, FrameSums* sums);
 void distinct_forces(std::span<const LaneBlock> blocks, const ZoneStep& step, LaneColumns* columns, FrameSums* sums);
 
 // How gridpoints are moved on.
@@ -74,8 +78,9 @@ struct GridpointStep {
   bool energies;           // work and kinetic energy are wanted
 };
 
-// gains: of motion that is split; null: true inertia. sums: added to.
+// Frames follow the gridpoints. gains: of motion that is split; null: true inertia. shared: of congruent blocks, else
+// null. sums: added to.
 void advance_gridpoints(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
-                        const GridpointStep& step, BlockSums* const* sums);
+                        const GridpointStep& step, const CongruentBlocks* shared, BlockSums* const* sums);
 
 }  // namespace quoin::blocks

@@ -33,19 +33,6 @@ HWY_INLINE Lanes3 weighted(const Lanes3& weight, const Lanes3 (&corner)[3]) {
   return plus_scaled(plus_scaled(scaled(weight.x, corner[0]), weight.y, corner[1]), weight.z, corner[2]);
 }
 
-// Numbers of the points `first` on, `count` of a vector.
-struct Part {
-  int count;
-  HWY_INLINE V load(const double* from) const {
-    if (count >= kWidth) return hn::LoadU(D(), from);
-    return hn::MaskedLoad(hn::FirstN(D(), static_cast<std::size_t>(count)), D(), from);
-  }
-  HWY_INLINE void store(V v, double* to) const {
-    if (count >= kWidth) return hn::StoreU(v, D(), to);
-    hn::BlendedStore(v, hn::FirstN(D(), static_cast<std::size_t>(count)), D(), to);
-  }
-};
-
 void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* node_x, const FacetColumns& c,
                 bool fixed) {
   const D d;
@@ -53,7 +40,7 @@ void FacetJumps(std::span<FacetLanes> all, FacetFrames* frames, const Vector* no
   for (FacetLanes& lanes : all) {
     FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
-      const Part part{static_cast<int>(lanes.count) - first};
+      const FirstLanes part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
       Lanes3 a[3], at;
       corners_of(lanes.node_a, first, node_x, a);
@@ -96,7 +83,7 @@ void FacetForces(std::span<const FacetLanes> all, const FacetFrames* frames, con
   for (const FacetLanes& lanes : all) {
     const FacetFrames& frame = *frames++;
     for (int first = 0; first < static_cast<int>(lanes.count); first += kWidth) {
-      const Part part{static_cast<int>(lanes.count) - first};
+      const FirstLanes part{static_cast<int>(lanes.count) - first};
       const std::size_t i = lanes.first + static_cast<std::size_t>(first);
       const V area = hn::Load(d, lanes.area + first);
       V f[3];
@@ -152,13 +139,17 @@ Vector AddFacetRows(const FacetTouches& touches, const FacetRow* rows, double* f
       for (int k = 0; k < 3; ++k) add(touch.node[k], c, hn::Mul(hn::Set(d, -touch.weight[k]), all));
     }
   }
-  for (const GridpointTouch& touch : touches.gridpoint) {
-    for (int c = 0; c < kFour; c += kPart) {
-      const F less = hn::Neg(hn::LoadU(d, rows[touch.row].force + c));
-      sum[c / kPart] = hn::Add(sum[c / kPart], less);
-      add(touch.node, c, less);
+  const auto add_on_gridpoints = [&](std::span<const GridpointTouch> sides, bool is_a) HWY_ATTR {
+    for (const GridpointTouch& touch : sides) {
+      for (int c = 0; c < kFour; c += kPart) {
+        const F on_a = hn::LoadU(d, rows[touch.row].force + c), here = is_a ? on_a : hn::Neg(on_a);
+        sum[c / kPart] = hn::Add(sum[c / kPart], here);
+        add(touch.node, c, here);
+      }
     }
-  }
+  };
+  add_on_gridpoints(touches.gridpoint, false);
+  add_on_gridpoints(touches.owner_gridpoint, true);
   double total[kFour];
   for (int c = 0; c < kFour; c += kPart) hn::StoreU(sum[c / kPart], d, total + c);
   return {total[0], total[1], total[2]};

@@ -1,4 +1,4 @@
-// Contact points between gridpoints in large motion, eight side by side. Compiled for every instruction set that
+// Contact points on triangles of two deformable blocks, eight side by side. Compiled for every instruction set that
 // Highway knows and chosen at run time.
 //
 // Block a owns the plane of a triangle, n its normal, s along its first edge; b carries the point on a triangle of its
@@ -31,7 +31,8 @@ void facet_forces(std::span<const FacetLanes> lanes, const FacetFrames* frames, 
 struct FacetTouches {
   std::span<const OwnerTouch> owner;
   std::span<const CarrierTouch> carrier;
-  std::span<const GridpointTouch> gridpoint;
+  std::span<const GridpointTouch> gridpoint;        // of b
+  std::span<const GridpointTouch> owner_gridpoint;  // of a, with one row a point
 };
 
 // Adds what acts on the block to its gridpoints, four doubles each; returns the sum, N.

@@ -10,6 +10,7 @@
 #include "model/zone_kernels.h"
 #include "step/deformable_kernels.h"
 #include "step/facet_kernels.h"
+#include "step/gridpoint_kernels.h"
 #include "step/point_kernels.h"
 #include "step/rigid_kernels.h"
 #include "step/rigid_motion_kernels.h"
@@ -68,13 +69,15 @@ void Model::advance_contacts(int index, PhaseClock* clock) {
   Chunk& chunk = chunks_[size_t(index)];
   Family& f = families_[size_t(chunk.family)];
   thread_local std::vector<FacetFrames> formed;
+  thread_local std::vector<PairAxes> turned;
   formed.resize(std::max(formed.size(), chunk.facets.size()));
-  FacetFrames* const frames = small_ ? chunk.frames.data() : formed.data();
-  contact_kinematics(f, chunk, frames);  // jumps, in frames that ride on the blocks
+  turned.resize(std::max(turned.size(), chunk.gridpoint_pairs.size()));
+  const Axes axes = small_ ? Axes{chunk.frames.data(), chunk.pair_axes.data()} : Axes{formed.data(), turned.data()};
+  contact_kinematics(f, chunk, axes);  // jumps, in frames that move with the blocks
   lap(clock, Phase::jumps);
   contact_law(f, chunk);  // tractions from jumps: the plug-in
   lap(clock, Phase::law);
-  contact_forces(f, chunk, frames);  // one force a point, which its two blocks fetch
+  contact_forces(f, chunk, axes);  // one force a point, which its two blocks fetch
   lap(clock, Phase::contact_forces);
 }
 
@@ -176,11 +179,23 @@ FacetColumns facet_columns(Family& f) {
   return c;
 }
 
+GridpointColumns gridpoint_columns(Family& f, const Chunk& chunk) {
+  GridpointColumns c{};
+  for (int k = 0; k < 3; ++k) c.traction[k] = f.traction[k].data();
+  for (int k = 0; k < 3 && !f.viscous[0].empty(); ++k) c.viscous[k] = f.viscous[k].data();
+  for (int k = 0; k < 2; ++k) c.slid[k] = f.slid[k].data(), c.slip[k] = f.slip[k].data();
+  c.reference = f.offset.data(), c.area = f.area.data(), c.normal_jump = f.normal_jump.data();
+  c.node_a = chunk.node_a.data(), c.node_b = chunk.node_b.data(), c.first = chunk.first;
+  return c;
+}
+
 }  // namespace
 
-void Model::contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames) {
+void Model::contact_kinematics(Family& f, Chunk& chunk, const Axes& axes) {
   rigid_jumps(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_jumps(chunk.facets, frames, node_x_.data(), facet_columns(f), small_);
+  gridpoint_jumps(chunk.gridpoint_pairs, axes.pairs, small_ ? nullptr : frames_.data(), node_x_.data(),
+                  gridpoint_columns(f, chunk));
+  facet_jumps(chunk.facets, axes.triangles, node_x_.data(), facet_columns(f), small_);
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     if (p.facet_a >= 0 && !small_) refresh_facet_frame(p, facets_[p.facet_a]);
@@ -243,11 +258,12 @@ void Model::report_failure(const Chunk& chunk) const {
           f.traction[1][i], f.traction[2][i], solver_.time_step_fraction));
 }
 
-void Model::contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames) {
+void Model::contact_forces(Family& f, Chunk& chunk, const Axes& axes) {
   chunk.damping = 0.0;
   if (viscous_contacts()) viscous_tractions(f, chunk);
   rigid_forces(chunk.pairs, bodies_.data(), rigid_columns(f));
-  facet_forces(chunk.facets, frames, facet_columns(f), facet_rows_.data());
+  gridpoint_forces(chunk.gridpoint_pairs, axes.pairs, !small_, gridpoint_columns(f, chunk), facet_rows_.data());
+  facet_forces(chunk.facets, axes.triangles, facet_columns(f), facet_rows_.data());
   for (const uint32_t i : chunk.others) {
     Point& p = f.point[i];
     double traction[3];
@@ -317,8 +333,17 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
     lap(clock, Phase::motion);
     if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
     const size_t first = size_t(b.first_node);
-    lanes[l] = {&node_x_[first], &node_v_[first],  force, columns.viscous ? viscous : nullptr, acceleration,
-                b.node_count,    zones_in_lanes(b)};
+    Vector moment;
+    for (const MomentTouch pair : moment_touches_.of(blocks[l])) moment += pair->moment;
+    lanes[l] = {&node_x_[first],
+                &node_v_[first],
+                force,
+                columns.viscous ? viscous : nullptr,
+                acceleration,
+                moment,
+                b.node_count,
+                zones_in_lanes(b),
+                piece.in_frame() ? &frames_[size_t(blocks[l])] : nullptr};
     force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
   }
   const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), distinct,
@@ -330,7 +355,7 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
     if (distinct)
       distinct_forces({lanes, count}, step, &columns, &of_frame);
     else
-      congruent_forces(congruent_[size_t(piece.congruent)], step, &columns, &of_frame);
+      congruent_forces({lanes, count}, congruent_[size_t(piece.congruent)], step, &columns, &of_frame);
     for (size_t l = 0; l < count; ++l) {
       sums[l]->deformation = of_frame.deformation[l];
       if (energy_) sums[l]->strain = of_frame.strain[l];
@@ -347,7 +372,8 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                            1.0 / solver_.mass_scaling,
                            gravity_factor_.at(time_) * gravity_,
                            energy_};
-  advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, sums);
+  const CongruentBlocks* const shared = piece.congruent >= 0 ? &congruent_[size_t(piece.congruent)] : nullptr;
+  advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, shared, sums);
   for (size_t l = 0; l < count; ++l) {
     if (energy_ && loaded_[size_t(blocks[l])])
       sums[l]->external += 0.5 * dt_ * (power[l] + power_on_gridpoints(blocks[l], dt_));
@@ -415,7 +441,8 @@ Vector Model::forces_on_gridpoints(int block, double* force) {
   if (loaded_[size_t(block)] && !applied_.empty()) per_mass += applied_[size_t(block)] / mass_of(block);
   const Vector acceleration = per_mass / solver_.mass_scaling;
   std::fill(force, force + kRow * size_t(b.node_count), 0.0);
-  Vector contacts = add_facet_rows({owner_touches_.of(block), carrier_touches_.of(block), gridpoint_touches_.of(block)},
+  Vector contacts = add_facet_rows({owner_touches_.of(block), carrier_touches_.of(block), gridpoint_touches_.of(block),
+                                    owner_gridpoint_touches_.of(block)},
                                    facet_rows_.data(), force);
   for (uint32_t k = block > 0 ? touch_end_[size_t(block) - 1] : 0; k < touch_end_[size_t(block)]; ++k) {
     const Touch& touch = touches_[k];

@@ -46,6 +46,7 @@ class Model : public World {
   void begin_step(bool measured = false) {
     measured_ = measured || energy_;
     follow_held();
+    if (frames_are_old_) find_block_frames();
     if (members_) follow_members();
   }
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
@@ -93,9 +94,13 @@ class Model : public World {
  private:
   bool has_deformed_too_much(int block) const;
   // phases of the step: contacts chunk by chunk, then blocks piece by piece
-  void contact_kinematics(Family& f, Chunk& chunk, FacetFrames* frames);
+  struct Axes {  // of the points of a chunk
+    FacetFrames* triangles;
+    PairAxes* pairs;
+  };
+  void contact_kinematics(Family& f, Chunk& chunk, const Axes& axes);
   void contact_law(Family& f, Chunk& chunk);
-  void contact_forces(Family& f, Chunk& chunk, const FacetFrames* frames);
+  void contact_forces(Family& f, Chunk& chunk, const Axes& axes);
   void viscous_tractions(Family& f, Chunk& chunk);
   void advance_deformable(const Piece& piece, PhaseClock* clock);
   // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the

@@ -157,6 +157,7 @@ void Model::restore(ArchiveReader& reader) {
     const int other = other_half_[size_t(i)];
     require(apart_[size_t(i)] == (other < 0 ? 0 : apart_[size_t(other)]));
   }
+  frames_are_old_ = false;
   divide_work();
 }
 

@@ -92,7 +92,7 @@ void Model::each_memory_of_chunk(Part part, int index, const VisitMemory& visit)
   }
 }
 
-// Keys: bodies, then gridpoints.
+// Keys: bodies, then gridpoints, then frames of blocks.
 void Model::each_side(int index, const std::function<void(int, std::int64_t)>& visit) const {
   const Chunk& chunk = chunks_[size_t(index)];
   const Family& f = families_[size_t(chunk.family)];
@@ -100,14 +100,21 @@ void Model::each_side(int index, const std::function<void(int, std::int64_t)>& v
     if (facet < 0) return visit(block, blocks_[size_t(block)].body);
     for (const int32_t node : facets_[size_t(facet)].node) visit(block, std::int64_t(bodies_.size()) + node);
   };
-  for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i)
-    side(f.point[i].a, f.point[i].facet_a), side(f.point[i].b, f.point[i].facet_b);
+  for (uint32_t i = chunk.first; i < chunk.first + chunk.count; ++i) {
+    const Point& p = f.point[i];
+    side(p.a, p.facet_a), side(p.b, p.facet_b);
+    if (p.on_gridpoints) visit(p.a, std::int64_t(bodies_.size() + node_x_.size()) + p.a);
+  }
 }
 
 void Model::numbers_of(std::int64_t key, std::vector<double*>& numbers) {
   const auto add = [&](double* first, int count) {
     for (int k = 0; k < count; ++k) numbers.push_back(first + k);
   };
+  if (size_t(key) >= bodies_.size() + node_x_.size()) {
+    for (Vector& row : frames_[size_t(key) - bodies_.size() - node_x_.size()].transposed_r.row) add(&row.x, 3);
+    return;
+  }
   if (size_t(key) >= bodies_.size()) return add(&node_x_[size_t(key) - bodies_.size()].x, 3);
   Body& body = bodies_[size_t(key)];
   add(&body.x.x, 3);

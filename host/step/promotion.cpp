@@ -177,7 +177,7 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
   for (std::size_t i = 0; i < f.place.size(); ++i) {
     const Vector r = f.place[i] - moved.centre;
     const Vector strained = r + (f.displacement[i] - moved.mean - cross(moved.turn, r));
-    Vector& x = m->node_positions()[order[i]];
+    Vector& x = m->change_node_positions()[order[i]];
     Vector& v = m->node_velocities()[order[i]];
     (*before)[order[i]] = f.displacement[i];
     x = moved.centre + moved.mean + turn * strained;

@@ -348,7 +348,7 @@ class Search {
       }
       const int first = m.block(b).first_node;
       for (std::size_t n = 0; n < u.gridpoint.size(); ++n) {
-        m.node_positions()[at(first) + n] += of(moved, u.gridpoint[n]);
+        m.change_node_positions()[at(first) + n] += of(moved, u.gridpoint[n]);
         m.node_velocities()[at(first) + n] = {};
       }
     }

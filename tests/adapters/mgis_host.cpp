@@ -1,5 +1,5 @@
-// A host in the manner of MGIS: reads the symbols of a behaviour library with dlsym, walks the paths and compares with
-// the law called directly. usage: mgis_host BEHAVIOUR_FILE LAW_FILE [time]
+// A host in the manner of MGIS. It reads the symbols of a behaviour library with dlsym, walks the paths and compares
+// with the law called directly. usage: mgis_host BEHAVIOUR_FILE LAW_FILE [time]
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -223,8 +223,8 @@ Point varied_point(const Library& library, std::size_t number) {
   return point;
 }
 
-// A field in which every point has its own values, more of them than get a material each: bit for bit the law with
-// these values, whoever comes before. What is refused or not finite says so.
+// A field in which every point has its own values, more than get a material each: bit for bit the law with these
+// values, in any order. What is refused or not finite says so.
 void check_varied_field(const Library& library, Integrate integrate, const quoin_law& law) {
   constexpr std::size_t count = 1500;  // PropertySets::kept is 1024
   const Leg leg = Leg::shear;

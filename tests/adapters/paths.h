@@ -1,5 +1,5 @@
-// The paths on which every adapter is compared with the law called directly: growing cycles of opening, of sliding
-// under pressure and of compression, far beyond the strengths of tests/mortar.h.
+// The paths on which every adapter is compared with the law called directly. Growing cycles of opening, of sliding
+// under pressure and of compression go far beyond the strengths of tests/mortar.h.
 #pragma once
 
 #include <array>

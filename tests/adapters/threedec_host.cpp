@@ -1,6 +1,6 @@
-// A host in the manner of 3DEC: loads the plug-in, makes a model for each contact point and calls it once a step with
-// forces and increments; compared with the law called directly. Runs on Linux and, under Wine, on Windows.
-// usage: threedec_host PLUGIN LAW_FILE [time | unserved]
+// A host in the manner of 3DEC. It loads the plug-in, makes a model for each contact point and calls it once a step
+// with forces and increments. Compared with the law called directly. Runs on Linux and, under Wine, on Windows. usage:
+// threedec_host PLUGIN LAW_FILE [time | unserved]
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -266,8 +266,8 @@ DVect3 turned(const DVect3& v, const DVect3& axis, double angle) {
 }
 
 // A contact whose plane leans over and spins by a milliradian a step, about an axis that is neither its normal nor in
-// its plane, while 3DEC turns the shear force along: in its own axes the law sees the path of a contact that stands.
-// With dilation, so that cyclic_joint climbs its seat, a vector of the plane, and comes down it again.
+// its plane. 3DEC turns the shear force along, and in its own axes the law has the path of a contact that stands. With
+// dilation, so that cyclic_joint climbs its seat, a vector of the plane, and comes down it again.
 void check_turning(const JointModel& prototype, const quoin_law& law) {
   const auto joint = [&] {
     Model model = mortar_joint(prototype);

@@ -123,7 +123,7 @@ TEST(Modes, RigidCubeOnAJoint) {
   }
 }
 
-// A mass of 900 kg half a metre over the middle of the cube, and so outside of it: the centre of mass rises, and sway,
+// A mass of 900 kg half a metre over the middle of the cube, and so outside of it. The centre of mass rises; sway,
 // rocking, twisting and bounce are those of the whole, with Steiner's theorem. Spread over the cube it is density.
 TEST(Modes, ACubeThatCarriesAMass) {
   const double kn = 1e9, ks = 4e8, own = 1800.0, added = 900.0, m = own + added;
@@ -294,7 +294,7 @@ TEST(Modes, SolidWallIsTimoshenkosBeam) {
   EXPECT_NEAR(in_plane->frequency, expected, 0.02 * expected);
 }
 
-// Every eigenvalue of the same matrices by a full solver: the sparse one misses none, and is exact to rounding of the
+// Every eigenvalue of the same matrices by a full solver. The sparse one misses none, and is exact to rounding of the
 // highest frequency, 1e-16 of its square. A plate with equal sides has equal frequencies.
 TEST(Modes, SparseSolverAgreesWithAFullOne) {
   std::string text = std::string(kMaterials) + "[[joint_rule]]\nfamily = \"bond\"\n";

@@ -139,8 +139,8 @@ TEST_F(Again, ClocksThatJumpChangeNothing) {
   EXPECT_EQ(history(out() + "-again"), history(out()));
 }
 
-// A folder that is removed under a run costs the results and nothing else, and no more time than to the next
-// checkpoint: this run would take minutes.
+// A folder that is removed under a run costs the results and nothing else. It costs no more time than to the next
+// checkpoint; this run would take minutes.
 TEST_F(Again, FoldersThatVanishAreTold) {
   const pid_t child = start({QUOIN_PROGRAM, "run", scene_, "--out", out(), "--threads", "1", "--checkpoint-every",
                              "0.01", "--set", "output.plots=false", "--set", "stage.shear.velocity=1e-6"},

@@ -341,7 +341,7 @@ TEST_F(Cli, CheckCountsAWallAndAnArch) {
   EXPECT_THAT(out_, HasSubstr("blocks 9  zones 0  contact points 32  mass "));
   EXPECT_NEAR(number("contact points 32  mass "), 9 * 2000 * 15 * std::sin(M_PI / 8), 50);
   EXPECT_THAT(out_,
-              HasSubstr("9 rigid, 0 alike by one stiffness a shape, 0 in a frame of their own, 0 zone by zone\n"));
+              HasSubstr("9 rigid, 0 congruent by one stiffness a shape, 0 in a frame of their own, 0 zone by zone\n"));
   const double step = number("\ntime step ");
   EXPECT_NEAR(number("of 2/omega_max ("), step / number(fmt::format("time step {:.4g} s, ", step)), 0.02 * step);
   EXPECT_NEAR(number("until 1 s, about "), 1.0 / step, 2e-4 / step);
@@ -426,7 +426,7 @@ TEST_F(Cli, RunWritesEveryResult) {
   EXPECT_EQ(vtk, 0) << out_ << error_;
 }
 
-// Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp; mass
+// Ten metres a second carries a third more force than the wall has strength, and the stage ends inside its ramp. Mass
 // scaled by 1e9 gives steps of half a second, which pass the displacement asked for. Neither says what a wall bears.
 TEST_F(Cli, RunsThatAreNotSlowEnoughAreNotVouchedFor) {
   const std::string wall = QUOIN_SCENES "/solid_wall_030.toml";

@@ -1,5 +1,5 @@
 // Under fire: files that never end, disks that are full, signals, laws that crash. Whatever happens, the program ends
-// in time, with a documented exit code and a message that says where and what to do, and keeps what was computed.
+// in time and keeps what was computed. It has a documented exit code and a message that says where and what to do.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>

@@ -125,8 +125,8 @@ TEST_F(GroundMotion, ASlidingBlockIsLeftBehindAsFarAsNewmarkSays) {
   EXPECT_NEAR(summary()["settings"]["stages"][1]["ground_motion"]["end_velocity_m_per_s"], kVelocity, 1e-12);
 }
 
-// A record that leaves the ground moving: it goes on in a stage without a ramp, and comes to rest over a ramp, on the
-// mean of smooth_step half as far as at its velocity.
+// A record that leaves the ground moving. The ground goes on in a stage without a ramp. Over a ramp it comes to rest,
+// half as far as at its velocity (the mean of smooth_step).
 TEST_F(GroundMotion, WhatARecordLeavesGoesOnOrComesToRest) {
   const std::string after = "[[stage]]\nname = \"after\"\nduration = 0.3\n";
   ASSERT_EQ(run(kShake + after, "ground"), 0) << error_;
@@ -202,8 +202,8 @@ TEST_F(GroundMotion, AModeIsAmplifiedAsTheoryHasIt) {
   }
 }
 
-// Local damping and mass damping brake what slides or rocks on the ground: warned of on the screen, in the summary and
-// by check, where the stage asks for them. What [solver] alone writes is refused.
+// Local damping and mass damping brake what slides or rocks on the ground. A stage that asks for them is warned of on
+// the screen, in the summary and by check. What [solver] alone writes is refused.
 TEST_F(GroundMotion, DampingThatFalsifiesMotionIsToldOf) {
   const std::string shake = kShake;
   for (const char* solver : {"damping = \"local\"", "damping = \"viscous\", mass_damping = 1.0"}) {
@@ -238,9 +238,9 @@ TEST_F(GroundMotion, TheDefaultIsRightForASlidingBlock) {
   EXPECT_EQ(summary()["settings"]["stages"][0]["damping"], "local");
 }
 
-// Mass damping brakes motion on the ground, not in space: with alpha what slides is behind by less, and never is the
-// block braked that moves with the ground. In space it was 0.65 m in place of 0.27 m. Sliding under friction and
-// viscosity: v' = A - mu g - alpha v until T, then -mu g - alpha v.
+// Mass damping brakes motion on the ground, not in space. With alpha what slides is behind by less; a block that moves
+// with the ground is never braked. In space it was 0.65 m in place of 0.27 m. Sliding under friction and viscosity: v'
+// = A - mu g - alpha v until T, then -mu g - alpha v.
 TEST_F(GroundMotion, MassDampingActsOnTheMotionOnTheGround) {
   constexpr double kAlpha = 1.0, kFriction = 0.3 * kGravity;
   ASSERT_EQ(
@@ -257,9 +257,9 @@ TEST_F(GroundMotion, MassDampingActsOnTheMotionOnTheGround) {
 }
 
 // Housner: a block of 1 x 3 m let go at half of alpha on a ground that stands still in a stage that could move it. With
-// the default damping each landing keeps r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy: that
-// is the height of the centre of mass over its place at rest. 0.005: what landings on springs of 1e9 Pa/m take
-// (measured 0.1 to 0.4 % in REFERENCE_DYNAMICS).
+// the default damping each landing keeps r = 1 - 1.5 sin^2(alpha) = 0.850 of the velocity, so r^2 of the energy, the
+// height of the centre of mass over its place at rest. 0.005: what landings on springs of 1e9 Pa/m take (measured 0.1
+// to 0.4 % in REFERENCE_DYNAMICS).
 class Rocking : public GroundMotion {
  protected:
   // A block 1 m wide, let go at half of alpha: how high its centre comes over its place at rest, at the start and
@@ -326,8 +326,8 @@ TEST_F(Rocking, TheDefaultIsRightForABlockOfOneByThree) {
 }
 
 // r = 1 - 1.5 sin^2(alpha) at five slendernesses, that of 3 above: one share of critical serves all of them within
-// 0.005. Not that of 2, which keeps 0.711 in place of 0.700: its landing edge gives way along
-// the joint, and with ks = 10 kn it keeps 0.700 (host/scenes/BLOCKS.md).
+// 0.005. Not that of 2, which keeps 0.711 in place of 0.700, as its landing edge gives way along the joint. With ks =
+// 10 kn it keeps 0.700 (host/scenes/BLOCKS.md).
 TEST_F(Rocking, TheDefaultIsRightAtFiveSlendernesses) {
   for (const double height : {2.5, 4.0, 5.0, 6.0}) {
     const double expected = 1.0 - 1.5 / (1.0 + height * height);

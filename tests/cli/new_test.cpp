@@ -27,6 +27,22 @@ TEST_F(New, ScenesThatItWritesRun) {
   }
 }
 
+// A facade that is made longer than its ground: one that still stands on it is not spoken of.
+TEST_F(New, AGroundThatIsTooShortIsWarnedOf) {
+  const std::string scene = file("facade.toml");
+  ASSERT_EQ(quoin({"new", "facade", scene}), 0) << error_;
+  std::string text = read_all(scene);
+  for (const auto& [units, warned] : {std::pair<std::string, bool>{"10", false}, {"13", true}}) {
+    const std::size_t at = text.find("units_per_course = ");
+    std::ofstream(scene) << text.substr(0, at) + "units_per_course = " + units + text.substr(text.find('\n', at));
+    ASSERT_EQ(quoin({"check", scene}), 0) << error_;
+    // The ground ends at 5.9 m: units of 0.6 m from 0 on, of which those from 6.0 m on hang.
+    EXPECT_EQ(out_.find("stand on no fixed block: #") != std::string::npos, warned) << out_;
+    if (!warned) continue;
+    EXPECT_THAT(out_, HasSubstr("warning: 3 blocks of the lowest course stand on no fixed block"));
+  }
+}
+
 TEST_F(New, ALawThatItWritesIsBuiltByTheCommandAtItsHead) {
   const std::string law = file("my_law.c"), library = file("my_law.so");
   ASSERT_EQ(quoin({"new", "law", law}), 0) << error_;

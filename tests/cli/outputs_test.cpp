@@ -330,8 +330,8 @@ plots = false
   EXPECT_NEAR(sum[2], 0.0, 1e-4 * weight);
 }
 
-// A wall under its weight and a push of the top beam, then at rest: what the joints of a block carry is its weight, and
-// turns it about no axis.
+// A wall under its weight and a push of the top beam, then at rest. The joints of a block carry its weight, and turn it
+// about no axis.
 TEST_F(Outputs, ForcesOnABlockFormedFromTheJointsFileBalanceItsWeight) {
   std::string text = read_all(small_);
   text = text.substr(0, text.find("[[stage]]")) + R"([[stage]]
@@ -410,7 +410,7 @@ plots = false
     }
     largest = std::max(largest, std::hypot(force[0], force[1], force[2]));
   }
-  // Tolerance: rounding to 24 bits of some tens of forces up to the largest (6e-8 each), and the residual at rest, 1e-7
+  // Tolerance: rounding to 24 bits of some tens of forces up to the largest (6e-8 each). And the residual at rest, 1e-7
   // of the mean contact force at each of tens of gridpoints.
   const double tolerance = 1e-5 * largest;
   for (const auto& [which, load] : loads) {

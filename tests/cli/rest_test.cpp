@@ -22,8 +22,8 @@ class Rest : public Cli {
   }
 };
 
-// A rigid cube of 1 m and 1800 kg on a dry bed, pushed at its centre by 0.6 of its weight: the resultant is 0.3 m off
-// the middle, and the bed is closed over 3 (0.5 - 0.3) m: by its last point, 10 mm more.
+// A rigid cube of 1 m and 1800 kg on a dry bed, pushed at its centre by 0.6 of its weight. The resultant is 0.3 m off
+// the middle, and the bed is closed over 3 (0.5 - 0.3) m; by its last point, 10 mm more.
 constexpr const char* kCube = R"(
 [materials.stone]
 density = 1800.0
@@ -81,7 +81,7 @@ TEST_F(Rest, OpenJointsHaveNoStiffness) {
   }
 }
 
-// Stiff in shear the cube rocks about the middle of its foot: its weight on half of its height takes its share of the
+// Stiff in shear the cube rocks about the middle of its foot. Its weight on half of its height takes its share of the
 // rocking stiffness 1e7/12.
 TEST_F(Rest, WeightTakesFromTheStiffnessOfRocking) {
   const std::string scene = write(kCube);

@@ -1,5 +1,5 @@
-// Runs that are killed and go on: the same results, byte for byte, as those of a run that was left alone; and what may
-// not go on is refused with the reason.
+// Runs that are killed and go on have the same results, byte for byte, as a run that was left alone. What may not go on
+// is refused with the reason.
 #include <gmock/gmock.h>
 
 #include <chrono>

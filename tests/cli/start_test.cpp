@@ -1,5 +1,5 @@
-// Runs that begin where others have ended: the bits of one run through all stages, also killed in between and repeated;
-// and what may not begin there is refused with the reason.
+// Runs that begin where others have ended have the bits of one run through all stages, also killed in between and
+// repeated. What may not begin there is refused with the reason.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -64,8 +64,8 @@ TEST_F(Start, GoesOnWithTheBitsOfOneRun) {
   EXPECT_THAT(out_, HasSubstr("the bits agree"));
 }
 
-// A beam that moves where the first run ends moves on: the third stage begins at its velocity,
-// on the lattice as in the general kernels.
+// A beam that moves where the first run ends moves on. The third stage begins at its velocity, on the lattice as in the
+// general kernels.
 TEST_F(Start, AMovingBeamMovesOn) {
   const std::string on =
       "[[stage]]\nname = \"on\"\nkind = \"shear\"\nvelocity = 0.03\nramp_time = 0.01\ndisplacement = 0.0003\n";

@@ -1,5 +1,5 @@
 // All that commands write, held against texts that people have read (approved/): help, checks of the shipped scenes,
-// and short runs with their words, histories, summaries, scripts of pictures and arrays of frames. Tests of single
+// and short runs. Of these words, histories, summaries, scripts of pictures and arrays of frames. Tests of single
 // numbers stand elsewhere; this one sees what lies between them. Runs stay below the cracking of most joints, so that a
 // rounding stays one: the texts are those of AVX-512, and of AVX2 to 1e-5.
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Local damping goes by the sign of velocities that are nothing but rounding at rest: kernels without fused
+// Local damping goes by the sign of velocities that are nothing but rounding at rest. Kernels without fused
 // multiply-add come to another such rest, 2e-5 of displacements and 1 % of what is left unbalanced away.
 bool fuses_here() {
 #ifdef __x86_64__

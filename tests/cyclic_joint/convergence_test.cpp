@@ -32,7 +32,7 @@ struct Course {
 };
 
 // All points along their paths. Where the faces ride up their seat while the joint opens, what presses them together
-// passes through a least closure: an increment that opens by more than that finds no contact at the uplift before it.
+// passes through a least closure. An increment that opens by more than that finds no contact at the uplift before it.
 Course drive(const quoin_law& law, Path path, int increments) {
   LawPoints points(law, joint(), kPoints, false);
   auto& b = points.batch;

@@ -26,8 +26,8 @@ double test_scale();
 
 // Table 1 of the paper with the page's starting values.
 Joint mortar();
-// Any joint that the page does not refuse, energies from margin times their bounds; stiffnesses, strengths and lengths
-// from 1/spread to spread times what masonry has.
+// Any joint that the page does not refuse. Energies are at least margin times their bounds; stiffnesses, strengths and
+// lengths are 1/spread to spread times those of masonry.
 Joint random_joint(Random& random, double margin, double spread = 1.0);
 bool admissible(const Joint& joint);
 

@@ -1,5 +1,5 @@
-// Neutral values give fracture_energy, through the two loaded libraries: every path of that law's library, as far as
-// the page says that the two agree (contact_models/cyclic_joint/LAW.md, "Neutral values").
+// Neutral values give fracture_energy, through the two loaded libraries. Every path of that law's library is taken, as
+// far as the two agree (contact_models/cyclic_joint/LAW.md, "Neutral values").
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// The update of contact_models/cyclic_joint/LAW.md ("ORDER of the update", "Energies") read once more, for tests only:
-// one point, long double, every root by bisection, no closed form, no code shared with contact_models.
+// The update of contact_models/cyclic_joint/LAW.md ("ORDER of the update", "Energies") read once more, for tests only.
+// One point, long double, every root by bisection, no closed form, no code shared with contact_models.
 #pragma once
 
 #include <array>

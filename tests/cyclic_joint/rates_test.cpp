@@ -19,8 +19,8 @@ struct Jump {
 };
 using Path = std::vector<Jump>;  // corners; straight lines between them
 
-// Opening, closing and sliding to and fro, deeper from corner to corner, in pairs that share a normal jump, so that the
-// joint slips under a held one too.
+// Opening, closing and sliding to and fro, deeper from corner to corner. Pairs share a normal jump, so that the joint
+// slips under a held one too.
 Path mixed_path(const Joint& joint, Random& random) {
   const Reach reach = reach_of(joint);
   Path path;
@@ -84,10 +84,10 @@ Gap compare(const quoin_law& law, const Joint& joint, bool dry, const Path& path
   return gap;
 }
 
-// Both are of first order, the law in its increments and the reference in its pieces, and the pieces are eight times
-// as many: with eight times as many of both, what is between them falls by eight. Half of all paths do that at once. A
-// path may soften within an increment (strength lost at once, to the law), or just meet a kink between two, and takes
-// more increments: its gap falls by three at least, or is small already. A law that went elsewhere would keep its gap.
+// Both are of first order, the law in its increments and the reference in its pieces, which are eight times as many.
+// With eight times as many of both, the difference falls by eight. Half of all paths do that at once. A path may soften
+// within an increment (strength lost at once, to the law), or just meet a kink between two. It takes more increments:
+// its gap falls by three at least, or is small already. A law that went elsewhere would keep its gap.
 TEST(Rates, MixedCyclicPathsConvergeToTheRateEquations) {
   const quoin_law& law = quoin::test::load_law("cyclic_joint");
   const int paths = static_cast<int>(24 * test_scale());

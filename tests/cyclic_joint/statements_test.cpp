@@ -241,8 +241,8 @@ TEST(Statement4, ALongSlipUnderTheCapEndsOnBothSurfaces) {
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(l)), 1e-9 * real(j.fc));
 }
 
-// A traction a million times beyond the cap comes back onto it: there the first guess of the crushing may leave the
-// point as deep inside as it was outside. A step of law_stress.
+// A traction a million times beyond the cap comes back onto it. The first guess of the crushing may leave the point
+// there as deep inside as it was outside. A step of law_stress.
 TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
   Joint j;
   j.kn = 5.835e13, j.ks = 3.377e13, j.c0 = 90.67, j.phi0 = j.phir = 29.68, j.psi0 = 20.2;
@@ -262,8 +262,8 @@ TEST(Statement4, ATrialFarBeyondTheCapEndsOnBothSurfaces) {
   EXPECT_NEAR(std::hypot(sigma, std::sqrt(real(j.Cs)) * tau), real(j.F(b.in[6 + kL][0])), 1e-11 * real(j.kn));
 }
 
-// A joint that is crushed to nothing and just closed slides over the middle of its seat and up the other side: not a
-// number at the first guess of the crushing, where neither pressure nor strength is left. Steps of law_stress.
+// A joint that is crushed to nothing and just closed slides over the middle of its seat and up the other side. The
+// first guess of the crushing is not a number where neither pressure nor strength is left. Steps of law_stress.
 TEST(Statement4, AJointCrushedToNothingSlidesUpTheOtherSideOfItsSeat) {
   Joint j;
   j.kn = 68719476736, j.ks = 7e10, j.phi0 = 35, j.phir = 30, j.psi0 = 4, j.fc = 1e6, j.fcr = 0, j.Gc = 1000;
@@ -332,8 +332,8 @@ TEST(StiffnessBounds, NoSlopeOfRandomStepsIsBeyond) {
   EXPECT_GT(most_open, 1.2);
   EXPECT_GT(most_closed, 1.2);
 }
-// The bond of a joint that stands just below ft falls to nearly nothing in one slip: there the slope of open joints
-// comes up to its bound, and the formula of the page gives it.
+// The bond of a joint that stands just below ft falls to nearly nothing in one slip. The slope of open joints comes up
+// to its bound there, and the formula of the page gives it.
 TEST(StiffnessBounds, SlipOfAnOpenJointReachesItsBound) {
   Joint j = plain(Shape::linear);
   j.phi0 = j.phir = 45;  // z = 2/3, k = 2/(1 - 1/9 c0/(ks su))

@@ -60,7 +60,7 @@ double peak_of(const std::vector<HistoryRow>& rows) {
   return peak;
 }
 
-// Columns of one value compute what the material of that value does, to rounding (C6.9): on the lattice, with the
+// Columns of one value compute what the material of that value does, to rounding (C6.9). On the lattice, with the
 // kernels of blocks of any shape, and through a promotion in mid-run.
 TEST(Columns, OfOneValueComputeWhatTheMaterialDoes) {
   const std::vector<std::pair<const char*, Settings>> ways{
@@ -230,8 +230,8 @@ TEST(Columns, JointAveragesScatterAsGivenAndNeighboursGoTogether) {
   EXPECT_NEAR(products / pairs / (squares / n), expected / pairs, 0.03 + 5 / std::sqrt(independent));
 }
 
-// Along a row of places z(k) = r z(k-1) + sqrt(1 - r^2) f(k) with r = exp(-d/length): f are the values that the same
-// sample has without correlation, and d is the distance of the places to the 10 um that they are rounded to.
+// Along a row of places z(k) = r z(k-1) + sqrt(1 - r^2) f(k) with r = exp(-d/length). f are the values that the same
+// sample has without correlation. d is the distance of the places, which are rounded to 10 um.
 TEST(Columns, NeighboursFollowEachOtherByTheirDistance) {
   const Assembly assembly = assemble(read_scene(kSmall));
   constexpr double kLength = 0.1, kMean = 0.2e6, kScatter = 0.02e6;
@@ -282,7 +282,7 @@ TEST(Columns, StiffnessThatScattersIsNoFaultOfTheLaw) {
 }
 
 // What a table says was drawn: the mean over the joints by area, the least of all points. Points at the rim of a joint
-// stand for a quarter of the area of those inside it, so that the plain mean of their values is another one.
+// stand for a quarter of the area of those inside it. The plain mean of their values is therefore another one.
 TEST(Columns, MeansOfWhatWasDrawnAreByArea) {
   const Settings drawn_strength = strength("distribution=\"lognormal\",cov=0.5,level=\"point\"");
   for (const char* kernels : {"solver.kernels=automatic", "solver.kernels=general"}) {

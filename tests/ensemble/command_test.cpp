@@ -394,7 +394,7 @@ TEST_F(Ensemble, CtrlCKeepsWhatIsFinished) {
   EXPECT_GE(lines_of(table("a")).size(), 3u);
 }
 
-// A scene, its law and its study are read once: edited while samples are under way, and before other processes come to
+// A scene, its law and its study are read once. Edited while samples are under way, and before other processes come to
 // help, they change nothing. In place, as editors and compilers do it.
 TEST_F(Ensemble, ReadsAllThatItIsComputedFromOnce) {
   const std::string scene = read_all(small_), law = read_all(QUOIN_LAWS "/fracture_energy.so");
@@ -549,8 +549,8 @@ TEST_F(Ensemble, FragilitiesOfNoColumnAreRefusedBeforeTheWork) {
   }
 }
 
-// What Slurm's programs are asked and what is made of their answers: stand-ins that start the workers here, as
-// slurm_test.py has Slurm do where it is installed.
+// Calls of Slurm's programs, and their answers. Stand-ins start the workers here, as slurm_test.py has Slurm do where
+// it is installed.
 TEST_F(Ensemble, AsksSlurmForWorkersAndWaitsForThem) {
   const auto stand_in = [&](const char* name, const std::string& text) {
     std::ofstream(folder_ / name) << "#!/bin/sh\nfolder=" << folder_.string() << "\n" << text;

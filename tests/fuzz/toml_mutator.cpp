@@ -1,5 +1,5 @@
-// TOML stays TOML: values, keys and tables are changed, taken out, repeated and moved, so that what is mutated reaches
-// those who ask what it means. Every third input is changed byte by byte all the same.
+// TOML stays TOML: values, keys and tables are changed, taken out, repeated and moved. What is mutated then reaches the
+// readers of its meaning. Every third input is changed byte by byte all the same.
 #include <cmath>
 #include <cstring>
 #include <limits>

@@ -58,7 +58,7 @@ TEST(Separation, CrossingEdges) {
   EXPECT_NEAR(norm(q - Vector{0, gap, 0}), 0.0, 1e-12);
 }
 
-// Units that lie on each other, turned by some thousandths and bent by some hundredths of a millimetre: the distance is
+// Units that lie on each other, turned by some thousandths and bent by some hundredths of a millimetre. The distance is
 // never more than that of their corners along the axis. (Rims that are almost parallel gave 0.13 mm where it was 0.08.)
 TEST(Separation, BentUnitsAreNoFurtherApartThanTheirCorners) {
   std::mt19937 random(7);

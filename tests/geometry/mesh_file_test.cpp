@@ -226,8 +226,7 @@ TEST_F(BadMeshFile, AllThatIsRefusedIsNamed) {
               HasSubstr("2 of the file's 3 blocks are refused: L, post"));
 }
 
-// A support that is drawn as a flat face is a plate of a tenth of its extent behind it, away from what stands before
-// it.
+// A support drawn as a flat face is a plate behind it, a tenth of its extent thick, away from what stands before it.
 TEST_F(BadMeshFile, SupportsDrawnAsOneFaceArePlates) {
   const std::string floor = "o floor\nv -1 0 -1\nv 3 0 -1\nv 3 0 1\nv -1 0 1\n", face = "f -4 -3 -2 -1\n";
   for (const std::string& way_round : {face, std::string("f -1 -2 -3 -4\n")}) {

@@ -237,7 +237,7 @@ TEST(Polyhedron, BadShapesAreRefusedWithNameAndPlace) {
   EXPECT_NE(text.find("block L: is not convex: vertex"), std::string::npos) << text;
 }
 
-// A box whose top has a shallow valley: each far edge stands in front of the other half of the top by about twice the
+// A box whose top has a shallow valley. Each far edge stands in front of the other half of the top by about twice the
 // valley's depth. A millionth of the size is what files round by, on either side; more is a shape.
 TEST(Polyhedron, ValleysDeeperThanRoundingAreNotConvex) {
   const auto with_valley = [](double front) {
@@ -342,8 +342,8 @@ TEST(Zoning, FinerZonesAreNoFlatterThanShortEdgesMakeThem) {
   EXPECT_GT(fine, 0.75 * coarse);
 }
 
-// Neighbours that are zoned each by itself share gridpoints and triangles on the face between them: the two halves of a
-// prism, cut by a slanted plane.
+// Neighbours that are zoned each by itself share gridpoints and triangles on the face between them. Here two halves of
+// a prism, cut by a slanted plane.
 TEST(Zoning, NeighboursShareTheTrianglesOfTheirFace) {
   std::vector<Vector> lower, upper;
   for (int k = 0; k < 7; ++k) {
@@ -372,8 +372,8 @@ TEST(Zoning, NeighboursShareTheTrianglesOfTheirFace) {
   EXPECT_EQ(of_lower, triangles(upper));
 }
 
-// The patch test: under a uniform stress the zones around an inner gridpoint hold it in balance, and those at the
-// surface pull by a third of the traction on each triangle, to rounding.
+// The patch test: under a uniform stress the zones around an inner gridpoint hold it in balance. Those at the surface
+// pull by a third of the traction on each triangle, to rounding.
 TEST(Zoning, UniformStressIsInBalance) {
   const Matrix stress{{{2.0, -0.3, 0.5}, {-0.3, 1.0, 0.7}, {0.5, 0.7, -1.5}}};
   for (const double edge : {0.5, 0.12, 0.05}) {

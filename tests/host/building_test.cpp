@@ -161,8 +161,8 @@ TEST(Building, TheWhiffletreeIsASpringWithinTheTimeStep) {
   }
 }
 
-// A force on a free deformable block is shared by mass: the block accelerates by F/m, deforms not at all, and the work
-// is F^2 t^2/(2 m).
+// A force on a free deformable block is shared by mass. The block accelerates by F/m and deforms not at all, and the
+// work is F^2 t^2/(2 m).
 TEST(Building, ALoadOnADeformableBlockMovesIt) {
   for (const double deformation_inertia : {1.0, 64.0}) {
     Scene scene = bare_scene(0.6);
@@ -295,7 +295,7 @@ TEST(Building, LintelsMayEndAtCorners) {
 // Eq. 1 makes the springs of what moves one way throughout uneven: (1 - gamma) k where they push it ahead, (1 + gamma)
 // k where they hold it back. Near four steps a period, from omega dt/2 = 1/sqrt(2) to 1/sqrt(2 (1 - gamma^2)), uneven
 // springs feed drift into vibration until that is as fast as the drift and brakes it. Beams that were halves of units
-// vibrated there against the other halves, along the drift and without viscosity: what remained of a blow did not die.
+// vibrated there against the other halves, along the drift and without viscosity. What remained of a blow did not die.
 TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   Scene scene = small_building(12);
   scene.building->zones = {2, 2, 2};
@@ -332,7 +332,7 @@ TEST(Building, BeamsThatDriftComeToRestAfterABlow) {
   EXPECT_LT(change, 0.3 * drift);
 }
 
-// Vertical force at the ground less the weight, on average while the roof goes from 1 to 2 mm, N: the wall rises as it
+// Vertical force at the ground less the weight, on average while the roof goes from 1 to 2 mm, N. The wall rises as it
 // cracks, and what brakes it presses on the ground. Nothing else does on average: inertia of 15 t that moves by
 // micrometres in 0.05 s is newtons.
 double brake_on_the_door_wall(const std::vector<std::string>& overrides) {

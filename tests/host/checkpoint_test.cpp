@@ -21,8 +21,8 @@ struct Saved {
   long step;
 };
 
-// Saves at moments 1, 2, 3, 5, 8, ... of those offered and some further on, at the first and the last of each stage,
-// and at the first few after contacts were detected again.
+// Saves at moments 1, 2, 3, 5, 8, ... of those offered and some further on. Also at the first and the last of each
+// stage, and at the first few after contacts were detected again.
 struct Saver : Observer {
   std::vector<HistoryRow> rows;
   std::vector<Saved> saved;
@@ -179,8 +179,8 @@ TEST(Checkpoint, CollapseOfAnArchGoesOnBitForBit) {
             3);
 }
 
-// Rigid and deformable blocks that are thrown, pushed, pressed and shaken, with loads that fade from stage to stage, a
-// support let go, a step that changes with the contacts, and viscous damping.
+// Rigid and deformable blocks that are thrown, pushed, pressed and shaken, with viscous damping. Loads fade from stage
+// to stage, a support is let go, and the step changes with the contacts.
 TEST(Checkpoint, FallingDryWallGoesOnBitForBit) {
   const std::string path = ::testing::TempDir() + "falling_wall.toml";
   std::ofstream(path) << R"(

@@ -39,8 +39,8 @@ struct Rows : Observer {
   void on_promotion(const Simulation&) override { ++promotions; }
 };
 
-// Every step's displacement is that of the closed form, so that amplitudes are reached to 1e-9 m between two steps; and
-// the velocity changes by no more than the steepest smooth step has, 15/8 v/r.
+// Every step's displacement is that of the closed form, so that amplitudes are reached to 1e-9 m between two steps. The
+// velocity changes by no more than the steepest smooth step has, 15/8 v/r.
 void expect_closed_form(const std::vector<HistoryRow>& rows, const Stage& stage, double start) {
   const CyclicMotion motion(*stage.cycles);
   double largest = 0.0, least = 0.0, before = 0.0;

@@ -1,5 +1,5 @@
-// Damage before the first stage, against what the law says in closed form: strengths left, openings that close without
-// force, cracks that part a wall; supports that settle, units that are missing; runs that begin where others end.
+// Damage before the first stage, against the law in closed form: strengths left, openings that close without force,
+// cracks that part a wall. Also supports that settle, units that are missing, and runs that begin where others end.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -204,7 +204,7 @@ TEST(Damage, WhatCannotBeIsRefusedWithItsPlaceAndReason) {
   EXPECT_THAT(fault_of("[[damage]]\nalong = \"z\"\n"), HasSubstr("only with a crack"));
 }
 
-// One part of the support goes down by 0.02 mm under a wall that keeps its load: it carries less than before, and both
+// One part of the support goes down by 0.02 mm under a wall that keeps its load. It carries less than before, and both
 // together the same (equilibrium).
 TEST(Damage, SupportThatSettlesCarriesLess) {
   const std::string stages =

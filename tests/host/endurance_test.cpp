@@ -76,7 +76,7 @@ TEST(Endurance, JointsThatAllDifferAreStableJustBelowTheLimit) {
   }
 }
 
-// A wall under its weight whose bottom beam is let go at once: nothing holds it, so its momentum is M g t whatever
+// A wall under its weight whose bottom beam is let go at once. Nothing holds it, so its momentum is M g t whatever
 // vibrates or breaks inside, and the energies still balance.
 TEST(Endurance, AWallWhoseSupportGoesAwayFalls) {
   Scene scene = wall_scene(3, 2);

@@ -99,9 +99,9 @@ ground_motion = { direction = [2, -3, 6], time = [0, 0.07, 0.1, 0.18, 0.23], acc
 INSTANTIATE_TEST_SUITE_P(Grounds, MovingGround, ::testing::Values("", "rigid = false\ndivisions = [2, 1, 2]"),
                          [](const auto& of) { return std::string(*of.param ? "Zones" : "Rigid"); });
 
-// Ground that begins to rise with constant acceleration a under a mass on a spring: seen from the ground the mass has
-// the weight m a, and swings about m a/k by -(a/w^2) (1 - cos w t). Steps of a hundredth of a period are off by
-// (w dt)^2/24 of w, 2e-4 of three periods. The ground pays for it: energies balance.
+// Ground that begins to rise with constant acceleration a under a mass on a spring. Seen from the ground the mass has
+// the weight m a, and swings about m a/k by -(a/w^2) (1 - cos w t). Steps of a hundredth of a period are off by (w
+// dt)^2/24 of w, 2e-4 of three periods. The ground pays for it: energies balance.
 TEST(GroundMotion, AMassOnASpringLagsBehindByItsInertia) {
   const Scene moving = read_scene_text(scene("", R"(
 [[stage]]
@@ -130,7 +130,7 @@ energy = true
   EXPECT_NEAR(e.balance_error(), 0.0, 1e-3 * e.external);
 }
 
-// Damping of impacts has a state, the tractions of the step before and its share in use: a run that is left in the
+// Damping of impacts has a state, the tractions of the step before and its share in use. A run that is left in the
 // middle of a pulse goes on to the same bits.
 TEST(GroundMotion, DampingOfImpactsGoesOnWhereItWasLeft) {
   const Scene shaken = read_scene(

@@ -1,5 +1,5 @@
-// Which kernels move a scene: blocks of any shape that are bricks of the lattice are recognised, and are then the
-// bricks, joints and bits of the walls that say so themselves; what does not fit is named.
+// Which kernels move a scene. Blocks of any shape that are bricks of the lattice are recognised, and have the bricks,
+// joints and bits of the walls given as such. What does not fit is named.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -433,7 +433,7 @@ TEST(KernelsChoice, StagesOfBlocksBecomeControlsOfBodies) {
 }
 
 // The same press on both kinds of kernels. A stone of 1 x 0.5 x 1 m of 2000 kg/m3 and a soft one on an elastic joint of
-// 1e9 Pa/m: weights alone, 2 x 9.81 kN, are carried by the ground.
+// 1e9 Pa/m. The ground carries weights alone, 2 x 9.81 kN.
 TEST(KernelsChoice, BothKernelsCarryTheWeight) {
   for (const char* kernels : {"lattice", "general"}) {
     const Scene scene =

@@ -60,8 +60,8 @@ TEST(LargeMotion, SlidingIsOverTheLengthOfTheJoint) {
   joints.look(motion, &turned);
   EXPECT_NEAR(turned.sliding, 0.0, 1e-15);
   EXPECT_NEAR(turned.rotation, 0.02, 1e-15);
-  // Joints across every axis: blocks that turn about the next axis but one, by 0.01 below and 0.03 above, move their
-  // faces along the next one, by that times half of their size, and against each other.
+  // Joints across every axis. Blocks turn about the next axis but one, by 0.01 below and 0.03 above. Their faces move
+  // against each other along the next axis, by that times half of their size.
   const Vec3 size{0.2, 0.1, 0.05};
   for (std::size_t normal = 0; normal < 3; ++normal) {
     std::array<int, 3> count{1, 1, 1};
@@ -131,8 +131,8 @@ TEST(LargeMotion, BricksBecomeBlocksWithTheSameContactPoints) {
 
 const std::vector<std::string> kHalves = {"wall.mid_unit_joints=true", "wall.unit_joint=mortar"};
 
-// Scaled inertia and damping by block as on the lattice, whose mass matrix is tested against a dense one: the same
-// frequency to what Lanczos leaves (1e-6 of its square), and so the same step.
+// Scaled inertia and damping by block as on the lattice, whose mass matrix is tested against a dense one. The frequency
+// is the same to what Lanczos leaves (1e-6 of its square), and so is the step.
 TEST(LargeMotion, TimeStepIsThatOfTheLattice) {
   for (const bool halves : {false, true}) {
     const auto more = halves ? kHalves : std::vector<std::string>{};
@@ -145,7 +145,7 @@ TEST(LargeMotion, TimeStepIsThatOfTheLattice) {
   }
 }
 
-// Turning of a part of a millimetre over the wall's height: both are the same wall up to what small displacements leave
+// Turning of a part of a millimetre over the wall's height. Both are the same wall up to what small displacements leave
 // out. 0.5 mm over 125 mm is a drift of 0.004, of which the peak takes about a fifth. So 0.5 % at the peak, and 1 % of
 // it along the curve, where cracks may run a step sooner or later.
 void expect_same_curve(const std::vector<std::string>& more, bool by_block) {

@@ -58,7 +58,7 @@ TEST(Lintel, CountsOfPoints) {
 }
 
 // Under a uniform vertical pressure a lintel of the units' material among half units strains as they do, and the joints
-// close by pressure over stiffness: nothing of it may be out of balance.
+// close by pressure over stiffness. Nothing of it may be out of balance.
 TEST(Lintel, PatchTestAcrossALintel) {
   for (const std::array<int, 3>& zones : {std::array{4, 2, 2}, std::array{3, 1, 1}}) {
     Assembly assembly;
@@ -147,8 +147,8 @@ TEST(Lintel, MassAndMomentsOfInertia) {
   }
 }
 
-// Deflection of the end of a cantilever: P L^3/(3 E I) + 6 P L/(5 G A). Tetrahedra of constant strain lock: the error
-// falls like h^2, and is that of a lintel of two hexahedra over its height where the mesh is not refined.
+// Deflection of the end of a cantilever: P L^3/(3 E I) + 6 P L/(5 G A). Tetrahedra of constant strain lock. The error
+// falls like h^2; without refinement it is that of a lintel of two hexahedra over its height.
 double cantilever_stiffness(int refinement, const BlockMaterial& material, const Vec3& size) {
   Brick beam;
   beam.size = size;

@@ -110,8 +110,8 @@ TEST(SmallMotion, ABlockThatRisesMeetsTheFixedOneAbove) {
   EXPECT_THAT(fault_of(text, {"solver.large_motion=never"}, &code), HasSubstr("'lid'"));
 }
 
-// Neighbours at an edge without a joint may overlap as far as others may slide, and no farther: two blocks that stand
-// corner to corner on a base, of which the upper one is driven down beside the lower and into it.
+// Neighbours at an edge without a joint may overlap as far as others may slide, and no farther. Two blocks stand corner
+// to corner on a base; the upper one is driven down beside the lower and into it.
 TEST(SmallMotion, BlocksThatTouchAtAnEdgeMayNotPassThroughEachOther) {
   const std::string upper =
       "[[block]]\nname = \"b\"\nmaterial = \"stone\"\nbox = { lower = [0.2, 0.2, 0], size = [0.2, 0.2, 0.2] }\n";
@@ -200,8 +200,8 @@ TEST(SmallMotion, RowsAndFramesDoNotDecideWhenARunGoesOver) {
   }
 }
 
-// Compression is positive in vertical_force_N on either side of a joint, in small displacements and in large motion:
-// the base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 %: they bounce
+// Compression is positive in vertical_force_N on either side of a joint, in small displacements and in large motion.
+// The base carries blocks a and b of 2000 * 0.008 * 9.81 = 157 N each, block b bears its own weight. 30 %: they bounce
 // as they begin to slide, by up to 23 %; a wrong sign is 200 % away.
 TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
   const double weight = 2000.0 * 0.008 * 9.81;
@@ -231,7 +231,7 @@ TEST(SmallMotion, TheVerticalForceKeepsItsSignInLargeMotion) {
 }
 
 // The energies of every row with and without output.energy, whose kinetic energy is that of the velocities at the time
-// of the forces: a rigid block and a deformable one that are thrown, on the lattice until one has slid too far.
+// of the forces. A rigid block and a deformable one are thrown, on the lattice until one has slid too far.
 TEST(SmallMotion, KineticEnergyIsTheSameWhateverIsWritten) {
   for (const char* damping : {"viscous", "block"}) {
     const std::string soft =
@@ -316,8 +316,8 @@ TEST(Supports, AWallWithoutABottomBeamThatIsHeldSaysSo) {
 }
 
 // A block of 0.2 x 0.4 m tips at the multiplier 0.2/0.4. Where the first multiplier is not carried, what moves the
-// block at the end is the ramp: no multiplier then, whether the ramp itself goes past the answer or, short, throws the
-// block over from below it.
+// block at the end is the ramp. There is no multiplier then, whether the ramp goes past the answer or, short, throws
+// the block over from below it.
 TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
   const std::string tall =
       "[[block]]\nname = \"t\"\nmaterial = \"stone\"\nbox = { lower = [0, 0, 0], size = [0.2, 0.4, 0.2] }\n";
@@ -350,8 +350,8 @@ TEST(Collapse, AStartNearOrAboveTheAnswerGivesNoMultiplier) {
   }
 }
 
-// The same block where the load chooses its own rate: within 1 % of 0.5 from any start below, with the lag told; a
-// start above the answer is noticed.
+// The same block where the load chooses its own rate. Within 1 % of 0.5 from any start below, with the lag printed; a
+// start above the answer is reported.
 TEST(Collapse, ALoadThatWaitsIsNoFurtherAheadThanItSays) {
   const auto run = [&](double start, double displacement, Seen* seen, Outcome* outcome) {
     const std::string tall =

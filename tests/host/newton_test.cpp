@@ -130,7 +130,7 @@ struct Ramped {
 
 class Stages : public ::testing::TestWithParam<Kind> {};
 
-// Impulses, at every moment of three stages: of a force at the centre and of a pressure, which fade while those of the
+// Impulses of a force at the centre and of a pressure, at every moment of three stages. They fade while those of the
 // next stage grow. Of gravity, which goes from one to the next; of a support that is taken away, whose force fades. And
 // the way of a stone that is driven at one velocity, then at another one. All ramps are over before the next stage
 // begins. The midpoint sums of a ramp of a thousand steps are off by 1e-7 of it. Where large motion is automatic, the
@@ -237,7 +237,7 @@ TEST(Stages, HandOverForcesOnBricksWithZones) {
 
 class TurningBlock : public ::testing::TestWithParam<Kind> {};
 
-// A force of fixed direction at a corner of a free beam: its work, F times the way of that corner, is all the energy
+// A force of fixed direction at a corner of a free beam. Its work, F times the way of that corner, is all the energy
 // that there is. The beam turns by more than a radian in each of two stages, and moves by decimetres; the second has
 // the same load again. Were the point left behind where the beam was, the work would be off by tens of percent.
 TEST_P(TurningBlock, AForceWorksOnTheWayOfItsPoint) {
@@ -298,7 +298,7 @@ TEST(SpunBlock, APressureFollowsItsFace) {
 }
 
 // Driven round an axis that is none of its own, then let go, it keeps its spin momentum and the energy of the spin,
-// which the support gave it; caught, it gives both up, and does not spin when it is let go again.
+// both from the support. Caught, it gives both up, and does not spin when it is let go again.
 TEST(SpunBlock, SpinsOnWhereItIsLetGoAndRestsWhereItWasCaught) {
   const std::string hold = "[[stage.velocity]]\nblock = \"spun\"\nvelocity = [0, 0, 0]\nomega = ";
   const std::string stage = "[[stage]]\nduration = 0.02\nramp_time = 0.01\n";
@@ -334,8 +334,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, TurningBlock, ::testing::Values(Kind{"general", 
 
 // ---- Joints one on the other ---------------------------------------------------------------------------------------
 
-// A wall of two courses of rigid units between beams, pressed by p: three joints above each other give by p (1/k + 1/k
-// + 1/k'), the outer two being those of the beams.
+// A wall of two courses of rigid units between beams, pressed by p. Three joints above each other give by p (1/k + 1/k
+// + 1/k'); the outer two are those of the beams.
 TEST(PressedWall, GivesByTheSumOfItsJoints) {
   for (const char* kernels : {"lattice", "general"}) {
     Simulation simulation(read_scene_text(fmt::format(R"(

@@ -1,5 +1,5 @@
-// Models of which a process holds a part: the same numbers in what it holds, the same bits of what all find together,
-// and memory for its part alone.
+// Models of which a process holds a part. What it holds has the same numbers, what all find together the same bits, and
+// memory is for its part alone.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -184,8 +184,8 @@ Scene small_wall() {
                      "stage.shear.displacement=0.000001", "stage.shear.law=coulomb_slip", "output.frames=0"});
 }
 
-// History, checkpoints, hash and conditions of one process, bit for bit; and no rank has laid out all contact points
-// but rank 0 where somebody asks for that.
+// History, checkpoints, hash and conditions of one process, bit for bit. No rank has laid out all contact points, but
+// rank 0 on request.
 TEST(RunInParts, IsThatOfOneProcess) {
   Simulation alone(small_wall());
   Kept kept;

@@ -36,8 +36,8 @@ TEST(PointOrder, RowsOfLanesStandTogetherAndFullOnesFirst) {
   for (int i = 0; i < 5; ++i) EXPECT_EQ(found[static_cast<std::size_t>(kLanes + i)].a, gridpoint(0, i));
 }
 
-// A column of blocks that stand on each other in the lanes of one group, between two others: nine points, which both
-// groups' faces find in a row.
+// A column of blocks that stand on each other in the lanes of one group, between two others. Both groups' faces find
+// its nine points in a row.
 TEST(PointOrder, AShiftedRowHoldsWhatJoinsItToOthers) {
   constexpr int kTop = 3, kBottom = 5, kBelow = 30, kAbove = 40;
   Ends points;

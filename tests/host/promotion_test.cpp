@@ -121,7 +121,7 @@ double peak(const std::vector<HistoryRow>& rows) {
   return largest;
 }
 
-// The beam goes at 0.1 m/s: its motion is imposed, no kinetic energy, and the work of the second half of the last step
+// The beam goes at 0.1 m/s. Its motion is imposed, no kinetic energy, and the work of the second half of the last step
 // before the promotion is not lost. The balance is as good as in the run that stays with small displacements. With the
 // beam's m v^2/2 = 0.05 J, or half a step of work at 20 kN, in the books once it is off by 2e-3 of the work.
 TEST(Promotion, KeepsTheBalanceOfEnergyWithADrivenBeam) {
@@ -220,8 +220,8 @@ TEST(Promotion, KeepsTractionAndStateOfEveryContactPoint) {
   EXPECT_GT(damaged, 0);
 }
 
-// Blocks go on from where they are, at the velocity that they have: what a turn of 1e-4 rad moves beyond the linear
-// field, 1e-8 / 2 of a block's size of 0.2 m, is all that may differ.
+// Blocks go on from where they are, at the velocity that they have. All that may differ is what a turn of 1e-4 rad
+// moves beyond the linear field, 1e-8 / 2 of a block's size of 0.2 m.
 TEST(Promotion, KeepsPlaceAndVelocityOfEveryGridpoint) {
   const Both runs;
   const auto& [small, promoted, of_small, of_promoted] = runs;
@@ -281,7 +281,7 @@ TEST(Promotion, EnergyGoesOnToClose) {
 }
 
 // Soft units that a beam has sheared by a tenth store another energy in large rotations than in small strains, by a
-// thousandth or more. That jump is no work that was done: it is booked, and what is missing from the balance goes on as
+// thousandth or more. That jump is no work that was done. It is booked, and what is missing from the balance goes on as
 // before, to a twentieth of it. Two steps later: in the first one blocks still move in frames of their own.
 TEST(Promotion, TheJumpOfStrainEnergyIsInTheBalance) {
   Simulation s(read_scene(

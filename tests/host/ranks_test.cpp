@@ -220,8 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
              Case::parting}),
     [](const auto& of) { return std::string(of.param.name); });
 
-// What belongs to contact points, and what is found over all of them, goes with blocks that change hands in mid-run:
-// openings of damage, drawn properties, raised inertia.
+// Arrays of contact points, and sums over all of them, go with blocks that change ranks in mid-run: openings of damage,
+// drawn properties, raised inertia.
 TEST(Ranks, DividedAnewKeepWhatPointsHave) {
   const Case of{
       "DividedAnew",

@@ -94,9 +94,9 @@ TEST(Masses, SwingWithTheirBlockAndBalanceItsEnergy) {
   }
 }
 
-// Weight: what stands on the ground presses on it with (2 + 6) g, and a mass 0.04 m beside the middle puts the moment
-// m g 0.04 on the joint. It tilts by 9e-4, which brings the mass 0.1 m above 1e-4 m farther out, 0.2 % of its lever;
-// 1 % with the tilt of a block that deforms.
+// Weight: block and mass press on the ground with (2 + 6) g. A mass 0.04 m beside the middle puts the moment m g 0.04
+// on the joint. It tilts by 9e-4, which brings the mass 0.1 m above 1e-4 m farther out, 0.2 % of its lever; 1 % with
+// the tilt of a block that deforms.
 TEST(Masses, HaveWeightWhereTheyAre) {
   const std::string stage =
       "[[stage]]\nname = \"stand\"\ngravity = [0, -9.81, 0]\nkind = \"rest\"\n"
@@ -305,8 +305,8 @@ TEST(Maxwell, IsFlatOverItsBand) {
   }
 }
 
-// A block on a joint, let swing about its weight: the logarithmic decrement over ten cycles gives the ratio within 10 %
-// of what is asked for at frequencies all over the band, and the elements' own ratio within 3 %. The frequency is that
+// A block on a joint, let swing about its weight. The logarithmic decrement over ten cycles gives the ratio within 10 %
+// of what is asked for at frequencies all over the band. The elements' own ratio is within 3 %. The frequency is that
 // of the stiffer spring. The weight is so little that the block sinks by 4 mm at most. No vibration is left out:
 // without damping of impacts nothing else takes energy.
 TEST(Maxwell, DampsVibrationsAlikeOverTheBand) {
@@ -384,8 +384,8 @@ ground_motion = { direction = [1, 0, 0], time = [0, 0.4], acceleration = [5.886,
               0.005 * 0.47088);
 }
 
-// The elements have a state: a run that is left in the middle of a pulse goes on to the same bits, and the facade that
-// they damp does not take longer steps or shorter ones.
+// The elements have a state. A run that is left in the middle of a pulse goes on to the same bits. The facade that they
+// damp does not take longer steps or shorter ones.
 TEST(Maxwell, GoesOnWhereItWasLeft) {
   const std::vector<std::string> overrides{
       "stage.weight.duration=0.05", "stage.earthquake.duration=0.3",

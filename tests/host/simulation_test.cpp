@@ -201,8 +201,8 @@ TEST(Simulation, MeasuringDoesNotChangeABit) {
   }
 }
 
-// Wherever a run is stopped, before a row, at one or at a frame, it is kept, with a history and frames that the rest of
-// it continues as if nothing had happened.
+// Wherever a run is stopped, before a row, at one or at a frame, it is kept. The rest continues its history and frames
+// as if nothing had happened.
 TEST(Simulation, StoppedRunsAreKeptWhereverTheyStop) {
   struct Stopper : Recorder {
     void on_row(const HistoryRow& row) override {

@@ -36,8 +36,8 @@ TEST(Surfaces, DamageIsTheShareOfTheStrengthThatIsLost) {
   }
 }
 
-// What has opened and slid is drawn as what it has done more of: a joint that is torn along a straight line to
-// (opening, slip), by so much that little or all of its strength is gone.
+// A joint that has opened and slid is drawn by the larger of both. It is torn along a straight line to (opening, slip),
+// by so much that little or all of its strength is gone.
 TEST(Surfaces, CracksAreNamedByTheLargerOfOpeningAndSlip) {
   const Assembly assembly = brick_grid({2, 1, 1}, {0.11, 0.0625, 0.1}, {2, 1, 1}, mortar_family());
   const auto torn = [&](double opening, double slide) {
@@ -97,7 +97,7 @@ TEST(Surfaces, DryJointsAreIntactUntilTheyOpenOrSlide) {
   for (const Crack crack : moved(30e-6, 0.0)) EXPECT_EQ(crack, Crack::open);
 }
 
-// The sides of a joint between rigid blocks move as the blocks do, also where the joint ends within a block: a half of
+// The sides of a joint between rigid blocks move as the blocks do, also where the joint ends within a block. Half of
 // the upper one hangs over and pulls it round.
 TEST(Surfaces, JointsOfRigidBlocksMoveWithTheirBlocks) {
   const Vec3 size{0.4, 0.2, 0.3};

@@ -1,5 +1,5 @@
-// Laws swapped while a loaded wall runs: traction stays continuous, history goes over by id, the energy jump is
-// reported, or the swap is refused with the reason.
+// Laws swapped while a loaded wall runs. Traction stays continuous, history goes over by id, the energy jump is
+// reported; or the swap is refused with the reason.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct SwapRecorder : Observer {
   void on_law_swap(const LawSwap& swap) override { swaps.push_back(swap); }
 };
 
-// A small wall, pressed and sheared, whose mortar joints change their law from stage to stage: swaps[k] is the law of
+// A small wall, pressed and sheared, whose mortar joints change their law from stage to stage. swaps[k] is the law of
 // stage k, or empty.
 Scene swapped_wall(const std::string& first_law, const std::vector<std::string>& swaps, double shear) {
   Scene scene = wall_scene(4, 2.5);
@@ -84,7 +84,7 @@ TEST(LawSwap, TractionIsContinuousThroughElasticSofteningAndBrittle) {
   }
 }
 
-// The first step under the new law. An open, softened joint has a secant far below kn: had the reference of its opening
+// The first step under the new law. An open, softened joint has a secant far below kn. Had the reference of its opening
 // not moved with the swap, its traction would jump to the tensile strength. The second swap begins from that reference.
 TEST(LawSwap, FirstStepAfterTheSwapChangesLittle) {
   Scene scene = swapped_wall("fracture_energy", {"", "", "coulomb_slip", "elastic"}, 4e-4);

@@ -223,8 +223,8 @@ TimeStepReport step_of_a_wall(int courses, double units) {
   return choose_time_step(model, settings, &inertia, Limits::critical);
 }
 
-// A product costs the same a block (one pass over it and its points). What may grow with the wall is their number: at
-// most like its length, which is what modes 1/length^2 apart ask for, until the value stands to 1e-7 without that.
+// A product costs the same a block (one pass over it and its points). Their number may grow with the wall, at most like
+// its length, as modes 1/length^2 apart need. Without that the value stands to 1e-7.
 TEST(TimeStep, StepsOfLanczosGrowSlowerThanTheLengthOfTheWall) {
   const TimeStepReport small = step_of_a_wall(16, 5), large = step_of_a_wall(32, 10), larger = step_of_a_wall(64, 20);
   std::printf("Lanczos steps %d, %d, %d, critical step %.10g, %.10g, %.10g s\n", small.lanczos_steps,

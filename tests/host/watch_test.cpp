@@ -108,7 +108,7 @@ TEST(Watch, EnergiesOfSomeStepsAreLookedAt) {
   EXPECT_LT(missing("kernels = \"lattice\"", "rigid = false\ndivisions = [2, 1, 2]"), 0.01);
 }
 
-// The faces of a box, counter-clockwise from outside, enclose it: the sum of x . n dA over them is three times its
+// The faces of a box, counter-clockwise from outside, enclose it. The sum of x . n dA over them is three times its
 // volume, and of n dA nothing.
 TEST(BlockMesh, FacesEncloseTheBlock) {
   for (const char* kernels : {"lattice", "general"}) {

@@ -2,7 +2,7 @@
 // joint law (contact_models/cyclic_joint/LAW.md, statements 4 and 7) and of the two laws of fracture_energy/LAW.md,
 // "The other laws that ship": random steps with extreme admissible parameters, jumps from 1e-15 to 1 m, not a number
 // and infinity among the inputs. For finite input nothing but finite numbers may come out, no traction outside the
-// current strength, no negative dissipation, no state beyond its bound; bad input must fail its point and return the
+// current strength, no negative dissipation, no state beyond its bound. Bad input must fail its point and return the
 // old state. The strengths are computed here from the states that come back, not by the law.
 //
 //   law_stress [--law fracture_energy] [--steps 1e8] [--seed 20261121] [--set AVX2]

@@ -96,8 +96,7 @@ inline void randomise(Batch& b, std::mt19937_64& random) {
   }
 }
 
-// Makes some of them zero of either sign, some any size from 1e-15 to 1 m, and a few not finite; so too a few old
-// values.
+// Makes some of them zero of either sign, some any size from 1e-15 to 1 m, and a few not finite. A few old values, too.
 inline void make_some_extreme(Batch& b, std::mt19937_64& random) {
   const double not_finite[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
                                -std::numeric_limits<double>::infinity()};

@@ -1,5 +1,5 @@
-// Damage by mode (ABI 1.1): the share of the strength that is lost, against the closed forms of the three shapes and
-// against the strength that the points still carry.
+// Damage by mode (ABI 1.1): the share of the strength that is lost. Held against the closed forms of the three shapes
+// and against the strength that the points still carry.
 #include <gtest/gtest.h>
 
 #include <array>

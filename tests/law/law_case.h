@@ -48,8 +48,8 @@ struct Case {
 // The joints of the Eindhoven walls (paper, Table 1 orders of magnitude), the base of hand-made cases.
 Case mortar();
 
-// Any admissible set: modes with and without drop, all shapes, couplings, residuals, dilation, crushing; margin > 1 is
-// how far every fracture energy stays above its bound at least.
+// Any admissible set: modes with and without drop, all shapes, couplings, residuals, dilation, crushing. margin > 1:
+// every fracture energy over its bound, at least.
 Case random_case(Random& random, double margin = 1.3);
 
 struct Jump {

@@ -59,7 +59,7 @@ TEST(Loader, LoadsFromAPathOnceAsLongAsTheFileIsTheSame) {
   EXPECT_EQ(first->path(), path);
 }
 
-// A developer rebuilds a law in place while a host program runs on: the next load must give the new one, though the old
+// A developer rebuilds a law in place while a host program runs on. The next load must give the new one, though the old
 // one is still in use. (dlopen alone returns the library with the same inode.)
 TEST(Loader, SeesARebuiltLibraryWithoutARestart) {
   namespace fs = std::filesystem;
@@ -106,8 +106,8 @@ TEST(Loader, RefusesWhatIsNoLaw) {
   std::filesystem::remove(text);
 }
 
-// What the system's loader maps is there to the end, also where no table of sections, which it does not read, says how
-// long the file should be.
+// What the system's loader maps is there to the end. That holds also where no table of sections, which it does not
+// read, gives the length of the file.
 TEST(Loader, RefusesALibraryThatEndsWithinAPart) {
   std::ifstream from(LawLibrary::load("elastic")->path(), std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(from), {}};

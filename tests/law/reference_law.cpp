@@ -152,8 +152,8 @@ void Point::slide(Real slip, Real direction_s, Real direction_t) {
   if (open && p_.shared) dissipated_[0] += (secant_before - secant()) * opening() * opening() / 2;
 }
 
-// Stress above strength by a jump (the residual cohesion is lost on opening, a mode without drop completes at once):
-// slip at fixed jumps until it is gone, in small explicit pieces.
+// Stress above strength by a jump: the residual cohesion is lost on opening, or a mode without drop completes at once.
+// Slip at fixed jumps until it is gone, in small explicit pieces.
 void Point::relax(Real direction_s, Real direction_t) {
   constexpr int kPieces = 400;
   for (int i = 0; i < kPieces; ++i) {

@@ -1,7 +1,7 @@
-// An independent reading of contact_models/fracture_energy/LAW.md in long double, for tests only: the rate equations of
-// the fracture-energy law, integrated explicitly in at least 1000 sub-steps an increment. No return mapping, no
-// end-state equation, no code shared with contact_models. First order in the sub-step; exact nowhere on purpose, so
-// that it cannot repeat the law's own mistakes.
+// An independent reading of contact_models/fracture_energy/LAW.md in long double, for tests only. The rate equations of
+// the law are integrated explicitly in at least 1000 sub-steps an increment. No return mapping, no end-state equation,
+// no code shared with contact_models. First order in the sub-step; exact nowhere on purpose, so that it cannot repeat
+// the law's own mistakes.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ namespace {
 struct Errors {
   double stress = 0.0, state = 0.0, energy = 0.0;
   // What every path keeps. Law and reference are both of first order in the sub-step and take the same, at least 1000
-  // an increment: they differ by a few thousandths of the scales where a path turns, softens or opens quickly, far less
-  // everywhere else.
+  // an increment. They differ by a few thousandths of the scales where a path turns, softens or opens quickly, and far
+  // less elsewhere.
   bool small() const { return stress < 0.003 && state < 0.005 && energy < 0.01; }
   std::string text() const { return fmt::format("stress {:.2e}, state {:.2e}, energy {:.2e}", stress, state, energy); }
 };
@@ -45,7 +45,7 @@ Errors compare(const Case& c, const std::vector<Jump>& path, int refinement, boo
         std::hypot(gap(now.traction[1], reference.tau_s()), gap(now.traction[2], reference.tau_t())) / c.shear_scale();
     errors.stress = std::max({errors.stress, normal, shear});
     const auto of = [&](const char* id) { return now.state[law.material().law().state_index(id)]; };
-    // Crushed out with nothing left, a joint stands at e = 0 on either side of it by rounding: whether slip raises v,
+    // Crushed out with nothing left, a joint stands at e = 0, on either side of it by rounding. Whether slip raises v,
     // and w with it, means nothing there. Their difference does.
     const bool crushed_out = c.p.fcr == 0 && c.wu() > 0.0 && c.f(of("w") / c.wu()) == 0.0;
     const double shift = gap(of("w") - of("v"), reference.w() - reference.v());
@@ -99,9 +99,9 @@ struct Walk {
   }
 };
 
-// Where a path comes just to a drop of strength (an opening, an end of softening, a change of direction at S = 0), the
-// two may end on different sides of it, with a difference that says nothing. But it must be one of the sub-step: in
-// more of them both find the same side, and the path is held to the same bounds as all others.
+// A path may come just to a drop of strength: an opening, an end of softening, a change of direction at S = 0. The two
+// may end on different sides of it, with a difference that says nothing. But it must be one of the sub-step. In more of
+// them both find the same side, and the path is held to the same bounds as all others.
 TEST(Reference, RandomPathsAndParameters) {
   const int paths = static_cast<int>(40 * test_scale());
   const char* first = std::getenv("QUOIN_TEST_SEED");

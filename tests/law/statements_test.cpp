@@ -347,7 +347,7 @@ TEST(Statement3, EnergyClosesAtFirstOrder) {
 }
 
 // The joint opens under a standing shear stress and loses its residual cohesion at once. Nothing else moves, so that
-// tau goes down the elastic line: what was stored in shear above the rest is dissipated, whatever softens on the way.
+// tau goes down the elastic line. What was stored in shear above the rest is dissipated, whatever softens on the way.
 TEST(Statement3, SuddenLossOfResidualCohesionFreesWhatWasStored) {
   for (const int shape : {0, 1, 2}) {
     for (const bool shared : {true, false}) {

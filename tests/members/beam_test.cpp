@@ -43,7 +43,7 @@ const members::Beam& beam_of(const Simulation& simulation) {
 }
 
 // Both ends are driven: apart, turned against each other about the beam's side, twisted. Pieces of unequal length have
-// the same force, moment and torque; 1e-3: rest of motion, and supports that give by what is seen at the ends.
+// the same force, moment and torque. 1e-3: rest of motion, and supports that give by what the ends show.
 TEST(Beams, PatchIsStretchedBentAndTwistedEvenly) {
   const auto driven = [](const std::string& left, const std::string& right) {
     return ran(head(30.0, 1e9, 40.0) + box("left", "[-1, 0, -0.5]", "[1, 1, 1]") +

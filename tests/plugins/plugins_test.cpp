@@ -1,5 +1,5 @@
-// Plug-ins that misbehave. Whatever a law says of itself or answers, the program ends in time with a documented exit
-// code and a message that names the law, and keeps what was computed.
+// Plug-ins that misbehave. Whatever a law says of itself or answers, the program ends in time and keeps what was
+// computed. It has a documented exit code and a message that names the law.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -257,7 +257,7 @@ quoin::Material isolated_elastic() {
   return material;
 }
 
-// As a program does that forks, as Python's multiprocessing: the child has a process of the law for itself, and its end
+// As a program does that forks, as Python's multiprocessing. The child has a process of the law for itself, and its end
 // leaves the parent's alone.
 TEST_F(Plugins, IsolatedLawsOutliveAForkedChild) {
   auto material = std::make_unique<quoin::Material>(isolated_elastic());

@@ -62,7 +62,7 @@ function shown({model, curves}) {
     rim: Array.from(Float32Array.from(model.cracks.at)), rim_colour: model.cracks.paint,
     points: model.cracks.points, point_colour: model.cracks.tints,
     legend: words.map((word, k) => [word, paints[k]]), quantity: marksOf(model.overlay, 'legend')[0].textContent,
-    range: [model.shown.low, model.shown.high],
+    range: [model.shown.low, model.shown.high], loads: model.forces.parts.filter(p => p.colour === model.forces.loadColour).map(p => p.to),
     dots: curves.map(c => c.dots.map(d => [Number(d.attributes.cx), Number(d.attributes.cy)]))};
 }
 function whenReady() {

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 import quoin
-from support import SCENES, SMALL_WALL, SOURCE
+from support import SCENES, SMALL_WALL, SOURCE, block_scene
 import numpy as np  # after support, which tells where it is missing
 from vtu import Vtu, history_of, times_of
 
@@ -248,6 +248,28 @@ class Arch(Shown, unittest.TestCase):
             colours = ["#" + "".join(f"{round(255 * c):02x}" for c in colour) for colour in paint]
             self.assertEqual(sorted(colours), sorted(expected))
         self.assertGreater(drawn, 4)  # four hinges
+
+
+class Loaded(Shown, unittest.TestCase):
+    """A cube on another one, pressed at a corner."""
+
+    @staticmethod
+    def scene():
+        scene = block_scene(solver=dict(damping="local", local_damping=0.8), output=dict(frames=2, plots=False), stage=[
+            quoin.Stage(name="press", gravity=[0, -9.81, 0], duration=0.2, ramp_time=0.05,
+                        force=[dict(block="cube", point=[1, 2, 0], force=[0, -2e4, 0])])])
+        scene.block[1].box = dict(lower=[0, 1, 0], size=[1, 1, 1])
+        return scene
+
+    def test_a_load_goes_with_its_block(self):
+        for look in self.run_["looks"]:
+            blocks = self.blocks[look["frame"]]
+            corner = np.linalg.norm(blocks["position"] - np.array([1, 2, 0]), axis=1).argmin()
+            tip = np.array([1, 2, 0]) + look["magnified"] * blocks["displacement_m"][corner]
+            self.assertEqual(len(look["loads"]), 2)  # shaft and head
+            np.testing.assert_allclose(look["loads"][1], tip, atol=1e-4)
+        moved = np.abs(self.blocks[-1]["displacement_m"]).max()
+        self.assertGreater(50 * moved, 1e-3, "beside the 1e-4 above")
 
 
 NODE = shutil.which("node") or shutil.which("nodejs")

@@ -32,7 +32,7 @@ TEST_F(Frames, AreAsLargeAsWasTold) {
   }
 }
 
-// What four courses more take in both files is estimated to the last byte but for digits in their heads: of a law
+// What four courses more take in both files is estimated to the last byte, but for digits in their heads. Of a law
 // without states, for every kind of block.
 TEST_F(Frames, GrowAsWasTold) {
   const std::string begin = R"([materials.brick]

@@ -68,7 +68,7 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   all.merge(Pairs(parted));
   EXPECT_EQ(all, start);
 
-  plot_block_cracks(folder_, simulation, surfaces, "");  // the script stays, also without gnuplot
+  plot_block_cracks(folder_, simulation, surfaces, {}, "");  // the script stays, also without gnuplot
   const std::string script = read_all(folder_ / "plots" / "cracks.gp");
   const std::string name = "$crack" + std::to_string(static_cast<int>(Crack::open)) + " << EOD\n";
   const std::size_t begin = script.find(name);
@@ -80,8 +80,8 @@ TEST_F(PartedJoints, AreOpenCracksOfPicturesWithTheirOpening) {
   EXPECT_GE(gaps, static_cast<long>(2 * parted.size()));  // both sides of each
 }
 
-// Of a file of joints: how many points have lost more than 0.9 of what held them, the widest opening, and where each of
-// the joints of the start is.
+// Of a file of joints: the points that have lost more than 0.9 of their bond, the widest opening, and the place of each
+// joint of the start.
 struct Damaged {
   long points = 0;
   double opening = 0.0, area = 0.0;  // m, m2
@@ -117,7 +117,7 @@ class Frames : public Observer {
   VtkSeries series_;
 };
 
-// 134 points of a stair crack were damaged in one frame, and 39 at the end: those whose blocks had come apart were
+// 134 points of a stair crack were damaged in one frame, and 39 at the end. Those whose blocks had come apart were
 // written no more, and the widest gap with them.
 TEST_F(PartedJoints, StayInFramesWithTheirDamageAndTheirGap) {
   Simulation simulation(read_scene_text(kScene, "parted.toml", {"output.frames=5"}), 1);
@@ -182,7 +182,7 @@ TEST_F(PartedJoints, KeepTheirDamageWhenTheLawIsReplaced) {
 
 class BlockPicture : public InFolder {};
 
-// Blocks that do not stand in one plane are seen from above and from the right, (0.55, 0.45, 1): what is nearer hides
+// Blocks that do not stand in one plane are seen from above and from the right, (0.55, 0.45, 1). What is nearer hides
 // what is behind, whatever was named first, and the ground hides nothing.
 TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
   const std::string head =
@@ -196,7 +196,7 @@ TEST_F(BlockPicture, IsDrawnFromBackToFrontOnTheGround) {
                     ground = block("name = \"ground\"\nfixed = true\n", "[-2, -0.2, -2]", "[6, 0.2, 6]");
   Simulation simulation(read_scene_text(head + front + back + ground + "[[stage]]\nduration = 1\n", "view.toml", {}),
                         1);
-  plot_block_cracks(folder_, simulation, Surfaces(), "");
+  plot_block_cracks(folder_, simulation, Surfaces(), {}, "");
   std::istringstream script(read_all(folder_ / "plots" / "cracks.gp"));
   std::vector<std::array<double, 2>> across;  // of each polygon: left and right end on paper, m
   for (std::string line; std::getline(script, line);) {

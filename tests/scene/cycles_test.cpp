@@ -38,8 +38,8 @@ TEST(CyclicMotion, LastsAsLongAsItsWays) {
   EXPECT_EQ(motion.position(2 * motion.duration()), 0.0);
 }
 
-// Against a velocity written down apart from it and integrated by Simpson's rule: v s(t/r) with the smooth step that is
-// a cubic of its derivative, 30 x^2 (1 - x)^2.
+// Against a velocity written down apart from it and integrated by Simpson's rule. It is v s(t/r), with the smooth step
+// whose derivative is 30 x^2 (1 - x)^2.
 TEST(CyclicMotion, IsTheIntegralOfASmoothVelocity) {
   const CyclicMotion motion(kCycles);
   constexpr int kSteps = 200000;

@@ -104,7 +104,7 @@ TEST(DryWall, HalvesMeetInTheMiddleOfTheirUnit) {
   }
 }
 
-// The estimate before it is made: a course of n units has one more where its bond cuts them at both ends, 7 (4 + 1)
+// The estimate before it is made. A course of n units has one more where its bond cuts them at both ends: 7 (4 + 1)
 // units, or 10 halves a course.
 TEST(DryWall, ItsSizeCountsTheUnitsThatABondCuts) {
   const std::string third = "rigid = true\nbond = \"third\"\n";

@@ -1,5 +1,5 @@
-// Blocks whose inner forces come from a stiffness in their own frame (host/step/deformable_kernels.h), one that three
-// or more congruent blocks share or each its own, beside the same blocks zone by zone (zone_kernels.h).
+// Blocks whose inner forces come from a stiffness in their own frame (host/step/deformable_kernels.h). Three or more
+// congruent blocks share one, others have their own. Beside them the same blocks zone by zone (zone_kernels.h).
 #include <cstring>
 
 #include "support.h"
@@ -101,8 +101,8 @@ TEST(BlocksInFrames, AreThoseZoneByZoneForSmallStrain) {
 }
 
 // The time step of blocks in frames has another product with K than that of blocks zone by zone. Undeformed they are
-// the same but for rounding, which Lanczos' method makes larger; turning changes nothing but what it starts from, and
-// it ends when the eigenvalue has settled to 1e-6.
+// the same but for rounding, which Lanczos' method makes larger. Turning changes only its start, and it ends when the
+// eigenvalue has settled to 1e-6.
 TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
   for (const Kind kind : kKinds) {
     auto framed = bricks_apart(4, kind).model(undamped(0.7)),
@@ -110,7 +110,7 @@ TEST(BlocksInFrames, HighestFrequencyIsThatZoneByZoneHoweverTurned) {
     const double at_start = framed->critical_time_step();
     for (Model* m : {framed.get(), other.get()}) {
       const Matrix turned = geometry::matrix(geometry::rotation(1.9 * kAxis));
-      for (Vector& x : m->node_positions()) x = turned * x;
+      for (Vector& x : m->change_node_positions()) x = turned * x;
       m->hold_by_springs(0.0);  // and chooses it again
     }
     const double found = framed->critical_time_step();

@@ -94,9 +94,9 @@ void spinning_pair(bool soft) {
 TEST(Objectivity, SpinningPairRigid) { spinning_pair(false); }
 TEST(Objectivity, SpinningPairDeformable) { spinning_pair(true); }
 
-// Two blocks on a soft elastic joint, thrown about: the joint opens and slides by millimetres, so that its shear acts
+// Two blocks on a soft elastic joint, thrown about. The joint opens and slides by millimetres, so that its shear acts
 // beside the surface that it was found on. Momenta of the two stay to rounding, whichever of them the plane of the
-// joint belongs to: what the one is given at an arm the other loses at the same.
+// joint belongs to. What the one gains at an arm the other loses at the same.
 void free_pair(const char* name_of_pair, bool first_rigid, bool second_rigid) {
   const double a = 0.2;
   Scene scene(elastic_joint(2e7, 1e7), 2000, 1e9, 0.2);

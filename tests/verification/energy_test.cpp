@@ -82,9 +82,9 @@ TEST(EnergyBalance, BlockSlidingOverAGap) {
   check_balance("block sliding over a gap", *m, start, start, {0.006, 0.012});
 }
 
-// A block carried sideways in the air, let go, and caught again in its fall: what is imposed is no kinetic energy, so
-// m v^2/2 comes from the support when it lets go, and goes to it when it catches. Gravity alone works in between, and
-// the balance closes to rounding.
+// A block carried sideways in the air, let go, and caught again in its fall. Imposed motion is no kinetic energy: m
+// v^2/2 comes from the support when it lets go, and goes to it when it catches. Gravity alone works in between, and the
+// balance closes to rounding.
 TEST(EnergyBalance, BlockCarriedLetGoAndCaught) {
   Scene scene(mortar("dry"));
   scene.brick({-1, -0.2, -1}, {2, 0.2, 2}, true);
@@ -139,7 +139,7 @@ TEST(EnergyBalance, CrackedWallPushedToCollapse) {
        {0.02, 0.02});
 }
 
-// Where nothing has changed, points that are placed again change nothing: a block bounces with stiffness damping as it
+// Where nothing has changed, points that are placed again change nothing. A block bounces with stiffness damping as it
 // does on points that stay, up to rounding. (Points that forgot the rate of their traction were not damped.)
 TEST(PlacedAnew, SameBounceAsOnPointsThatStay) {
   double height[2];
@@ -176,8 +176,8 @@ struct FourHalfUnits {
   }
 };
 
-// Pushed sideways by 1 mm, the right one above stands on its own joint and, by a strip of 1 mm, on the unit beside it:
-// pressed down it gives by F / (kn (110 + 1) x 100 mm2). A nominal area of the corner (1000 mm2 in place of 100) makes
+// Pushed sideways by 1 mm, the right one above stands on its own joint and, by a strip of 1 mm, on the unit beside it.
+// Pressed down it gives by F / (kn (110 + 1) x 100 mm2). A nominal area of the corner (1000 mm2 in place of 100) makes
 // it 8 % stiffer, and a wall whose top is held stronger. The joint keeps its area of the start: 1 % too much.
 TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
   const double kn = 82e9, pressed = 3e3, slid = 1e-3, speed = 0.05;
@@ -200,7 +200,7 @@ TEST(PlacedAnew, HalfUnitsStandOnWhatTheyTouchWhereFourMeet) {
 }
 
 // States of a law that are a vector keep their direction in space, as tractions do, whatever triangle of the block a
-// new point stands on: faces that have slid along x stand on their seat at a place along x. (They kept the components,
+// new point stands on. Faces that have slid along x stand on their seat at a place along x. (They kept the components,
 // which is another vector: the first edges of two triangles of a face stand at 45 or 90 degrees.)
 TEST(PlacedAnew, VectorsAmongTheStatesKeepTheirDirection) {
   JointFamily rough = joint("cyclic_joint", {{"normal_stiffness", 1e10},

@@ -134,8 +134,9 @@ TEST(ScaledInertia, FreeFallIsExact) {
   }
 }
 
-// Where a face of a cube may not leave its plane, the cube turns about the normal of that alone, whichever axis it is
-// and in a mirror, too. One hexahedron of five tetrahedra is the same along every axis and in the mirrors between them.
+// Where a face of a cube may not leave its plane, the cube turns about the normal of that alone. That holds for each
+// axis, and in a mirror. One hexahedron of five tetrahedra is the same along every axis and in the mirrors between
+// them.
 TEST(ScaledInertia, APlaneHoldsTheSameAlongEveryAxis) {
   std::map<std::array<long, 3>, Vector> first;  // by place in mm; the first axis is the normal
   for (const auto& axes : {std::array{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}) {
@@ -229,8 +230,8 @@ TEST(ScaledInertia, StableJustBelowTheLimitUnstableJustAbove) {
 }
 
 // Kinetic energy counts M', and what damping takes is counted: in zones, on rigid motion of blocks and of units. What
-// is left is of the first order in the step, because energies are of its middle and what it took is booked whole: half
-// a step of the power with which damping begins.
+// is left is of the first order in the step, because energies are of its middle and its work is booked whole. It is
+// half a step of the power with which damping begins.
 TEST(ScaledInertia, EnergyBalanceCloses) {
   const auto error = [](bool block, int halves, double fraction) {
     SolverSettings solver = block ? by_block(16.0, 5.0, fraction) : viscous(300.0, 2e-6, fraction);
@@ -257,7 +258,7 @@ TEST(ScaledInertia, EnergyBalanceCloses) {
   }
 }
 
-// Halves on a dry joint fly apart at 1 m/s each: once no point of their joint is closer than 0.01 of their height they
+// Halves on a dry joint fly apart at 1 m/s each. Once no point of their joint is closer than 0.01 of their height they
 // are two blocks. Momenta stay, the energy of the inertia that goes, (s_u - 1)/2 m v^2 of both, is booked.
 TEST(ScaledInertia, HalvesThatComeApartAreTwoBlocks) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
@@ -327,9 +328,8 @@ TEST(ScaledInertia, HalvesThatMeetAgainBounce) {
   EXPECT_NEAR(m->time_step(), step, 1e-6 * step);
 }
 
-// Halves that gape but touch along an edge, or have slid on each other, keep the added inertia and so the time step:
-// eight pairs of halves that had turned by more than the bound of small motion took it from 22.3 to 8.8 us for good in
-// wall_2m_576.
+// Halves that gape but touch along an edge, or have slid on each other, keep the added inertia and so the time step. In
+// wall_2m_576 eight pairs that had turned by more than the bound of small motion once took it from 22.3 to 8.8 us.
 TEST(ScaledInertia, HalvesThatTurnOnAnEdgeKeepTheTimeStep) {
   auto m = unit_scene(2, {}, dry_joint(1e11, 5e10, 30)).model(scaled(64.0, 16.0));
   m->set_velocity(0, {-0.12, 0.2, 0.0}, {0.0, 0.0, -2.0});  // both about the upper edge of their joint

@@ -1,5 +1,5 @@
-// Laws swapped while blocks of any shape move: tractions stay bit for bit, the run goes on, the energy balance closes
-// with the jump that is reported.
+// Laws swapped while blocks of any shape move. Tractions stay bit for bit, the run goes on, and the energy balance
+// closes with the jump that is reported.
 #include "step/law_swap.h"
 
 #include <algorithm>
@@ -78,7 +78,7 @@ TEST(BlockLawSwap, ArchFallsUnderTheSameForceWhicheverLawHoldsItsDryJoints) {
 }
 
 // Laws change while the wall topples and its units slide and turn on each other, before the first of them strikes the
-// ground: a blow alone puts single steps out of balance by a part of a percent, whatever the law.
+// ground. A blow alone puts single steps out of balance by a part of a percent, whatever the law.
 quoin::Scene falling_wall() {
   constexpr double kOneStep = 1e-6;  // s, less than a step
   const auto stage = [](const char* gravity, double duration, const char* law) {
@@ -135,9 +135,9 @@ TEST(BlockLawSwap, FallingWallGoesOnWithItsEnergiesInBalance) {
   EXPECT_EQ(wide.hash(), simulation.hash()) << "4 threads have other bits";
 }
 
-// A joint that is pulled until it has softened by half has a secant far below kn. A law without that history takes it
-// over at kn: had the zero of the opening not moved along, traction would go to 0 in the first step. Both sorts of
-// plane: of rigid blocks, and of triangles of deformable ones.
+// A joint that is pulled until it has softened by half has a secant far below kn. A law without that history goes on at
+// kn. Had the zero of the opening not moved along, traction would go to 0 in the first step. Both sorts of plane: of
+// rigid blocks, and of triangles of deformable ones.
 void softened_joint(const std::string& base) {
   constexpr double kn = 1e10, velocity = 1e-3;
   const quoin::Scene scene = scene_of(R"(

@@ -8,9 +8,8 @@ namespace {
 
 using geometry::rotation;
 
-// Rocking block on a stiff base, released at an angle: time to the first impact against the exact solution of
-// theta'' = -p^2 sin(alpha - theta), by quadrature; and Housner's slender formula T/4 = acosh(1/(1 - theta0/alpha)) /
-// p.
+// Rocking block on a stiff base, released at an angle. Time to the first impact against the exact solution of theta'' =
+// -p^2 sin(alpha - theta), by quadrature, and against Housner's slender formula T/4 = acosh(1/(1 - theta0/alpha)) / p.
 double quarter_period(double ratio, double kn, double& impact_ratio) {
   const double b = 0.1, h = 0.5, depth = 0.2, r = std::hypot(b, h), alpha = std::atan2(b, h);
   Scene scene(dry_joint(kn, kn, 60));

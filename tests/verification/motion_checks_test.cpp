@@ -1,5 +1,5 @@
-// When contacts are found again (model/motion_checks.cpp): no pair of rigid blocks comes further than it may unseen,
-// however long nobody has looked at it and whatever hits it.
+// When contacts are found again (model/motion_checks.cpp). No pair of rigid blocks moves further than its bound between
+// checks, however long they are apart and whatever hits it.
 #include <algorithm>
 
 #include "support.h"
@@ -54,8 +54,8 @@ TEST(MotionLooks, NobodyComesFurtherThanItMayWhateverHitsIt) {
 }
 
 // Two neighbours alone, 4 mm apart: towards each other, past each other, turning the same way and against each other,
-// one round the other. Their way to each other follows from both motions, whose parts may cancel: the last two blocks
-// turn as one body until, each flying straight on, they are apart by what turns of second order.
+// one round the other. Their way to each other follows from both motions, whose parts may cancel. The last two blocks
+// turn as one body; then, flying straight on, they are apart by second order in the turn.
 TEST(MotionLooks, NobodyComesFurtherThanItMayHoweverTheyMove) {
   const struct {
     Vector va, wa, vb, wb;

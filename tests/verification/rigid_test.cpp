@@ -177,7 +177,7 @@ TEST(Bouncing, HeightAndContactTime) {
   }
 }
 
-// A spike so steep that no face of it overlaps the floor: its tip alone bears, at 5 m, with the area of a corner, a
+// A spike so steep that no face of it overlaps the floor. Its tip alone bears, at 5 m, with the area of a corner, a
 // third of the surface over the corners. It sinks in by x with m g (h + x) = k x^2/2, and some of a step of contact
 // search more; then it flies back.
 TEST(Bouncing, ATipBetweenSteepFacesBears) {

@@ -334,7 +334,7 @@ monitor = "block"
   check("ground motion: the block rides along", expected, run.large_motion()->position(1).x - 0.25, 2e-3, "m");
 }
 
-// Least horizontal body force, over weight, that turns the arch into three links on four hinges: every choice of hinges
+// Least horizontal body force, over weight, that turns the arch into three links on four hinges. Every choice of hinges
 // at the edges of its joints is tried (kinematic theorem of limit analysis). The x-y plane is that of complex numbers.
 double arch_multiplier(const ArchSpec& arch) {
   using Point = std::complex<double>;

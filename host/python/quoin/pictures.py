@@ -11,7 +11,6 @@ ENERGIES = {"kinetic_energy_J": "kinetic", "strain_energy_J": "strain", "contact
             "dissipated_tension_J": "tension", "dissipated_cohesion_J": "cohesion", "dissipated_friction_J": "friction",
             "dissipated_crushing_J": "crushing", "damping_work_J": "damping", "external_work_J": "external work"}
 DASHES = ("-", "--", ":", "-.")  # lines stay apart in grey
-BRICK, OUTLINE = "#f1ece0", "#8f8677"
 SEEN_FROM = np.array([0.55, 0.45, 1.0])  # assemblies that are not plane
 WIDEST = 7.5  # inches of a picture
 
@@ -41,6 +40,9 @@ def _curve(stage, history):
     if of["kind"] == "collapse" and "multiplier" in history.dtype.names:
         return ("largest_displacement_m", 1e3, "largest displacement [mm]"), ("multiplier", 1.0, "multiplier of the horizontal load")
     if of["kind"] == "earthquake":
+        relative = f"monitor_relative_d{of['along']}_m"
+        if relative in history.dtype.names:
+            return time, (relative, 1e3, f"displacement along {of['along']}{whose}, relative to the ground [mm]")
         return time, displacement
     if of["kind"] == "rest":
         return time, ("vertical_displacement_m", 1e3, f"vertical displacement{whose} [mm]")
@@ -156,7 +158,7 @@ class Pictures:
         paper = _Paper(moment)
         magnified = paper.magnification(self.summary) if magnified is None else magnified
         figure, axes = self._sheet(paper, moment, magnified)
-        self._draw_faces(axes, paper, magnified, [BRICK] * len(paper.faces))
+        self._draw_faces(axes, paper, magnified, [_quoin.colours()["face"]] * len(paper.faces))
         joints, styles = moment.joints, _quoin.colours()["cracks"]
         crack, places = joints["crack"], joints["position"] + magnified * joints["displacement_m"].astype(float)
         handles = []
@@ -209,7 +211,7 @@ class Pictures:
         moment = self.frames[frame]
         paper = _Paper(moment)
         figure, axes = self._sheet(paper, moment, 1.0)
-        self._draw_faces(axes, paper, 1.0, [BRICK] * len(paper.faces))
+        self._draw_faces(axes, paper, 1.0, [_quoin.colours()["face"]] * len(paper.faces))
         pens = _quoin.colours()["pens"]
         if kind == "thrust":
             lines = [paper.flat(np.array(piece)) for piece in thrust_lines(moment)]
@@ -289,12 +291,13 @@ class Pictures:
         from matplotlib.collections import LineCollection, PolyCollection
         seen = paper.visible(magnified)
         # In a plane view only edges of blocks, and not those of their zones; else nearer faces hide further edges.
-        edges = "face" if paper.plane else OUTLINE
-        axes.add_collection(PolyCollection([outline for _, outline in seen], facecolors=[colours[k] for k, _ in seen],
+        outline = _quoin.colours()["edge"]
+        edges = "face" if paper.plane else outline
+        axes.add_collection(PolyCollection([face for _, face in seen], facecolors=[colours[k] for k, _ in seen],
                                            edgecolors=edges, linewidths=0.4, zorder=1))
         if paper.plane:
             places = paper.flat(paper.start + magnified * paper.moved)
-            axes.add_collection(LineCollection([places[list(e)] for e in paper.sharp({k for k, _ in seen})], colors=OUTLINE,
+            axes.add_collection(LineCollection([places[list(e)] for e in paper.sharp({k for k, _ in seen})], colors=outline,
                                                linewidths=0.5, zorder=1.5))
 
     @staticmethod

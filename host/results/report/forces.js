@@ -1,7 +1,7 @@
 // Forces between blocks: a spindle in each pressed joint, and the line of thrust.
 
 const SPINDLE = {length: 0.45, width: 0.13, least: 0.01};  // over the distance of the blocks' centres; of the largest force
-const LOAD = {length: 0.7, width: 0.03};  // over the size of a block
+const LOAD = {length: 0.7, width: 0.03, pen: 4};  // over the size of a block; a colour that no other forces have
 // Width and gap between supports over the size of a block; least |y| of a bed's normal; gap of levels over a height.
 const THRUST = {width: 0.02, apart: 0.3, bed: 0.7, level: 0.3};
 
@@ -10,12 +10,13 @@ class Forces {
     this.model = model; this.array = model.array;
     this.a = this.array('joint_a'); this.b = this.array('joint_b');
     this.known = this.array('joint_force0').length === 3 * this.a.length && this.a.length > 0;
-    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({depthTest: false, transparent: true}));
+    this.mesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({depthTest: false, transparent: true, vertexColors: true}));
     this.mesh.renderOrder = 5; this.mesh.frustumCulled = false;
     this.boxes = model.boxes(this.array('position'));
     this.centre = this.boxes.map(b => b && b.low.map((l, k) => (l + b.high[k]) / 2));
     this.largest = this.known ? this.robust() : 0;
   }
+  get loadColour() { return this.model.head.colours.pens[LOAD.pen]; }
   get colour() { return this.model.head.colours.pens[this.kind === 'thrust' ? 0 : 1]; }
   // What 98 % of the forces of the run keep to, N, as computed.
   robust() {
@@ -60,36 +61,48 @@ class Forces {
     this.kind = this.known ? kind : 'none';
     this.parts = [];
     if (this.kind === 'joints') for (const joint of this.pressed(frame, magnified)) this.addSpindle(joint);
-    for (const load of this.model.shown.loads || []) this.addArrow(load);
+    for (const load of this.model.shown.loads || []) this.addArrow(load, frame, magnified);
     if (this.kind === 'thrust') for (const [from, to] of this.thrust(this.pressed(frame, magnified))) this.addBar(from, to);
     this.fill();
-    this.mesh.material.color.set(this.colour);
   }
-  // A load of the stage, with its tip where it acts.
-  addArrow({point_m: at, force_N: F}) {
-    const size = Math.hypot(...F), length = LOAD.length * this.model.block, width = LOAD.width * this.model.block;
-    if (!size) return;
-    const back = share => at.map((x, k) => x - share * length * F[k] / size);
-    this.addBar(back(1), back(0.4), width);
-    this.addBar(back(0.8), at, 3 * width, true);
+  // Both ends of the arrow of a load whose tip is at a place.
+  arrow(at, F) {
+    const size = Math.hypot(...F) || 1, length = LOAD.length * this.model.block;
+    return share => at.map((x, k) => x - share * length * F[k] / size);
+  }
+  // A load of the stage, with its tip where it acts: it goes with the vertex that is nearest to it at the start.
+  addArrow({point_m: point, force_N: F}, frame, magnified) {
+    const width = LOAD.width * this.model.block, start = this.array('position'), moved = this.array('moved' + frame);
+    if (!Math.hypot(...F)) return;
+    let nearest = 0, least = Infinity;
+    for (let v = 0; v < start.length / 3; ++v) {
+      const away = Math.hypot(...point.map((x, k) => x - start[3 * v + k]));
+      if (away < least) least = away, nearest = v;
+    }
+    const step = this.model.head.range.moved / 32767;
+    const back = this.arrow(point.map((x, k) => x + magnified * step * moved[3 * nearest + k]), F);
+    this.addBar(back(1), back(0.45), width, 0.5, this.loadColour);
+    this.addBar(back(0.45), back(0), 4 * width, 0, this.loadColour);
   }
   addSpindle({a, b, F, size, at}) {
     const apart = Math.hypot(...[0, 1, 2].map(k => this.centre[a][k] - this.centre[b][k]));
     this.addBar(...[-1, 1].map(s => at.map((x, k) => x + s * SPINDLE.length * apart * F[k] / size)),
-      SPINDLE.width * apart * Math.min(1.3, size / this.largest), true);
+      SPINDLE.width * apart * Math.min(1.3, size / this.largest), 0.5, this.colour, true);
   }
-  // A bar with a square across; pointed: as wide in the middle only.
-  addBar(from, to, width = THRUST.width * this.model.block, pointed = false) { this.parts.push({from, to, width, pointed}); }
+  // A bar with a square across; pointed: as wide at a share of its length only, a cone where that is 0.
+  addBar(from, to, width = THRUST.width * this.model.block, widest = 0.5, colour = this.colour, pointed = widest === 0) {
+    this.parts.push({from, to, width, widest, colour, pointed});
+  }
   fill() {
-    const at = [], index = [], x = new THREE.Vector3(), p = new THREE.Vector3(), q = new THREE.Vector3();
-    for (const {from, to, width, pointed} of this.parts) {
-      const first = at.length / 3;
+    const at = [], paint = [], index = [], x = new THREE.Vector3(), p = new THREE.Vector3(), q = new THREE.Vector3();
+    for (const {from, to, width, widest, colour, pointed} of this.parts) {
+      const first = at.length / 3, tint = new THREE.Color(colour).toArray();
       x.set(...to.map((t, k) => t - from[k])).normalize();
       p.set(Math.abs(x.x) < 0.9 ? 1 : 0, Math.abs(x.x) < 0.9 ? 0 : 1, 0).cross(x).normalize();
       q.crossVectors(x, p);
       const corner = (o, u, v) => at.push(...[0, 1, 2].map(k => o[k] + width * (u * p.getComponent(k) + v * q.getComponent(k))));
       if (pointed) {
-        const middle = from.map((f, k) => (f + to[k]) / 2);
+        const middle = from.map((f, k) => f + widest * (to[k] - f));
         at.push(...from, ...to);
         for (const [u, v] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) corner(middle, u, v);
         for (let k = 0; k < 4; ++k) for (const end of [0, 1]) index.push(first + end, first + 2 + k, first + 2 + (k + 1) % 4);
@@ -97,9 +110,11 @@ class Forces {
         for (const o of [from, to]) for (const [u, v] of [[1, 1], [-1, 1], [-1, -1], [1, -1]]) corner(o, u, v);
         for (let k = 0; k < 4; ++k) { const l = (k + 1) % 4; index.push(first + k, first + l, first + 4 + k, first + l, first + 4 + l, first + 4 + k); }
       }
+      while (paint.length < at.length) paint.push(...tint);
     }
     const geometry = this.mesh.geometry;
     geometry.setAttribute('position', new THREE.Float32BufferAttribute(at, 3));
+    geometry.setAttribute('color', new THREE.Float32BufferAttribute(paint, 3));
     geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(index), 1));
   }
 

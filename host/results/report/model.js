@@ -199,6 +199,10 @@ class Model {
     // Small supports are shown as they are; of a ground a strip.
     for (const b of boxes) if (b) b.small = Math.max(...b.high.map((h, k) => h - b.low[k])) < 0.5 * reach;
     include(start, false, Infinity); include(start, false, 0.3);
+    for (const {point_m, force_N} of ((this.head.summary.settings || {}).stages || []).flatMap(s => s.forces || [])) {
+      const tail = this.forces.arrow(point_m, force_N)(1);
+      [x, y].forEach((axis, k) => { const at = on(tail, 0, axis); low[k] = Math.min(low[k], at); high[k] = Math.max(high[k], at); });
+    }
     const wide = Math.max(high[0] - low[0], 1e-9), tall = Math.max(high[1] - low[1], 1e-9), {legend, below, around} = EDGE;
     const room = [this.width - legend - around, this.height - below - around];
     const scale = Math.max(1e-9, Math.min(Math.max(room[0], 50) / wide, Math.max(room[1], 50) / tall));  // pixels a metre
@@ -334,8 +338,8 @@ class Model {
     if (loads.length) {
       const sizes = [...new Set(loads.map(l => short(Math.hypot(...l.force_N) / 1e3)))];
       y += 23;
-      mark(this.overlay, 'path', {d: `M ${x} ${y - 4} h 18 l 0 -4 l 12 4 l -12 4 l 0 -4`, class: 'load', fill: this.forces.colour,
-        stroke: this.forces.colour, 'stroke-width': 2});
+      mark(this.overlay, 'path', {d: `M ${x} ${y - 4} h 18 l 0 -4 l 12 4 l -12 4 l 0 -4`, class: 'load', fill: this.forces.loadColour,
+        stroke: this.forces.loadColour, 'stroke-width': 2});
       mark(this.overlay, 'text', {x: x + 36, y, class: 'load'}, sizes.length > 2 ? 'loads' : `load: ${sizes.join(', ')} kN`);
     }
     if (!cracks || this.head.labels) return;

@@ -1,0 +1,222 @@
+// curve.png: what a run is looked at by, as curve_kind of its last stage has it. Force against displacement of what is
+// driven, displacement over time in an earthquake and at rest, the multiplier in a collapse.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "files/file.h"
+#include "files/gnuplot.h"
+#include "results/colours.h"
+#include "results/history.h"
+#include "results/picture_text.h"
+#include "results/plots.h"
+#include "scene/generate.h"
+
+namespace quoin {
+
+namespace {
+
+using Row = HistoryRow;
+
+struct Curve {
+  std::string columns;  // of curve.dat
+  std::string x_label, y_label, name;
+  std::string x_unit, y_unit;  // as in "54.1 kN at 1.97 mm"
+  bool over_time = false;
+  bool pressed = false;                       // the third number is drawn, too
+  std::vector<std::array<double, 3>> points;  // mm or s; kN, mm or 1; MPa
+  int peak = -1;                              // of points; -1: none to show
+};
+
+// Of the rows of all stages. One way the curve goes to the right, whichever way that was.
+Curve push_curve(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
+  const double area = bed_area(scene);
+  const Stage& last = scene.stages.back();
+  const char* axis = is_vertical(scene) ? "vertical" : "horizontal";
+  Curve curve;
+  curve.columns = fmt::format("displacement_mm {}_force_kN vertical_stress_MPa", axis);
+  curve.x_label = fmt::format("{} displacement of the {}{} (mm)", axis, moved_part(scene, last),
+                              axis_of(last) == 2 ? " along z" : "");
+  curve.y_label = fmt::format("{} force (kN)", axis);
+  curve.name = fmt::format("{} force, law {}", axis, law);
+  curve.x_unit = " mm", curve.y_unit = " kN";
+  curve.pressed = area > 0;
+  double lowest = 0.0, highest = 0.0;
+  for (const Row& row : rows) {
+    const double x = shown(row, scene).displacement;
+    lowest = std::min(lowest, x), highest = std::max(highest, x);
+  }
+  const double largest = std::max(highest, -lowest);
+  // Noise about 0 is no reason for another quadrant.
+  const bool turns = std::min(highest, -lowest) > 0.01 * largest;
+  const double sign = !turns && -lowest > highest ? -1.0 : 1.0;
+  const Peak peak = find_peak(rows, scene);
+  bool moving = false;  // pressing comes first, and would be a vertical line at 0
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Shown r = shown(rows[i], scene);
+    const bool next_is_still = i + 1 < rows.size() && rows[i + 1].stage == rows[i].stage;
+    moving = moving || std::abs(r.displacement) > 1e-9 * largest;
+    const bool is_peak = static_cast<int>(i) == peak.row && peak.force > 0;
+    if (is_peak) curve.peak = static_cast<int>(curve.points.size());
+    if (!moving && next_is_still && !is_peak) continue;
+    curve.points.push_back(
+        {sign * r.displacement * 1e3, sign * r.force / 1e3, area > 0 ? rows[i].vertical_force / area / 1e6 : 0.0});
+  }
+  return curve;
+}
+
+// Of the rows of stages of the kind of the last one; the peak is what is furthest from 0.
+template <class X, class Y>
+void add_points(const std::vector<Row>& rows, const Scene& scene, const X& x, const Y& y, Curve& curve) {
+  const std::string_view kind = curve_kind(scene.stages.back());
+  double largest = 0.0;
+  for (const Row& row : rows) {
+    if (curve_kind(scene.stages[static_cast<size_t>(row.stage)]) != kind) continue;
+    if (std::abs(y(row)) > largest) largest = std::abs(y(row)), curve.peak = static_cast<int>(curve.points.size());
+    curve.points.push_back({x(row), y(row), 0.0});
+  }
+}
+
+double seconds(const Row& row) { return row.time; }
+
+Curve earthquake_curve(const std::vector<Row>& rows, const Scene& scene) {
+  const Stage& last = scene.stages.back();
+  const auto axis = static_cast<size_t>(axis_of(last));
+  const char name = "xyz"[axis];
+  Curve curve;
+  curve.columns = fmt::format("time_s relative_displacement_{}_mm", name);
+  curve.x_label = "time (s)";
+  curve.y_label = fmt::format("displacement along {} (mm)", name);
+  curve.name = fmt::format("of {}, relative to the ground", moved_part(scene, last));
+  curve.x_unit = " s", curve.y_unit = " mm";
+  curve.over_time = true;
+  add_points(
+      rows, scene, seconds, [&](const Row& row) { return row.monitor_relative[axis] * 1e3; }, curve);
+  return curve;
+}
+
+Curve collapse_curve(const std::vector<Row>& rows, const Scene& scene) {
+  Curve curve;
+  curve.columns = "largest_displacement_mm multiplier";
+  curve.x_label = "largest displacement of a block (mm)";
+  curve.y_label = "multiplier of the weight";
+  curve.x_unit = " mm";
+  const auto moved = [](const Row& row) { return row.largest_displacement * 1e3; };
+  add_points(
+      rows, scene, moved, [](const Row& row) { return row.multiplier; }, curve);
+  return curve;
+}
+
+Curve rest_curve(const std::vector<Row>& rows, const Scene& scene) {
+  Curve curve;
+  curve.columns = "time_s vertical_displacement_mm";
+  curve.x_label = "time (s)";
+  curve.y_label = "vertical displacement (mm)";
+  curve.name = fmt::format("of {}", moved_part(scene, scene.stages.back()));
+  curve.x_unit = " s", curve.y_unit = " mm";
+  curve.over_time = true;
+  add_points(
+      rows, scene, seconds, [](const Row& row) { return row.monitor_displacement[1] * 1e3; }, curve);
+  return curve;
+}
+
+Curve curve_of(const std::vector<Row>& rows, const Scene& scene, const std::string& law) {
+  const std::string_view kind = scene.stages.empty() ? "push" : curve_kind(scene.stages.back());
+  if (kind == "earthquake") return earthquake_curve(rows, scene);
+  if (kind == "collapse") return collapse_curve(rows, scene);
+  // Without a driven part, forces of walls are still what presses them.
+  if (kind == "rest" && !is_vertical(scene) && scene.blocks) return rest_curve(rows, scene);
+  return push_curve(rows, scene, law);
+}
+
+struct Range {
+  double low = 0.0, high = 0.0;
+};
+
+Range range_of(const Curve& curve, size_t column) {
+  Range range;
+  if (column == 0 && curve.over_time && !curve.points.empty())
+    range = {curve.points.front()[0], curve.points.front()[0]};
+  for (const auto& point : curve.points)
+    range.low = std::min(range.low, point[column]), range.high = std::max(range.high, point[column]);
+  return range;
+}
+
+// Beside the peak on the side where there is room, above or below the curve.
+std::string peak_label(const Curve& curve, const Range& x) {
+  const auto& at = curve.points[static_cast<size_t>(curve.peak)];
+  const double place = (at[0] - x.low) / std::max(x.high - x.low, 1e-300);
+  const char* side = place < 0.2 ? "left" : place > 0.8 ? "right" : "center";
+  const std::string text = fmt::format(
+      "{}{} at {}{}", curve.y_unit == " kN" ? fmt::format("{:.1f}", at[1]) : fmt::format("{:.4g}", at[1]), curve.y_unit,
+      curve.x_unit == " mm" ? fmt::format("{:.2f}", at[0]) : fmt::format("{:.4g}", at[0]), curve.x_unit);
+  return fmt::format("set label 1 \"{}\" at {:.6g},{:.6g} {} offset 0,{} font \"Sans,19\" front\n", text, at[0], at[1],
+                     side, at[1] < 0 ? -1.1 : 1.1) +
+         fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at[0], at[1]);
+}
+
+std::string script_of(const Curve& curve, const Scene& scene, const std::string& label) {
+  const char* pen = kPens[0];
+  const char* second = kPens[1];
+  Range x = range_of(curve, 0);
+  const Range y = range_of(curve, 1);
+  const bool both_x = x.low < -0.01 * x.high, both_y = y.low < -0.02 * y.high;
+  if (curve.over_time)
+    x.high += x.high > x.low ? 0.0 : 1.0;
+  else
+    x = {both_x ? 1.02 * x.low : 0.0, x.high > 0 ? 1.02 * x.high : 1.0};
+  std::string script = fmt::format(R"gp(set terminal pngcairo size 1500,950 font "Sans,19" linewidth 1.5
+set tmargin at screen 0.86
+set title {} noenhanced font "Sans,23" offset 0,1.7
+set xlabel {} noenhanced
+set ylabel {} noenhanced textcolor rgb "{}"
+set border {} linecolor rgb "#404040"
+set xrange [{:.6g}:{:.6g}]
+set yrange [{}:*]
+set xtics nomirror
+set ytics nomirror textcolor rgb "{}"
+set grid xtics ytics linecolor rgb "#b8b8b8" linewidth 0.8
+set key at screen 0.5,0.895 center horizontal samplen 3 reverse Left noenhanced
+{})gp",
+                                   fitting_text(title_of(scene), 1400, 23), fitting_text(curve.x_label, 1200, 19),
+                                   fitting_text(curve.y_label, 700, 19), pen, curve.pressed ? 11 : 3, x.low, x.high,
+                                   both_y ? "*" : "0", pen, label.empty() ? "" : "set bmargin at screen 0.13\n");
+  if (both_x) script += "set yzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
+  if (both_y) script += "set xzeroaxis linecolor rgb \"#606060\" linewidth 1.2\n";
+  std::string plot =
+      fmt::format("plot \"curve.dat\" using 1:2 with lines linewidth 3 linecolor rgb \"{}\" {}", pen,
+                  curve.name.empty() ? "notitle" : "title " + fitting_text(curve.name, curve.pressed ? 750 : 1300, 19));
+  if (curve.pressed) {
+    script += fmt::format(
+        "set y2label \"mean vertical stress (MPa)\" textcolor rgb \"{0}\"\nset y2range [0:*]\n"
+        "set y2tics nomirror textcolor rgb \"{0}\"\n",
+        second);
+    plot += fmt::format(
+        ", \\\n     \"curve.dat\" using 1:3 axes x1y2 with lines linewidth 1.7 dashtype (8,5) linecolor rgb \"{}\" "
+        "title \"mean vertical stress (right axis)\"",
+        second);
+  }
+  if (curve.peak >= 0) {
+    script += peak_label(curve, x) + fmt::format("set offsets 0, 0, graph 0.1, {}\n", both_y ? "graph 0.1" : "0");
+    plot += fmt::format(", \\\n     $peak with points pointtype 7 pointsize 1.6 linecolor rgb \"{}\" notitle", pen);
+  }
+  return script + label + plot + "\n";
+}
+
+}  // namespace
+
+std::string plot_curve(const std::filesystem::path& folder, const std::vector<HistoryRow>& rows, const Scene& scene,
+                       const std::string& law, const std::string& label) {
+  make_folder(folder / "plots");
+  const Curve curve = curve_of(rows, scene, law);
+  std::string data = "# " + curve.columns + "\n";
+  for (const auto& point : curve.points) data += fmt::format("{:.7g} {:.7g} {:.7g}\n", point[0], point[1], point[2]);
+  if (curve.points.empty()) data += "NaN NaN NaN\n";
+  write_file(folder / "plots" / "curve.dat", data);
+  return draw_picture(folder, "curve", script_of(curve, scene, label));
+}
+
+}  // namespace quoin

@@ -1,0 +1,131 @@
+#include "step/gridpoint_kernels.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "step/gridpoint_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "model/lanes3-inl.h"
+#include "model/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace quoin::blocks {
+namespace HWY_NAMESPACE {
+using namespace quoin::HWY_NAMESPACE;
+
+// The axes of a pair in space: sums of the columns of R.
+HWY_INLINE void turn_axes(const BlockFrame& frame, const GridpointPair& pair, PairAxes& axes) {
+  const Four d;
+  for (int k = 0; k < 3; ++k) {
+    const Vector& axis = pair.axis[k];
+    for (int c = 0; c < kFour; c += kPart) {
+      // The row that ends the matrix is followed by another matrix.
+      const auto column = [&](int j) HWY_ATTR { return hn::LoadU(d, &frame.transposed_r.row[j].x + c); };
+      const F sum = hn::MulAdd(hn::Set(d, axis.x), column(0),
+                               hn::MulAdd(hn::Set(d, axis.y), column(1), hn::Mul(hn::Set(d, axis.z), column(2))));
+      hn::StoreU(sum, d, axes.axis[k] + c);
+    }
+  }
+}
+
+void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                    const Vector* node_x, const GridpointColumns& c) {
+  for (const GridpointPair& pair : pairs) {
+    PairAxes& of_pair = *axes++;
+    if (frames) turn_axes(frames[pair.a], pair, of_pair);
+    const Lanes3 n = broadcast(of_pair.axis[0]), s = broadcast(of_pair.axis[1]), t = broadcast(of_pair.axis[2]);
+    const std::uint32_t end = pair.first + pair.count;
+    for (std::uint32_t i = pair.first; i < end; i += kWidth) {
+      const FirstLanes part{static_cast<int>(end - i)};
+      const auto at = [&](const std::int32_t* node) HWY_ATTR {
+        return load_vectors(
+            [&](int l) { return &node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x; });
+      };
+      const Lanes3 apart = difference_of(at(c.node_b), at(c.node_a));
+      part.store(hn::Sub(dot_of(n, apart), part.load(c.reference + i)), c.normal_jump + i);
+      const V place[2] = {dot_of(s, apart), dot_of(t, apart)};
+      for (int k = 0; k < 2; ++k) {
+        part.store(hn::Sub(place[k], part.load(c.slid[k] + i)), c.slip[k] + i);
+        part.store(place[k], c.slid[k] + i);
+      }
+    }
+  }
+}
+
+// Three numbers that are summed over eight lanes each, as a tree that is the same for vectors of any width.
+HWY_INLINE Vector sums_over_lanes(const V (&of)[3][kParts]) {
+  alignas(64) double lane[3][kLanes];
+  for (int k = 0; k < 3; ++k) {
+    for (int p = 0; p < kParts; ++p) hn::Store(of[k][p], D(), lane[k] + p * kWidth);
+  }
+  Vector sum;
+  for (int k = 0; k < 3; ++k) {
+    const double* const x = lane[k];
+    sum[k] = ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]));
+  }
+  return sum;
+}
+
+void GridpointForces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning, const GridpointColumns& c,
+                     FacetRow* rows) {
+  const D d;
+  for (GridpointPair& pair : pairs) {
+    const auto& in_space = (axes++)->axis;
+    const Lanes3 n = broadcast(in_space[0]), s = broadcast(in_space[1]), t = broadcast(in_space[2]);
+    const std::uint32_t end = pair.first + pair.count;
+    V moment[3][kParts];
+    for (auto& of : moment) std::fill(of, of + kParts, hn::Zero(d));
+    int p = 0;
+    for (std::uint32_t i = pair.first; i < end; i += kWidth, p = (p + 1) % kParts) {
+      const FirstLanes part{static_cast<int>(end - i)};
+      const V area = part.load(c.area + i);
+      V f[3];
+      for (int k = 0; k < 3; ++k) {
+        f[k] = part.load(c.traction[k] + i);
+        if (c.viscous[0]) f[k] = hn::Add(f[k], part.load(c.viscous[k] + i));
+        f[k] = hn::Mul(area, f[k]);
+      }
+      const Lanes3 force = plus_scaled(plus_scaled(scaled(f[0], n), f[1], s), f[2], t);
+      const V column[kFour] = {force.x, force.y, force.z, hn::Zero(d)};
+      FacetRow* const row = rows + pair.row + (i - pair.first);
+      for_rows(column, std::min(kWidth, part.count),
+               [&](int l, int at, F four) HWY_ATTR { hn::StoreU(four, Four(), row[l].force + at); });
+      if (!turning) continue;
+      const Lanes3 apart{hn::Add(part.load(c.normal_jump + i), part.load(c.reference + i)), part.load(c.slid[0] + i),
+                         part.load(c.slid[1] + i)};
+      const Lanes3 couple = cross_of(apart, {f[0], f[1], f[2]});  // along n, s, t
+      for (int k = 0; k < 3; ++k) moment[k][p] = hn::Add(moment[k][p], couple[k]);
+    }
+    pair.moment = {};
+    if (!turning) continue;
+    const Vector sum = sums_over_lanes(moment);
+    for (int k = 0; k < 3; ++k) pair.moment += sum[k] * Vector{in_space[k][0], in_space[k][1], in_space[k][2]};
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace quoin::blocks
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace quoin::blocks {
+
+HWY_EXPORT(GridpointJumps);
+HWY_EXPORT(GridpointForces);
+
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                     const Vector* node_x, const GridpointColumns& columns) {
+  HWY_DYNAMIC_DISPATCH(GridpointJumps)(pairs, axes, frames, node_x, columns);
+}
+
+void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
+                      const GridpointColumns& columns, FacetRow* rows) {
+  HWY_DYNAMIC_DISPATCH(GridpointForces)(pairs, axes, turning, columns, rows);
+}
+
+}  // namespace quoin::blocks
+
+#endif  // HWY_ONCE

@@ -1,0 +1,34 @@
+// Contact points that sit on gridpoints of both blocks, pair by pair and eight side by side. Compiled for every
+// instruction set that Highway knows and chosen at run time.
+//
+// The axes e_k = R_a E_k turn with the frame of block a (deformable_kernels.h). With d the way from the gridpoint of a
+// to that of b, the opening is e_n . d less the reference, and the slip of a step the change of e_s . d and e_t . d.
+// The force f = A (sigma e_n + tau_s e_s + tau_t e_t) acts on both gridpoints. As R_a is a function of all gridpoints
+// of a, the work of f on a change of d in turning axes needs the moment d x f on the frame of a besides. With it
+// forces, moments and energy balance to rounding, however far b has slid.
+#pragma once
+
+#include <span>
+
+#include "model/world.h"
+
+namespace quoin::blocks {
+
+// Columns of a family, from its first point on, and the gridpoints of a chunk.
+struct GridpointColumns {
+  const double *traction[3], *viscous[3];  // Pa; viscous[0] null: none
+  const double *reference, *area;          // m, m2
+  double *slid[2], *normal_jump, *slip[2];
+  const std::int32_t *node_a, *node_b;  // of the point `first` on
+  std::uint32_t first;
+};
+
+// Openings and slips of the step. frames: by block; null: axes stay those of the start (small displacements).
+void gridpoint_jumps(std::span<const GridpointPair> pairs, PairAxes* axes, const BlockFrame* frames,
+                     const Vector* node_x, const GridpointColumns& columns);
+
+// Forces on a, into the rows of the points, and moments on its frame. turning: axes turn.
+void gridpoint_forces(std::span<GridpointPair> pairs, const PairAxes* axes, bool turning,
+                      const GridpointColumns& columns, FacetRow* rows);
+
+}  // namespace quoin::blocks
