@@ -14,9 +14,8 @@
 #include "step/tangent.h"
 
 namespace quoin {
-namespace {
 
-Vibrating of_tangent(const Simulation& simulation, Tangent tangent) {
+Vibrating vibrating_now(const Simulation& simulation, Tangent tangent) {
   Vibrating v;
   v.stiffness = std::move(tangent.stiffness), v.mass = std::move(tangent.mass);
   for (const Tangent::Unknown& u : tangent.unknown)
@@ -39,8 +38,6 @@ Vibrating of_tangent(const Simulation& simulation, Tangent tangent) {
   return v;
 }
 
-}  // namespace
-
 Vibrating vibrating_about(const Scene& scene, const std::string& state, const std::string& stage) {
   if (scene.members)
     throw Error(
@@ -60,7 +57,7 @@ Vibrating vibrating_about(const Scene& scene, const std::string& state, const st
     simulation.run(nobody);
   else
     take_start(&simulation);
-  Vibrating v = of_tangent(simulation, tangent_of(simulation));
+  Vibrating v = vibrating_now(simulation, tangent_of(simulation));
   v.state = state;
   if (v.unknown.empty())
     throw Error(

@@ -2,8 +2,12 @@
 #pragma once
 
 #include "analysis/undamaged.h"
+#include "step/tangent.h"
 
 namespace quoin {
+
+// About the state of now. tangent: of tangent_of.
+Vibrating vibrating_now(const Simulation& simulation, Tangent tangent);
 
 // state: "weight", with the loads and supports of the stage of that name (empty: the first that has a load;
 // rest_scene.h), or the folder of a run of this scene with output.end_state = true. Throws Error as a run of kind rest,

@@ -67,7 +67,7 @@ StageStep step_under_impacts(const Scene& scene, std::size_t stage) {
   alone.stages = {scene.stages[stage]};
   alone.stages.front().solver.reset();
   const Simulation simulation(std::move(alone), 0);
-  return {simulation.time_step_report().time_step, simulation.large_motion()->impact_damping_in_use()};
+  return {simulation.time_step_report().time_step, simulation.time_step_report().impacts.in_use};
 }
 
 // What ends each stage, and how many steps that takes where it is known. Returns the steps of these stages.

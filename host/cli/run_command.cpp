@@ -14,6 +14,9 @@
 #include <set>
 #include <thread>
 
+#ifdef QUOIN_MODES
+#include "analysis/damping_ratios.h"
+#endif
 #include "base/any_error.h"
 #include "cli/again.h"
 #include "cli/live_run.h"
@@ -145,12 +148,19 @@ class Recorder : public Observer {
       text += fmt::format("; {}: time step {:.3g} s ({:.2f} of 2/omega_max)", own, step.time_step,
                           step.time_step / step.critical.value);
     const SolverSettings& solver = scene_.solver_in(static_cast<size_t>(stage));
-    const double in_use = simulation.large_motion() ? simulation.large_motion()->impact_damping_in_use() : 0.0;
+    const double in_use = step.impacts.in_use;
     if (in_use > 0.0 && in_use < 0.99 * solver.impact_damping)
       text += fmt::format(", at which {:.2g} of the impact damping of {:g} is in use", in_use, solver.impact_damping);
     if (in_use > 0.0)
       text += fmt::format("; an edge that lands comes back with {:.2g} of its velocity", landing_restitution(in_use));
     progress_.message(text);
+#ifdef QUOIN_MODES
+    if (!s.ground) return;
+    const bool goes_on = !history_.rows().empty() && history_.rows().back().stage == stage;
+    modes_.push_back(goes_on ? StageModes{stage, {}, "the run was resumed in this stage"}
+                             : damped_modes(simulation, stage));
+    progress_.message(modes_text(modes_.back()));
+#endif
   }
   void on_law_swap(const LawSwap& swap) override {
     progress_.message(
@@ -246,6 +256,7 @@ class Recorder : public Observer {
   History& history() { return history_; }
   VtkSeries& frames() { return frames_; }
   const std::optional<Error>& frames_fault() const { return frames_fault_; }
+  const std::vector<StageModes>& modes() const { return modes_; }
   ProgressLine& progress() { return progress_; }
 
  private:
@@ -277,6 +288,7 @@ class Recorder : public Observer {
   const Simulation* simulation_ = nullptr;  // that is served
   std::unique_ptr<LiveRun> live_;           // null: nobody looks
   std::set<std::string> reported_;
+  std::vector<StageModes> modes_;  // of stages that move the ground
   std::optional<Error> frames_fault_;
 };
 
@@ -589,6 +601,7 @@ void keep_results(const fs::path& folder, Simulation& simulation, const Surfaces
   info.quasi_static = check_quasi_static(rows, simulation.scene());
   if (info.law_answers && has_all) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
+  info.modes = recorder.modes();
   if (has_all) gather_for_pictures(simulation);
   if (output.plots && has_all) draw(folder, simulation, surfaces, info, options, recorder);
   keep([&] { note_results(simulation, folder, &info.provenance); });

@@ -89,8 +89,10 @@ class CollapseWatch : public Observer {
     run.base_shear = std::max(run.base_shear, std::hypot(row.base_force[0], row.base_force[2]));
     run.residual = 0.0;
     const blocks::Model* const model = simulation_->large_motion();
-    for (int block = 0; model && block < model->block_count(); ++block) {
-      if (!model->assembly().blocks[static_cast<std::size_t>(block)].fixed) look(*model, block, row, stage.gravity);
+    for (int block = 0; block < simulation_->block_count(); ++block) {
+      const auto i = static_cast<std::size_t>(block);
+      if (model ? model->assembly().blocks[i].fixed : simulation_->assembly().bricks[i].fixed) continue;
+      look(model ? translation_of(*model, block) : translation_on_lattice(block), block, row, stage.gravity);
     }
     run.largest = std::max(run.largest, run.residual);
     if (run.collapsed()) simulation_->request_stop();
@@ -100,11 +102,22 @@ class CollapseWatch : public Observer {
   ShakenRun run;
 
  private:
-  void look(const blocks::Model& model, int block, const HistoryRow& row, const Vec3& gravity) {
-    // A step ago, as the ground in a row.
+  // A step ago, as the ground in a row.
+  Vec3 translation_of(const blocks::Model& model, int block) const {
     const double step = simulation_->time_step_report().time_step;
-    const Vec3 moved =
-        geometry::array(model.position(block) - step * model.velocity(block) - model.start_position(block));
+    return geometry::array(model.position(block) - step * model.velocity(block) - model.start_position(block));
+  }
+  Vec3 translation_on_lattice(int block) const {
+    const double step = simulation_->time_step_report().time_step;
+    const std::vector<Vec3> moved = simulation_->block_displacement(block), v = simulation_->block_velocity(block);
+    Vec3 mean{};
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) mean[c] += (moved[i][c] - step * v[i][c]) / static_cast<double>(moved.size());
+    }
+    return mean;
+  }
+
+  void look(const Vec3& moved, int block, const HistoryRow& row, const Vec3& gravity) {
     double square = 0.0, sunk = 0.0, height = 0.0;
     const double g = std::hypot(gravity[0], gravity[1], gravity[2]);
     for (std::size_t c = 0; c < 3; ++c) {

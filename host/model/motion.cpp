@@ -10,6 +10,7 @@
 #include "scene/from_bricks.h"
 #include "scene/generate.h"
 #include "scene/generate_blocks.h"
+#include "scene/leaves_lattice.h"
 #include "scene/read_masses.h"
 #include "scene/to_bricks.h"
 
@@ -46,17 +47,41 @@ const char* what_is_carried(const Scene& scene) {
 // Why a wall or building has no part of its run on the lattice; empty: it may have.
 std::string why_free_from_start(const Scene& scene) {
   if (const char* const carried = what_is_carried(scene)) return std::string("the scene has ") + carried;
-  if (scene.solver.damping == DampingKind::impact) return "solver.damping = \"impact\"";
-  const std::string first = scene.stages.empty() ? "" : scene.stages.front().beyond_lattice();
+  if (scene.solver.damping == DampingKind::impact && scene.solver.maxwell_damping > 0.0)
+    return "solver.maxwell_damping";
+  const std::string first = scene.stages.empty() ? "" : leaves_lattice(scene, 0);
   return first.empty() ? "" : fmt::format("stage '{}' {}", scene.stages.front().name, first);
 }
 
-// Stages of walls and buildings that the lattice does not have: what rests on the lower beam rests on the ground then.
-// A run goes over to large motion when the first of them begins.
+// Half of the thickness has no motion across its plane of symmetry.
+void refuse_motion_across_symmetry(const Scene& scene) {
+  if (!scene.wall || !scene.wall->half_thickness) return;
+  const auto across = [](const GroundMotion& ground) {
+    return std::any_of(ground.components.begin(), ground.components.end(),
+                       [](const GroundMotion::Component& c) { return c.direction[2] != 0.0; });
+  };
+  for (const Stage& stage : scene.stages) {
+    if (!stage.ground) continue;
+    if (across(*stage.ground) || std::any_of(stage.ground->supports.begin(), stage.ground->supports.end(), across))
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: stage '{}' moves the ground along z, across the plane of symmetry of a wall with "
+                              "half_thickness = true; make that false",
+                              stage.source.text, stage.name));
+  }
+}
+
+// Stages in which something acts: what rests on the lower beam rests on the ground then. A run goes over to large
+// motion when the first of them begins that the lattice does not have.
 void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
-  const auto beyond = std::find_if(scene.stages.begin(), scene.stages.end(),
-                                   [](const Stage& s) { return !s.beyond_lattice().empty(); });
-  const bool acts = beyond != scene.stages.end();
+  refuse_motion_across_symmetry(scene);
+  const Stage* beyond = nullptr;
+  std::string why;
+  for (std::size_t i = 0; i < scene.stages.size() && !beyond; ++i) {
+    why = leaves_lattice(scene, i);
+    if (!why.empty()) beyond = &scene.stages[i];
+  }
+  const bool acts =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
   const char* const carried = what_is_carried(scene);
   if (!acts && !carried) return;
   const SolverSettings& s = scene.solver;
@@ -64,14 +89,13 @@ void prepare_for_free_blocks(const Scene& scene, Assembly& bricks) {
                               : s.large_motion == LargeMotion::never ? "large_motion = \"never\""
                               : s.selective_time_step > 0.0          ? "selective_time_step"
                                                                      : nullptr;
-  if (against)
-    throw Error(
-        Exit::bad_input,
-        fmt::format("{}, which takes blocks in large motion and is not to be had with solver.{}; remove that "
-                    "setting",
-                    acts ? fmt::format("{}: stage '{}' {}", beyond->source.text, beyond->name, beyond->beyond_lattice())
-                         : fmt::format("{}: the scene has {}", scene.file, carried),
-                    against));
+  if (against && (beyond || carried))
+    throw Error(Exit::bad_input,
+                fmt::format("{}, which takes blocks in large motion and is not to be had with solver.{}; remove that "
+                            "setting",
+                            beyond ? fmt::format("{}: stage '{}' {}", beyond->source.text, beyond->name, why)
+                                   : fmt::format("{}: the scene has {}", scene.file, carried),
+                            against));
   if (!acts) return;
   const auto stands_on = [&](const Brick& brick) { return brick.body.starts_with("bottom_beam"); };
   const bool on_beam = std::any_of(bricks.bricks.begin(), bricks.bricks.end(), stands_on);

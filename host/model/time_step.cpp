@@ -16,12 +16,30 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+// Stiffness of joints, by family normal and shear, Pa/m, and of zones over their own.
+struct Springs {
+  std::vector<std::array<double, 2>> of_family;
+  double of_zones = 1.0;
+};
+
+Springs springs_of(const Model& model) {
+  Springs springs;
+  for (const ContactFamily& family : model.families)
+    springs.of_family.push_back({family.normal_stiffness, family.shear_stiffness});
+  return springs;
+}
+
 // The undamaged assembled system in generalised coordinates: gridpoints in lane layout, then 6 a rigid body.
 class UndamagedSystem {
  public:
   // chunks: of contact points that count, in order.
   UndamagedSystem(const Model& model, std::span<const int> chunks)
-      : model_(model), body_base_(model.line_count * kLine), chunks_(chunks.begin(), chunks.end()) {
+      : UndamagedSystem(model, chunks, springs_of(model)) {}
+  UndamagedSystem(const Model& model, std::span<const int> chunks, Springs springs)
+      : model_(model),
+        springs_(std::move(springs)),
+        body_base_(model.line_count * kLine),
+        chunks_(chunks.begin(), chunks.end()) {
     slave_body_.resize(at((model.line_count - model.block_line_count) * kLanes), -1);
     slave_arm_.resize(slave_body_.size());
     for (std::size_t b = 0; b < model.bodies.size(); ++b) {
@@ -39,6 +57,7 @@ class UndamagedSystem {
 
   int size() const { return body_base_ + 6 * static_cast<int>(model_.bodies.size()); }
   int body_base() const { return body_base_; }
+  double of_zones() const { return springs_.of_zones; }
   double free(int dof) const {
     if (dof < body_base_) return model_.node_free[at(dof)];
     return model_.bodies[at((dof - body_base_) / 6)].held[at((dof - body_base_) % 6)] ? 0.0 : 1.0;
@@ -179,9 +198,9 @@ class UndamagedSystem {
   };
 
   void add_to_stretches(std::int32_t i) {
-    const ContactFamily& family = model_.families[at(family_of(i))];
+    const auto [normal, shear] = springs_.of_family[at(family_of(i))];
     const int blocks_end = model_.block_line_count * kLine;
-    Stretch next{{i, 1, model_.point_axis[at(i)], family.normal_stiffness, family.shear_stiffness},
+    Stretch next{{i, 1, model_.point_axis[at(i)], normal, shear},
                  family_of(i),
                  model_.node_a[at(i)] >= blocks_end || model_.node_b[at(i)] >= blocks_end};
     if (stretches_.empty() || !stretches_.back().goes_on_with(next)) {
@@ -221,13 +240,12 @@ class UndamagedSystem {
   // Visits the three springs of a contact point: visit(participants, stiffness in N/m, point).
   template <class Visit>
   void visit_springs(std::int32_t point, Visit visit) const {
-    const ContactFamily& family = model_.families[at(family_of(point))];
+    const auto [normal, shear] = springs_.of_family[at(family_of(point))];
     for (int c = 0; c < 3; ++c) {
       Participants p;
       add_gridpoint(model_.node_a[at(point)], c, -1.0, &p);
       add_gridpoint(model_.node_b[at(point)], c, +1.0, &p);
-      const bool normal = c == model_.point_axis[at(point)];
-      visit(p, (normal ? family.normal_stiffness : family.shear_stiffness) * model_.area[at(point)], point);
+      visit(p, (c == model_.point_axis[at(point)] ? normal : shear) * model_.area[at(point)], point);
     }
   }
 
@@ -240,6 +258,7 @@ class UndamagedSystem {
   }
 
   const Model& model_;
+  Springs springs_;
   int body_base_;
   std::vector<int> chunks_;
   std::vector<int> slave_body_;
@@ -320,6 +339,10 @@ class ScaledSystem {
   void scale_and_strain(const UnitGroup& unit, const LaneVector<double>& x, LaneVector<double>* y) {
     scale_motion_then(model_, unit, scaling_, scale_.data(), x.data(), scaled_.data());
     zone_stiffness(model_, unit, scaled_.data(), y->data());
+    if (system_.of_zones() == 1.0) return;
+    const auto u = static_cast<std::size_t>(&unit - model_.unit_groups.data());
+    const Model::Extent of = model_.extent_of_units(u, u + 1);
+    for (std::size_t i = of.first_line * kLine; i < of.end_line * kLine; ++i) (*y)[i] *= system_.of_zones();
   }
 
   // Numbers of bodies of this process.
@@ -419,13 +442,12 @@ void each_number(const UndamagedSystem& system, const SharedModel* shared, Visit
   }
 }
 
-TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia,
-                      const std::vector<Stage>& stages, Limits wanted, SharedModel* shared) {
+// tree: eigenvalue of the stiffest whiffletree, 1/s2.
+TimeStepReport limits(const Model& model, const UndamagedSystem& system, const Inertia& inertia, double tree,
+                      Limits wanted, SharedModel* shared) {
   TimeStepReport report;
   report.model_mass = model.total_mass();
   // The eigenvalue of a sum of springs is at most the sum of theirs; trees are soft beside joints.
-  const double tree = whiffletree_eigenvalue(
-      stages, [&](const Stage&, const std::string& name) { return compliances(model, inertia, name, shared); });
   const auto step_of = [tree](double of_joints) {
     const double omega_squared = of_joints + tree;
     return omega_squared > 0.0 ? 2.0 / std::sqrt(omega_squared) : std::numeric_limits<double>::infinity();
@@ -475,6 +497,77 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
   set_by(sum_dof, &report.gershgorin);
   set_by(diagonal_dof, &report.nodal);
   return report;
+}
+
+// The lightest block at the joints of a family sets its viscosity. Joints between the halves of units are glued from
+// the start: nothing lands there, and their stiffness, which is that of the units, would take all of the step.
+std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const SolverSettings& settings) {
+  const Assembly& assembly = model.assembly;
+  std::vector<std::array<double, 2>> squares(assembly.families.size()), viscosities;
+  std::vector<char> lands(squares.size(), 0);
+  for (const Joint& joint : assembly.joints) {
+    const auto f = at(joint.family);
+    const int unit = assembly.bricks[at(joint.block_a)].unit;
+    if (unit < 0 || unit != assembly.bricks[at(joint.block_b)].unit) lands[f] = 1;
+    for (const int block : {joint.block_a, joint.block_b}) {
+      const Brick& brick = assembly.bricks[at(block)];
+      if (brick.fixed) continue;
+      const std::size_t n = at(joint.face_a / 2), s = (n + 1) % 3, t = (n + 2) % 3;
+      const Vec3& size = brick.size;
+      const double mass =
+          settings.mass_scaling * assembly.materials[at(brick.material)].density * size[0] * size[1] * size[2];
+      const auto about = [&](double p, double q) { return mass * (p * p + q * q) / 12.0; };
+      const LandingBlock landing{mass,
+                                 size[s] * size[t],
+                                 {0.5 * size[s], 0.5 * size[t]},
+                                 {about(size[n], size[t]), about(size[n], size[s])},
+                                 0.5 * size[n]};
+      const auto of_block =
+          landing_squares(landing, model.families[f].normal_stiffness, model.families[f].shear_stiffness);
+      for (std::size_t k = 0; k < 2; ++k) squares[f][k] = std::max(squares[f][k], of_block[k]);
+    }
+  }
+  for (std::size_t f = 0; f < squares.size(); ++f)
+    viscosities.push_back(lands[f] ? impact_viscosity(squares[f], settings.impact_damping) : std::array{0.0, 0.0});
+  return viscosities;
+}
+
+double least_zone_viscosity(const Model& model, const SolverSettings& settings) {
+  double least = 0.0;
+  for (const Brick& brick : model.assembly.bricks) {
+    if (brick.rigid) continue;
+    const BlockMaterial& m = model.assembly.materials[at(brick.material)];
+    const double diagonal = std::hypot(brick.size[0], brick.size[1], brick.size[2]);
+    const double of_block = zone_viscosity(diagonal, std::sqrt(m.young_modulus / (m.density * settings.mass_scaling)));
+    least = least > 0.0 ? std::min(least, of_block) : of_block;
+  }
+  return least;
+}
+
+// tree: as in limits.
+ImpactStep damp_impacts(const Model& model, const SolverSettings& settings, const Inertia& inertia, double tree,
+                        SharedModel* shared, TimeStepReport* report) {
+  ImpactDamping& damping = report->impacts;
+  damping.viscosity = impact_viscosities(model, settings);
+  damping.of_zones = least_zone_viscosity(model, settings);
+  const std::vector<int> chunks = chunks_here(model, shared);
+  // K times this plus C times that.
+  const auto eigenvalue = [&](double of_stiffness, double of_viscosity) {
+    Springs springs = springs_of(model);
+    for (std::size_t f = 0; f < springs.of_family.size(); ++f) {
+      for (std::size_t k = 0; k < 2; ++k)
+        springs.of_family[f][k] *= of_stiffness + of_viscosity * damping.viscosity[f][k];
+    }
+    springs.of_zones = of_stiffness + of_viscosity * damping.of_zones;
+    return largest_eigenvalue(model, UndamagedSystem(model, chunks, std::move(springs)), inertia, false, shared).value;
+  };
+  const ImpactStep step =
+      step_under_impacts(report->critical.value, eigenvalue(0.0, 1.0),
+                         [&](double share, double dt) { return tree + eigenvalue(1.0, 2.0 * share / dt); });
+  for (auto& of_family : damping.viscosity) of_family = {step.share * of_family[0], step.share * of_family[1]};
+  damping.of_zones *= step.share;
+  damping.in_use = step.share * settings.impact_damping;
+  return step;
 }
 
 // kg; a body counts where its six numbers begin.
@@ -592,7 +685,9 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   if (settings.critical_time_step == CriticalTimeStep::nodal && wanted == Limits::critical) wanted = Limits::nodal;
   *inertia = inertia_in_use(model, settings, shared);
   const UndamagedSystem system(model, chunks_here(model, shared));
-  TimeStepReport report = limits(model, system, *inertia, stages, wanted, shared);
+  const double tree = whiffletree_eigenvalue(
+      stages, [&](const Stage&, const std::string& name) { return compliances(model, *inertia, name, shared); });
+  TimeStepReport report = limits(model, system, *inertia, tree, wanted, shared);
   report.added_mass = std::max(0.0, mass_in_use(model, system, *inertia, shared) - report.model_mass);
 
   if (!std::isfinite(report.critical.value) && !(settings.selective_time_step > 0.0)) {
@@ -616,6 +711,12 @@ TimeStepReport choose_time_step(const Model& model, const SolverSettings& settin
   const double limit =
       settings.critical_time_step == CriticalTimeStep::nodal ? report.nodal.value : report.critical.value;
   report.time_step = settings.time_step_fraction * reduction * limit;
+  if (settings.damping == DampingKind::impact && std::isfinite(report.critical.value)) {
+    constexpr double kClose = 0.95;  // of the limit
+    report.time_step = std::min(report.time_step, kClose * limit) *
+                       damp_impacts(model, settings, *inertia, tree, shared, &report).left;
+    report.stiffness_damping = report.impacts.of_zones;
+  }
   if (settings.selective_time_step > 0.0) report.time_step = std::min(settings.selective_time_step, report.time_step);
   return report;
 }

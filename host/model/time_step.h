@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "model/impact_damping.h"
 #include "model/model.h"
 #include "model/rigid_motion.h"
 #include "model/shared_model.h"
@@ -29,8 +30,9 @@ struct TimeStepReport {
   double quiet_fraction = 1.0;
   std::string warning() const;     // of a step above the quiet one or above 2/omega_max; else empty
   double stiffness_damping = 0.0;  // s, of viscous damping in use
-  double added_mass = 0.0;         // kg, by selective mass scaling
-  double model_mass = 0.0;         // kg, before any scaling
+  ImpactDamping impacts;
+  double added_mass = 0.0;  // kg, by selective mass scaling
+  double model_mass = 0.0;  // kg, before any scaling
 };
 
 // Inertia in use (mass scaling included): per component of gridpoints, and per rigid body.

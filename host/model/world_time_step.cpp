@@ -1,12 +1,12 @@
 // The stable time step: 2/omega_max of the assembled, undamaged system, by Lanczos iteration without forming a matrix.
 #include <fmt/format.h>
 
-#include <numbers>
 #include <set>
 
 #include "base/error.h"
 #include "members/members.h"
 #include "model/gathered_sums.h"
+#include "model/impact_damping.h"
 #include "model/lanczos.h"
 #include "model/world.h"
 #include "model/zone_kernels.h"
@@ -412,19 +412,9 @@ void World::hold_by_springs(double eigenvalue) {
   find_time_step();
 }
 
-// ---- Damping of impacts --------------------------------------------------------------------------------------------
+// ---- Damping of impacts (model/impact_damping.h) -------------------------------------------------------------------
 
-namespace {
-
-constexpr double kZoneDamping = 0.01;  // of critical at the first frequency of a block that deforms
-constexpr double kAlong = 0.5;         // damping along the joint, of that normal to it
-constexpr double kLeastStep = 0.5;     // of the undamped time step: what impacts are damped less for
-
-}  // namespace
-
-// Of a block that lands on an edge of the face that it has towards this contact: omega^2 = kn (A/2) (1/m + b^2/I), A of
-// the face, b from the centre of mass to the edge and I about an axis along it. Of two directions in the face the one
-// with the higher frequency. 1/s2.
+// Of a block that lands on an edge of the face that it has towards this contact, 1/s2.
 World::Landing World::landing_frequencies(const Contact& c, int block) const {
   const Block& input = assembly_.blocks[size_t(block)];
   if (input.fixed) return {};
@@ -450,14 +440,15 @@ World::Landing World::landing_frequencies(const Contact& c, int block) const {
     return solver_.mass_scaling * (values.x * own.x * own.x + values.y * own.y * own.y + values.z * own.z * own.z);
   };
   const double height = dot(shape.vertices[size_t(corners[0])] - own_mass.centre, n);
-  const double about_s = inertia_about(s), about_t = inertia_about(t),
-               over_mass = 1 / (solver_.mass_scaling * own_mass.mass);
-  const double half_area = 0.5 * face_area(shape, int(face));
-  return {f.kn * half_area * (over_mass + std::max(along_s * along_s / about_t, along_t * along_t / about_s)),
-          f.ks * half_area * (over_mass + height * height / std::min(about_s, about_t))};
+  return landing_squares({solver_.mass_scaling * own_mass.mass,
+                          face_area(shape, int(face)),
+                          {along_s, along_t},
+                          {inertia_about(s), inertia_about(t)},
+                          height},
+                         f.kn, f.ks);
 }
 
-// Of the lightest block at the joints of a family, rad/s. Of a family that has none yet, of the lightest block of all
+// Of the lightest block at the joints of a family, 1/s2. Of a family that has none yet, of the lightest block of all
 // on its largest face.
 World::Landing World::landing_frequencies(int family) const {
   const Family& f = families_[size_t(family)];
@@ -479,7 +470,7 @@ World::Landing World::landing_frequencies(int family) const {
     const double half_over_mass = 0.5 / (density * facts.least_extent);  // A/2 over m, A = V/least extent
     add({4.0 * f.kn * half_over_mass, 4.0 * f.ks * half_over_mass});     // b^2/I and h^2/I are at most 3/m of a box
   }
-  return {std::sqrt(highest[0]), std::sqrt(highest[1])};
+  return highest;
 }
 
 void World::choose_impact_damping() {
@@ -503,38 +494,27 @@ void World::choose_impact_damping() {
       impact_beta_.insert(impact_beta_.end(), {0.0, 0.0});
       continue;
     }
-    const auto [normal, along] = landing_frequencies(int(f));
-    impact_beta_.push_back(normal > 0.0 ? 2.0 * solver_.impact_damping / normal : 0.0);
-    impact_beta_.push_back(along > 0.0 ? 2.0 * kAlong * solver_.impact_damping / along : 0.0);
+    const auto [normal, along] = impact_viscosity(landing_frequencies(int(f)), solver_.impact_damping);
+    impact_beta_.insert(impact_beta_.end(), {normal, along});
   }
-  // The first vibration of a bar between free ends: omega = pi c/L.
   for (int i = 0; i < block_count(); ++i) {
     const Block& input = assembly_.blocks[size_t(i)];
     if (input.rigid) continue;
     const BlockMaterial& m = assembly_.materials[size_t(input.material)];
     const double speed = std::sqrt(m.young_modulus / (m.density * solver_.mass_scaling));
-    const double beta = 2.0 * kZoneDamping * 2.0 * blocks_[size_t(i)].radius / (std::numbers::pi * speed);
+    const double beta = zone_viscosity(2.0 * blocks_[size_t(i)].radius, speed);
     impact_zone_beta_ = impact_zone_beta_ > 0.0 ? std::min(impact_zone_beta_, beta) : beta;
   }
 }
 
-// With stiffness K and viscosity C, whose forces are those of the velocities half a step ago, central differences are
-// stable where 4 M - dt^2 K - 2 dt C is positive: where dt <= 2/omega(dt), omega^2 the largest eigenvalue of K + 2 C/dt
-// over M. That one grows as dt falls, so from a dt that is stable 2/omega(dt) is stable too, and no shorter. The first
-// is that of the sum of both largest eigenvalues: x^2 + z x = 1. Where the step would fall below kLeastStep of the
-// undamped one, viscosity becomes less instead: the eigenvalue is convex in its share, so that a chord is safe.
 double World::step_under_impact_damping() {
   impact_rate_ = largest_over_inertia(impact_dashpots());
-  const double z = 0.5 * impact_rate_ * critical_dt_;
-  const double x = std::max(kLeastStep, std::sqrt(1 + 0.25 * z * z) - 0.5 * z), dt = x * critical_dt_;
-  const double allowed = 4 / (dt * dt), all = springs_ + largest_over_inertia(with_dashpots(1.0, dt));
-  if (all <= allowed) return 2 / (std::sqrt(all) * critical_dt_);
-  const double least = std::min(1.0, (1 - x * x) / (x * z));
-  const double some = springs_ + largest_over_inertia(with_dashpots(least, dt));
-  const double share = some < allowed ? least + (1 - least) * (allowed - some) / (all - some) : least;
+  const auto [left, share] = step_under_impacts(critical_dt_, impact_rate_, [this](double of_all, double dt) {
+    return springs_ + largest_over_inertia(with_dashpots(of_all, dt));
+  });
   for (double& beta : impact_beta_) beta *= share;
   impact_zone_beta_ *= share, impact_rate_ *= share, impact_share_ *= share;
-  return x;
+  return left;
 }
 
 double step_over_critical(const SolverSettings& solver, double critical) {
@@ -574,7 +554,7 @@ void World::find_time_step(bool may_grow) {
   }
   double dt = step_over_critical(solver_, critical_dt_) * critical_dt_;
   if (impacts_damped()) {
-    const double left = omega > 0 ? step_under_impact_damping() : kLeastStep;
+    const double left = omega > 0 ? step_under_impact_damping() : kLeastImpactStep;
     double stiffer = 1.0;  // joints beyond the band, with Maxwell elements
     for (const MaxwellElement& e : maxwell_) stiffer += e.share;
     // Without these, time_step_fraction leaves room for the stiffness that they add.

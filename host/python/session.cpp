@@ -12,6 +12,9 @@
 #include <thread>
 #include <utility>
 
+#ifdef QUOIN_MODES
+#include "analysis/damping_ratios.h"
+#endif
 #include "results/crushed_out.h"
 #include "results/parted_joints.h"
 #include "results/quasi_static.h"
@@ -195,7 +198,13 @@ bool Session::step(long count, bool stop_at_stage_end) {
   return more;
 }
 
-void Session::on_stage_begin(const Simulation&, int stage) { stage_ = stage; }
+void Session::on_stage_begin([[maybe_unused]] const Simulation& simulation, int stage) {
+#ifdef QUOIN_MODES
+  if (stage_ != stage && simulation.scene().stages[static_cast<std::size_t>(stage)].ground)
+    modes_.push_back(damped_modes(simulation, stage));
+#endif
+  stage_ = stage;
+}
 
 void Session::on_promotion(const Simulation&) {
   if (surfaces_) *surfaces_ = Surfaces();
@@ -286,6 +295,7 @@ std::string Session::finish(const std::string& status, const std::string& messag
   if (info.law_answers) info.crushed_out = find_crushed_out(simulation);
   info.warnings = warnings_of(simulation, info.quasi_static, info.crushed_out);
   info.wall_clock_s = seconds_since(start_);
+  info.modes = modes_;
   if (file_ && !finished_) {
     finished_ = true;
     file_->finish();

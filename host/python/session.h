@@ -18,6 +18,7 @@
 #include "results/checkpoint_file.h"
 #include "results/history.h"
 #include "results/provenance.h"
+#include "results/summary.h"
 #include "results/surface.h"
 #include "results/vtk.h"
 #include "step/simulation.h"
@@ -101,6 +102,7 @@ class Session : private Observer {
   py::object progress_ = py::none();
   bool stepping_ = false, finished_ = false;
   int stage_ = -1;
+  std::vector<StageModes> modes_;      // of stages that move the ground
   std::vector<std::string> warnings_;  // that Python has not been given yet
   std::optional<LawWatchdog> watchdog_;
   std::vector<HashedFile> files_;         // that the scene takes in and its laws, as they were at the start

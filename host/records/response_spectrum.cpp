@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "base/error.h"
 
@@ -22,16 +24,12 @@ class Oscillator {
   }
 
   void advance(double step, double from, double to) {
-    const double slope = (to - from) / step;
-    const double b = -slope / (w_ * w_), a = (-from - 2.0 * zeta_ * w_ * b) / (w_ * w_);  // particular: a + b t
-    const double c = u_ - a, d = (v_ - b + zeta_ * w_ * c) / damped_;
-    if (step != step_) {
-      step_ = step, decay_ = std::exp(-zeta_ * w_ * step);
-      cosine_ = std::cos(damped_ * step), sine_ = std::sin(damped_ * step);
-    }
-    const double free = decay_ * (c * cosine_ + d * sine_);
-    u_ = free + a + b * step;
-    v_ = -zeta_ * w_ * free + decay_ * damped_ * (d * cosine_ - c * sine_) + b;
+    // Times of equal steps differ by rounding.
+    constexpr double kSame = 1e-9;
+    if (!(std::abs(step - step_) <= kSame * step)) find_gains(step);
+    const auto after = [&](const Gains& g) { return g.of_u * u_ + g.of_v * v_ + (g.of_from * from + g.of_to * to); };
+    const double u = after(displacement_), v = after(velocity_);
+    u_ = u, v_ = v;
     result_.displacement = std::max(result_.displacement, std::abs(u_));
     result_.velocity = std::max(result_.velocity, std::abs(v_));
     result_.absolute_acceleration =
@@ -41,10 +39,11 @@ class Oscillator {
   // In equal parts, short enough for the extremes.
   void advance_in_parts(double step, double from, double to) {
     const double parts = std::max(1.0, std::ceil(step * kLooksPerPeriod / result_.period));
-    for (double k = 0.0; k < parts; ++k)
-      advance(step / parts, from + (to - from) * k / parts, from + (to - from) * (k + 1.0) / parts);
+    const double length = step / parts, rise = (to - from) / parts;
+    for (double k = 0.0; k < parts; ++k) advance(length, from + rise * k, from + rise * (k + 1.0));
   }
 
+  double period() const { return result_.period; }
   SpectralOrdinates ordinates() const {
     SpectralOrdinates result = result_;
     result.pseudo_velocity = w_ * result.displacement;
@@ -53,9 +52,33 @@ class Oscillator {
   }
 
  private:
+  // The state after a step is linear in that before and in both accelerations.
+  struct Gains {
+    double of_u = 0.0, of_v = 0.0, of_from = 0.0, of_to = 0.0;
+  };
+
+  std::pair<double, double> after(double step, double u, double v, double from, double to) const {
+    const double slope = (to - from) / step;
+    const double b = -slope / (w_ * w_), a = (-from - 2.0 * zeta_ * w_ * b) / (w_ * w_);  // particular: a + b t
+    const double c = u - a, d = (v - b + zeta_ * w_ * c) / damped_;
+    const double decay = std::exp(-zeta_ * w_ * step), cosine = std::cos(damped_ * step),
+                 sine = std::sin(damped_ * step);
+    const double free = decay * (c * cosine + d * sine);
+    return {free + a + b * step, -zeta_ * w_ * free + decay * damped_ * (d * cosine - c * sine) + b};
+  }
+
+  void find_gains(double step) {
+    step_ = step;
+    std::tie(displacement_.of_u, velocity_.of_u) = after(step, 1.0, 0.0, 0.0, 0.0);
+    std::tie(displacement_.of_v, velocity_.of_v) = after(step, 0.0, 1.0, 0.0, 0.0);
+    std::tie(displacement_.of_from, velocity_.of_from) = after(step, 0.0, 0.0, 1.0, 0.0);
+    std::tie(displacement_.of_to, velocity_.of_to) = after(step, 0.0, 0.0, 0.0, 1.0);
+  }
+
   double w_, zeta_, damped_;
-  double u_ = 0.0, v_ = 0.0;                                     // m, m/s
-  double step_ = 0.0, decay_ = 1.0, cosine_ = 1.0, sine_ = 0.0;  // of the last step length
+  double u_ = 0.0, v_ = 0.0;       // m, m/s
+  double step_ = 0.0;              // s, the last one
+  Gains displacement_, velocity_;  // of it
   SpectralOrdinates result_;
 };
 
@@ -68,12 +91,18 @@ std::vector<SpectralOrdinates> response_spectrum(const TimeSeries& acceleration,
   if (acceleration.time.size() < 2) throw Error(Exit::bad_input, "a response spectrum needs at least 2 samples");
   const auto& [time, a] = acceleration;
   std::vector<SpectralOrdinates> spectrum;
+  std::vector<Oscillator> oscillators;
   for (const double period : periods) {
     if (!(period > 0.0) || !std::isfinite(period))
       throw Error(Exit::bad_input, fmt::format("period {} s of a response spectrum; allowed: more than 0", period));
-    Oscillator oscillator(period, damping);
-    for (std::size_t i = 1; i < time.size(); ++i) oscillator.advance_in_parts(time[i] - time[i - 1], a[i - 1], a[i]);
-    oscillator.advance_in_parts(period, 0.0, 0.0);
+    oscillators.emplace_back(period, damping);
+  }
+  // Sample by sample: what one oscillator waits for, another does not.
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    for (Oscillator& oscillator : oscillators) oscillator.advance_in_parts(time[i] - time[i - 1], a[i - 1], a[i]);
+  }
+  for (Oscillator& oscillator : oscillators) {
+    oscillator.advance_in_parts(oscillator.period(), 0.0, 0.0);
     spectrum.push_back(oscillator.ordinates());
   }
   return spectrum;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <mutex>
 #include <numbers>
+#include <optional>
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
@@ -95,8 +97,9 @@ double DesignSpectrum::acceleration(double period) const {
   return plateau * g.corner_c * g.corner_d / (period * period);
 }
 
-SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
-  require_settings(settings);
+namespace {
+
+SyntheticRecord make_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
   const auto count = static_cast<std::size_t>(std::llround(settings.duration / settings.time_step)) + 1;
   std::size_t size = 1;
   while (size < count) size *= 2;
@@ -154,6 +157,24 @@ SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSe
       fmt::format("synthetic, EN 1998-1 type {} ground {} a_g {} m/s2, {} s, seed {}, number {}", target.type,
                   target.ground_type, target.ground_acceleration, settings.duration, settings.seed, settings.number);
   return best;
+}
+
+}  // namespace
+
+// A suite asks for each record several times in a row: for its scene, its measures and each of its levels.
+SyntheticRecord synthetic_record(const DesignSpectrum& target, const SyntheticSettings& settings) {
+  require_settings(settings);
+  struct Made {
+    DesignSpectrum target;
+    SyntheticSettings settings;
+    SyntheticRecord record;
+  };
+  static std::mutex mutex;
+  static std::optional<Made> last;
+  const std::lock_guard lock(mutex);
+  if (!last || last->target != target || last->settings != settings)
+    last = Made{target, settings, make_record(target, settings)};
+  return last->record;
 }
 
 }  // namespace quoin

@@ -15,6 +15,7 @@ struct DesignSpectrum {
   double damping = 0.05;             // share of critical; eta = sqrt(10/(5 + 100 damping)) >= 0.55
   // S_e(T), m/s2. period: s, >= 0. Throws Error(bad_input): values outside of these ranges.
   double acceleration(double period) const;
+  bool operator==(const DesignSpectrum&) const = default;
 };
 
 struct SyntheticSettings {
@@ -22,6 +23,7 @@ struct SyntheticSettings {
   double time_step = 0.01;  // s
   std::uint64_t seed = 1;
   std::uint64_t number = 0;  // of the record in its suite
+  bool operator==(const SyntheticSettings&) const = default;
 };
 
 // Random phases under an envelope, amplitudes corrected until the spectrum fits between 0.05 and 4 s; rests at both

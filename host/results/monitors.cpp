@@ -139,8 +139,8 @@ MonitorFile::Motion MonitorFile::motion_of(const Place& place) const {
 MonitorFile::Motion MonitorFile::ground_of(const HistoryRow& row) const {
   Motion ground{row.ground_displacement, {}};
   const blocks::Model* const model = simulation_.large_motion();
-  for (int block = 0; model && block < model->block_count(); ++block) {
-    if (!model->assembly().blocks[at(block)].fixed) continue;
+  for (int block = 0; block < static_cast<int>(simulation_.block_count()); ++block) {
+    if (model ? !model->assembly().blocks[at(block)].fixed : !simulation_.assembly().bricks[at(block)].fixed) continue;
     const Motion of_block = motion_of({{{block, -1}}, {}});
     double apart = 0.0;
     for (std::size_t c = 0; c < 3; ++c) apart += std::abs(of_block.displacement[c] - ground.displacement[c]);

@@ -190,6 +190,10 @@ Json of_beams(const members::Members& members) {
   return beams;
 }
 
+double largest_displacement(const std::vector<HistoryRow>& rows) {
+  return rows.empty() ? 0.0 : rows.back().largest_displacement;
+}
+
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -198,15 +202,22 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["collapse_multiplier"] = or_null(simulation.outcome().collapse_multiplier);
   json["collapse_lag"] = or_null(collapse_lag(simulation.scene(), simulation.outcome().collapse_multiplier));
   json["base_slip_at_uplift_m"] = or_null(simulation.outcome().base_slip_at_uplift);
-  json["largest_displacement_m"] = rows.empty() ? 0.0 : rows.back().largest_displacement;
+  json["largest_displacement_m"] = largest_displacement(rows);
   json["small_displacement"] = m.small_displacement();
   json["contact_detections"] = m.detections();
   if (m.members())
     json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
     json["beams"] = of_beams(*m.members());
-  if (m.impact_damping_in_use() > 0.0) {
-    json["impact_damping_in_use"] = m.impact_damping_in_use();
-    json["landing_restitution"] = landing_restitution(m.impact_damping_in_use());
+  return json;
+}
+
+// Of blocks of any shape, and of bricks on a ground that moves.
+Json of_motion(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
+  Json json;
+  json["largest_displacement_m"] = largest_displacement(rows);
+  if (const double in_use = simulation.time_step_report().impacts.in_use; in_use > 0.0) {
+    json["impact_damping_in_use"] = in_use;
+    json["landing_restitution"] = landing_restitution(in_use);
   }
   if (!rows.empty() && rows.back().energies) {
     const Energies& e = *rows.back().energies;
@@ -339,6 +350,15 @@ std::string law_names(const Assembly& assembly) {
   return names.size() == 1 ? *names.begin() : each;
 }
 
+std::string modes_text(const StageModes& modes) {
+  if (!modes.why_none.empty()) return "damping of the first modes not computed: " + modes.why_none;
+  std::string text = "damping of the first modes:";
+  for (const StageModes::Mode& mode : modes.modes)
+    text += fmt::format("{} {:.3g} Hz {:.2g} %", &mode == modes.modes.data() ? "" : ",", mode.frequency,
+                        100.0 * mode.ratio);
+  return text;
+}
+
 std::string why_error_unknown(const Scene& scene, const RunInfo& info) {
   if (info.status != "done") return "the run did not reach its end";
   const std::string outside = outside_measured(scene);
@@ -424,7 +444,17 @@ std::string summary_text(const Simulation& simulation, const std::vector<History
                           {"holds", check.quasi_static()},
                           {"why_not", text_or_null(check.reason())}};
   json["motion"] = motion_of(simulation);
+  const bool on_ground =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return s.ground.has_value(); });
   if (large_motion) json.update(of_blocks(simulation, rows));
+  if (large_motion || on_ground) json.update(of_motion(simulation, rows));
+  for (const StageModes& of_stage : info.modes) {
+    Json modes = nullptr;
+    if (of_stage.why_none.empty()) modes = Json::array();
+    for (const StageModes::Mode& mode : of_stage.modes)
+      modes.push_back({{"frequency_Hz", mode.frequency}, {"damping_ratio", mode.ratio}});
+    json["damping_of_modes"][scene.stages[static_cast<size_t>(of_stage.stage)].name] = modes;
+  }
   json["watch"] = watch_of(simulation);
   Json warnings = Json::array();
   for (const Warning& w : info.warnings)

@@ -13,6 +13,17 @@
 
 namespace quoin {
 
+// What damping does to the first modes of vibration of a stage that moves the ground, as it begins.
+struct StageModes {
+  struct Mode {
+    double frequency = 0.0, ratio = 0.0;  // Hz; of critical
+  };
+  int stage = 0;
+  std::vector<Mode> modes;
+  std::string why_none;  // empty: they are known
+};
+std::string modes_text(const StageModes& modes);  // "first modes: 12.1 Hz 0.4 %, 15.3 Hz 0.5 %"
+
 struct RunInfo {
   std::string status = "done";  // done, interrupted, failed
   std::string message;          // of a failure
@@ -21,6 +32,7 @@ struct RunInfo {
   CrushedOut crushed_out;
   bool law_answers = true;  // else states of contact points, which laws return, are left out
   std::vector<Warning> warnings;
+  std::vector<StageModes> modes;
   Provenance provenance;
 };
 

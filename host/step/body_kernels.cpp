@@ -160,7 +160,8 @@ HWY_INLINE V advance_component(const BodyGroupInertia& lanes, const StepData& st
   const V zero = hn::Zero(d), inertia = hn::Load(d, lanes.inertia[dof] + p * kWidth);
   const V dt_over_inertia = hn::Load(d, lanes.dt_over_inertia[dof] + p * kWidth);  // 0 where held
   const V net = hn::Add(joint_force, given);
-  const V damping = damping_force<kDamping>(step, net, inertia, before);
+  const V ground = hn::Set(d, dof < 3 ? step.ground_velocity[dof] : 0.0);
+  const V damping = damping_force<kDamping>(step, net, inertia, hn::Sub(before, ground));
   const V free = hn::MulAdd(hn::Sub(net, damping), dt_over_inertia, before);
   const V after = hn::IfThenElse(is_prescribed, prescribed, free);
   if (!kMeasure) return after;
@@ -250,7 +251,7 @@ void AdvanceBodies(const Model& model, const BodyGroup& group, const BodyGroupIn
                    BodyLanes* state, Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
-    case DampingKind::impact:  // of large motion
+    case DampingKind::impact:  // of joints
       return AdvanceBodiesAndMeasure<DampingKind::none>(model, group, inertia, step, state, measured);
     case DampingKind::local:
     case DampingKind::block:

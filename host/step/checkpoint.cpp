@@ -2,6 +2,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 
@@ -16,7 +18,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Error of_another_model() { return {Exit::bad_input, "checkpoint: of another model"}; }
 
-constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '5'};
+constexpr char kCheckpointMark[8] = {'Q', 'U', 'O', 'I', 'N', 'C', '1', '6'};
 
 template <class Archive, class Impl>
 void transfer(Archive& archive, Impl& s) {
@@ -33,11 +35,15 @@ void transfer(Archive& archive, Impl& s) {
   archive.value(s.gravity_to);
   archive.value(s.data.gravity);
   archive.value(s.step_count);
+  archive.value(s.clock_start);
+  archive.value(s.clock_start_step);
   archive.value(s.stage_step);
+  archive.value(s.stage_start_time);
   archive.value(s.monitor_start);
   archive.value(s.energy_dissipated);
   archive.value(s.energy_damping);
   archive.value(s.energy_external);
+  archive.value(s.energy_inertia);
   archive.value(s.unbalanced_ratio);
   archive.value(s.kinetic);
   archive.value(s.calm_checks);
@@ -61,7 +67,6 @@ void transfer(Archive& archive, Impl& s) {
   archive.array(s.drives);
   archive.value(s.fading_loads);
   archive.value(s.fading_pressures);
-  archive.value(s.stage_start_time);
   archive.value(s.multiplier);
   archive.value(s.first_load);
   archive.array(s.monitor_blocks);
@@ -357,6 +362,9 @@ void Simulation::Impl::restore(ByteSource& source) {
   } else if (outcome.promotion) {
     return_to_lattice();
     outcome.promotion.reset();
+  } else if (!large_motion && std::any_of(scene.stages.begin(), scene.stages.end(),
+                                          [](const Stage& s) { return s.solver.has_value(); })) {
+    follow_solver();
   }
   std::vector<std::size_t> expected{ramps.size(), load_ramps.size()};
   for (std::size_t f = 0; f < model.families.size(); ++f) take_law_of(f, *this, reader);
@@ -381,6 +389,10 @@ void Simulation::Impl::restore(ByteSource& source) {
   }
   std::vector<std::size_t> sizes{ramps.size(), load_ramps.size()};
   note_sizes(sizes);
+  const std::size_t damped = time_step.impacts.viscosity.empty() || large_motion ? 0 : at(model.point_count);
+  const auto has_columns = [damped](const auto& column) { return column.size() == damped; };
+  if (!std::all_of(std::begin(viscous), std::end(viscous), has_columns) || !has_columns(old_jump))
+    throw of_another_model();
   if (sizes != expected || (!normal_shift.empty() && normal_shift.size() != at(model.point_count)))
     throw of_another_model();
   if (large_motion) {
@@ -399,9 +411,17 @@ void Simulation::Impl::restore(ByteSource& source) {
   const bool in_cycles =
       std::any_of(ramps.begin(), ramps.end(), [](const BodyRamp& ramp) { return ramp.in_cycles != Vec3{}; }) ||
       std::any_of(drives.begin(), drives.end(), [](const Drive& drive) { return drive.in_cycles != 0; });
+  const bool on_ground = std::all_of(ramps.begin(), ramps.end(), [&](const BodyRamp& ramp) {
+    return ramp.of_ground <= 7 && ramp.motion >= 0 && ramp.motion <= std::numeric_limits<std::int32_t>::max();
+  });
+  if (!on_ground || !std::isfinite(clock_start) || clock_start_step < 0 || clock_start_step > step_count)
+    throw of_another_model();
   if (in_cycles && (stage < 0 || !scene.stages[at(stage)].cycles)) throw of_another_model();
 
-  monitor = model.bodies_named(stage >= 0 ? scene.stages[at(stage)].monitor : "");
+  if (!large_motion && stage >= 0)
+    find_monitor(scene.stages[at(stage)]);
+  else
+    monitor.clear();
   bind_whiffletree();
   choose_damping();
   controls_settled = stage < 0;

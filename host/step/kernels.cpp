@@ -64,20 +64,24 @@ void ContactJumps(const Model& model, const ContactChunk& chunk, const StepData&
 }
 
 template <class Tag>
-HWY_INLINE void forces_of(Tag d, const double* area, const double* const (&traction)[3], double* const (&force)[3],
-                          int i) {
+HWY_INLINE void forces_of(Tag d, const double* area, const double* const (&traction)[3], const double* const* viscous,
+                          double* const (&force)[3], int i) {
   const auto times = hn::LoadU(d, area + i);
-  for (int k = 0; k < 3; ++k) hn::StoreU(hn::Mul(hn::LoadU(d, traction[k] + i), times), d, force[k] + i);
+  for (int k = 0; k < 3; ++k) {
+    auto sum = hn::LoadU(d, traction[k] + i);
+    if (viscous) sum = hn::Add(sum, hn::LoadU(d, viscous[k] + i));
+    hn::StoreU(hn::Mul(sum, times), d, force[k] + i);
+  }
 }
 
-void ContactForces(const Model& model, const ContactChunk& chunk, const StepData& step) {
+void ContactForces(const Model& model, const ContactChunk& chunk, const StepData& step, const double* const* viscous) {
   const int axis = chunk.axis, end = chunk.first_point + chunk.point_count;
   const double* area = model.area.data();
   const double* const traction[3] = {step.traction[0], step.traction[1], step.traction[2]};
   double* const force[3] = {step.force[axis], step.force[(axis + 1) % 3], step.force[(axis + 2) % 3]};
   int i = chunk.first_point;
-  for (; i + kWidth <= end; i += kWidth) forces_of(D(), area, traction, force, i);
-  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), area, traction, force, i);
+  for (; i + kWidth <= end; i += kWidth) forces_of(D(), area, traction, viscous, force, i);
+  for (; i < end; ++i) forces_of(hn::CappedTag<double, 1>(), area, traction, viscous, force, i);
 }
 
 // ---- Deformable blocks ---------------------------------------------------------------------------------------------
@@ -308,7 +312,8 @@ HWY_INLINE void group_forces(const GroupData* groups) {
           if (g.load) force = hn::MulAdd(hn::Set(d, mass), hn::Load(d, g.load + c * kLanes + p * kWidth), force);
           V after = force;
           if (kDamping == DampingKind::local) {
-            const V damping = local_damping(gamma, force, hn::Load(d, g.v + i));
+            const V ground = hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]);
+            const V damping = local_damping(gamma, force, hn::Sub(hn::Load(d, g.v + i), ground));
             after = hn::Sub(force, damping);
             if (kMeasure) hn::Store(damping, d, g.scratch.damping + i);
           }
@@ -482,8 +487,9 @@ HWY_INLINE RigidStep rigid_step(const UnitData& unit) {
     force[b] = rigid_sums(g, g.scratch.net, [](int, int, int, V f) HWY_ATTR { return f; });
     acceleration[b] = over_inertia(*g.motion, force[b]);
     if (kDamping != DampingKind::block) continue;
-    momentum[b] = rigid_sums(g, g.v, [&](int n, int, int, V v) HWY_ATTR {
-      return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), v);
+    momentum[b] = rigid_sums(g, g.v, [&](int n, int c, int, V v) HWY_ATTR {
+      const V against_ground = hn::Sub(v, hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]));
+      return hn::Mul(hn::Set(d, g.shape.node_mass[static_cast<std::size_t>(n)]), against_ground);
     });
     velocity[b] = over_inertia(*g.motion, momentum[b]);
   }
@@ -537,7 +543,11 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
   const auto move = [&](int n, int c, int p, V more) HWY_ATTR {
     const int i = n * kLine + c * kLanes + p * kWidth;
     V before = hn::Load(d, g.v + i);
-    if (kDamping == DampingKind::viscous) before = hn::NegMulAdd(decay, before, before);
+    if (kDamping == DampingKind::viscous) {
+      const V ground =
+          hn::Mul(hn::Set(d, g.step.ground_velocity[static_cast<std::size_t>(c)]), hn::Load(d, g.in_use + p * kWidth));
+      before = hn::NegMulAdd(decay, hn::Sub(before, ground), before);
+    }
     const V after = hn::MulAdd(hn::Load(d, net + i), dt_over_mass(g, n, c, p), hn::Add(before, more));
     hn::Store(after, d, g.v + i);
     hn::Store(hn::MulAdd(after, dt, hn::Load(d, g.u + i)), d, g.u + i);
@@ -576,6 +586,7 @@ HWY_INLINE void integrate_group(const UnitData& unit, int b, const Rigid* extra)
 struct LaneSums {
   V unbalanced[kParts], kinetic[kParts], moment[kParts], strain[kParts], damping_before[kParts], damping_after[kParts],
       weight_before[kParts], weight_after[kParts];
+  V along_before[kParts], along_after[kParts];  // momentum times the velocity of the ground, viscous damping
 };
 
 template <DampingKind kDamping>
@@ -602,11 +613,17 @@ HWY_INLINE void measure_group(const GroupData& g, LaneSums* sums) {
         squared[p] = hn::MulAdd(free_force, free_force, squared[p]);
         sums->kinetic[p] = hn::MulAdd(inertia, hn::Mul(before, after), sums->kinetic[p]);
         if (!step.energies) continue;
+        if (kDamping == DampingKind::viscous) {
+          const V along = hn::Mul(hn::IfThenElseZero(hn::Ne(inertia, zero), hn::Set(d, mass)),
+                                  hn::Set(d, step.ground_velocity[static_cast<std::size_t>(c)]));
+          sums->along_before[p] = hn::MulAdd(along, before, sums->along_before[p]);
+          sums->along_after[p] = hn::MulAdd(along, after, sums->along_after[p]);
+        }
         sums->moment[p] = hn::MulAdd(inertia, hn::Mul(before, before), sums->moment[p]);
         // K u was formed before u moved on.
         const V displacement = hn::NegMulAdd(after, dt, hn::Load(d, g.u + i));
         sums->strain[p] = hn::MulAdd(hn::Mul(half, hn::Load(d, s.elastic + i)), displacement, sums->strain[p]);
-        if (kDamping != DampingKind::none) {
+        if (kDamping != DampingKind::none || step.stiffness_damping != 0.0) {
           sums->damping_before[p] = hn::MulAdd(damping, hn::Mul(before, half_dt), sums->damping_before[p]);
           sums->damping_after[p] = hn::MulAdd(damping, hn::Mul(after, half_dt), sums->damping_after[p]);
         }
@@ -668,15 +685,17 @@ HWY_INLINE void measure_unit(const UnitData& unit, const RigidStep& rigid, Measu
   LaneSums sums;
   for (int p = 0; p < kParts; ++p) {
     sums.unbalanced[p] = sums.kinetic[p] = sums.moment[p] = sums.strain[p] = sums.damping_before[p] =
-        sums.damping_after[p] = sums.weight_before[p] = sums.weight_after[p] = hn::Zero(d);
+        sums.damping_after[p] = sums.weight_before[p] = sums.weight_after[p] = sums.along_before[p] =
+            sums.along_after[p] = hn::Zero(d);
   }
   for (int b = 0; b < unit.count; ++b) measure_group<kDamping>(unit.blocks[b], &sums);
   if (unit.motion) measure_rigid_motion<kDamping>(unit, rigid, &sums);
-  if (kDamping == DampingKind::viscous) {  // the part alpha M' v
+  if (kDamping == DampingKind::viscous) {  // the part alpha M' (v - v of the ground)
     const V factor = hn::Set(d, unit.step.mass_damping * 0.5 * unit.step.time_step);
     for (int p = 0; p < kParts; ++p) {
-      sums.damping_before[p] = hn::MulAdd(factor, sums.moment[p], sums.damping_before[p]);
-      sums.damping_after[p] = hn::MulAdd(factor, sums.kinetic[p], sums.damping_after[p]);
+      sums.damping_before[p] =
+          hn::MulAdd(factor, hn::Sub(sums.moment[p], sums.along_before[p]), sums.damping_before[p]);
+      sums.damping_after[p] = hn::MulAdd(factor, hn::Sub(sums.kinetic[p], sums.along_after[p]), sums.damping_after[p]);
     }
   }
   alignas(64) double lane[kLanes];
@@ -712,7 +731,7 @@ void AdvanceUnits(const Model& model, const UnitGroup& units, const StepData& st
                   Measured* measured) {
   switch (step.damping) {
     case DampingKind::none:
-    case DampingKind::impact:  // of large motion
+    case DampingKind::impact:  // of joints, and of zones by stiffness_damping
       return measured ? AdvanceUnitsAs<DampingKind::none, true>(model, units, step, scratch, measured)
                       : AdvanceUnitsAs<DampingKind::none, false>(model, units, step, scratch, measured);
     case DampingKind::local:
@@ -751,8 +770,8 @@ HWY_EXPORT(InstructionSet);
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps) {
   HWY_DYNAMIC_DISPATCH(ContactJumps)(model, chunk, step, jumps);
 }
-void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step) {
-  HWY_DYNAMIC_DISPATCH(ContactForces)(model, chunk, step);
+void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step, const double* const* viscous) {
+  HWY_DYNAMIC_DISPATCH(ContactForces)(model, chunk, step, viscous);
 }
 void advance_units(const Model& model, const UnitGroup& units, const StepData& step, double* scratch,
                    Measured* measured) {

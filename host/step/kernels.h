@@ -20,6 +20,7 @@ struct StepData {
   double mass_damping = 0.0;       // alpha, 1/s
   double stiffness_damping = 0.0;  // beta, s
   Vec3 gravity{};                  // m/s2
+  Vec3 ground_velocity{};          // m/s, against which damping brakes: signs of half a step ago, viscous forces of now
 
   double* displacement = nullptr;        // lane layout
   double* velocity = nullptr;            // lane layout, of half a step ago
@@ -55,10 +56,13 @@ struct ChunkJumps {
   alignas(64) double normal[kChunk];
   alignas(64) double slip_s[kChunk];
   alignas(64) double slip_t[kChunk];
+  alignas(64) double old_traction[3][kChunk];  // Pa, where impacts are damped
 };
 
 void contact_jumps(const Model& model, const ContactChunk& chunk, const StepData& step, ChunkJumps* jumps);
-void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step);
+// viscous: by contact point, what is added to the tractions, Pa; null: nothing.
+void contact_forces(const Model& model, const ContactChunk& chunk, const StepData& step,
+                    const double* const* viscous = nullptr);
 
 // Internal forces, sums of contact forces, weight, damping, central differences. scratch: kUnitBlocks times
 // scratch_doubles, which are kScratchColumns times the doubles of the largest group. measured may be null.

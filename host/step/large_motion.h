@@ -13,6 +13,7 @@
 #include "base/phase_clock.h"
 #include "base/thread_pool.h"
 #include "law/answers.h"
+#include "model/impact_damping.h"
 #include "model/world.h"
 #include "step/rank_share.h"
 
@@ -51,6 +52,14 @@ class Model : public World {
   void advance_contacts(int chunk, PhaseClock* clock = nullptr);
   void advance_piece(int piece, PhaseClock* clock = nullptr);
   bool end_step();
+  // What it does to joints and zones.
+  ImpactDamping impact_damping() const {
+    ImpactDamping damping;
+    for (std::size_t f = 0; 2 * f < impact_beta_.size(); ++f)
+      damping.viscosity.push_back({impact_beta_[2 * f], impact_beta_[2 * f + 1]});
+    damping.of_zones = impact_zone_beta_, damping.in_use = impact_damping_in_use();
+    return damping;
+  }
   // At the time of the forces of the last step, which was measured, J.
   double measured_kinetic_energy() const { return measured_kinetic_; }
   void mark_deviation() { any_deviates_ = true; }  // for a block of another process

@@ -155,7 +155,8 @@ void Simulation::Impl::swap_law_in_large_motion(std::size_t index, std::shared_p
 }
 
 double Simulation::Impl::now() const {
-  return large_motion ? large_motion->time() : static_cast<double>(step_count) * data.time_step;
+  if (large_motion) return large_motion->time();
+  return clock_start + static_cast<double>(step_count - clock_start_step) * data.time_step;
 }
 
 double Simulation::Impl::stage_time() const {
@@ -182,6 +183,7 @@ void Simulation::Impl::end_large_motion_step(double timed) {
 void Simulation::Impl::follow_time_step() {
   time_step.critical.value = large_motion->critical_time_step();
   time_step.time_step = data.time_step = large_motion->time_step();
+  time_step.impacts = large_motion->impact_damping();
 }
 
 void Simulation::Impl::measure_large_motion_step() {
@@ -205,7 +207,7 @@ void Simulation::Impl::measure_large_motion_step() {
                       energy_dissipated,
                       energy_external + e.external,
                       energy_damping + e.damping,
-                      e.detection - jump,
+                      energy_inertia + e.detection - jump,
                       e.members_stored,
                       e.members_dissipated};
   for (std::size_t k = 0; k < 4; ++k) energies->dissipated[k] += e.dissipated[k];

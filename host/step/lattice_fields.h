@@ -19,6 +19,10 @@ void each_lattice_field(Impl& s, const Visit& visit) {
   for (std::size_t f = 0; f < s.law_state.size(); ++f)
     visit(Field{Owner::contact_point, "state", 1, "of the law"}.in_hash(kWhole), s.law_state[f], static_cast<int>(f));
   visit(Field{Owner::contact_point, "normal_shift", 1, "m"}.only(When::after_law_swaps), s.normal_shift, -1);
+  constexpr When kDamped = When::with_stiffness_damping;
+  for (auto& column : s.viscous)
+    visit(Field{Owner::contact_point, "viscous_traction", 1, "Pa"}.only(kDamped), column, -1);
+  visit(Field{Owner::contact_point, "jump_before", 1, "m"}.only(kDamped), s.old_jump, -1);
   visit(Field{Owner::contact_point, "flags", 1, "-"}.found_in_each_step().not_saved(), s.flags, -1);
 }
 

@@ -81,6 +81,10 @@ void Simulation::Impl::swap_lattice_law(std::size_t f, std::shared_ptr<const Mat
   SwapSums sums;
   for (const SwapSums& of_one : ranks ? of_all_chunks(of_chunk, share, *ranks) : of_chunk) sums.add(of_one);
   swaps.push_back(report_of(family.name, *family.material, *material, sums));
+  for (const PointRow& row : rows) {
+    for (std::size_t p = row.first; p < row.end && damps_impacts(); ++p)
+      old_jump[p] += shift[p] - (normal_shift.empty() ? 0.0 : normal_shift[p]);
+  }
   normal_shift = std::move(shift);
   law_state[f] = std::move(state);
   family.material = std::move(material);

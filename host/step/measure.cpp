@@ -24,9 +24,10 @@ void Simulation::Impl::sum_measurements() {
     external_before += m.external_before;
     external_after += m.external_after;
   }
-  double force_sum = 0.0, dissipated = 0.0;
+  double force_sum = 0.0, dissipated = 0.0, damped = 0.0;
   for (const LawCall& call : calls) {
     force_sum += call.force_sum;
+    damped += call.damping;
     now.contact_stored += call.stored;
     for (std::size_t k = 0; k < 4; ++k) dissipated += call.dissipated[k], energy_dissipated[k] += call.dissipated[k];
   }
@@ -35,11 +36,14 @@ void Simulation::Impl::sum_measurements() {
   unbalanced_ratio = unbalanced == 0.0 ? 0.0
                      : mean > 0.0      ? std::sqrt(unbalanced) / mean
                                        : std::numeric_limits<double>::infinity();
-  if (sample_energy) check_energies(now, dissipated, external_before - damping_before, external_after - damping_after);
+  if (sample_energy)
+    check_energies(now, dissipated + damped, external_before - damping_before, external_after - damping_after);
   if (!want_energy) return;
   now.dissipated = energy_dissipated;
+  energy_damping += damped;
   now.damping = energy_damping + damping_before;
   now.external = energy_external + external_before;
+  now.detection = energy_inertia;
   energy_damping += damping_before + damping_after;
   energy_external += external_before + external_after;
   energies = now;
@@ -58,9 +62,15 @@ HistoryRow Simulation::Impl::measure() const {
     measure_large_motion(row);
     return row;
   }
-  if (scene.blocks) row.largest_displacement = largest_displacement();
-  if (monitor.empty()) return row;
+  const bool acts =
+      std::any_of(scene.stages.begin(), scene.stages.end(), [](const Stage& s) { return !s.beyond_lattice().empty(); });
+  if (scene.blocks || acts) row.largest_displacement = largest_displacement();
+  if (acts) measure_base(row);
+  if (!monitor.empty() || !monitor_loaded.empty()) measure_monitor(row);
+  return row;
+}
 
+void Simulation::Impl::measure_monitor(HistoryRow& row) const {
   // Forces are those of the last evaluation of the laws, so the displacement is given for that time too.
   const Vec3 moved = mean_of(monitor, &BodyLanes::displacement), velocity_now = mean_of(monitor, &BodyLanes::velocity);
   MonitorSide side;
@@ -74,6 +84,21 @@ HistoryRow Simulation::Impl::measure() const {
   }
   const auto direction = static_cast<std::size_t>(scene.stages[static_cast<std::size_t>(stage)].direction);
   for (std::size_t c = 0; c < 3; ++c) row.monitor_displacement[c] = moved[c] - data.time_step * velocity_now[c];
+  for (const int i : monitor_loaded) {
+    const Vec3 of_block = displacement_of_loaded(i);
+    const Brick& brick =
+        model.assembly.bricks[static_cast<std::size_t>(loaded_blocks[static_cast<std::size_t>(i)].block)];
+    for (std::size_t c = 0; c < 3; ++c)
+      row.monitor_displacement[c] += of_block[c] / static_cast<double>(monitor_loaded.size());
+    for (const MonitorPoint& at : monitor_points)
+      side.add(model.point_position[static_cast<std::size_t>(at.point)][1] - brick.origin[1] - 0.5 * brick.size[1]);
+  }
+  for (std::size_t chunk = 0; chunk < calls.size() && !monitor_loaded.empty(); ++chunk) {
+    const Vec3 joints = has_all() ? sum_on_monitor(static_cast<int>(chunk)) : calls[chunk].on_monitor;
+    for (std::size_t c = 0; c < 3; ++c) row.joint_force[c] += model.assembly.symmetry_factor * joints[c];
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    row.monitor_relative[c] = row.monitor_displacement[c] - row.ground_displacement[c];
   row.displacement = row.monitor_displacement[direction] - monitor_start[direction];
   row.resistance = -row.joint_force[direction];
   if (!whiffletree.empty()) {
@@ -94,7 +119,38 @@ HistoryRow Simulation::Impl::measure() const {
   }
   for (const LoadRamp& ramp : load_ramps) row.dynamic_force += whole * ramp.now[direction];
   row.vertical_force = side.joints_are_above() ? -row.joint_force[1] : row.joint_force[1];  // compression positive
-  return row;
+}
+
+Vec3 Simulation::Impl::displacement_of_loaded(int index) const {
+  const LoadedBlock& block = loaded_blocks[static_cast<std::size_t>(index)];
+  Vec3 mean{};
+  model.for_each_gridpoint(block.block, [&](std::size_t offset, double mass) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t k = offset + c * kLanes;
+      mean[c] += mass / block.mass * (displacement[k] - data.time_step * velocity[k]);
+    }
+  });
+  return mean;
+}
+
+Vec3 Simulation::Impl::point_traction(std::size_t point) const {
+  Vec3 sum;
+  for (std::size_t k = 0; k < 3; ++k) sum[k] = traction[k][point] + (damps_impacts() ? viscous[k][point] : 0.0);
+  return sum;
+}
+
+Vec3 Simulation::Impl::sum_on_monitor(int index) const {
+  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(index)];
+  const auto n = static_cast<std::size_t>(chunk.axis);
+  Vec3 sum{};
+  const auto first = std::lower_bound(monitor_points.begin(), monitor_points.end(), chunk.first_point,
+                                      [](const MonitorPoint& m, std::int32_t point) { return m.point < point; });
+  for (auto m = first; m != monitor_points.end() && m->point < chunk.first_point + chunk.point_count; ++m) {
+    const auto p = static_cast<std::size_t>(m->point);
+    const Vec3 of_point = point_traction(p);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += m->sign * (model.area[p] * of_point[c]);
+  }
+  return sum;
 }
 
 // Rows of a history are finite: NaN or infinity ends the run as failed.
@@ -150,7 +206,8 @@ Vec3 Simulation::Impl::sum_joint_force(int body) const {
   Vec3 sum{};
   for (std::size_t i = 0; i < b.point.size(); ++i) {
     const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(model.point_axis[p]);
-    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (model.area[p] * traction[c][p]);
+    const Vec3 of_point = point_traction(p);
+    for (std::size_t c = 0; c < 3; ++c) sum[(n + c) % 3] += b.sign[i] * (model.area[p] * of_point[c]);
   }
   return sum;
 }

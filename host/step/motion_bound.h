@@ -32,7 +32,7 @@ Vec3 centre_of(const Brick& brick);  // m
 // Small motion of a block as a whole, about its centre.
 struct WholeMotion {
   Vec3 translation{}, rotation{};  // m, rad
-  double speed = 0.0;              // of its fastest corner at most, m/s
+  double speed = 0.0;              // of its fastest corner at most, against the ground, m/s
 };
 
 // Displacement at an arm from the centre, m.

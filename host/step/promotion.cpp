@@ -9,7 +9,10 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <span>
 
+#include "base/rank_rows.h"
 #include "scene/from_bricks.h"
 #include "scene/generate_blocks.h"
 #include "step/large_motion.h"
@@ -124,7 +127,7 @@ std::vector<blocks::PointHistory> histories_of(Simulation::Impl& s) {
   return histories;
 }
 
-GridpointMotion motion_of_gridpoints(Simulation::Impl& s, int brick) {
+GridpointMotion motion_of_gridpoints(const Simulation::Impl& s, int brick) {
   GridpointMotion field;
   s.model.for_each_gridpoint(brick, [&](std::size_t o, double mass) {
     const auto n = static_cast<int>(field.place.size());
@@ -148,6 +151,8 @@ std::vector<Drive> drives_of(const Simulation::Impl& s) {
       if (s.body_lanes[at(lanes)].prescribed[c][lane] != 0.0) drive.held |= static_cast<std::uint8_t>(1u << c);
     for (std::size_t c = 0; c < 3; ++c)
       if (ramp.in_cycles[c] != 0.0) drive.in_cycles |= static_cast<std::uint8_t>(1u << c);
+    drive.of_ground = static_cast<std::uint8_t>(ramp.of_ground);
+    drive.motion = static_cast<std::int32_t>(ramp.motion);
     drive.velocity_from = geometry::vector(ramp.velocity_from);
     drive.velocity_to = geometry::vector(ramp.velocity_to);
     drive.force_from = geometry::vector(ramp.force_from), drive.force_to = geometry::vector(ramp.force_to);
@@ -182,7 +187,47 @@ void place_gridpoints(const GridpointMotion& f, const std::vector<std::size_t>& 
   }
 }
 
+// Kinetic energy of the rigid part, J.
+double rigid_kinetic_energy(const GridpointMotion& f, bool symmetry_plane) {
+  const RigidPart part = rigid_part(f, f.velocity, symmetry_plane);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < f.place.size(); ++i) {
+    const Vector v = part.mean + cross(part.turn, f.place[i] - part.centre);
+    sum += 0.5 * f.mass[i] * dot(v, v);
+  }
+  return sum;
+}
+
 }  // namespace
+
+// v M' v/2 less v M v/2 (model/rigid_motion.h). All ranks ask together.
+double Simulation::Impl::added_kinetic_energy() const {
+  const double s_b = inertia.deformation, s_u = inertia.unit;
+  if (s_b == 1.0 && s_u == 1.0) return 0.0;
+  const bool halved = model.assembly.symmetry_plane_z0;
+  std::vector<double> added(model.unit_groups.size(), 0.0);
+  for (std::size_t u = 0; u < added.size(); ++u) {
+    if (ranks && !share.owns_item(static_cast<int>(u), ranks->rank())) continue;
+    const UnitGroup& unit = model.unit_groups[u];
+    const BlockGroup& first = model.groups[at(unit.first_group)];
+    for (int lane = 0; lane < first.block_count; ++lane) {
+      GridpointMotion whole;
+      double all = 0.0, blocks = 0.0;
+      for (int g = unit.first_group; g < unit.first_group + unit.group_count; ++g) {
+        const GridpointMotion f = motion_of_gridpoints(*this, model.groups[at(g)].block[at(lane)]);
+        for (std::size_t i = 0; i < f.place.size(); ++i) all += 0.5 * f.mass[i] * dot(f.velocity[i], f.velocity[i]);
+        blocks += rigid_kinetic_energy(f, halved);
+        whole.place.insert(whole.place.end(), f.place.begin(), f.place.end());
+        whole.velocity.insert(whole.velocity.end(), f.velocity.begin(), f.velocity.end());
+        whole.mass.insert(whole.mass.end(), f.mass.begin(), f.mass.end());
+      }
+      added[u] += (s_b - 1.0) * (all - blocks);
+      if (unit.group_count > 1) added[u] += (s_u - 1.0) * (blocks - rigid_kinetic_energy(whole, halved));
+    }
+  }
+  all_gather(ranks, std::span(added), [this](std::size_t u) { return share.rank_of_item[u]; });
+  return std::accumulate(added.begin(), added.end(), 0.0);
+}
 
 void Simulation::Impl::promote(const std::string& why) {
   if (scene.solver.selective_time_step > 0.0)  // before anything has left the lattice
@@ -235,6 +280,8 @@ void Simulation::Impl::promote(const std::string& why) {
 
   drives = std::move(continued);
   const Stage& settings = scene.stages[at(stage)];
+  if (const SolverSettings& solver = solver_in_use(); &solver != &scene.solver) m.set_solver(solver);
+  follow_time_step();
   stage_start_time = promotion.time - static_cast<double>(stage_step) * dt;
   watch_blocks(settings);
   bind_whiffletree();

@@ -110,7 +110,7 @@ void Simulation::Impl::hold_part() {
   });
   if (dt_over_mass.empty()) return;  // the first time, before there is a time step
   const std::unique_ptr<SharedModel> shared = needs_rows(scene.solver) ? share_of_model() : nullptr;
-  inertia = inertia_in_use(model, scene.solver, shared.get());
+  inertia = inertia_in_use(model, solver_in_use(), shared.get());
   share_inertia();
   bind_columns();
 }

@@ -384,21 +384,28 @@ void Simulation::Impl::each_watched(const std::function<void(int, const std::vec
       visit(static_cast<int>(model.unit_groups.size()) + place, numbers);
     }
   };
+  const auto of_loaded = [&](int i, int components) {
+    const int block = loaded_blocks[at(i)].block;
+    std::vector<double*> numbers;
+    model.for_each_gridpoint(block, [&](std::size_t offset, double) {
+      for (std::size_t c = 0; c < at(components); ++c) {
+        const std::size_t k = offset + c * kLanes;
+        numbers.push_back(&displacement[k]), numbers.push_back(&velocity[k]);
+      }
+    });
+    visit(item_of_block(block), numbers);
+  };
   if (large_motion)
     of_large_motion(monitor_blocks);
   else
     of_bodies(monitor);
+  // Against which ranks look at how their blocks have moved.
+  if (const int ground = large_motion ? -1 : ground_body(); ground >= 0) of_bodies({ground});
+  for (const int i : monitor_loaded) of_loaded(i, 3);
   for (const Floor& floor : whiffletree) {
     if (large_motion) of_large_motion(floor.large_motion);
     of_bodies(floor.bodies);
-    for (const int i : floor.loaded) {
-      const int block = loaded_blocks[at(i)].block;
-      std::vector<double*> numbers;
-      model.for_each_gridpoint(block, [&](std::size_t offset, double) {
-        numbers.push_back(&displacement[offset]), numbers.push_back(&velocity[offset]);  // along x
-      });
-      visit(item_of_block(block), numbers);
-    }
+    for (const int i : floor.loaded) of_loaded(i, 1);  // along x
   }
 }
 
@@ -630,6 +637,8 @@ void Simulation::Impl::each_memory_of_chunk(Part part, int chunk, const VisitMem
   visit_value(call.crushed_out, visit);
   visit_value(call.stored, visit);
   visit_value(call.dissipated, visit);
+  visit_value(call.damping, visit);
+  visit_value(call.on_monitor, visit);
   if (part != Part::all) return;
   const ContactChunk& c = model.chunks[at(chunk)];
   const auto first = at(c.first_point), count = at(c.point_count);
@@ -664,6 +673,7 @@ void Simulation::Impl::prepare_row() {
     for (const int b : blocks_of_item(item)) whole_motions[at(b)] = whole_motion_of(at(b));
     for (const int b : bodies_of_item(item)) body_wrench[at(b)] = sum_joint_wrench(b);
   }
+  for (const int c : share.chunks) calls[at(c)].on_monitor = sum_on_monitor(c);
 }
 
 void Simulation::Impl::collect_traffic() {

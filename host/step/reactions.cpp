@@ -50,6 +50,8 @@ void Simulation::Impl::find_restraints() {
     }
     for (std::size_t b = 0; large_motion && b < names.size() && restraints.size() <= kMostRestraints; ++b)
       if (large_motion->assembly().blocks[b].fixed && !names[b].empty()) add(names[b], false);
+    for (std::size_t b = 0; !large_motion && b < names.size(); ++b)
+      if (model.assembly.bricks[at(model.bodies[b].block)].fixed && !names[b].empty()) add(names[b], false);
     if (restraints.size() > kMostRestraints) restraints.clear();
     restraints_found = true;
   }
@@ -82,7 +84,8 @@ JointWrench Simulation::Impl::sum_joint_wrench(int body) const {
   for (std::size_t i = 0; i < b.point.size(); ++i) {
     const auto p = static_cast<std::size_t>(b.point[i]), n = static_cast<std::size_t>(model.point_axis[p]);
     Vec3 of_point{};
-    for (std::size_t c = 0; c < 3; ++c) of_point[(n + c) % 3] = b.sign[i] * (model.area[p] * traction[c][p]);
+    const Vec3 all = point_traction(p);
+    for (std::size_t c = 0; c < 3; ++c) of_point[(n + c) % 3] = b.sign[i] * (model.area[p] * all[c]);
     for (std::size_t c = 0; c < 3; ++c) {
       const std::size_t next = (c + 1) % 3, last = (c + 2) % 3;
       sum.force[c] += of_point[c];

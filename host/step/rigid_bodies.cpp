@@ -10,13 +10,13 @@ Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// Equation 1 for one degree of freedom. Returns the damping force.
-double advance_component(double force, double inertia, const StepData& step, double* velocity) {
+// Equation 1 for one degree of freedom, against a ground of this velocity. Returns the damping force.
+double advance_component(double force, double inertia, const StepData& step, double ground, double* velocity) {
   double damping = 0.0;
   if (step.damping == DampingKind::local || step.damping == DampingKind::block) {
-    damping = step.local_damping * std::abs(force) * (*velocity < 0.0 ? -1.0 : 1.0);
+    damping = step.local_damping * std::abs(force) * (*velocity - ground < 0.0 ? -1.0 : 1.0);
   } else if (step.damping == DampingKind::viscous) {
-    damping = step.mass_damping * inertia * *velocity;
+    damping = step.mass_damping * inertia * (*velocity - ground);
   }
   *velocity += (force - damping) * (step.time_step / inertia);
   return damping;
@@ -51,7 +51,7 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
       work.external_after -= force[c] * after * half_dt;
     } else if (!body.held[c]) {
       const double given = state->applied_force[c][0] + body.mass * step.gravity[c];
-      const double damping = advance_component(force[c] + given, mass, step, &after);
+      const double damping = advance_component(force[c] + given, mass, step, step.ground_velocity[c], &after);
       work.external_before += given * before * half_dt;
       work.external_after += given * after * half_dt;
       work.damping_before += damping * before * half_dt;
@@ -66,7 +66,7 @@ void advance_body(const RigidBody& body, double mass, const Vec3& inertia, const
       work.external_before -= moment[c] * spin_before * half_dt;
       spin_after = 0.0;
     } else if (!body.held[3 + c]) {
-      const double damping = advance_component(moment[c], inertia[c], step, &spin_after);
+      const double damping = advance_component(moment[c], inertia[c], step, 0.0, &spin_after);
       work.damping_before += damping * spin_before * half_dt;
       work.damping_after += damping * spin_after * half_dt;
       work.kinetic += 0.5 * inertia[c] * spin_before * spin_after;

@@ -1,5 +1,6 @@
 // From scene and bricks to the arrays that the step goes over.
 #include <algorithm>
+#include <cmath>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -21,6 +22,9 @@ Simulation::Impl::Impl(Scene scene_in, Assembly assembly, int threads,
   take_bricks(std::move(assembly), materials);
   for (const ContactFamily& family : model.families) first_materials.push_back(family.material);
   if (shapes) build_large_motion(*shapes, std::move(materials));
+  if (!shapes) require_moving_ground(), find_base_of_lattice();
+  // Every name of every stage is looked up before anything runs.
+  for (std::size_t i = 0; !shapes && i < scene.stages.size(); ++i) support_groups(scene.stages[i]);
   find_restraints();
   take_damage();
   const auto before = Clock::now();
@@ -39,8 +43,9 @@ void Simulation::Impl::bind_step() {
   data.time_step = time_step.time_step;
   data.internal_forces = scene.solver.internal_forces;
   data.energies = want_energy;
-  data.damping = scene.solver.damping;
-  data.mass_damping = scene.solver.damping == DampingKind::viscous ? scene.solver.mass_damping : 0.0;
+  const SolverSettings& solver = solver_in_use();
+  data.damping = solver.damping;
+  data.mass_damping = solver.damping == DampingKind::viscous ? solver.mass_damping : 0.0;
   data.stiffness_damping = time_step.stiffness_damping;
   choose_damping();
   bind_columns();
@@ -62,7 +67,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   loaded_blocks.clear(), load_of_group.clear(), load_ramps.clear();
   shared_dt_over_mass.clear(), inertia_tables.clear();
   law_state.clear(), calls.clear();
-  monitor.clear(), ramped_bodies.clear(), whole_motions.clear();
+  monitor.clear(), monitor_loaded.clear(), monitor_points.clear(), ramped_bodies.clear(), whole_motions.clear();
   find_loaded_blocks();
   measured.resize(model.unit_groups.size() + model.body_groups.size() + model.lone_bodies.size());
   body_lanes.resize(model.body_groups.size() + model.lone_bodies.size());
@@ -84,7 +89,7 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
   inertia = {};
   time_step = {};
   if (!model.assembly.bricks.empty())
-    time_step = choose_time_step(model, scene.solver, &inertia, Limits::critical, scene.stages, shared.get());
+    time_step = choose_time_step(model, solver_in_use(), &inertia, Limits::critical, scene.stages, shared.get());
   shared.reset();
   const auto doubles = static_cast<std::size_t>(model.line_count) * kLine;
   const auto points = static_cast<std::size_t>(model.point_count);
@@ -99,6 +104,33 @@ void Simulation::Impl::take_bricks(Assembly assembly, const std::vector<std::sha
     group_inertia.push_back(inertia_of(group, model, inertia, time_step.time_step));
   share_inertia();
   begin_states();
+  begin_damping();
+}
+
+// A step that a stage has chosen begins at the time of the displacements; velocities stay those of half a step before.
+void Simulation::Impl::follow_solver() {
+  clock_start = now(), clock_start_step = step_count;
+  std::unique_ptr<SharedModel> shared;
+  if (in_parts) shared = share_of_model();
+  time_step = choose_time_step(model, solver_in_use(), &inertia, Limits::critical, scene.stages, shared.get());
+  shared.reset();
+  group_inertia.clear();
+  for (const BodyGroup& group : model.body_groups)
+    group_inertia.push_back(inertia_of(group, model, inertia, time_step.time_step));
+  share_inertia();
+  begin_damping();
+  bind_step();
+}
+
+// Of contact points that are laid out. No rate is known before the first step.
+void Simulation::Impl::begin_damping() {
+  const std::size_t points = time_step.impacts.viscosity.empty() ? 0 : static_cast<std::size_t>(model.point_count);
+  for (auto& column : viscous) column.assign(points, 0.0);
+  old_jump.assign(points, 0.0);
+  for (const int c : chunks_here()) {
+    const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(c)];
+    if (points > 0) std::fill_n(old_jump.begin() + chunk.first_point, chunk.point_count, std::nan(""));
+  }
 }
 
 std::vector<int> Simulation::Impl::chunks_here() const {

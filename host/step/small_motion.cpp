@@ -26,7 +26,12 @@ double norm_of(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2
 WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
   const Model::BlockPlace& where = model.place[brick];
   const double radius = 0.5 * norm_of(model.assembly.bricks[brick].size);
-  const auto speed = [&](const Vec3& linear, const Vec3& spin) { return norm_of(linear) + radius * norm_of(spin); };
+  const int ground = ground_body();
+  const Vec3 of_ground = ground >= 0 ? of_body(ground, &BodyLanes::velocity) : Vec3{};
+  const auto speed = [&](Vec3 linear, const Vec3& spin) {
+    for (std::size_t c = 0; c < 3; ++c) linear[c] -= of_ground[c];
+    return norm_of(linear) + radius * norm_of(spin);
+  };
   if (where.body >= 0)
     return {of_body(where.body, &BodyLanes::displacement), of_body(where.body, &BodyLanes::rotation),
             speed(of_body(where.body, &BodyLanes::velocity), of_body(where.body, &BodyLanes::spin))};
@@ -73,12 +78,20 @@ void Simulation::Impl::check_motion() {
     whole_motions.resize(model.assembly.bricks.size());
     for (std::size_t i = 0; i < whole_motions.size(); ++i) whole_motions[i] = whole_motion_of(i);
   }
-  joint_sliding.look(whole_motions, &motion_seen);
+  // Against the ground: what moves along with it has not moved.
+  std::vector<WholeMotion> motions = whole_motions;
+  if (const int ground = ground_body(); ground >= 0) {
+    const Vec3 moved = of_body(ground, &BodyLanes::displacement);
+    for (WholeMotion& m : motions) {
+      for (std::size_t c = 0; c < 3; ++c) m.translation[c] -= moved[c];
+    }
+  }
+  joint_sliding.look(motions, &motion_seen);
   next_motion_check = step_count + kMostSteps;
   if (!past_motion_bound().empty()) return;
   const MotionBound& bound = scene.solver.motion_bound;
   const double until_near = unjoined.look(
-      whole_motions, bound.sliding, [this](int a, int b, int axis) { return have_contact(a, b, axis); }, &motion_seen);
+      motions, bound.sliding, [this](int a, int b, int axis) { return have_contact(a, b, axis); }, &motion_seen);
   // Half of what is left of the way to a bound, a sixteenth of all of it at least, even if two blocks go against each
   // other.
   double least = std::numeric_limits<double>::infinity(), fastest = 0.0;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "scene/collapse_load.h"
+#include "scene/leaves_lattice.h"
 #include "step/law_swap.h"
 #include "step/state.h"
 
@@ -22,7 +23,8 @@ constexpr long kUnknownLength = 200;  // steps between rows of a stage whose len
 
 void Simulation::Impl::begin_stage(int index) {
   const Stage& settings = scene.stages[static_cast<std::size_t>(index)];
-  if (const std::string beyond = settings.beyond_lattice(); !large_motion && !beyond.empty()) {
+  if (const std::string beyond = leaves_lattice(scene, static_cast<std::size_t>(index));
+      !large_motion && !beyond.empty()) {
     gather(Part::all);
     promote(fmt::format("stage '{}' {}", settings.name, beyond));
   }
@@ -39,13 +41,19 @@ void Simulation::Impl::begin_stage(int index) {
   if (large_motion)
     begin_large_motion_stage(settings, previous);
   else
-    control_bodies(settings);
+    control_bodies(settings, previous);
+  if (!large_motion) stage_start_time = now();
   gravity_from = data.gravity;
   gravity_to = settings.gravity;
   controls_settled = false;
   stage = index;
   stage_step = 0;
   in_stage = true;
+  if (!large_motion && settings.solver) {
+    const double added = want_energy ? added_kinetic_energy() : 0.0;
+    follow_solver();
+    if (want_energy) energy_inertia += added - added_kinetic_energy();
+  }
   bind_controls();
   bind_whiffletree();
   choose_damping();
@@ -70,7 +78,7 @@ void Simulation::Impl::begin_stage(int index) {
 
 void Simulation::Impl::choose_damping() {
   const bool settling = stage >= 0 && scene.stages[static_cast<std::size_t>(stage)].equilibrium_ratio;
-  const SolverSettings& settings = scene.solver;
+  const SolverSettings& settings = large_motion ? scene.solver : solver_in_use();
   if (large_motion) large_motion->settle(settling);
   data.local_damping = settling ? settings.settling_damping.value_or(settings.local_damping) : settings.local_damping;
 }
@@ -132,8 +140,9 @@ double Simulation::Impl::stage_fraction() const {
                                       *settings.displacement);
   } else if (settings.displacement) {
     const auto c = static_cast<std::size_t>(settings.direction);
-    const double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
-                                           : floor_displacement(whiffletree.size() - 1);
+    double now = whiffletree.empty() ? mean_of(monitor, &BodyLanes::displacement)[c]
+                                     : floor_displacement(whiffletree.size() - 1);
+    for (const int i : monitor_loaded) now += displacement_of_loaded(i)[c] / static_cast<double>(monitor_loaded.size());
     const double moved = std::abs(now - monitor_start[c]);
     fraction = std::max(fraction, moved / *settings.displacement);
   }

@@ -54,7 +54,9 @@ struct CrackedBlock;
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};
   Vec3 force_from{}, force_to{};
-  Vec3 in_cycles{};  // 1: this component follows the cycles of the stage; else 0
+  Vec3 in_cycles{};             // 1: this component follows the cycles of the stage; else 0
+  std::uint64_t of_ground = 0;  // as in Drive
+  std::int64_t motion = 0;      // as in Drive
 };
 
 // A deformable block that controls can load.
@@ -135,6 +137,8 @@ struct LawCall {
   long crushed_out = 0;                // contact points, steps that report flags
   double stored = 0.0;                 // J, energy steps
   std::array<double, 4> dissipated{};  // J during the last step, energy steps
+  double damping = 0.0;                // J during the last step, by the damping of impacts
+  Vec3 on_monitor{};                   // of the last row, on the deformable blocks of the monitor, N; with ranks
 };
 
 // Moves the body of lane 0 by a step: sums, control or free motion, gridpoints. Fixed order throughout.
@@ -173,12 +177,18 @@ struct Simulation::Impl {
   double mean_along_x(const LoadedBlock& block, const LaneVector<double>& field) const;  // by the mass of gridpoints
   void apply_load(std::size_t loaded);  // what load_ramps has now, to the block's group
   void evaluate_law(int chunk, const ChunkJumps& jumps, bool measure, bool report);
+  void damp_chunk(int chunk, const ChunkJumps& jumps);
+  bool damps_impacts() const { return !old_jump.empty(); }  // on the lattice
   [[noreturn]] void report_failed_points();
   std::string batch_text(const quoin_batch& batch) const;
 
   // --- stages -------------------------------------------------------------------------------------------------------
   void begin_stage(int index);
-  void control_bodies(const Stage& settings);  // and find the monitor
+  void control_bodies(const Stage& settings, const Stage* previous);  // and find the monitor; null: none
+  // motion: of the ground, where the body moves with it. left_over: velocity of the ground, m/s.
+  void control_body(std::size_t body, const Stage& settings, const Stage* previous, std::int32_t motion,
+                    const Vec3& left_over);
+  void find_monitor(const Stage& settings);
   void find_loaded_blocks();
   // Sets velocities (else forces) of bodies, or blocks, that have this name: those components that are numbers.
   void steer_bodies(const char* what, const std::string& name, const std::vector<int>& bodies, const Vec3& value,
@@ -187,12 +197,22 @@ struct Simulation::Impl {
   void bind_whiffletree();  // bodies and blocks of the stage's floors
   void bind_controls();     // lists that follow from ramps and prescribed components
   void find_bodies_at_rest();
-  void choose_damping();       // of the stage
-  std::vector<LawSwap> swaps;  // of the current stage
+  void choose_damping();  // of the stage
+  const SolverSettings& solver_in_use() const { return stage >= 0 ? scene.solver_in(at_stage()) : scene.solver; }
+  std::size_t at_stage() const { return static_cast<std::size_t>(stage); }
+  double added_kinetic_energy() const;  // of deformation and unit inertia, J
+  void follow_solver();                 // inertia, time step and damping of the lattice, by the settings of the stage
+  void begin_damping();                 // columns of the damping of impacts, where it is in use
+  std::vector<LawSwap> swaps;           // of the current stage
   void swap_law(const std::string& family, const std::string& law);
   void swap_lattice_law(std::size_t family, std::shared_ptr<const Material> material);
   HistoryRow measure() const;
-  double largest_displacement() const;         // of any block that is not fixed, m
+  void measure_monitor(HistoryRow& row) const;   // on the lattice
+  double largest_displacement() const;           // of any block that is not fixed, m
+  Vec3 point_traction(std::size_t point) const;  // with that of damping, Pa
+  Vec3 sum_on_monitor(int chunk) const;          // of its points, on the deformable blocks of the monitor, N
+  // Of the deformable blocks of the monitor, at the time of the last forces, m.
+  Vec3 displacement_of_loaded(int loaded) const;
   void require_finite(const HistoryRow& row);  // throws Error(numerical)
 
   // --- what supports give (reactions.cpp) ---------------------------------------------------------------------------
@@ -266,6 +286,7 @@ struct Simulation::Impl {
   void build_large_motion(const blocks::Assembly& shapes, std::vector<std::shared_ptr<const Material>> materials);
   void build_members();  // of the scene
   void find_blocks_on_base();
+  void find_base_of_lattice();
   bool may_ride_in_parts(const blocks::Assembly& shapes) const;
   std::vector<int> rank_by_block() const;
   std::vector<int> followed_blocks() const;
@@ -287,6 +308,7 @@ struct Simulation::Impl {
   void bind_collapse(const Stage& settings, const Stage* previous);
   void drive_blocks(const Stage& settings, double ramp);
   void follow_ground(const Stage& settings, double ramp);
+  void follow_ground_of_lattice(double ramp);
   const Drive* ground_drive() const;  // a block that moves as the ground does; null: none
   // By block, its group of supports as Drive::motion has it; 0: of none.
   std::vector<std::int32_t> support_groups(const Stage& settings) const;
@@ -296,6 +318,12 @@ struct Simulation::Impl {
   void apply_collapse(const Stage& settings, double ramp);
   void jack_members(const Stage& settings, double ramp);
   // Of the ground motion of a stage, m/s. motion: as in Drive.
+  static constexpr double kGroundAtRest = 1e-12;  // m/s, rounding of a record that ends at rest
+  geometry::Vector record_since_half_step(const Stage* of_stage, std::int32_t motion) const;  // m/s; null: none
+  // On the lattice: velocity now of a body that moves with the ground, as the stage before has left it, m/s; a body
+  // that moves as the ground does, -1: none.
+  Vec3 left_over_velocity(const Stage* previous, int body) const;
+  int ground_body() const;
   geometry::Vector record_velocity(const Stage& of_stage, double time, std::int32_t motion = 0) const;
   void add_forces(const Stage& settings);
   void add_pressures(const Stage& settings);
@@ -308,6 +336,7 @@ struct Simulation::Impl {
   Vec3 block_translation_at_forces(const std::vector<int>& blocks) const;  // at the time of the forces of a row
   void measure_large_motion(HistoryRow& row) const;
   void measure_base(HistoryRow& row) const;
+  void measure_base_on_lattice(HistoryRow& row) const;
   void check_rotations();
   BlockMesh mesh_in_large_motion(int block) const;
   BlockSize size_in_large_motion(int block) const;
@@ -438,16 +467,21 @@ struct Simulation::Impl {
   LaneVector<double> traction[3];             // by contact point
   std::vector<LaneVector<double>> law_state;  // per family: state_count columns of its points one after the other
   LaneVector<double> normal_shift;            // by contact point: added to the opening (laws swapped in); else empty
-  std::vector<BodyLanes> body_lanes;          // body groups, then lone bodies
+  // Where impacts are damped, else empty: tractions of damping, Pa; opening of the last step, m, not a number: unknown.
+  LaneVector<double> viscous[3], old_jump;
+  std::vector<BodyLanes> body_lanes;  // body groups, then lone bodies
   std::vector<BodyRamp> ramps;
   std::vector<LoadRamp> load_ramps;  // by loaded block
   Vec3 gravity_from{}, gravity_to{};
   long step_count = 0;
+  double clock_start = 0.0;   // s, of the lattice: when its time step was chosen last
+  long clock_start_step = 0;  // and at which step
   int stage = -1;
   long stage_step = 0;
   Vec3 monitor_start{};
   std::array<double, 4> energy_dissipated{};
   double energy_damping = 0.0, energy_external = 0.0;  // up to the last half step
+  double energy_inertia = 0.0;                         // lost with added inertia where stages take less of it
   int calm_checks = 0;                                 // equilibrium checks passed in a row
   int next_frame = 0;
   long next_row = 0;      // stage_step of the next history row
@@ -488,7 +522,13 @@ struct Simulation::Impl {
   double unbalanced_ratio = 0.0;
   std::optional<Energies> energies;
   double kinetic = 0.0;
-  std::vector<int> monitor;  // bodies that the history shows
+  std::vector<int> monitor;         // bodies that the history shows
+  std::vector<int> monitor_loaded;  // and deformable blocks, indices into loaded_blocks
+  struct MonitorPoint {
+    std::int32_t point;
+    double sign;  // 1: side a
+  };
+  std::vector<MonitorPoint> monitor_points;  // of these blocks, in order
   std::vector<Restraint> restraints;
   bool restraints_found = false;
   std::vector<int> restrained_blocks;  // in large motion: fixed, or held by some stage

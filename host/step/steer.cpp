@@ -95,6 +95,7 @@ void Simulation::Impl::steer_bodies(const char* what, const std::string& name, c
       if (velocities) {
         ramp.velocity_from[c] = ramp.velocity_to[c] = lanes.prescribed_velocity[c][lane] = value[c];
         ramp.in_cycles[c] = 0.0;
+        ramp.of_ground &= ~(std::uint64_t{1} << c);
       } else {
         ramp.force_from[c] = ramp.force_to[c] = lanes.applied_force[c][lane] = value[c];
       }

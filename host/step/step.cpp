@@ -5,6 +5,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "step/point_kernels.h"
 #include "step/state.h"
 
 namespace quoin {
@@ -63,9 +64,14 @@ void Simulation::Impl::advance_contacts(int thread, int index, bool measure_step
   const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(index)];
   contact_jumps(model, chunk, data, jump);
   lap(clock, Phase::jumps);
+  const bool damped = damps_impacts() && time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)][0] > 0.0;
+  for (std::size_t k = 0; damped && k < 3; ++k)
+    std::copy_n(traction[k].data() + chunk.first_point, chunk.point_count, jump->old_traction[k]);
   evaluate_law(index, *jump, measure_step, report);
   lap(clock, Phase::law);
-  contact_forces(model, chunk, data);
+  if (damped) damp_chunk(index, *jump);
+  const double* const of_damping[3] = {viscous[0].data(), viscous[1].data(), viscous[2].data()};
+  contact_forces(model, chunk, data, damped ? of_damping : nullptr);
   lap(clock, Phase::contact_forces);
 }
 
@@ -149,6 +155,22 @@ void Simulation::Impl::advance_item(int thread, int item, bool measure_step) {
   advance_body(model.bodies[b], inertia.body_mass[b], inertia.body_inertia[b], data, &body_lanes[i], record);
 }
 
+void Simulation::Impl::damp_chunk(int index, const ChunkJumps& jump) {
+  const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(index)];
+  const auto first = static_cast<std::size_t>(chunk.first_point);
+  blocks::DampingColumns c{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    c.traction[k] = traction[k].data() + first, c.old_traction[k] = jump.old_traction[k];
+    c.viscous[k] = viscous[k].data() + first;
+  }
+  c.slip[0] = jump.slip_s, c.slip[1] = jump.slip_t;
+  c.normal_jump = jump.normal, c.old_jump = old_jump.data() + first;
+  c.area = model.area.data() + first;
+  const auto [normal, along] = time_step.impacts.viscosity[static_cast<std::size_t>(chunk.family)];
+  calls[static_cast<std::size_t>(index)].damping =
+      damp_impacts(c, {}, static_cast<std::size_t>(chunk.point_count), normal / data.time_step, along / data.time_step);
+}
+
 void Simulation::Impl::evaluate_law(int chunk_index, const ChunkJumps& jump, bool measure_step, bool report) {
   const ContactChunk& chunk = model.chunks[static_cast<std::size_t>(chunk_index)];
   const ContactFamily& family = model.families[static_cast<std::size_t>(chunk.family)];
@@ -224,9 +246,9 @@ void Simulation::Impl::report_failed_points() {
           fmt::format("law '{}' failed at step {}, time {:.6g} s: joint {} (family '{}', blocks {} and {}), contact "
                       "point at ({:.4f}, {:.4f}, {:.4f}) m, opening {:.6g} m, slip in the step ({:.6g}, {:.6g}) m, "
                       "traction ({:.6g}, {:.6g}, {:.6g}) Pa. A smaller solver.time_step_fraction than {:g} may help",
-                      law, step_count, static_cast<double>(step_count) * data.time_step, model.point_joint[p],
-                      family.name, joint.block_a, joint.block_b, x[0], x[1], x[2], jump.normal[i], jump.slip_s[i],
-                      jump.slip_t[i], traction[0][p], traction[1][p], traction[2][p], scene.solver.time_step_fraction));
+                      law, step_count, now(), model.point_joint[p], family.name, joint.block_a, joint.block_b, x[0],
+                      x[1], x[2], jump.normal[i], jump.slip_s[i], jump.slip_t[i], traction[0][p], traction[1][p],
+                      traction[2][p], scene.solver.time_step_fraction));
     }
     throw Error(Exit::numerical,
                 fmt::format("law '{}' says at step {} that {} points failed, and names none: {}; tell its author", law,

@@ -98,9 +98,11 @@ std::vector<int> Simulation::Impl::loose_blocks(const Stage& settings) const {
 }
 
 void Simulation::Impl::require_moving_ground() const {
-  const auto& blocks = large_motion->assembly().blocks;
-  if (large_motion->members() && !large_motion->members()->beds().empty()) return;
-  if (std::any_of(blocks.begin(), blocks.end(), [](const blocks::Block& b) { return b.fixed; })) return;
+  const auto any_fixed = [](const auto& blocks) {
+    return std::any_of(blocks.begin(), blocks.end(), [](const auto& b) { return b.fixed; });
+  };
+  if (large_motion && large_motion->members() && !large_motion->members()->beds().empty()) return;
+  if (large_motion ? any_fixed(large_motion->assembly().blocks) : any_fixed(model.assembly.bricks)) return;
   for (const Stage& each : scene.stages) {
     if (!each.ground) continue;
     throw Error(

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "step/unknowns.h"
@@ -158,6 +159,25 @@ void add_body(const Simulation::Impl& s, int b, const Unknowns::OfBlock& u, Tang
 
 }  // namespace
 
+// Of impact and viscous damping: viscosity over stiffness by joint family, normal and along, and of zones, s.
+struct Dashpots {
+  std::vector<std::array<double, 2>> of_family;
+  double of_zones = 0.0, of_mass = 0.0;  // 1/s
+};
+
+std::optional<Dashpots> dashpots_of(const Simulation::Impl& s) {
+  const SolverSettings& solver = s.solver_in_use();
+  const std::size_t families = s.model.families.size();
+  if (solver.damping == DampingKind::impact) {
+    const ImpactDamping& impacts = s.time_step.impacts;
+    return Dashpots{impacts.viscosity, impacts.of_zones, 0.0};
+  }
+  if (solver.damping != DampingKind::viscous) return std::nullopt;
+  // On the lattice joints are not damped.
+  const double beta = solver.stiffness_damping, of_joints = s.large_motion ? beta : 0.0;
+  return Dashpots{std::vector<std::array<double, 2>>(families, {of_joints, of_joints}), beta, solver.mass_damping};
+}
+
 Tangent tangent_of(const Simulation& simulation) {
   Simulation::Impl& s = *simulation.impl_;
   if (s.ranks) throw Error(Exit::bad_input, "modes of a state: in one process alone; start quoin without mpirun");
@@ -169,14 +189,21 @@ Tangent tangent_of(const Simulation& simulation) {
   t.unknown.resize(at(unknowns.count())), t.mass.resize(at(unknowns.count()));
   t.symmetry_factor =
       s.large_motion ? (s.large_motion->assembly().symmetry_plane_z0 ? 2.0 : 1.0) : s.model.assembly.symmetry_factor;
-  Unknowns::Entries entries, turned;
+  const std::optional<Dashpots> dashpots = dashpots_of(s);
+  Unknowns::Entries entries, turned, viscous;
   unknowns.add_zones(&entries);
+  for (const Eigen::Triplet<double>& e : entries) {
+    if (dashpots) viscous.emplace_back(e.row(), e.col(), dashpots->of_zones * e.value());
+  }
   unknowns.add_stresses(points, &entries);
   for (const ContactPoint& p : points) {
     const double normal = k.normal[at(p.index)], shear = k.shear[at(p.index)];
     ++t.points;
     if (normal == 0.0 && shear == 0.0) ++t.open;
     unknowns.add_point(p, p.area * normal, p.area * shear, &entries);
+    if (!dashpots || (p.traction[0] >= 0.0 && s.solver_in_use().damping == DampingKind::impact)) continue;
+    const auto& [beta, along] = dashpots->of_family[at(p.family)];
+    unknowns.add_point(p, p.area * beta * normal, p.area * along * shear, &viscous);
   }
   for (int b = 0; b < static_cast<int>(simulation.block_count()); ++b) {
     const Unknowns::OfBlock& u = unknowns.blocks()[at(b)];
@@ -193,8 +220,17 @@ Tangent tangent_of(const Simulation& simulation) {
   Eigen::SparseMatrix<double> about_axes(n, n), turn(n, n);
   about_axes.setFromTriplets(entries.begin(), entries.end());
   turn.setFromTriplets(turned.begin(), turned.end());
-  const Eigen::SparseMatrix<double> whole = about_axes.selfadjointView<Eigen::Lower>();
-  t.stiffness = Eigen::SparseMatrix<double>(turn.transpose() * whole * turn).triangularView<Eigen::Lower>();
+  const auto turned_about = [&turn](const Eigen::SparseMatrix<double>& lower) {
+    const Eigen::SparseMatrix<double> whole = lower.selfadjointView<Eigen::Lower>();
+    return Eigen::SparseMatrix<double>(
+        Eigen::SparseMatrix<double>(turn.transpose() * whole * turn).triangularView<Eigen::Lower>());
+  };
+  t.stiffness = turned_about(about_axes);
+  if (!dashpots) return t;
+  about_axes.setFromTriplets(viscous.begin(), viscous.end());
+  t.viscosity = turned_about(about_axes);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (dashpots->of_mass != 0.0) t.viscosity.coeffRef(i, i) += dashpots->of_mass * t.mass[static_cast<std::size_t>(i)];
   return t;
 }
 

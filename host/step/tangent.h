@@ -22,7 +22,10 @@ struct Tangent {
     geometry::Vector centre{};               // m
   };
   Eigen::SparseMatrix<double> stiffness;  // lower triangle, N/m, N m
-  std::vector<double> mass;               // diagonal, kg, kg m2; without scaling
+  // The same of the viscosity of impact and viscous damping, N s/m, N m s: of contacts that are closed, of zones and of
+  // masses; empty: the damping of the stage is of another kind, or none.
+  Eigen::SparseMatrix<double> viscosity;
+  std::vector<double> mass;  // diagonal, kg, kg m2; without scaling
   std::vector<Unknown> unknown;
   UnknownGroups groups;
   long points = 0, open = 0;  // contact points, and of them those that carry nothing

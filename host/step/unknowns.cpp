@@ -81,7 +81,9 @@ void Unknowns::number_large_motion(int b) {
   if (block.body >= 0) {
     const blocks::Body& body = s_.large_motion->body(b);
     u.rigid = true, u.centre = body.x;
-    for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((body.held | body.support) >> c & 1u) != 0);
+    unsigned held_body = body.held;
+    for (const Drive& drive : s_.drives) held_body = drive.block == b ? drive.held : held_body;  // a step ahead of it
+    for (unsigned c = 0; c < 6; ++c) u.body[c] = next(((held_body | body.support) >> c & 1u) != 0);
     return close_group(b, u.centre);
   }
   unsigned held = s_.large_motion->assembly().blocks[at(b)].fixed ? 7u : 0u;

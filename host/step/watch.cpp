@@ -188,6 +188,9 @@ std::string Simulation::Impl::motion_left_to_ground() const {
   for (const Drive& drive : drives) {
     if (drive.of_ground) left_over = std::max(left_over, norm(drive.velocity_from));
   }
+  for (const BodyRamp& ramp : ramps) {
+    if (ramp.of_ground != 0) left_over = std::max(left_over, norm(geometry::vector(ramp.velocity_from)));
+  }
   if (left_over <= kSlow) return "";
   const Stage& settings = scene.stages[static_cast<std::size_t>(stage)];
   const std::string so = settings.ramp_time > 0.0

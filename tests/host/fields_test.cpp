@@ -78,6 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Lattice", kWall, weak({}), 60},
         Case{"LatticeWithStiffnessDamping", kWall, weak({"solver.damping=viscous", "solver.stiffness_damping=1e-6"}),
              60},
+        Case{"LatticeOnGround", QUOIN_HOST_TESTS "/shaken_wall.toml", {"stage.shake.ground_motion.scale=1.5"}, 60},
         Case{"LatticeAfterASwap", kWall, weak({"stage.shear.law=coulomb_slip"}), 60},
         Case{"General", kWall, weak({"solver.kernels=general"}), 60},
         Case{"GeneralWithStiffnessDamping", kWall,

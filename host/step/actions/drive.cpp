@@ -17,13 +17,6 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
   blocks::Model& m = *large_motion;
   std::vector<Drive> before = std::move(drives);
   drives.clear();
-  // Velocities are those of half a step ago; that of a record is known for now, and may be back at rest.
-  constexpr double kRest = 1e-12;  // m/s, rounding of a record that ends at rest
-  const auto record_of = [&](std::int32_t motion) {
-    if (!previous) return Vector{};
-    return record_velocity(*previous, m.time(), motion) -
-           record_velocity(*previous, m.time() - 0.5 * m.time_step(), motion);
-  };
   const auto start = [&](int block) {
     Drive drive;
     drive.block = block;
@@ -31,10 +24,10 @@ void Simulation::Impl::bind_drives(const Stage& settings, const Stage* previous)
     drive.omega_from = m.angular_velocity(block);
     const auto old = std::find_if(before.begin(), before.end(), [&](const Drive& d) { return d.block == block; });
     if (old == before.end()) return drive;
-    const Vector record = record_of(old->motion);
+    const Vector record = record_since_half_step(previous, old->motion);
     for (int c = 0; c < 3; ++c) {
       if (old->of_ground >> c & 1) drive.velocity_from[c] += record[c];
-      if (std::abs(drive.velocity_from[c]) <= kRest && old->of_ground) drive.velocity_from[c] = 0.0;
+      if (std::abs(drive.velocity_from[c]) <= kGroundAtRest && old->of_ground) drive.velocity_from[c] = 0.0;
     }
     const Vector carried = -1.0 * m.contact_force(block) - m.mass_of(block) * geometry::vector(data.gravity);
     for (int c = 0; c < 3; ++c) drive.force_from[c] = old->held >> c & 1 ? carried[c] : old->force_to[c];

@@ -1,0 +1,315 @@
+// Ground motion on the lattice: held against the general kernels, which share neither geometry nor time step with it,
+// against closed forms, and against itself on several threads and after a restart.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "geometry/vector.h"
+#include "model/impact_damping.h"
+#include "scene/read_scene.h"
+#include "step/large_motion.h"
+#include "step/simulation.h"
+
+namespace quoin {
+namespace {
+
+using Overrides = std::vector<std::string>;
+
+Scene scene(const Overrides& overrides = {}) { return read_scene(QUOIN_HOST_TESTS "/shaken_wall.toml", overrides); }
+
+Overrides with(Overrides overrides, const Overrides& more) {
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return overrides;
+}
+
+std::string read_all(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+struct Rows : Observer {
+  std::vector<HistoryRow> rows;  // of the stage that moves the ground, which begins at their time 0
+  double begin = 0.0;
+  void on_row(const HistoryRow& row) override {
+    if (row.stage == 0) begin = row.time;
+    if (row.stage == 1) rows.push_back(row), rows.back().time -= begin;
+  }
+};
+
+std::vector<HistoryRow> shaken(Scene of, bool stays_on_lattice = true) {
+  Simulation simulation(std::move(of), 1);
+  Rows observer;
+  simulation.run_stage(observer);
+  simulation.run_stage(observer);
+  EXPECT_EQ(simulation.large_motion() == nullptr, stays_on_lattice);
+  // Forces and displacements of a row are those of a step before.
+  for (HistoryRow& row : observer.rows) row.time -= simulation.time_step_report().time_step;
+  return observer.rows;
+}
+
+std::vector<HistoryRow> shaken(const Overrides& overrides, bool stays_on_lattice = true) {
+  return shaken(scene(overrides), stays_on_lattice);
+}
+
+// Cubic through four rows around a time.
+template <class Value>
+auto at_time(const std::vector<HistoryRow>& rows, double time, const Value& value) {
+  const auto after =
+      std::upper_bound(rows.begin(), rows.end(), time, [](double t, const HistoryRow& row) { return t < row.time; });
+  const auto first =
+      std::clamp<std::ptrdiff_t>(after - rows.begin() - 2, 0, static_cast<std::ptrdiff_t>(rows.size()) - 4);
+  decltype(value(rows[0])) sum{};
+  for (std::size_t j = static_cast<std::size_t>(first); j < static_cast<std::size_t>(first) + 4; ++j) {
+    double weight = 1.0;
+    for (std::size_t k = static_cast<std::size_t>(first); k < static_cast<std::size_t>(first) + 4; ++k) {
+      if (k != j) weight *= (time - rows[k].time) / (rows[j].time - rows[k].time);
+    }
+    sum = sum + weight * value(rows[j]);
+  }
+  return sum;
+}
+
+// Largest difference over largest value, of vectors or numbers.
+template <class Value>
+double apart(const std::vector<HistoryRow>& a, const std::vector<HistoryRow>& b, const Value& value) {
+  const auto size = [](const auto& x) {
+    if constexpr (requires { norm(x); })
+      return norm(x);
+    else
+      return std::abs(x);
+  };
+  double most = 0.0, difference = 0.0;
+  for (const HistoryRow& row : a) {
+    if (row.time < b.front().time || row.time > b.back().time) continue;
+    most = std::max(most, size(value(row)));
+    difference = std::max(difference, size(value(row) + -1.0 * at_time(b, row.time, value)));
+  }
+  return difference / most;
+}
+
+const auto kRelative = [](const HistoryRow& row) { return geometry::vector(row.monitor_relative); };
+const auto kGround = [](const HistoryRow& row) { return geometry::vector(row.ground_displacement); };
+const auto kBase = [](const HistoryRow& row) { return geometry::vector(row.base_force); };
+const auto kMoment = [](const HistoryRow& row) { return geometry::vector(row.overturning_moment); };
+const auto kDamping = [](const HistoryRow& row) { return row.energies->damping; };
+const auto kExternal = [](const HistoryRow& row) { return row.energies->external; };
+const auto kCracks = [](const HistoryRow& row) { return row.energies->dissipated[0] + row.energies->dissipated[1]; };
+
+// One period of a sine of 20 ms whose amplitude grows from 0 and returns to it, so that nothing vibrates at kilohertz.
+std::string smooth_record(double amplitude) {
+  std::string times, accelerations;
+  constexpr int kSamples = 200;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double t = 0.02 * i / kSamples, envelope = std::pow(std::sin(std::numbers::pi * t / 0.02), 2);
+    times += fmt::format("{}{}", i == 0 ? "" : ",", t);
+    accelerations +=
+        fmt::format("{}{}", i == 0 ? "" : ",", amplitude * envelope * std::sin(100 * std::numbers::pi * t));
+  }
+  return fmt::format("stage.shake.ground_motion={{direction=[1,0.4,0.6],time=[{}],acceleration=[{}]}}", times,
+                     accelerations);
+}
+
+// From rest, so that both begin alike, and little, as large motion has geometric stiffness: 1 N of vertical inertia
+// over 0.4 m of height beside 2e7 N/m is 1e-7. Time steps differ by 5e-6 with these zones. Forces differ more: where a
+// contact comes to bear, its damping begins a step earlier or later.
+TEST(LatticeOnGround, IsTheGeneralKernelsBeforeCracking) {
+  const Overrides little{"stage.press.pressure=0",      smooth_record(0.04),         "output.record_interval=0.00002",
+                         "stage.press.gravity=[0,0,0]", "stage.press.duration=2e-5", "wall.zones=[2,2,1]"};
+  const auto lattice = shaken(little), general = shaken(with(little, {"solver.kernels=general"}), false);
+  ASSERT_GT(lattice.size(), 900u);
+  EXPECT_LT(apart(lattice, general, kGround), 1e-6);
+  EXPECT_LT(apart(lattice, general, kRelative), 1e-6);
+  EXPECT_LT(apart(lattice, general, kExternal), 1e-5);  // booked in half steps
+  EXPECT_LT(apart(lattice, general, kBase), 1e-2);
+  EXPECT_EQ(kCracks(lattice.back()), 0.0);
+}
+
+// 1 % of the largest, in 60 m/s2: joints dissipate more than damping. Blocks lean by a millimetre then, which in large
+// motion alone changes levers by half a percent.
+TEST(LatticeOnGround, IsTheGeneralKernelsWhenItCracks) {
+  const Overrides strong{"stage.shake.ground_motion.scale=1.5", "output.record_interval=0.0001"};
+  const auto lattice = shaken(strong), general = shaken(with(strong, {"solver.kernels=general"}), false);
+  EXPECT_LT(apart(lattice, general, kGround), 1e-6);
+  EXPECT_LT(apart(lattice, general, kRelative), 0.01);
+  EXPECT_LT(apart(lattice, general, kBase), 0.01);
+  EXPECT_LT(apart(lattice, general, kMoment), 0.01);
+  EXPECT_LT(apart(lattice, general, kDamping), 0.01);
+  EXPECT_LT(apart(lattice, general, kCracks), 0.01);
+  EXPECT_GT(kCracks(lattice.back()), kDamping(lattice.back()) - kDamping(lattice.front()));
+  // What is missing, of what the ground has brought. The time step falls while the wall is still being pressed, which
+  // costs half a step of that work.
+  for (const HistoryRow& row : lattice)
+    EXPECT_LT(std::abs(row.energies->balance_error()), 1e-3 * lattice.back().energies->external);
+}
+
+// Two walls with a floor on half units of theirs, which deform, shaken along x, y and z. The monitor is one of these.
+// 1 %: joints crack.
+TEST(LatticeOnGround, ABuildingIsThatOfTheGeneralKernels) {
+  std::string text = read_all(QUOIN_HOST_TESTS "/small_building.toml");
+  text = text.substr(0, text.find("[[stage]]\nname = \"push\"")) + R"([[stage]]
+name = "shake"
+duration = 0.03
+monitor = "floor_1_1"
+ground_motion = { direction = [1, 0.3, 0.6], time = [0, 0.005, 0.015, 0.03], acceleration = [0, 12, -12, 0] }
+[output]
+energy = true
+record_interval = 0.0002
+)";
+  const auto run = [&](const Overrides& more, bool on_lattice) {
+    return shaken(read_scene_text(text, "building.toml", with({"building.floor.1.rigid_beams=false"}, more)),
+                  on_lattice);
+  };
+  const auto lattice = run({}, true), general = run({"solver.kernels=general"}, false);
+  const auto on_monitor = [](const HistoryRow& row) { return geometry::vector(row.joint_force); };
+  EXPECT_LT(apart(lattice, general, kGround), 1e-6);
+  EXPECT_LT(apart(lattice, general, kRelative), 0.01);
+  EXPECT_LT(apart(lattice, general, kBase), 0.01);
+  EXPECT_LT(apart(lattice, general, kMoment), 0.01);
+  EXPECT_LT(apart(lattice, general, on_monitor), 0.01);
+  EXPECT_GT(kCracks(lattice.back()), 0.0);
+  for (const HistoryRow& row : lattice)
+    EXPECT_LT(std::abs(row.energies->balance_error()), 0.01 * lattice.back().energies->external);
+}
+
+// Local damping, damping by block and mass damping brake against the ground, as they do in the general kernels. They
+// take energy of a wall that lags behind, and nearly none of what moves along.
+TEST(LatticeOnGround, DampingActsOnTheMotionOnTheGround) {
+  for (const char* damping : {"{damping='local',local_damping=0.3}", "{damping='block',local_damping=0.3}",
+                              "{damping='viscous',mass_damping=200.0,stiffness_damping=0.0}"}) {
+    SCOPED_TRACE(damping);
+    const Overrides braked{std::string("stage.shake.solver=") + damping, "output.record_interval=0.0001",
+                           "solver.time_step_fraction=0.3"};
+    const auto lattice = shaken(braked), general = shaken(with(braked, {"solver.kernels=general"}), false);
+    EXPECT_LT(apart(lattice, general, kGround), 1e-6);
+    EXPECT_LT(apart(lattice, general, kRelative), 0.01);
+    EXPECT_LT(apart(lattice, general, kBase), 0.01);
+    EXPECT_LT(std::abs(lattice.back().energies->balance_error()), 1e-3 * lattice.back().energies->external);
+    EXPECT_NEAR(kDamping(lattice.back()), kDamping(general.back()), 0.02 * kDamping(general.back()));
+  }
+}
+
+// One half of the ground stays, the other sinks by 2 mm in 20 ms, on the lattice as in the general kernels. 2 %: joints
+// break, and what has broken is where it breaks next.
+TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
+  const Overrides sinks{"wall.bottom_beam_cuts=[3]", "output.record_interval=0.0002",
+                        "stage.shake.ground_motion={support=[{blocks=['bottom_beam_2'],direction=[0,-1,0],"
+                        "time=[0,0.01,0.02],displacement=[0,0.001,0.002]}]}"};
+  const auto lattice = shaken(sinks), general = shaken(with(sinks, {"solver.kernels=general"}), false);
+  const auto monitor = [](const HistoryRow& row) { return geometry::vector(row.monitor_displacement); };
+  EXPECT_LT(apart(lattice, general, monitor), 0.02);
+  EXPECT_LT(apart(lattice, general, kBase), 0.02);
+  EXPECT_EQ(norm(kGround(lattice.back())), 0.0);
+  EXPECT_LT(monitor(lattice.back()).y, 3.0 * monitor(lattice.front()).y);  // the beam on top sinks too
+  EXPECT_GT(kCracks(lattice.back()), 0.0);
+}
+
+// The frequency of the assembled system and the share of damping are the same. Of the general kernels the Lanczos
+// iteration ends after 80 steps, here 2e-4 off.
+TEST(LatticeOnGround, HasTheTimeStepAndTheDampingOfTheGeneralKernels) {
+  const auto report = [](const Overrides& overrides) {
+    Simulation simulation(scene(overrides), 1);
+    Observer nobody;
+    simulation.run_stage(nobody);
+    const double before = simulation.time_step_report().time_step;
+    simulation.run_stage(nobody, 1);
+    EXPECT_LT(simulation.time_step_report().time_step, before);
+    return simulation.time_step_report();
+  };
+  // A high damping, of which a part alone is in use.
+  for (const char* damping : {"stage.shake.solver.impact_damping=0.7", "stage.shake.solver.impact_damping=2"}) {
+    const TimeStepReport lattice = report({damping}), general = report({damping, "solver.kernels=general"});
+    EXPECT_NEAR(lattice.time_step, general.time_step, 5e-4 * general.time_step);
+    EXPECT_NEAR(lattice.impacts.in_use, general.impacts.in_use, 5e-4 * general.impacts.in_use);
+    ASSERT_EQ(lattice.impacts.viscosity.size(), 2u);
+    for (std::size_t k = 0; k < 2; ++k) {  // nothing lands within units
+      EXPECT_NEAR(lattice.impacts.viscosity[0][k], general.impacts.viscosity[0][k],
+                  5e-4 * general.impacts.viscosity[0][k]);
+      EXPECT_GT(lattice.impacts.viscosity[0][k], 0.0);
+      EXPECT_EQ(lattice.impacts.viscosity[1][k], 0.0);
+    }
+    EXPECT_NEAR(lattice.impacts.of_zones, general.impacts.of_zones, 5e-4 * general.impacts.of_zones);
+  }
+}
+
+// A ground that moves by metres takes the wall along: what counts is the motion against it. The displacement is that of
+// the record integrated twice: a sine of amplitude a and circular frequency w from rest leaves a t/w.
+TEST(LatticeOnGround, BoundsAreThoseOfTheMotionOnTheGround) {
+  Simulation simulation(scene({"stage.shake.ground_motion={displacement=[0,3.0],time=[0,2.0],direction=[1,0,0]}",
+                               "stage.shake.duration=2.0", "solver.large_motion=never", "wall.zones=[1,1,1]",
+                               "wall.courses=2", "wall.units_per_course=1", "output.energy=false"}),
+                        1);
+  Observer nobody;
+  simulation.run_stage(nobody);
+  simulation.run_stage(nobody);
+  EXPECT_TRUE(simulation.outcome().warnings.empty());
+  EXPECT_LT(simulation.motion_seen().translation, 1e-3);
+  EXPECT_NEAR(simulation.measure().ground_displacement[0], 3.0, 1e-6);
+}
+
+// What the record has left of velocity goes on over a stage without ramp_time, and fades over one with: half of it
+// counts there.
+TEST(LatticeOnGround, WhatARecordLeavesGoesOnOrComesToRest) {
+  const auto way = [](const Overrides& overrides, double* velocity) {
+    Simulation simulation(
+        scene(with({"stage.shake.ground_motion={direction=[1,0,0],time=[0,0.02],acceleration=[3,3]}"}, overrides)), 1);
+    Observer nobody;
+    simulation.run_stage(nobody);
+    simulation.run_stage(nobody);
+    const double from = simulation.measure().ground_displacement[0], begin = simulation.time();
+    simulation.run_stage(nobody);
+    *velocity = 3.0 * 0.02;
+    EXPECT_EQ(simulation.large_motion(), nullptr);
+    return std::pair(simulation.measure().ground_displacement[0] - from, simulation.time() - begin);
+  };
+  double v = 0.0;
+  const auto [on, time_on] = way({"stage.after.ramp_time=0"}, &v);
+  EXPECT_NEAR(on, v * time_on, 1e-3 * on);  // a step at either end
+  const auto [rest, time_rest] = way({}, &v);
+  EXPECT_NEAR(rest, v * 0.002, 2e-3 * rest);
+}
+
+TEST(LatticeOnGround, HasTheSameBitsOnAnyThreadsAndAfterARestart) {
+  const auto run = [](int threads, bool restarts, const Overrides& more) {
+    const Overrides strong = with({"stage.shake.ground_motion.scale=12"}, more);
+    Simulation simulation(scene(strong), threads);
+    Rows observer;
+    simulation.run_stage(observer);
+    simulation.run_stage(observer, 700);
+    if (!restarts) {
+      simulation.run(observer);
+      return std::pair(simulation.hash(), observer.rows.back().base_force);
+    }
+    Simulation other(scene(strong), threads);
+    other.restore(simulation.save());
+    EXPECT_EQ(other.time(), simulation.time());
+    observer.rows.clear();
+    other.run(observer);
+    return std::pair(other.hash(), observer.rows.back().base_force);
+  };
+  for (const Overrides& more : {Overrides{}, Overrides{"solver.sliding_bound=1e-4"}}) {  // that goes over in mid-record
+    const auto one = run(1, false, more);
+    EXPECT_EQ(run(2, false, more), one);
+    EXPECT_EQ(run(4, false, more), one);
+    EXPECT_EQ(run(1, true, more), one);
+  }
+}
+
+// In mid-record to large motion: the ground goes on as the record has it, and so do wall and energies.
+TEST(LatticeOnGround, GoesOnInLargeMotion) {
+  const Overrides strong{"stage.shake.ground_motion.scale=1.5", "output.record_interval=0.0001"};
+  const auto lattice = shaken(strong), over = shaken(with(strong, {"solver.rotation_bound=1e-5"}), false);
+  EXPECT_LT(apart(lattice, over, kGround), 1e-6);
+  EXPECT_LT(apart(lattice, over, kRelative), 0.01);
+  EXPECT_LT(apart(lattice, over, kBase), 0.01);
+  EXPECT_LT(std::abs(over.back().energies->balance_error()), 0.01 * over.back().energies->external);
+}
+
+}  // namespace
+}  // namespace quoin
