@@ -27,7 +27,8 @@ WholeMotion Simulation::Impl::whole_motion_of(std::size_t brick) const {
   const Model::BlockPlace& where = model.place[brick];
   const double radius = 0.5 * norm_of(model.assembly.bricks[brick].size);
   const int ground = ground_body();
-  const Vec3 of_ground = ground >= 0 ? of_body(ground, &BodyLanes::velocity) : Vec3{};
+  // What is prescribed is known to all ranks.
+  const Vec3 of_ground = ground >= 0 ? of_body(ground, &BodyLanes::prescribed_velocity) : Vec3{};
   const auto speed = [&](Vec3 linear, const Vec3& spin) {
     for (std::size_t c = 0; c < 3; ++c) linear[c] -= of_ground[c];
     return norm_of(linear) + radius * norm_of(spin);
@@ -81,7 +82,8 @@ void Simulation::Impl::check_motion() {
   // Against the ground: what moves along with it has not moved.
   std::vector<WholeMotion> motions = whole_motions;
   if (const int ground = ground_body(); ground >= 0) {
-    const Vec3 moved = of_body(ground, &BodyLanes::displacement);
+    const Vec3 moved =
+        whole_motions[static_cast<std::size_t>(model.bodies[static_cast<std::size_t>(ground)].block)].translation;
     for (WholeMotion& m : motions) {
       for (std::size_t c = 0; c < 3; ++c) m.translation[c] -= moved[c];
     }
