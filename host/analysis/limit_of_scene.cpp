@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
+#include "members/linear.h"
 #include "members/members.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
@@ -76,8 +77,7 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
   return s;
 }
 
-// Each with any force up to that at which it yields; without hardening.
-void add_ties(const members::Members& members, const std::string& file, SceneLimit* limit) {
+void refuse_members(const members::Members& members, const std::string& file) {
   if (!members.beds().empty())
     throw Error(Exit::bad_input, fmt::format("{}: blocks on [[spring]] stand on no strength that limit analysis knows; "
                                              "give what is below them fixed = true instead",
@@ -86,23 +86,107 @@ void add_ties(const members::Members& members, const std::string& file, SceneLim
     throw Error(Exit::bad_input, fmt::format("{}: [[strip]] debonds by softening, which limit analysis does not know; "
                                              "leave strips out, or run the scene",
                                              file));
-  if (!members.beams().empty())
-    throw Error(Exit::bad_input,
-                fmt::format("{}: [[beam]] has no part in limit analysis yet; give it as a [[block]], or "
-                            "run the scene",
-                            file));
-  if (!members.floors().empty())
-    throw Error(Exit::bad_input,
-                fmt::format("{}: [[floor]] and its connectors have no part in limit analysis yet; give "
-                            "its weight to blocks and its anchors as [[tie]], or run the scene",
-                            file));
+}
+
+// Each with any force up to that at which it yields; without hardening.
+void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
     const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
                         &to = members.nodes()[static_cast<std::size_t>(tie.to)];
-    limit->problem.ties.push_back(
-        {from.block, to.block, from.start, to.start, tie.law.yield, tie.law.compression ? tie.law.yield : 0.0});
+    limit->problem.forces.push_back(LimitForce::bar(from.block, from.start, to.block, to.start, tie.law.yield,
+                                                    tie.law.compression ? tie.law.yield : 0.0));
     limit->tie_names.push_back(tie.name);
   }
+}
+
+// What the ground holds of a node that has no unknown there.
+void guide(int block, const Vector& at, const std::vector<Vector>& free, bool turns, SceneLimit* limit) {
+  std::vector<Vector> held;
+  if (free.empty()) held = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  if (free.size() == 2) held = {cross(free[0], free[1])};
+  for (const Vector& way : held) {
+    const LimitForce::Place place =
+        turns ? LimitForce::Place{block, at, {}, way} : LimitForce::Place{block, at, way, {}};
+    limit->problem.forces.push_back({{place}});
+  }
+}
+
+// Nodes of floors and beams as blocks of their own, held where they have no unknown.
+void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
+  for (const members::OwnBody& body : own.bodies) {
+    for (int n = body.first; n < body.end; ++n) {
+      const members::OwnNode& node = own.nodes[static_cast<std::size_t>(n)];
+      const auto block = static_cast<int>(limit->problem.blocks.size());
+      LimitBlock& added = limit->problem.blocks.emplace_back();
+      added.centre = node.at;
+      limit->names.push_back(body.label);
+      limit->labels.push_back(
+          fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", body.label, node.at.x, node.at.y, node.at.z));
+      limit->masses.push_back({block, node.mass, node.at, node.ways});
+      guide(block, node.at, node.ways, false, limit), guide(block, node.at, node.turns, true, limit);
+    }
+  }
+}
+
+// A force acts against its deformation.
+void add_deformations(const members::Members& members, const members::LinearMembers& own, SceneLimit* limit) {
+  const auto first = static_cast<int>(limit->block_count);
+  for (const members::OwnBody& body : own.bodies) {
+    std::map<std::string, LimitMember> told;
+    for (std::size_t i = body.first_deformation; i < body.end_deformation; ++i) {
+      const members::Deformation& d = own.deformations[i];
+      LimitForce force{{}, d.low, d.high};
+      for (const members::Deformation::Share& share : d.shares) {
+        const members::Node* const node = share.own ? nullptr : &members.nodes()[static_cast<std::size_t>(share.node)];
+        force.places.push_back({node ? node->block : first + share.node,
+                                node ? node->start : own.nodes[static_cast<std::size_t>(share.node)].at,
+                                -1.0 * share.way, -1.0 * share.turn});
+      }
+      if (*d.what) {
+        LimitMember& of = told[d.what];
+        of.label = body.label, of.what = d.what;
+        of.of.push_back(limit->problem.forces.size());
+        of.over.push_back(d.over), of.strength.push_back(d.high / d.over);
+      }
+      limit->problem.forces.push_back(force);
+    }
+    for (const auto& [what, member] : told) limit->members.push_back(member);
+    limit->bodies.push_back({first + body.first, first + body.end, body.faces});
+  }
+  for (const members::Rest& rest : own.rests) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(rest.node)];
+    LimitPoint point;
+    point.a = node.block, point.b = first + rest.own, point.position = node.start;
+    const Vector axis = std::abs(rest.out.x) < 0.9 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+    point.n = rest.out, point.s = normalized(cross(axis, rest.out)), point.t = cross(point.n, point.s);
+    point.friction = rest.friction;
+    limit->problem.points.push_back(point);
+  }
+}
+
+void add_members(const members::Members& members, const std::string& file, SceneLimit* limit) {
+  refuse_members(members, file);
+  add_ties(members, limit);
+  const members::LinearMembers own = members::linear_of(members, file, limit->gravity);
+  add_own_nodes(own, limit);
+  add_deformations(members, own, limit);
+  for (const members::Carried& carried : own.carried) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(carried.node)];
+    limit->masses.push_back({node.block, carried.mass, node.start, {carried.normal}});
+  }
+}
+
+// What an acceleration of all masses does to each block.
+std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration) {
+  std::vector<Wrench> pull(limit.problem.blocks.size());
+  for (const LimitMass& m : limit.masses) {
+    Vector force = m.ways.empty() ? m.mass * acceleration : Vector{};
+    for (const Vector& way : m.ways) force += m.mass * dot(acceleration, way) * way;
+    Wrench& on = pull[static_cast<std::size_t>(m.block)];
+    on.force += force;
+    on.moment += cross(m.at - limit.problem.blocks[static_cast<std::size_t>(m.block)].centre, force);
+  }
+  return pull;
 }
 
 // Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
@@ -126,7 +210,6 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
       block.fixed = brick.fixed || brick.body.starts_with("bottom_beam");
     }
     const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, name));
-    const Vector along = limit->direction ? norm(limit->gravity) * *limit->direction : Vector{};
     double weighs = density * mass.volume;
     Vector moment = weighs * mass.centroid;
     if (shapes) {
@@ -135,8 +218,7 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
       for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
     }
     block.centre = weighs > density * mass.volume ? moment / weighs : mass.centroid;
-    block.live.force = weighs * along;
-    block.dead.force = weighs * limit->gravity + given * block.live.force;
+    limit->masses.push_back({i, weighs, block.centre, {}});
     limit->problem.blocks.push_back(block);
     limit->names.push_back(name);
     const Vector& x = block.centre;
@@ -151,7 +233,16 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
-  if (shapes && shapes->members()) add_ties(*shapes->members(), scene.file, limit);
+  limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
+  if (shapes && shapes->members()) add_members(*shapes->members(), scene.file, limit);
+  const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
+  const std::vector<Wrench> live =
+      pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
+  for (std::size_t k = 0; k < dead.size(); ++k) {
+    LimitBlock& block = limit->problem.blocks[k];
+    block.live = live[k];
+    block.dead = {dead[k].force + given * live[k].force, dead[k].moment + given * live[k].moment};
+  }
 }
 
 void require_supports(const std::string& file, const SceneLimit& limit) {
@@ -191,7 +282,8 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
     LimitProblem pushed = limit->problem;
-    for (LimitBlock& b : pushed.blocks) b.live.force = norm(b.dead.force) * way;
+    const std::vector<Wrench> live = pull_of(*limit, norm(limit->gravity) * way);
+    for (std::size_t k = 0; k < live.size(); ++k) pushed.blocks[k].live = live[k];
     const LimitResult result = limit_multiplier(pushed, settings);
     if (result.status == LimitStatus::unbounded) continue;
     if (result.status != LimitStatus::solved) solved(file, *limit, pushed, settings);
@@ -271,6 +363,18 @@ std::vector<int> moving_without_load(const SceneLimit& limit) {
   return blocks;
 }
 
+MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
+  constexpr double kAll = 1.0 - 1e-6;  // of a strength
+  MemberForce found;
+  for (std::size_t k = 0; k < member.of.size(); ++k) {
+    double force = result.member_force[member.of[k]] / member.over[k];
+    if (member.what == "anchor_N_per_m") force = std::max(0.0, force);  // bearing has no strength
+    if (std::abs(force) >= found.largest) found.largest = std::abs(force), found.strength = member.strength[k];
+    if (std::abs(force) >= kAll * member.strength[k] && member.strength[k] > 0.0) ++found.at_strength;
+  }
+  return found;
+}
+
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options) {
   nlohmann::ordered_json json;
   json["scene"] = scene;
@@ -297,9 +401,23 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
     json["direction"] = nullptr;
   json["given_multiplier"] = options.given;
   json["gravity_m_s2"] = geometry::array(limit.gravity);
-  json["blocks"] = limit.problem.blocks.size(), json["contact_points"] = limit.problem.points.size();
+  json["blocks"] = limit.block_count, json["contact_points"] = limit.point_count;
   json["facets"] = options.settings.facets;
-  if (limit.limit && !limit.tie_names.empty()) json["tie_force_N"] = limit.limit->tie_force;
+  if (limit.limit && !limit.tie_names.empty())
+    json["tie_force_N"] =
+        std::vector<double>(limit.limit->member_force.begin(),
+                            limit.limit->member_force.begin() + static_cast<std::ptrdiff_t>(limit.tie_names.size()));
+  if (!limit.limit || limit.members.empty()) return json;
+  for (const LimitMember& member : limit.members) {
+    const MemberForce force = largest_force(member, *limit.limit);
+    json["member_forces"].push_back({{"member", member.label},
+                                     {"what", member.what},
+                                     {"largest", force.largest},
+                                     {"strength", std::isfinite(force.strength) ? nlohmann::ordered_json(force.strength)
+                                                                                : nlohmann::ordered_json(nullptr)},
+                                     {"at_strength", force.at_strength},
+                                     {"of", member.of.size()}});
+  }
   return json;
 }
 

@@ -37,7 +37,7 @@ void write_mechanism(const std::filesystem::path& folder, const Simulation& simu
   std::vector<StillBlock> drawn;
   VirtualMotion motion{"velocity", {}};
   std::string table = "block,name,x_m,y_m,z_m,vx,vy,vz,spin_x,spin_y,spin_z\n";
-  for (std::size_t k = 0; k < limit.problem.blocks.size(); ++k) {
+  for (std::size_t k = 0; k < limit.block_count; ++k) {
     const auto& [v, w] = limit.limit->velocity[k];
     const Vector& x = limit.problem.blocks[k].centre;
     table += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", k,
@@ -51,13 +51,22 @@ void write_mechanism(const std::filesystem::path& folder, const Simulation& simu
       of_block.push_back(v + cross(w, block.point.back() - x));
     }
   }
+  for (const LimitBody& body : limit.bodies) {
+    StillBlock& member = drawn.emplace_back();
+    member.face = body.faces;
+    auto& of_member = motion.displacement.emplace_back();
+    for (int n = body.first; n < body.end; ++n) {
+      member.point.push_back(limit.problem.blocks[static_cast<std::size_t>(n)].centre);
+      of_member.push_back(limit.limit->velocity[static_cast<std::size_t>(n)].force);
+    }
+  }
   write_file(folder / "mechanism.csv", table);
   write_motions(folder / "mechanism.vtu", drawn, {motion});
 }
 
 void write_forces(const std::filesystem::path& file, const SceneLimit& limit) {
   std::string forces = "point,block_a,block_b,x_m,y_m,z_m,normal_N,shear_s_N,shear_t_N\n";
-  for (std::size_t i = 0; i < limit.problem.points.size(); ++i) {
+  for (std::size_t i = 0; i < limit.point_count; ++i) {
     const LimitPoint& p = limit.problem.points[i];
     const auto& f = limit.limit->force[i];
     forces += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", i, p.a, p.b, p.position.x,
@@ -118,8 +127,14 @@ void print_multiplier(const SceneLimit& limit, int facets) {
              limit.limit->multiplier, direction_text(*limit.direction), facets, limit.limit->gap);
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
   for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
-    fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->tie_force[i],
-               limit.problem.ties[i].tension);
+    fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->member_force[i],
+               limit.problem.forces[i].high);
+  for (const LimitMember& member : limit.members) {
+    const MemberForce force = largest_force(member, *limit.limit);
+    if (!std::isfinite(force.strength)) continue;
+    fmt::print("{} {}: at most {:.4g} of {:.4g}; at its strength in {} of {} places\n", member.label, member.what,
+               force.largest, force.strength, force.at_strength, member.of.size());
+  }
   if (!limit.without_dilation) return;
   if (limit.without_dilation->settled)
     fmt::print("multiplier {:.5f} without dilation\n", limit.without_dilation->multiplier);
@@ -134,8 +149,7 @@ void run(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   const SceneLimit limit = limit_of(simulation, options.limit);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.problem.blocks.size(),
-             limit.problem.points.size(), seconds);
+  fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.block_count, limit.point_count, seconds);
   print_stands(limit);
   if (limit.limit) print_multiplier(limit, options.limit.settings.facets);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())

@@ -145,8 +145,10 @@ py::tuple limit(const std::variant<py::dict, std::string>& source, const std::st
   if (found.limit) {
     for (const auto& [v, w] : found.limit->velocity) velocity.push_back({v.x, v.y, v.z, w.x, w.y, w.z});
     force = found.limit->force;
+    velocity.resize(found.block_count), force.resize(found.point_count);  // nodes of floors and beams follow
   }
-  for (const quoin::LimitPoint& p : found.problem.points) {
+  for (std::size_t i = 0; i < found.point_count; ++i) {
+    const quoin::LimitPoint& p = found.problem.points[i];
     blocks.push_back({p.a, p.b});
     place.push_back(quoin::geometry::array(p.position));
   }
