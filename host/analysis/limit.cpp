@@ -325,11 +325,6 @@ LinearSolution solution_of(const LinearProgram& linear, const LimitProblem& prob
 
 }  // namespace
 
-LimitForce LimitForce::bar(int a, const Vector& from, int b, const Vector& to, double tension, double compression) {
-  const Vector along = (to - from) / norm(to - from);  // not finite without a length: refused with the problem
-  return {{{a, from, along, {}}, {b, to, -1.0 * along, {}}}, -compression, tension};
-}
-
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings) {
   require(problem, settings);
   const Programme programme(problem, settings);

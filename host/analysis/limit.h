@@ -47,10 +47,6 @@ struct LimitForce {
   };
   std::vector<Place> places;
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-
-  // A bar between two points, which pulls both together by up to `tension` and pushes by up to `compression`, N.
-  static LimitForce bar(int a, const geometry::Vector& from, int b, const geometry::Vector& to, double tension,
-                        double compression);
 };
 
 struct LimitProblem {

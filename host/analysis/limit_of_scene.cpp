@@ -15,6 +15,8 @@
 #include "law/law_library.h"
 #include "members/linear.h"
 #include "members/members.h"
+#include "scene/from_bricks.h"
+#include "scene/load_place.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -91,10 +93,18 @@ void refuse_members(const members::Members& members, const std::string& file) {
 // Each with any force up to that at which it yields; without hardening.
 void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
-    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
-                        &to = members.nodes()[static_cast<std::size_t>(tie.to)];
-    limit->problem.forces.push_back(LimitForce::bar(from.block, from.start, to.block, to.start, tie.law.yield,
-                                                    tie.law.compression ? tie.law.yield : 0.0));
+    LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield};
+    for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
+      const Vector along = normalized(members.start_of(tie.stops[i + 1]) - members.start_of(tie.stops[i]));
+      const auto pull = [&](const members::Tie::Stop& stop, double sign) {
+        for (const auto& [index, share] : stop) {
+          const members::Node& node = members.nodes()[static_cast<std::size_t>(index)];
+          force.places.push_back({node.block, node.start, sign * share * along, {}});
+        }
+      };
+      pull(tie.stops[i], 1.0), pull(tie.stops[i + 1], -1.0);
+    }
+    limit->problem.forces.push_back(force);
     limit->tie_names.push_back(tie.name);
   }
 }
@@ -128,6 +138,14 @@ void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
   }
 }
 
+LimitPoint point_at(const Vector& position, const Vector& normal) {
+  LimitPoint point;
+  const Vector axis = std::abs(normal.x) < 0.9 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+  point.position = position;
+  point.n = normal, point.s = normalized(cross(axis, normal)), point.t = cross(point.n, point.s);
+  return point;
+}
+
 // A force acts against its deformation.
 void add_deformations(const members::Members& members, const members::LinearMembers& own, SceneLimit* limit) {
   const auto first = static_cast<int>(limit->block_count);
@@ -155,18 +173,42 @@ void add_deformations(const members::Members& members, const members::LinearMemb
   }
   for (const members::Rest& rest : own.rests) {
     const members::Node& node = members.nodes()[static_cast<std::size_t>(rest.node)];
-    LimitPoint point;
-    point.a = node.block, point.b = first + rest.own, point.position = node.start;
-    const Vector axis = std::abs(rest.out.x) < 0.9 ? Vector{1, 0, 0} : Vector{0, 1, 0};
-    point.n = rest.out, point.s = normalized(cross(axis, rest.out)), point.t = cross(point.n, point.s);
+    LimitPoint point = point_at(node.start, rest.out);
+    point.a = node.block, point.b = first + rest.own;
     point.friction = rest.friction;
     limit->problem.points.push_back(point);
+  }
+}
+
+// A contact point without friction: its normal force up to yield both ways, its shear in a circle.
+void add_dowels(const members::Members& members, SceneLimit* limit) {
+  for (const members::Dowel& dowel : members.dowels()) {
+    const members::Node &first = members.nodes()[static_cast<std::size_t>(dowel.first)],
+                        &second = members.nodes()[static_cast<std::size_t>(dowel.second)];
+    LimitPoint point = point_at(first.start, dowel.along);
+    point.a = first.block, point.b = second.block;
+    point.tension = point.crushing = dowel.law.yield_force, point.cohesion = dowel.law.yield_shear;
+    limit->problem.points.push_back(point);
+  }
+}
+
+// The soil's weight and active pressure act always; up to the passive one resists.
+void add_fills(const members::Members& members, SceneLimit* limit) {
+  for (const members::FillPoint& p : members.fill_points()) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(p.node)];
+    const Vector force =
+        -p.law.upright * p.law.vertical * p.law.up - p.law.level * p.law.active * p.law.vertical * p.law.out;
+    limit->loads.push_back({node.block, node.start, force});
+    limit->problem.forces.push_back({{{node.block, node.start, -1.0 * p.law.out, {}}},
+                                     0.0,
+                                     p.law.level * (p.law.passive - p.law.active) * p.law.vertical});
   }
 }
 
 void add_members(const members::Members& members, const std::string& file, SceneLimit* limit) {
   refuse_members(members, file);
   add_ties(members, limit);
+  add_dowels(members, limit), add_fills(members, limit);
   const members::LinearMembers own = members::linear_of(members, file, limit->gravity);
   add_own_nodes(own, limit);
   add_deformations(members, own, limit);
@@ -243,6 +285,10 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     block.live = live[k];
     block.dead = {dead[k].force + given * live[k].force, dead[k].moment + given * live[k].moment};
   }
+  for (const LimitLoad& load : limit->loads) {
+    LimitBlock& block = limit->problem.blocks[static_cast<std::size_t>(load.block)];
+    block.dead.force += load.force, block.dead.moment += cross(load.at - block.centre, load.force);
+  }
 }
 
 void require_supports(const std::string& file, const SceneLimit& limit) {
@@ -303,6 +349,17 @@ nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* 
   return json;
 }
 
+nlohmann::ordered_json json_of_moving(const SceneLimit& limit) {
+  nlohmann::ordered_json json{{"force_N", geometry::array(limit.moving_force)}, {"worst", limit.worst}};
+  for (const MovingLimit& here : limit.moving)
+    json["positions"].push_back(
+        {{"position_m", geometry::array(here.position)},
+         {"at_m", geometry::array(here.at)},
+         {"block", limit.labels[static_cast<std::size_t>(here.block)]},
+         {"multiplier", here.multiplier ? nlohmann::ordered_json(*here.multiplier) : nlohmann::ordered_json(nullptr)}});
+  return json;
+}
+
 nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
   return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(nullptr);
 }
@@ -310,6 +367,50 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
 std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {
   if (!without || !without->settled) return std::nullopt;
   return without->multiplier;
+}
+
+const Stage& moving_stage(const Scene& scene) {
+  for (const Stage& stage : scene.stages)
+    if (stage.moving_load) return stage;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: no stage has a moving load; give one moving_load = {{ from = [x, y, z], "
+                          "to = [x, y, z], force = [x, y, z] }}",
+                          scene.file));
+}
+
+// Each position on its own, beside the weight. The least multiplier is that of the worst position.
+void find_moving(const Simulation& simulation, const LimitOptions& options, SceneLimit* limit) {
+  const Scene& scene = simulation.scene();
+  const Stage& stage = moving_stage(scene);
+  limit->moving_force = geometry::vector(stage.moving_load->force);
+  const blocks::Model* const shapes = simulation.large_motion();
+  const std::vector<blocks::LoadPlace> places = blocks::places_of(
+      *stage.moving_load, shapes ? shapes->assembly() : blocks::from_bricks(simulation.assembly()), stage.source.text);
+  LimitProblem& problem = limit->problem;
+  for (LimitBlock& b : problem.blocks) b.live = {};
+  Wrench worst;
+  for (const blocks::LoadPlace& place : places) {
+    LimitBlock& block = problem.blocks[static_cast<std::size_t>(place.block)];
+    MovingLimit& here = limit->moving.emplace_back(MovingLimit{place.block, place.position, place.at, std::nullopt});
+    if (block.fixed) continue;
+    block.live = {limit->moving_force, cross(place.at - block.centre, limit->moving_force)};
+    const LimitResult result = limit_multiplier(problem, options.settings);
+    if (result.status == LimitStatus::not_converged || result.status == LimitStatus::no_equilibrium)
+      solved(scene.file, *limit, problem, options.settings);
+    if (result.status == LimitStatus::solved) {
+      here.multiplier = result.multiplier;
+      if (!limit->limit || result.multiplier < limit->limit->multiplier)
+        limit->limit = result, limit->worst = limit->moving.size() - 1, worst = block.live;
+    }
+    block.live = {};
+  }
+  if (!limit->limit)
+    throw Error(Exit::numerical, fmt::format("{}: no multiple of moving_load moves a block, from any of its {} "
+                                             "positions",
+                                             stage.source.text, places.size()));
+  problem.blocks[static_cast<std::size_t>(limit->moving[limit->worst].block)].live = worst;
+  limit->margin = limit->limit->multiplier;
+  if (!options.associated) limit->without_dilation = limit_without_dilation(problem, options.settings);
 }
 
 }  // namespace
@@ -325,6 +426,10 @@ std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks)
 
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   const std::string& file = simulation.scene().file;
+  if (options.moving && (options.given != 0.0 || !options.direction.empty()))
+    throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction and "
+                                             "--given out",
+                                             file));
   SceneLimit limit;
   find_loads(simulation.scene(), options, &limit);
   assemble(simulation, options.given, &limit);
@@ -337,6 +442,10 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   else if (!options.associated && limit.stands.friction)
     limit.friction = LimitWithoutDilation{{}, true, 0.0};
   if (!limit.stands.stands) return limit;
+  if (options.moving) {
+    find_moving(simulation, options, &limit);
+    return limit;
+  }
   if (!limit.direction) {
     find_least_margin(file, options.settings, &limit);
     return limit;
@@ -386,7 +495,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["stands"] = stands.stands;
   json["carried"] = stands.carried;
   json["margin"] = number_or_null(limit.margin);
-  if (limit.margin) json["margin_direction"] = geometry::array(limit.margin_direction);
+  if (limit.margin && limit.moving.empty()) json["margin_direction"] = geometry::array(limit.margin_direction);
   json["smallest_friction_scale"] = number_or_null(stands.friction);
   json["smallest_friction_scale_without_dilation"] = number_or_null(settled(limit.friction));
   if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
@@ -395,7 +504,8 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["moves_without_load"] = nlohmann::ordered_json::array();
   for (const int b : moving_without_load(limit))
     json["moves_without_load"].push_back(limit.labels[static_cast<std::size_t>(b)]);
-  if (limit.direction)
+  if (!limit.moving.empty()) json["moving"] = json_of_moving(limit);
+  if (limit.direction && limit.moving.empty())
     json["direction"] = geometry::array(*limit.direction);
   else
     json["direction"] = nullptr;

@@ -21,6 +21,7 @@ struct LimitOptions {
   LimitSettings settings;
   bool associated = false;  // no search for answers without dilation
   bool friction = true;     // the smallest scale of friction without dilation, too
+  bool moving = false;      // the moving load of the first stage that has one is multiplied, at each of its positions
 };
 
 // A mass that is pulled along given directions alone, or along all.
@@ -29,6 +30,12 @@ struct LimitMass {
   double mass = 0.0;                   // kg
   geometry::Vector at;                 // m
   std::vector<geometry::Vector> ways;  // unit, square to each other; none: all
+};
+
+// A force that acts always, without mass.
+struct LimitLoad {
+  int block = 0;
+  geometry::Vector at, force;  // m, N
 };
 
 // Forces of a member that one strength bounds.
@@ -45,6 +52,13 @@ struct LimitBody {
   std::vector<std::vector<int>> faces;
 };
 
+// A moving load at one of its positions.
+struct MovingLimit {
+  int block = 0;
+  geometry::Vector position, at;     // on its line; where it acts, m
+  std::optional<double> multiplier;  // none: no multiple moves anything
+};
+
 struct SceneLimit {
   geometry::Vector gravity;                   // m/s2
   std::optional<geometry::Vector> direction;  // none: no collapse stage, and none was given
@@ -54,6 +68,7 @@ struct SceneLimit {
   std::size_t block_count = 0, point_count = 0;  // of the scene
   std::vector<std::string> names, labels;        // of blocks: of the scene, and as messages have them
   std::vector<LimitMass> masses;
+  std::vector<LimitLoad> loads;
   std::vector<std::string> tie_names;  // of the first forces
   std::vector<LimitMember> members;
   std::vector<LimitBody> bodies;
@@ -65,6 +80,9 @@ struct SceneLimit {
   // Multiplier left beyond what is given, of associated flow; without a direction the least of four horizontal ones.
   std::optional<double> margin;
   geometry::Vector margin_direction{};
+  std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst one
+  std::size_t worst = 0;            // of them
+  geometry::Vector moving_force{};  // N
 };
 
 // Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws

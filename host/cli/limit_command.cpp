@@ -75,6 +75,18 @@ void write_forces(const std::filesystem::path& file, const SceneLimit& limit) {
   write_file(file, forces);
 }
 
+// The multiplier by position: empty where no multiple moves anything.
+void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
+  std::string table = "position,x_m,y_m,z_m,block,at_x_m,at_y_m,at_z_m,multiplier\n";
+  for (std::size_t k = 0; k < limit.moving.size(); ++k) {
+    const MovingLimit& here = limit.moving[k];
+    table += fmt::format("{},{:.6g},{:.6g},{:.6g},{},{:.6g},{:.6g},{:.6g},{}\n", k + 1, here.position.x,
+                         here.position.y, here.position.z, here.block, here.at.x, here.at.y, here.at.z,
+                         here.multiplier ? fmt::format("{:.6g}", *here.multiplier) : "");
+  }
+  write_file(file, table);
+}
+
 // Where three.js is installed; else ParaView shows the mechanism.
 void write_page(const std::filesystem::path& mechanism, const Scene& scene, double multiplier) {
   try {
@@ -105,6 +117,8 @@ void print_stands(const SceneLimit& limit) {
   const Stands& s = limit.stands;
   if (!s.stands)
     fmt::print("does not stand: {:.4f} of the given loads can be carried\n", s.carried);
+  else if (!limit.moving.empty())
+    fmt::print("stands\n");
   else if (limit.margin)
     fmt::print("stands, with {:.5f} of the weight to go along {}, associated\n", *limit.margin,
                direction_text(limit.margin_direction));
@@ -123,8 +137,18 @@ void print_stands(const SceneLimit& limit) {
 }
 
 void print_multiplier(const SceneLimit& limit, int facets) {
-  fmt::print("multiplier {:.5f} of the weight along {}, associated flow, cones of {} facets; gap {:.1e}\n",
-             limit.limit->multiplier, direction_text(*limit.direction), facets, limit.limit->gap);
+  if (!limit.moving.empty()) {
+    const MovingLimit& worst = limit.moving[limit.worst];
+    fmt::print(
+        "multiplier {:.5f} of the moving load ({:g}, {:g}, {:g}) N where it is worst, at ({:.3f}, {:.3f}, "
+        "{:.3f}) m on block {}, position {} of {}; associated flow, cones of {} facets; gap {:.1e}\n",
+        limit.limit->multiplier, limit.moving_force.x, limit.moving_force.y, limit.moving_force.z, worst.at.x,
+        worst.at.y, worst.at.z, limit.labels[static_cast<std::size_t>(worst.block)], limit.worst + 1,
+        limit.moving.size(), facets, limit.limit->gap);
+  } else {
+    fmt::print("multiplier {:.5f} of the weight along {}, associated flow, cones of {} facets; gap {:.1e}\n",
+               limit.limit->multiplier, direction_text(*limit.direction), facets, limit.limit->gap);
+  }
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
   for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
     fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->member_force[i],
@@ -160,6 +184,7 @@ void run(const Options& options) {
     make_folder(folder);
     write_json(folder / "limit.json", json_of(scene.file, limit, options.limit));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
+    if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);
     fmt::print("{}\n", (folder / "limit.json").string());
     if (limit.limit) write_page(folder / "mechanism.vtu", scene, limit.limit->multiplier);
   }
@@ -181,13 +206,16 @@ void add_limit_command(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--facets", options->limit.settings.facets, "Of each friction cone, inscribed")
       ->capture_default_str();
+  command->add_flag("--moving", options->limit.moving,
+                    "Multiply the moving load of the first stage that has one, at each of its positions");
   command->add_flag("--associated", options->limit.associated, "No search for answers without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
   command
       ->add_option(
           "--out", options->out,
-          "Folder for limit.json, mechanism.csv, mechanism.vtu, forces.csv and report.html, where the mechanism moves")
+          "Folder for limit.json, mechanism.csv, mechanism.vtu, forces.csv and report.html, where the mechanism moves; "
+          "moving.csv")
       ->type_name("DIR");
   command->footer(
       "Static theorem on the contact points of the scene: rigid blocks, brittle strength from the properties of the "

@@ -127,10 +127,10 @@ py::dict properties_of(const py::dict& tests) {
 #ifdef QUOIN_LIMIT
 // Text of limit.json; velocity and spin of each block; by point its blocks, place, and force along n, s, t.
 py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
-                const std::vector<double>& direction, double given, int facets, bool associated) {
+                const std::vector<double>& direction, double given, int facets, bool associated, bool moving) {
   const quoin::Scene scene = scene_of(source, path, files);
   quoin::LimitOptions options{direction, given, {}, associated};
-  options.settings.facets = facets;
+  options.settings.facets = facets, options.moving = moving;
   quoin::SceneLimit found;
   std::string text;
   {

@@ -16,6 +16,7 @@ namespace {
 using geometry::Vector;
 using members_cases::box;
 using members_cases::head;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kGravity = 9.81;
@@ -159,6 +160,96 @@ TEST(LimitOfMembers, FacadeHeldByAFloorTurnsOver) {
       (weight * t / 2 + anchor * width * y + floor_weighs * t / 2) / (weight * h / 2 + floor_weighs * y);
   EXPECT_NEAR(limit.limit->multiplier, expected, 1e-4);
   EXPECT_NEAR(largest_force(member_of(limit, "anchor_N_per_m"), *limit.limit).largest, anchor, 1e-6 * anchor);
+}
+
+// A dowel is drawn where a block turns over its toe, lambda W h/2 = W b/2 + Ny d, and both clamps and shears where it
+// slides, lambda W = mu (W + Ny) + V.
+TEST(LimitOfMembers, DowelHoldsABlock) {
+  const auto dowelled = [](double height, double force, double shear) {
+    return limit_of_text(head(30.0) + box("block", "[0, 0, 0]", fmt::format("[1, {}, 1]", height)) +
+                             fmt::format("[[dowel]]\npoint = [0.25, 0, 0.5]\ndirection = [0, 1, 0]\naxial_stiffness = "
+                                         "1e8\nshear_stiffness = 1e7\nyield_force = {}\nyield_shear = {}\n",
+                                         force, shear),
+                         {1, 0, 0});
+  };
+  const double tall = 2000.0 * 4.0 * kGravity, low = 2000.0 * 0.5 * kGravity, mu = std::tan(30.0 * M_PI / 180.0);
+  EXPECT_NEAR(dowelled(4.0, 2e4, 1e6).limit->multiplier, (tall * 0.5 + 2e4 * 0.75) / (tall * 2.0), 1e-4);
+  EXPECT_NEAR(dowelled(0.5, 2e3, 1e3).limit->multiplier, mu * (1.0 + 2e3 / low) + 1e3 / low, 1e-4);
+}
+
+// A plate on two blocks gives half of its tie to each, and a point on the joint between them is refused.
+TEST(LimitOfMembers, PlateSharesItsTie) {
+  const double weight = 2000.0 * 3.0 * 0.3 * kGravity, yield = 4e3, y = 2.0;
+  const auto with = [&](const std::string& plate) {
+    return limit_of_text(
+        head(45.0) + box("left", "[0, 0, 0]", "[1, 3, 0.3]") + box("right", "[1, 0, 0]", "[1, 3, 0.3]") +
+            box("back", "[0, 0, -5]", "[2, 3, 1]", "fixed = true") +
+            fmt::format(
+                "[[tie]]\nfrom = {{ block = \"back\", point = [1, {0}, -4] }}\nto = {{ block = \"left\", point = "
+                "[1, {0}, 0.3]{1} }}\narea = 1e-5\nyoung_modulus = 2e11\nyield_stress = {2}\n",
+                y, plate, yield / 1e-5),
+        {0, 0, 1});
+  };
+  const SceneLimit limit = with(", plate = [0.6, 0.6]");
+  EXPECT_NEAR(limit.limit->multiplier, (weight * 0.15 + 0.5 * yield * y) / (weight * 1.5), 1e-4);
+  try {
+    with(", plate = [3.0, 0.6]");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("tie.1.to"), HasSubstr("reaches over the masonry at"), HasSubstr("0.25 m off")));
+  }
+}
+
+// A wall of one block turns over away from the soil, which pushes by Ka, or into it, against Kp: moments about a toe.
+TEST(LimitOfMembers, WallTurnsAwayFromSoilAndIntoIt) {
+  const double h = 4.0, b = 2.0, weight = 2000.0 * h * b * kGravity, gamma = 5e3;
+  for (const double way : {-1.0, 1.0}) {
+    const SceneLimit limit = limit_of_text(
+        head(45.0) + box("wall", "[0, 0, 0]", "[2, 4, 1]") +
+            fmt::format("[[fill]]\nblock = \"wall\"\ntowards = [1, 0, 0]\nsurface = [0, 4, 0]\nunit_weight = "
+                        "{}\nfriction_angle = 30\nstiffness = 1e7\n",
+                        gamma),
+        {way, 0, 0});
+    ASSERT_TRUE(limit.limit);
+    const double coefficient = way < 0.0 ? -1.0 / 3.0 : 3.0;
+    const double soil = coefficient * gamma * h * h / 2.0 * h / 3.0;
+    EXPECT_NEAR(limit.limit->multiplier, (weight * b / 2.0 + soil) / (weight * h / 2.0), 1e-4) << way;
+  }
+}
+
+// A slab on a pier of a breadth of 1 m: P (|x| - 1/2) = W/2, nothing above the pier.
+TEST(LimitOfMembers, MovingLoadIsWorstAtTheEnds) {
+  const auto moving = [](const std::string& from) {
+    return members_cases::head(45.0) + box("pier", "[-0.5, 0, 0]", "[1, 1, 1]", "fixed = true") +
+           box("slab", "[-2, 1, 0]", "[4, 0.2, 1]") +
+           fmt::format(
+               "[[stage]]\nname = \"crossing\"\ngravity = [0, -9.81, 0]\nduration = 1.0\nmoving_load = {{ from = {}, "
+               "to "
+               "= [2, 3, 0.5], force = [0, -1000, 0], positions = 17 }}\n",
+               from);
+  };
+  LimitOptions options;
+  options.moving = options.associated = true;
+  const Simulation simulation(read_scene_text(moving("[-2, 3, 0.5]"), "moving.toml"), 1);
+  const SceneLimit limit = limit_of(simulation, options);
+  ASSERT_EQ(limit.moving.size(), 17u);
+  const double weight = 2000.0 * 0.8 * kGravity;
+  for (const MovingLimit& here : limit.moving) {
+    EXPECT_NEAR(here.at.y, 1.2, 1e-9);
+    const double arm = std::abs(here.at.x) - 0.5;
+    ASSERT_EQ(here.multiplier.has_value(), arm > 1e-6) << here.at.x;
+    if (here.multiplier) {
+      EXPECT_NEAR(*here.multiplier / (0.5 * weight / arm / 1000.0), 1.0, 1e-6) << here.at.x;
+    }
+  }
+  EXPECT_NEAR(std::abs(limit.moving[limit.worst].at.x), 2.0, 1e-9);
+  EXPECT_EQ(json_of("", limit, options)["moving"]["positions"].size(), 17u);
+  try {
+    limit_of(Simulation(read_scene_text(moving("[-12, 3, 0.5]"), "moving.toml"), 1), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("meets no block from its position 1 of 17 at (-12, 3, 0.5)"));
+  }
 }
 
 TEST(LimitOfMembers, CablesAreRefused) {
