@@ -47,8 +47,8 @@ MovingLoad read_moving_load(Table m) {
   m.numbers("to", load.to, between(-kFarthest, kFarthest), "m, where it ends", true);
   if (m.numbers("force", load.force, kAny, "N", true) && load.force == Vec3{})
     m.refuse("force", "a force that is not 0");
-  constexpr int kMost = 2000;
-  m.integer("positions", load.positions, load.from == load.to ? 1 : 2, kMost);
+  if (m.integer("positions", load.positions, 1, 2000) && load.positions < 2 && load.from != load.to)
+    m.refuse("positions", "2 or more along a line, to the end of which the load goes");
   if (load.from == load.to) load.positions = 1;
   m.finish();
   return load;

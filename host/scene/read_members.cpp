@@ -305,21 +305,28 @@ std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
   auto specs = std::make_shared<MemberSpecs>();
   std::set<std::string> taken;
   // read(table, number): adds it. Names are of a kind.
-  const auto each = [&](const std::string& kind, const auto& read) {
+  const auto each = [&](const std::vector<const toml::table*>& tables, const char* kind, const auto& read) {
     int index = 0;
     taken.clear();
-    for (const toml::table* table : t.tables(kind, fmt::format("tables [[{}]]", kind).c_str())) {
+    for (const toml::table* table : tables) {
       ++index;
       read(Table(t.context(), *table, fmt::format("{}.{}", kind, index)), index);
     }
   };
-  each("tie", [&](Table m, int i) { specs->ties.push_back(read_tie(std::move(m), i, taken)); });
-  each("spring", [&](Table m, int i) { specs->springs.push_back(read_spring(std::move(m), i, taken)); });
-  each("strip", [&](Table m, int i) { specs->strips.push_back(read_strip(std::move(m), i, scene, taken)); });
-  each("floor", [&](Table m, int i) { specs->floors.push_back(read_floor(std::move(m), i, taken)); });
-  each("beam", [&](Table m, int i) { specs->beams.push_back(read_beam(std::move(m), i, taken)); });
-  each("dowel", [&](Table m, int i) { specs->dowels.push_back(read_dowel(std::move(m), i, taken)); });
-  each("fill", [&](Table m, int i) { specs->fills.push_back(read_fill(std::move(m), i, taken)); });
+  each(t.tables("tie", "tables [[tie]]"), "tie",
+       [&](Table m, int i) { specs->ties.push_back(read_tie(std::move(m), i, taken)); });
+  each(t.tables("spring", "tables [[spring]]"), "spring",
+       [&](Table m, int i) { specs->springs.push_back(read_spring(std::move(m), i, taken)); });
+  each(t.tables("strip", "tables [[strip]]"), "strip",
+       [&](Table m, int i) { specs->strips.push_back(read_strip(std::move(m), i, scene, taken)); });
+  each(t.tables("floor", "tables [[floor]]"), "floor",
+       [&](Table m, int i) { specs->floors.push_back(read_floor(std::move(m), i, taken)); });
+  each(t.tables("beam", "tables [[beam]]"), "beam",
+       [&](Table m, int i) { specs->beams.push_back(read_beam(std::move(m), i, taken)); });
+  each(t.tables("dowel", "tables [[dowel]]"), "dowel",
+       [&](Table m, int i) { specs->dowels.push_back(read_dowel(std::move(m), i, taken)); });
+  each(t.tables("fill", "tables [[fill]]"), "fill",
+       [&](Table m, int i) { specs->fills.push_back(read_fill(std::move(m), i, taken)); });
   const char* const kind = first_kind(*specs);
   if (!kind) return nullptr;
   if (scene.wall && scene.wall->half_thickness)
