@@ -150,7 +150,7 @@ LimitPoint point_at(const Vector& position, const Vector& normal) {
 void add_deformations(const members::Members& members, const members::LinearMembers& own, SceneLimit* limit) {
   const auto first = static_cast<int>(limit->block_count);
   for (const members::OwnBody& body : own.bodies) {
-    std::map<std::string, LimitMember> told;
+    std::map<std::string, LimitMember> bounded;
     for (std::size_t i = body.first_deformation; i < body.end_deformation; ++i) {
       const members::Deformation& d = own.deformations[i];
       LimitForce force{{}, d.low, d.high};
@@ -161,14 +161,14 @@ void add_deformations(const members::Members& members, const members::LinearMemb
                                 -1.0 * share.way, -1.0 * share.turn});
       }
       if (*d.what) {
-        LimitMember& of = told[d.what];
+        LimitMember& of = bounded[d.what];
         of.label = body.label, of.what = d.what;
         of.of.push_back(limit->problem.forces.size());
         of.over.push_back(d.over), of.strength.push_back(d.high / d.over);
       }
       limit->problem.forces.push_back(force);
     }
-    for (const auto& [what, member] : told) limit->members.push_back(member);
+    for (const auto& [what, member] : bounded) limit->members.push_back(member);
     limit->bodies.push_back({first + body.first, first + body.end, body.faces});
   }
   for (const members::Rest& rest : own.rests) {
