@@ -25,6 +25,15 @@ namespace {
 
 using geometry::Vector;
 
+const Stage& moving_stage(const Scene& scene) {
+  for (const Stage& stage : scene.stages)
+    if (stage.moving_load) return stage;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: no stage has a moving load; give one moving_load = {{ from = [x, y, z], "
+                          "to = [x, y, z], force = [x, y, z] }}",
+                          scene.file));
+}
+
 // Weight and direction are those of the first collapse stage, or gravity that of the first stage that has some.
 void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
   for (const Stage& stage : scene.stages) {
@@ -34,6 +43,8 @@ void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* lim
     limit->direction = geometry::vector(stage.collapse->direction);
     break;
   }
+  if (options.moving && moving_stage(scene).gravity != Vec3{})
+    limit->gravity = geometry::vector(moving_stage(scene).gravity);
   if (norm(limit->gravity) == 0.0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
@@ -266,11 +277,12 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
   }
-  std::map<std::string, Strength> strengths;
-  for (const auto& [name, family] : scene.joints) strengths[name] = strength_of(family, scene.file);
+  std::map<std::string, Strength> strengths;  // of families that have points
   const std::vector<JointFamily>& families = shapes ? shapes->assembly().families : simulation.assembly().families;
   for (const ContactPoint& p : simulation.contact_points()) {
-    const Strength& s = strengths.at(families[static_cast<std::size_t>(p.family)].name);
+    const std::string& family = families[static_cast<std::size_t>(p.family)].name;
+    if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
+    const Strength& s = strengths.at(family);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
@@ -367,15 +379,6 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
 std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {
   if (!without || !without->settled) return std::nullopt;
   return without->multiplier;
-}
-
-const Stage& moving_stage(const Scene& scene) {
-  for (const Stage& stage : scene.stages)
-    if (stage.moving_load) return stage;
-  throw Error(Exit::bad_input,
-              fmt::format("{}: no stage has a moving load; give one moving_load = {{ from = [x, y, z], "
-                          "to = [x, y, z], force = [x, y, z] }}",
-                          scene.file));
 }
 
 // Each position on its own, beside the weight. The least multiplier is that of the worst position.

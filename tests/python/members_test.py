@@ -64,13 +64,13 @@ class Members(Folder):
     def test_a_moving_load_is_worst_where_it_turns_a_pier_over(self):
         scene = two_towers()
         scene.stage.append(quoin.Stage(name="crossing", gravity=[0, -9.81, 0], duration=0.5, moving_load=dict(
-            {"from": [0.25, 4.0, 1.0], "to": [0.75, 4.0, 1.0]}, force=[20e3, -10e3, 0.0], positions=3)))
+            {"from": [-1.75, 4.0, 1.0], "to": [-1.25, 4.0, 1.0]}, force=[20e3, -20e3, 0.0], positions=3)))
         limit = quoin.limit(scene, moving=True, associated=True)
-        # Over the edge at x = 1: the load turns by 20 kN y - 10 kN (1 - x) against the weight of 78.5 kN at half a metre.
+        # It comes down at 45 deg on the left pier's top, and turns it over its edge at x = 1 against its weight of 78.5 kN.
         places = limit.summary["moving"]["positions"]
         for place in places:
             x, y, _ = place["at_m"]
-            self.assertAlmostEqual(place["multiplier"], 2000 * 9.81 * 4 * 0.5 / (20e3 * y - 10e3 * (1 - x)), delta=1e-3)
+            self.assertAlmostEqual(place["multiplier"], 2000 * 9.81 * 4 * 0.5 / (20e3 * (y - 1 + x)), delta=1e-3)
         self.assertEqual(limit.multiplier, min(place["multiplier"] for place in places))
 
     def test_a_floor_in_the_air_is_refused(self):
