@@ -11,12 +11,24 @@ namespace quoin::members {
 
 namespace {
 
-// Whether another block lies against the face at a point of it.
-bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& out) {
-  const Vector beside = at + (2.0 * allowed_off(assembly, block)) * out;
+// Whether another block lies against the face at a point of it. Points on its border are looked at from a little
+// inside.
+bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
+                const Vector& out) {
+  const double off = 2.0 * allowed_off(assembly, block);
+  const Vector beside = at + off * out + std::min(1.0, 4.0 * off / norm(middle - at)) * (middle - at);
   for (int b = 0; b < static_cast<int>(assembly.blocks.size()); ++b)
     if (b != block && outside_by(assembly, b, beside) < 0.0) return true;
   return false;
+}
+
+// Of a name, or of a group as an arch, whose blocks are NAME/0 and so on; without its abutments, which are fixed.
+std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembly) {
+  std::vector<int> found;
+  for (std::size_t b = 0; b < assembly.blocks.size(); ++b)
+    if (!assembly.blocks[b].fixed && assembly.blocks[b].name.starts_with(spec.block + "/"))
+      found.push_back(static_cast<int>(b));
+  return found.empty() ? blocks::find_blocks(assembly, spec.block, spec.source.text) : found;
 }
 
 }  // namespace
@@ -44,15 +56,17 @@ void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
   constexpr double kTowards = 0.05;
   Fill fill{spec.name, fill_points_.size(), 0, 0.0};
   const Vector towards = normalized(geometry::vector(spec.towards)), up = normalized(geometry::vector(spec.up));
-  for (const int index : blocks::find_blocks(assembly, spec.block, spec.source.text)) {
+  for (const int index : blocks_of(spec, assembly)) {
     const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(index)];
     const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
     for (std::size_t f = 0; f < shape.faces.size(); ++f) {
       const Vector out = matrix(block.orientation) * shape.normals[f];
       if (dot(out, towards) < kTowards) continue;
       each_triangle(assembly, index, f, [&](const std::array<Vector, 3>& triangle) {
+        const Vector middle = (1.0 / 3.0) * (triangle[0] + triangle[1] + triangle[2]);
         each_point(triangle, spec.divisions, [&](const Vector& at, double area) {
-          if (dot(geometry::vector(spec.surface) - at, up) <= 0.0 || is_covered(assembly, index, at, out)) return;
+          if (dot(geometry::vector(spec.surface) - at, up) <= 0.0 || is_covered(assembly, index, at, middle, out))
+            return;
           add_fill_point(spec, at, area, out, index);
           fill.area += area;
         });

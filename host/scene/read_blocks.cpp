@@ -261,9 +261,10 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     const bool moves = std::any_of(s.controls.begin(), s.controls.end(),
                                    [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; });
     if (s.ground || s.collapse || s.moving_load || s.displacement || moves)
-      t.refuse("kind",
-               "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "
-               "velocities, which a stage after it takes");
+      t.refuse(
+          "kind",
+          "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "
+          "velocities, which a stage after it takes");
   }
   if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
       !t.has("equilibrium_ratio") && !t.has("displacement")) {

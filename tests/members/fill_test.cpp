@@ -68,6 +68,37 @@ TEST(Fills, WeighsOnWhatIsBelow) {
   EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
 }
 
+// On an arch: what lies between its extrados, of chords, and the surface; left and right press alike. 1e-6.
+TEST(Fills, LiesOnAnExtrados) {
+  const double radius = 2.2, surface = 3.0, depth = 1.0;
+  const int voussoirs = 12;
+  Simulation simulation(
+      read_scene_text(
+          head(40.0) + fmt::format("[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\ncentre = [0, 0, 0]\nradius "
+                                   "= 2.0\nthickness = 0.4\ndepth = {}\nvoussoirs = {}\nangles = [0, 180]\n[[fill]]"
+                                   "\nblock = \"arch\"\nsurface = [0, {}, 0]\nunit_weight = {}\nfriction_angle = "
+                                   "30\nstiffness = 1e7\n[[stage]]\nramp_time = 0.01\nduration = 0.02\n",
+                                   depth, voussoirs, surface, kUnitWeight),
+          "fill.toml"),
+      1);
+  Observer nobody;
+  simulation.run(nobody);
+  double area = 0.0;
+  for (int k = 0; k < voussoirs; ++k) {
+    const double a = M_PI * k / voussoirs, b = M_PI * (k + 1) / voussoirs;
+    area += radius * (std::cos(a) - std::cos(b)) * (surface - 0.5 * radius * (std::sin(a) + std::sin(b)));
+  }
+  const members::Members& m = *simulation.large_motion()->members();
+  double upright = 0.0, level = 0.0;
+  for (const members::FillPoint& p : m.fill_points()) {
+    upright += p.law.upright * p.law.vertical;
+    level += p.law.level * p.law.vertical * p.law.out.x;
+  }
+  EXPECT_NEAR(upright / (kUnitWeight * area * depth), 1.0, 1e-6);
+  EXPECT_NEAR(level / upright, 0.0, 1e-9);
+  EXPECT_NEAR(m.force_of(m.fills().front()).y / -upright, 1.0, 1e-9);
+}
+
 TEST(Fills, BadOnesAreRefusedWithPlaces) {
   const auto refusal = [](const std::string& keys) -> std::string {
     try {

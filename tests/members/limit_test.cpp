@@ -196,7 +196,8 @@ TEST(LimitOfMembers, PlateSharesItsTie) {
     with(", plate = [3.0, 0.6]");
     FAIL();
   } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("tie.1.to"), HasSubstr("reaches over the masonry at"), HasSubstr("0.25 m off")));
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("tie.1.to"), HasSubstr("reaches over the masonry at"), HasSubstr("0.25 m off")));
   }
 }
 
