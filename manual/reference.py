@@ -24,7 +24,7 @@ ACCESSORS = {"number": "a number", "integer": "an integer", "boolean": "true or 
 RANGES = {"kPositive": "more than 0", "kNotNegative": "0 or more", "kAny": "any finite number"}
 # Keys that are asked for by a name that is made, or of tables whose keys are free.
 MADE = {"velocity": "a list of 3: numbers in m/s, or \"free\"", "x": "", "y": "", "z": "", "properties": "\"from_tests\"",
-        "across": "a list of 3 numbers, m", "up": "a list of 3 numbers",
+        "across": "a list of 3 numbers, m", "up": "a list of 3 numbers", "towards": "a list of 3 numbers",
         "part": "one of bed, head, inside", "tests": "a table", "correlation": "a list of pairs"}
 # Heads of tables of keys whose first column says more than keys do.
 FREE = {"anything else"}

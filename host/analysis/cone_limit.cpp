@@ -22,6 +22,7 @@ constexpr double kGood = 1e-5;      // at which it may end where numbers give ou
 constexpr double kGoodNear = 1e-3;  // of forces near to given ones: what a settled multiplier may change by
 constexpr double kRegular = 1e-13;  // added to the diagonal, of the largest: what no contact holds yet
 constexpr double kNear = 1e-6;      // weight of the distance to given forces: no more than what the gap leaves open
+constexpr double kUnbounded = 1e4;  // bound of forces of members that have none, over all loads
 constexpr double kInside = 1.0;     // distance of the first point from the border of the cones
 
 // The cone s[0] >= |(s[1], s[2])|, with slack s and price z.
@@ -88,11 +89,14 @@ struct Bound {
   }
 };
 
-// A contact point, with forces x along n, s, t; or a tie, with one force.
+// A contact point, with forces x along n, s, t; or a force of a member, with one number.
 struct Element {
-  int a = -1, b = -1;                      // first rows of its blocks; -1: fixed
-  Eigen::Matrix<double, 6, 3> on_a, on_b;  // what forces do to them
-  bool has_cone = false;                   // its slack: strength - friction x[0] + live multiplier, x[1], x[2]
+  struct Side {
+    int row;                         // first one of a block that is not fixed
+    Eigen::Matrix<double, 6, 3> on;  // what forces do to it
+  };
+  std::vector<Side> sides;  // by rows, ascending
+  bool has_cone = false;    // its slack: strength - friction x[0] + live multiplier, x[1], x[2]
   double friction = 0.0, strength = 0.0, live = 0.0;
   Cone cone{};
   Vector3d cone_ds, cone_dz, corrector;
@@ -122,7 +126,7 @@ class ConeProgramme {
       elements_[i].pull = kNear / static_cast<double>(near.size());
       elements_[i].towards = -near[i] / force_;
     }
-    for (const LimitTie& tie : problem.ties) add_tie(tie);
+    for (const LimitForce& force : problem.forces) add_force(force);
     if (std::isfinite(most)) multiplier_bounds_.push_back({1.0, most});
     pattern();
   }
@@ -170,17 +174,25 @@ class ConeProgramme {
     }
   }
 
-  void column(int block, const Vector& position, const Vector& f, int c, Eigen::Matrix<double, 6, 3>& on) const {
-    const Vector moment = cross(position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
-    for (int k = 0; k < 3; ++k) on(k, c) = f[k], on(3 + k, c) = moment[k] / length_;
+  // Force number c of an element acts on a block by f at a position, and by a moment.
+  void act_on(int block, const Vector& position, const Vector& f, const Vector& turn, int c, Element& e) const {
+    const int row = rows_[static_cast<std::size_t>(block)];
+    if (row < 0) return;
+    const auto after =
+        std::find_if(e.sides.begin(), e.sides.end(), [&](const Element::Side& s) { return s.row >= row; });
+    const auto side = after != e.sides.end() && after->row == row
+                          ? after
+                          : e.sides.insert(after, {row, Eigen::Matrix<double, 6, 3>::Zero()});
+    const Vector moment = turn + cross(position - problem_.blocks[static_cast<std::size_t>(block)].centre, f);
+    for (int k = 0; k < 3; ++k) side->on(k, c) += f[k], side->on(3 + k, c) += moment[k] / length_;
   }
 
   void add_point(const LimitPoint& p) {
     Element e;
-    e.a = rows_[static_cast<std::size_t>(p.a)], e.b = rows_[static_cast<std::size_t>(p.b)];
+    e.sides.reserve(2);
     for (int c = 0; c < 3; ++c) {
       const Vector& axis = c == 0 ? p.n : c == 1 ? p.s : p.t;
-      column(p.a, p.position, axis, c, e.on_a), column(p.b, p.position, -axis, c, e.on_b);
+      act_on(p.a, p.position, axis, {}, c, e), act_on(p.b, p.position, -axis, {}, c, e);
     }
     e.friction = p.friction, e.strength = p.cohesion / force_, e.live = p.live_cohesion / force_;
     e.has_cone = e.friction > 0.0 || e.strength > 0.0 || e.live != 0.0;
@@ -190,14 +202,21 @@ class ConeProgramme {
     elements_.push_back(e);
   }
 
-  void add_tie(const LimitTie& tie) {
+  void add_force(const LimitForce& force) {
     Element e;
-    e.a = rows_[static_cast<std::size_t>(tie.a)], e.b = rows_[static_cast<std::size_t>(tie.b)];
-    const Vector along = normalized(tie.to - tie.from);
-    e.on_a.setZero(), e.on_b.setZero();
-    column(tie.a, tie.from, along, 0, e.on_a), column(tie.b, tie.to, -along, 0, e.on_b);
-    e.bounds.push_back({1.0, tie.tension / force_}), e.bounds.push_back({-1.0, tie.compression / force_});
+    for (const LimitForce::Place& place : force.places) act_on(place.block, place.at, place.way, place.turn, 0, e);
+    // Where nothing bounds it, far more than all loads together does: steps need bounds on both sides.
+    const double most = kUnbounded * static_cast<double>(problem_.blocks.size());
+    e.bounds.push_back({1.0, std::min(most, force.high / force_)});
+    e.bounds.push_back({-1.0, std::min(most, -force.low / force_)});
     elements_.push_back(e);
+  }
+
+  // Sides by twos, each with itself too: visit(lower, upper), in the order of rows.
+  template <class Visit>
+  static void each_pair(const Element& e, const Visit& visit) {
+    for (std::size_t i = 0; i < e.sides.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) visit(e.sides[i], e.sides[j]);
   }
 
   // Of the matrix, which is the same in all steps: the lower triangle, block by block.
@@ -205,13 +224,11 @@ class ConeProgramme {
     std::vector<Eigen::Triplet<double>> entries;
     for (int r = 0; r < rows_count_; ++r) entries.emplace_back(r, r, 1.0);
     for (const Element& e : elements_) {
-      for (const auto& [row, col] :
-           {std::pair(e.a, e.a), std::pair(e.b, e.b), std::pair(std::max(e.a, e.b), std::min(e.a, e.b))}) {
-        if (row < 0 || col < 0) continue;
+      each_pair(e, [&](const Element::Side& lower, const Element::Side& upper) {
         for (int i = 0; i < 6; ++i)
           for (int j = 0; j < 6; ++j)
-            if (row + i >= col + j) entries.emplace_back(row + i, col + j, 0.0);
-      }
+            if (lower.row + i >= upper.row + j) entries.emplace_back(lower.row + i, upper.row + j, 0.0);
+      });
     }
     matrix_.resize(rows_count_, rows_count_);
     matrix_.setFromTriplets(entries.begin(), entries.end());
@@ -283,23 +300,20 @@ class ConeProgramme {
   }
 
   void eliminate(const Element& e) {
-    const Eigen::Matrix<double, 6, 3> ah = e.on_a * e.inverse, bh = e.on_b * e.inverse;
-    if (e.a >= 0) add_block(e.a, e.a, ah * e.on_a.transpose()), pull_.segment<6>(e.a) -= ah * e.to_multiplier;
-    if (e.b >= 0) add_block(e.b, e.b, bh * e.on_b.transpose()), pull_.segment<6>(e.b) -= bh * e.to_multiplier;
-    if (e.a >= 0 && e.b >= 0)
-      e.a > e.b ? add_block(e.a, e.b, ah * e.on_b.transpose()) : add_block(e.b, e.a, bh * e.on_a.transpose());
+    each_pair(e, [&](const Element::Side& lower, const Element::Side& upper) {
+      add_block(lower.row, upper.row, lower.on * e.inverse * upper.on.transpose());
+    });
+    for (const Element::Side& side : e.sides) pull_.segment<6>(side.row) -= side.on * e.inverse * e.to_multiplier;
     own_ -= e.to_multiplier.dot(e.inverse * e.to_multiplier);
   }
 
   Vector3d forces_from(const Element& e, const VectorXd& y) const {  // A^T y
     Vector3d v = Vector3d::Zero();
-    if (e.a >= 0) v += e.on_a.transpose() * y.segment<6>(e.a);
-    if (e.b >= 0) v += e.on_b.transpose() * y.segment<6>(e.b);
+    for (const Element::Side& side : e.sides) v += side.on.transpose() * y.segment<6>(side.row);
     return v;
   }
   void act(const Element& e, const Vector3d& f, VectorXd& on) const {  // A f
-    if (e.a >= 0) on.segment<6>(e.a) += e.on_a * f;
-    if (e.b >= 0) on.segment<6>(e.b) += e.on_b * f;
+    for (const Element::Side& side : e.sides) on.segment<6>(side.row) += side.on * f;
   }
 
   // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier; with what is left
@@ -533,7 +547,7 @@ class ConeProgramme {
       if (i < points)
         r.force.push_back({f[0], f[1], f[2]});
       else
-        r.tie_force.push_back(f[0]);
+        r.member_force.push_back(f[0]);
     }
     r.velocity.resize(problem_.blocks.size());
     for (std::size_t k = 0; k < rows_.size(); ++k) {
@@ -548,7 +562,7 @@ class ConeProgramme {
   double force_ = 1.0, length_ = 1.0;
   std::vector<int> rows_;  // first of each block; -1: fixed
   int rows_count_ = 0;
-  std::vector<Element> elements_;  // points, then ties
+  std::vector<Element> elements_;  // points, then forces of members
   std::vector<Bound> multiplier_bounds_;
   VectorXd live_, dead_, y_, dy_;
   double m_ = 0.0, dm_ = 0.0;  // multiplier

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "analysis/cone_limit.h"
@@ -53,13 +54,17 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
         !(p.crushing > 0.0) || !std::isfinite(p.friction + p.tension + p.cohesion + p.live_cohesion))
       refuse(fmt::format("contact point {} has a strength below 0 or a value that is not finite", i));
   }
-  for (std::size_t i = 0; i < problem.ties.size(); ++i) {
-    const LimitTie& tie = problem.ties[i];
-    if (tie.a < 0 || tie.a >= count || tie.b < 0 || tie.b >= count || tie.a == tie.b)
-      refuse(fmt::format("tie {} joins blocks {} and {} of {}", i, tie.a, tie.b, count));
-    if (!finite(tie.from) || !finite(tie.to) || !(norm(tie.to - tie.from) > 0.0) || !(tie.tension > 0.0) ||
-        !(tie.compression >= 0.0) || !std::isfinite(tie.tension + tie.compression))
-      refuse(fmt::format("tie {} has no length, a strength below 0 or a value that is not finite", i));
+  for (std::size_t i = 0; i < problem.forces.size(); ++i) {
+    const LimitForce& force = problem.forces[i];
+    if (!(force.low <= 0.0 && force.high >= 0.0))
+      refuse(fmt::format("force {} of members has the bounds {:g} and {:g}; allowed: bounds with 0 between them", i,
+                         force.low, force.high));
+    for (const LimitForce::Place& place : force.places) {
+      if (place.block < 0 || place.block >= count)
+        refuse(fmt::format("force {} of members acts on block {} of {}", i, place.block, count));
+      if (!finite(place.at) || !finite(place.way) || !finite(place.turn))
+        refuse(fmt::format("force {} of members has no length, or a value that is not finite", i));
+    }
   }
 }
 
@@ -73,7 +78,7 @@ class Programme {
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
     add_multiplier();
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_columns(i);
-    for (const LimitTie& tie : problem.ties) add_tie(tie);
+    for (const LimitForce& force : problem.forces) add_force(force);
   }
 
   const LinearProgram& linear() const { return linear_; }
@@ -83,7 +88,8 @@ class Programme {
     r.multiplier = solution.objective;
     r.gap = std::abs(solution.dual_objective - solution.objective) / std::max(1.0, std::abs(solution.objective));
     for (std::size_t i = 0; i < problem_.points.size(); ++i) r.force.push_back(force_at(i, solution.x));
-    for (const int column : tie_columns_) r.tie_force.push_back(force_ * solution.x[static_cast<std::size_t>(column)]);
+    for (const int column : member_columns_)
+      r.member_force.push_back(force_ * solution.x[static_cast<std::size_t>(column)]);
     r.velocity.resize(problem_.blocks.size());
     for (std::size_t k = 0; k < problem_.blocks.size(); ++k) {
       if (rows_[k] < 0) continue;
@@ -151,10 +157,18 @@ class Programme {
   // And the opposite on b.
   void act(const LimitPoint& p, const Vector& f) { act(p.a, p.position, f), act(p.b, p.position, -f); }
 
-  void add_tie(const LimitTie& tie) {
-    const Vector along = normalized(tie.to - tie.from);
-    tie_columns_.push_back(linear_.add_column(0.0, -tie.compression / force_, tie.tension / force_));
-    act(tie.a, tie.from, along), act(tie.b, tie.to, -along);
+  // A unit counts in multiples of force_, whether it is a force, a moment or a shear flow.
+  void add_force(const LimitForce& force) {
+    member_columns_.push_back(linear_.add_column(0.0, force.low / force_, force.high / force_));
+    std::map<int, double> sum;  // several places may be on one block
+    for (const LimitForce::Place& place : force.places) {
+      const int row = rows_[static_cast<std::size_t>(place.block)];
+      if (row < 0) continue;
+      const Vector& centre = problem_.blocks[static_cast<std::size_t>(place.block)].centre;
+      const Vector moment = place.turn + cross(place.at - centre, place.way);
+      for (int c = 0; c < 3; ++c) sum[row + c] += place.way[c], sum[row + 3 + c] += moment[c] / length_;
+    }
+    for (const auto& [row, coefficient] : sum) linear_.add(row, coefficient);
   }
 
   // Traction inside a pyramid with its apex at sigma = tension: normal force tension - N, shear = sum of e_i d_i over
@@ -229,7 +243,7 @@ class Programme {
   LinearProgram linear_;
   std::vector<int> rows_;  // first of each block; -1: fixed
   std::vector<Columns> columns_;
-  std::vector<int> tie_columns_;
+  std::vector<int> member_columns_;
 };
 
 // The largest velocity of a centre or contact point becomes 1.
@@ -343,9 +357,11 @@ std::vector<int> unconnected_blocks(const LimitProblem& problem) {
     neighbours[static_cast<std::size_t>(p.a)].push_back(p.b);
     neighbours[static_cast<std::size_t>(p.b)].push_back(p.a);
   }
-  for (const LimitTie& tie : problem.ties) {
-    neighbours[static_cast<std::size_t>(tie.a)].push_back(tie.b);
-    neighbours[static_cast<std::size_t>(tie.b)].push_back(tie.a);
+  for (const LimitForce& force : problem.forces) {
+    for (std::size_t k = 1; k < force.places.size(); ++k) {
+      const int a = force.places[k - 1].block, b = force.places[k].block;
+      neighbours[static_cast<std::size_t>(a)].push_back(b), neighbours[static_cast<std::size_t>(b)].push_back(a);
+    }
   }
   std::vector<bool> joined(problem.blocks.size(), false);
   std::vector<int> next;

@@ -39,18 +39,21 @@ struct LimitPoint {
   double live_cohesion = 0.0;                                 // what a multiplier of 1 adds to the cohesion, N
 };
 
-// A tie: pulls its ends together with any force up to its yield force.
-struct LimitTie {
-  int a = 0, b = 0;
-  geometry::Vector from, to;  // on block a, on block b, m
-  double tension = 0.0;       // N, > 0
-  double compression = 0.0;   // N, >= 0
+// What a member carries: one number between two bounds, which acts on all of its places at once.
+struct LimitForce {
+  struct Place {
+    int block = 0;
+    geometry::Vector at;         // m
+    geometry::Vector way, turn;  // force and moment on the block of a unit
+  };
+  std::vector<Place> places;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
 };
 
 struct LimitProblem {
   std::vector<LimitBlock> blocks;
   std::vector<LimitPoint> points;
-  std::vector<LimitTie> ties{};
+  std::vector<LimitForce> forces{};  // of members
 };
 
 struct LimitSettings {
@@ -83,7 +86,7 @@ struct LimitResult {
   int facets = 0;    // of the friction cones that it is of; 0: whole ones
   // On block a along n, s, t at each point, N: n > 0 is tension.
   std::vector<std::array<double, 3>> force;
-  std::vector<double> tie_force;  // N, tension positive
+  std::vector<double> member_force;  // by LimitProblem::forces
   // Mechanism: virtual velocity of the centre and spin of each block, scaled so that the largest velocity of a centre
   // or contact point is 1 (m/s, rad/s).
   std::vector<Wrench> velocity;  // force: velocity, moment: spin
@@ -95,7 +98,7 @@ struct LimitResult {
 // < 4.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
 
-// Blocks that no chain of contact points joins to a fixed one; indices, ascending.
+// Blocks that no chain of contact points and members joins to a fixed one; indices, ascending.
 std::vector<int> unconnected_blocks(const LimitProblem& problem);
 
 }  // namespace quoin

@@ -13,7 +13,10 @@
 #include "base/error.h"
 #include "geometry/polyhedron.h"
 #include "law/law_library.h"
+#include "members/linear.h"
 #include "members/members.h"
+#include "scene/from_bricks.h"
+#include "scene/load_place.h"
 #include "step/large_motion.h"
 #include "step/simulation.h"
 
@@ -21,6 +24,15 @@ namespace quoin {
 namespace {
 
 using geometry::Vector;
+
+const Stage& moving_stage(const Scene& scene) {
+  for (const Stage& stage : scene.stages)
+    if (stage.moving_load) return stage;
+  throw Error(Exit::bad_input,
+              fmt::format("{}: no stage has a moving load; give one moving_load = {{ from = [x, y, z], "
+                          "to = [x, y, z], force = [x, y, z] }}",
+                          scene.file));
+}
 
 // Weight and direction are those of the first collapse stage, or gravity that of the first stage that has some.
 void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* limit) {
@@ -31,6 +43,8 @@ void find_loads(const Scene& scene, const LimitOptions& options, SceneLimit* lim
     limit->direction = geometry::vector(stage.collapse->direction);
     break;
   }
+  if (options.moving && moving_stage(scene).gravity != Vec3{})
+    limit->gravity = geometry::vector(moving_stage(scene).gravity);
   if (norm(limit->gravity) == 0.0)
     throw Error(Exit::bad_input,
                 fmt::format("{}: no stage has gravity; give one stage gravity = [0, -9.81, 0]", scene.file));
@@ -76,8 +90,7 @@ Strength strength_of(const JointFamily& family, const std::string& file) {
   return s;
 }
 
-// Each with any force up to that at which it yields; without hardening.
-void add_ties(const members::Members& members, const std::string& file, SceneLimit* limit) {
+void refuse_members(const members::Members& members, const std::string& file) {
   if (!members.beds().empty())
     throw Error(Exit::bad_input, fmt::format("{}: blocks on [[spring]] stand on no strength that limit analysis knows; "
                                              "give what is below them fixed = true instead",
@@ -86,23 +99,147 @@ void add_ties(const members::Members& members, const std::string& file, SceneLim
     throw Error(Exit::bad_input, fmt::format("{}: [[strip]] debonds by softening, which limit analysis does not know; "
                                              "leave strips out, or run the scene",
                                              file));
-  if (!members.beams().empty())
-    throw Error(Exit::bad_input,
-                fmt::format("{}: [[beam]] has no part in limit analysis yet; give it as a [[block]], or "
-                            "run the scene",
-                            file));
-  if (!members.floors().empty())
-    throw Error(Exit::bad_input,
-                fmt::format("{}: [[floor]] and its connectors have no part in limit analysis yet; give "
-                            "its weight to blocks and its anchors as [[tie]], or run the scene",
-                            file));
+}
+
+// Each with any force up to that at which it yields; without hardening.
+void add_ties(const members::Members& members, SceneLimit* limit) {
   for (const members::Tie& tie : members.ties()) {
-    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
-                        &to = members.nodes()[static_cast<std::size_t>(tie.to)];
-    limit->problem.ties.push_back(
-        {from.block, to.block, from.start, to.start, tie.law.yield, tie.law.compression ? tie.law.yield : 0.0});
+    LimitForce force{{}, tie.law.compression ? -tie.law.yield : 0.0, tie.law.yield};
+    for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
+      const Vector along = normalized(members.start_of(tie.stops[i + 1]) - members.start_of(tie.stops[i]));
+      const auto pull = [&](const members::Tie::Stop& stop, double sign) {
+        for (const auto& [index, share] : stop) {
+          const members::Node& node = members.nodes()[static_cast<std::size_t>(index)];
+          force.places.push_back({node.block, node.start, sign * share * along, {}});
+        }
+      };
+      pull(tie.stops[i], 1.0), pull(tie.stops[i + 1], -1.0);
+    }
+    limit->problem.forces.push_back(force);
     limit->tie_names.push_back(tie.name);
   }
+}
+
+// What the ground holds of a node that has no unknown there.
+void guide(int block, const Vector& at, const std::vector<Vector>& free, bool turns, SceneLimit* limit) {
+  std::vector<Vector> held;
+  if (free.empty()) held = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  if (free.size() == 2) held = {cross(free[0], free[1])};
+  for (const Vector& way : held) {
+    const LimitForce::Place place =
+        turns ? LimitForce::Place{block, at, {}, way} : LimitForce::Place{block, at, way, {}};
+    limit->problem.forces.push_back({{place}});
+  }
+}
+
+// Nodes of floors and beams as blocks of their own, held where they have no unknown.
+void add_own_nodes(const members::LinearMembers& own, SceneLimit* limit) {
+  for (const members::OwnBody& body : own.bodies) {
+    for (int n = body.first; n < body.end; ++n) {
+      const members::OwnNode& node = own.nodes[static_cast<std::size_t>(n)];
+      const auto block = static_cast<int>(limit->problem.blocks.size());
+      LimitBlock& added = limit->problem.blocks.emplace_back();
+      added.centre = node.at;
+      limit->names.push_back(body.label);
+      limit->labels.push_back(
+          fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", body.label, node.at.x, node.at.y, node.at.z));
+      limit->masses.push_back({block, node.mass, node.at, node.ways});
+      guide(block, node.at, node.ways, false, limit), guide(block, node.at, node.turns, true, limit);
+    }
+  }
+}
+
+LimitPoint point_at(const Vector& position, const Vector& normal) {
+  LimitPoint point;
+  const Vector axis = std::abs(normal.x) < 0.9 ? Vector{1, 0, 0} : Vector{0, 1, 0};
+  point.position = position;
+  point.n = normal, point.s = normalized(cross(axis, normal)), point.t = cross(point.n, point.s);
+  return point;
+}
+
+// A force acts against its deformation.
+void add_deformations(const members::Members& members, const members::LinearMembers& own, SceneLimit* limit) {
+  const auto first = static_cast<int>(limit->block_count);
+  for (const members::OwnBody& body : own.bodies) {
+    std::map<std::string, LimitMember> bounded;
+    for (std::size_t i = body.first_deformation; i < body.end_deformation; ++i) {
+      const members::Deformation& d = own.deformations[i];
+      LimitForce force{{}, d.low, d.high};
+      for (const members::Deformation::Share& share : d.shares) {
+        const members::Node* const node = share.own ? nullptr : &members.nodes()[static_cast<std::size_t>(share.node)];
+        force.places.push_back({node ? node->block : first + share.node,
+                                node ? node->start : own.nodes[static_cast<std::size_t>(share.node)].at,
+                                -1.0 * share.way, -1.0 * share.turn});
+      }
+      if (*d.what) {
+        LimitMember& of = bounded[d.what];
+        of.label = body.label, of.what = d.what;
+        of.of.push_back(limit->problem.forces.size());
+        of.over.push_back(d.over), of.strength.push_back(d.high / d.over);
+      }
+      limit->problem.forces.push_back(force);
+    }
+    for (const auto& [what, member] : bounded) limit->members.push_back(member);
+    limit->bodies.push_back({first + body.first, first + body.end, body.faces});
+  }
+  for (const members::Rest& rest : own.rests) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(rest.node)];
+    LimitPoint point = point_at(node.start, rest.out);
+    point.a = node.block, point.b = first + rest.own;
+    point.friction = rest.friction;
+    limit->problem.points.push_back(point);
+  }
+}
+
+// A contact point without friction: its normal force up to yield both ways, its shear in a circle.
+void add_dowels(const members::Members& members, SceneLimit* limit) {
+  for (const members::Dowel& dowel : members.dowels()) {
+    const members::Node &first = members.nodes()[static_cast<std::size_t>(dowel.first)],
+                        &second = members.nodes()[static_cast<std::size_t>(dowel.second)];
+    LimitPoint point = point_at(first.start, dowel.along);
+    point.a = first.block, point.b = second.block;
+    point.tension = point.crushing = dowel.law.yield_force, point.cohesion = dowel.law.yield_shear;
+    limit->problem.points.push_back(point);
+  }
+}
+
+// The soil's weight and active pressure act always; up to the passive one resists.
+void add_fills(const members::Members& members, SceneLimit* limit) {
+  for (const members::FillPoint& p : members.fill_points()) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(p.node)];
+    const Vector force =
+        -p.law.upright * p.law.vertical * p.law.up - p.law.level * p.law.active * p.law.vertical * p.law.out;
+    limit->loads.push_back({node.block, node.start, force});
+    limit->problem.forces.push_back({{{node.block, node.start, -1.0 * p.law.out, {}}},
+                                     0.0,
+                                     p.law.level * (p.law.passive - p.law.active) * p.law.vertical});
+  }
+}
+
+void add_members(const members::Members& members, const std::string& file, SceneLimit* limit) {
+  refuse_members(members, file);
+  add_ties(members, limit);
+  add_dowels(members, limit), add_fills(members, limit);
+  const members::LinearMembers own = members::linear_of(members, file, limit->gravity);
+  add_own_nodes(own, limit);
+  add_deformations(members, own, limit);
+  for (const members::Carried& carried : own.carried) {
+    const members::Node& node = members.nodes()[static_cast<std::size_t>(carried.node)];
+    limit->masses.push_back({node.block, carried.mass, node.start, {carried.normal}});
+  }
+}
+
+// What an acceleration of all masses does to each block.
+std::vector<Wrench> pull_of(const SceneLimit& limit, const Vector& acceleration) {
+  std::vector<Wrench> pull(limit.problem.blocks.size());
+  for (const LimitMass& m : limit.masses) {
+    Vector force = m.ways.empty() ? m.mass * acceleration : Vector{};
+    for (const Vector& way : m.ways) force += m.mass * dot(acceleration, way) * way;
+    Wrench& on = pull[static_cast<std::size_t>(m.block)];
+    on.force += force;
+    on.moment += cross(m.at - limit.problem.blocks[static_cast<std::size_t>(m.block)].centre, force);
+  }
+  return pull;
 }
 
 // Each block is rigid, each contact point a force. Weights from the outlines of the blocks.
@@ -126,7 +263,6 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
       block.fixed = brick.fixed || brick.body.starts_with("bottom_beam");
     }
     const geometry::MassProperties mass = mass_properties(geometry::from_vertices(corners, name));
-    const Vector along = limit->direction ? norm(limit->gravity) * *limit->direction : Vector{};
     double weighs = density * mass.volume;
     Vector moment = weighs * mass.centroid;
     if (shapes) {
@@ -135,23 +271,36 @@ void assemble(const Simulation& simulation, double given, SceneLimit* limit) {
       for (const blocks::PointMass& point : input.masses) weighs += point.mass, moment += point.mass * point.at;
     }
     block.centre = weighs > density * mass.volume ? moment / weighs : mass.centroid;
-    block.live.force = weighs * along;
-    block.dead.force = weighs * limit->gravity + given * block.live.force;
+    limit->masses.push_back({i, weighs, block.centre, {}});
     limit->problem.blocks.push_back(block);
     limit->names.push_back(name);
     const Vector& x = block.centre;
     limit->labels.push_back(fmt::format("{} at ({:.3f}, {:.3f}, {:.3f}) m", simulation.block_label(i), x.x, x.y, x.z));
   }
-  std::map<std::string, Strength> strengths;
-  for (const auto& [name, family] : scene.joints) strengths[name] = strength_of(family, scene.file);
+  std::map<std::string, Strength> strengths;  // of families that have points
   const std::vector<JointFamily>& families = shapes ? shapes->assembly().families : simulation.assembly().families;
   for (const ContactPoint& p : simulation.contact_points()) {
-    const Strength& s = strengths.at(families[static_cast<std::size_t>(p.family)].name);
+    const std::string& family = families[static_cast<std::size_t>(p.family)].name;
+    if (!strengths.contains(family)) strengths[family] = strength_of(scene.joints.at(family), scene.file);
+    const Strength& s = strengths.at(family);
     limit->problem.points.push_back({p.block_a, p.block_b, geometry::vector(p.position), geometry::vector(p.normal),
                                      geometry::vector(p.s), geometry::vector(p.t), s.friction, s.tension * p.area,
                                      s.cohesion * p.area, s.crushing * p.area, p.area});
   }
-  if (shapes && shapes->members()) add_ties(*shapes->members(), scene.file, limit);
+  limit->block_count = limit->problem.blocks.size(), limit->point_count = limit->problem.points.size();
+  if (shapes && shapes->members()) add_members(*shapes->members(), scene.file, limit);
+  const std::vector<Wrench> dead = pull_of(*limit, limit->gravity);
+  const std::vector<Wrench> live =
+      pull_of(*limit, limit->direction ? norm(limit->gravity) * *limit->direction : Vector{});
+  for (std::size_t k = 0; k < dead.size(); ++k) {
+    LimitBlock& block = limit->problem.blocks[k];
+    block.live = live[k];
+    block.dead = {dead[k].force + given * live[k].force, dead[k].moment + given * live[k].moment};
+  }
+  for (const LimitLoad& load : limit->loads) {
+    LimitBlock& block = limit->problem.blocks[static_cast<std::size_t>(load.block)];
+    block.dead.force += load.force, block.dead.moment += cross(load.at - block.centre, load.force);
+  }
 }
 
 void require_supports(const std::string& file, const SceneLimit& limit) {
@@ -191,7 +340,8 @@ LimitResult solved(const std::string& file, const SceneLimit& limit, const Limit
 void find_least_margin(const std::string& file, const LimitSettings& settings, SceneLimit* limit) {
   for (const Vector& way : {Vector{1, 0, 0}, Vector{-1, 0, 0}, Vector{0, 0, 1}, Vector{0, 0, -1}}) {
     LimitProblem pushed = limit->problem;
-    for (LimitBlock& b : pushed.blocks) b.live.force = norm(b.dead.force) * way;
+    const std::vector<Wrench> live = pull_of(*limit, norm(limit->gravity) * way);
+    for (std::size_t k = 0; k < live.size(); ++k) pushed.blocks[k].live = live[k];
     const LimitResult result = limit_multiplier(pushed, settings);
     if (result.status == LimitStatus::unbounded) continue;
     if (result.status != LimitStatus::solved) solved(file, *limit, pushed, settings);
@@ -211,6 +361,17 @@ nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* 
   return json;
 }
 
+nlohmann::ordered_json json_of_moving(const SceneLimit& limit) {
+  nlohmann::ordered_json json{{"force_N", geometry::array(limit.moving_force)}, {"worst", limit.worst}};
+  for (const MovingLimit& here : limit.moving)
+    json["positions"].push_back(
+        {{"position_m", geometry::array(here.position)},
+         {"at_m", geometry::array(here.at)},
+         {"block", limit.labels[static_cast<std::size_t>(here.block)]},
+         {"multiplier", here.multiplier ? nlohmann::ordered_json(*here.multiplier) : nlohmann::ordered_json(nullptr)}});
+  return json;
+}
+
 nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
   return number ? nlohmann::ordered_json(*number) : nlohmann::ordered_json(nullptr);
 }
@@ -218,6 +379,41 @@ nlohmann::ordered_json number_or_null(const std::optional<double>& number) {
 std::optional<double> settled(const std::optional<LimitWithoutDilation>& without) {
   if (!without || !without->settled) return std::nullopt;
   return without->multiplier;
+}
+
+// Each position on its own, beside the weight. The least multiplier is that of the worst position.
+void find_moving(const Simulation& simulation, const LimitOptions& options, SceneLimit* limit) {
+  const Scene& scene = simulation.scene();
+  const Stage& stage = moving_stage(scene);
+  limit->moving_force = geometry::vector(stage.moving_load->force);
+  const blocks::Model* const shapes = simulation.large_motion();
+  const std::vector<blocks::LoadPlace> places = blocks::places_of(
+      *stage.moving_load, shapes ? shapes->assembly() : blocks::from_bricks(simulation.assembly()), stage.source.text);
+  LimitProblem& problem = limit->problem;
+  for (LimitBlock& b : problem.blocks) b.live = {};
+  Wrench worst;
+  for (const blocks::LoadPlace& place : places) {
+    LimitBlock& block = problem.blocks[static_cast<std::size_t>(place.block)];
+    MovingLimit& here = limit->moving.emplace_back(MovingLimit{place.block, place.position, place.at, std::nullopt});
+    if (block.fixed) continue;
+    block.live = {limit->moving_force, cross(place.at - block.centre, limit->moving_force)};
+    const LimitResult result = limit_multiplier(problem, options.settings);
+    if (result.status == LimitStatus::not_converged || result.status == LimitStatus::no_equilibrium)
+      solved(scene.file, *limit, problem, options.settings);
+    if (result.status == LimitStatus::solved) {
+      here.multiplier = result.multiplier;
+      if (!limit->limit || result.multiplier < limit->limit->multiplier)
+        limit->limit = result, limit->worst = limit->moving.size() - 1, worst = block.live;
+    }
+    block.live = {};
+  }
+  if (!limit->limit)
+    throw Error(Exit::numerical, fmt::format("{}: no multiple of moving_load moves a block, from any of its {} "
+                                             "positions",
+                                             stage.source.text, places.size()));
+  problem.blocks[static_cast<std::size_t>(limit->moving[limit->worst].block)].live = worst;
+  limit->margin = limit->limit->multiplier;
+  if (!options.associated) limit->without_dilation = limit_without_dilation(problem, options.settings);
 }
 
 }  // namespace
@@ -233,6 +429,10 @@ std::string blocks_text(const SceneLimit& limit, const std::vector<int>& blocks)
 
 SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   const std::string& file = simulation.scene().file;
+  if (options.moving && (options.given != 0.0 || !options.direction.empty()))
+    throw Error(Exit::bad_input, fmt::format("{}: with a moving load that alone is multiplied; leave --direction and "
+                                             "--given out",
+                                             file));
   SceneLimit limit;
   find_loads(simulation.scene(), options, &limit);
   assemble(simulation, options.given, &limit);
@@ -245,6 +445,10 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options) {
   else if (!options.associated && limit.stands.friction)
     limit.friction = LimitWithoutDilation{{}, true, 0.0};
   if (!limit.stands.stands) return limit;
+  if (options.moving) {
+    find_moving(simulation, options, &limit);
+    return limit;
+  }
   if (!limit.direction) {
     find_least_margin(file, options.settings, &limit);
     return limit;
@@ -271,6 +475,18 @@ std::vector<int> moving_without_load(const SceneLimit& limit) {
   return blocks;
 }
 
+MemberForce largest_force(const LimitMember& member, const LimitResult& result) {
+  constexpr double kAll = 1.0 - 1e-6;  // of a strength
+  MemberForce found;
+  for (std::size_t k = 0; k < member.of.size(); ++k) {
+    double force = result.member_force[member.of[k]] / member.over[k];
+    if (member.what == "anchor_N_per_m") force = std::max(0.0, force);  // bearing has no strength
+    if (std::abs(force) >= found.largest) found.largest = std::abs(force), found.strength = member.strength[k];
+    if (std::abs(force) >= kAll * member.strength[k] && member.strength[k] > 0.0) ++found.at_strength;
+  }
+  return found;
+}
+
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options) {
   nlohmann::ordered_json json;
   json["scene"] = scene;
@@ -282,7 +498,7 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["stands"] = stands.stands;
   json["carried"] = stands.carried;
   json["margin"] = number_or_null(limit.margin);
-  if (limit.margin) json["margin_direction"] = geometry::array(limit.margin_direction);
+  if (limit.margin && limit.moving.empty()) json["margin_direction"] = geometry::array(limit.margin_direction);
   json["smallest_friction_scale"] = number_or_null(stands.friction);
   json["smallest_friction_scale_without_dilation"] = number_or_null(settled(limit.friction));
   if (limit.friction) json["friction_without_dilation"] = json_of(*limit.friction, "friction_scale");
@@ -291,15 +507,30 @@ nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit
   json["moves_without_load"] = nlohmann::ordered_json::array();
   for (const int b : moving_without_load(limit))
     json["moves_without_load"].push_back(limit.labels[static_cast<std::size_t>(b)]);
-  if (limit.direction)
+  if (!limit.moving.empty()) json["moving"] = json_of_moving(limit);
+  if (limit.direction && limit.moving.empty())
     json["direction"] = geometry::array(*limit.direction);
   else
     json["direction"] = nullptr;
   json["given_multiplier"] = options.given;
   json["gravity_m_s2"] = geometry::array(limit.gravity);
-  json["blocks"] = limit.problem.blocks.size(), json["contact_points"] = limit.problem.points.size();
+  json["blocks"] = limit.block_count, json["contact_points"] = limit.point_count;
   json["facets"] = limit.limit ? limit.limit->facets : options.settings.facets;
-  if (limit.limit && !limit.tie_names.empty()) json["tie_force_N"] = limit.limit->tie_force;
+  if (limit.limit && !limit.tie_names.empty())
+    json["tie_force_N"] =
+        std::vector<double>(limit.limit->member_force.begin(),
+                            limit.limit->member_force.begin() + static_cast<std::ptrdiff_t>(limit.tie_names.size()));
+  if (!limit.limit || limit.members.empty()) return json;
+  for (const LimitMember& member : limit.members) {
+    const MemberForce force = largest_force(member, *limit.limit);
+    json["member_forces"].push_back({{"member", member.label},
+                                     {"what", member.what},
+                                     {"largest", force.largest},
+                                     {"strength", std::isfinite(force.strength) ? nlohmann::ordered_json(force.strength)
+                                                                                : nlohmann::ordered_json(nullptr)},
+                                     {"at_strength", force.at_strength},
+                                     {"of", member.of.size()}});
+  }
   return json;
 }
 

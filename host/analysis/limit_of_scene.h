@@ -27,14 +27,57 @@ struct LimitOptions {
   LimitSettings settings = whole_cones();
   bool associated = false;  // no search for answers without dilation
   bool friction = true;     // the smallest scale of friction, too
+  bool moving = false;      // the moving load of the first stage that has one is multiplied, at each of its positions
+};
+
+// A mass that is pulled along given directions alone, or along all.
+struct LimitMass {
+  int block = 0;
+  double mass = 0.0;                   // kg
+  geometry::Vector at;                 // m
+  std::vector<geometry::Vector> ways;  // unit, square to each other; none: all
+};
+
+// A force that acts always, without mass.
+struct LimitLoad {
+  int block = 0;
+  geometry::Vector at, force;  // m, N
+};
+
+// Forces of a member that one strength bounds.
+struct LimitMember {
+  std::string label, what;       // "floor 'first'", "shear_N_per_m"
+  std::vector<std::size_t> of;   // of LimitProblem::forces
+  std::vector<double> over;      // by which each is divided, m
+  std::vector<double> strength;  // of each, divided alike; may be infinite
+};
+
+// A floor or beam as it is drawn: its nodes among the blocks, its faces by nodes from 0.
+struct LimitBody {
+  int first = 0, end = 0;
+  std::vector<std::vector<int>> faces;
+};
+
+// A moving load at one of its positions.
+struct MovingLimit {
+  int block = 0;
+  geometry::Vector position, at;     // on its line; where it acts, m
+  std::optional<double> multiplier;  // none: no multiple moves anything
 };
 
 struct SceneLimit {
   geometry::Vector gravity;                   // m/s2
   std::optional<geometry::Vector> direction;  // none: no collapse stage, and none was given
-  LimitProblem problem;                       // dead: weight and what is given; live: the weight along the direction
-  std::vector<std::string> names, labels;     // of blocks: of the scene, and as messages have them
-  std::vector<std::string> tie_names;
+  // Blocks of the scene, then nodes of floors and beams. dead: weight and what is given; live: the weight along the
+  // direction.
+  LimitProblem problem;
+  std::size_t block_count = 0, point_count = 0;  // of the scene
+  std::vector<std::string> names, labels;        // of blocks: of the scene, and as messages have them
+  std::vector<LimitMass> masses;
+  std::vector<LimitLoad> loads;
+  std::vector<std::string> tie_names;  // of the first forces
+  std::vector<LimitMember> members;
+  std::vector<LimitBody> bodies;
 
   Stands stands;
   std::optional<LimitWithoutDilation> friction;  // smallest factors without dilation
@@ -43,6 +86,9 @@ struct SceneLimit {
   // Multiplier left beyond what is given, of associated flow; without a direction the least of four horizontal ones.
   std::optional<double> margin;
   geometry::Vector margin_direction{};
+  std::vector<MovingLimit> moving;  // by position; `limit` is then that of the worst one
+  std::size_t worst = 0;            // of them
+  geometry::Vector moving_force{};  // N
 };
 
 // Throws Error(bad_input) where the scene has no gravity, no support, blocks that touch nothing that is held, or laws
@@ -51,6 +97,14 @@ SceneLimit limit_of(const Simulation& simulation, const LimitOptions& options = 
 
 // Blocks of a mechanism that needs no load beyond what is given: where the margin is 0.
 std::vector<int> moving_without_load(const SceneLimit& limit);
+
+// The largest of what a member carries in these forces (of many that give the multiplier), its strength, and how many
+// places are at theirs.
+struct MemberForce {
+  double largest = 0.0, strength = 0.0;
+  int at_strength = 0;
+};
+MemberForce largest_force(const LimitMember& member, const LimitResult& result);
 
 // What limit.json holds.
 nlohmann::ordered_json json_of(const std::string& scene, const SceneLimit& limit, const LimitOptions& options);

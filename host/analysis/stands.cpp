@@ -40,6 +40,10 @@ LimitResult carried_share(const LimitProblem& problem, const LimitSettings& sett
 }
 
 Stands stands(const LimitProblem& problem, const LimitSettings& settings, bool friction) {
+  const bool loaded = std::any_of(problem.blocks.begin(), problem.blocks.end(), [](const LimitBlock& b) {
+    return !b.fixed && norm(b.dead.force) + norm(b.dead.moment) > 0.0;
+  });
+  if (!loaded) return {true, 1.0, 0.0, {}};
   // One programme in place of three for what only presses. Not with cohesion, which over friction limits tension.
   const bool cohesive =
       std::any_of(problem.points.begin(), problem.points.end(), [](const LimitPoint& p) { return p.cohesion > 0.0; });

@@ -293,10 +293,30 @@ void World::add_members(const Vibrating& v, std::vector<Triplet>* entries) const
   const auto& nodes = members()->nodes();
   for (const members::Tie& tie : members()->ties()) {
     if (tie.law.slack > 0.0) continue;
-    const members::Node &from = nodes[at(tie.from)], &to = nodes[at(tie.to)];
+    shares.clear();  // of its elongation, along the axis x
+    for (std::size_t i = 0; i + 1 < tie.stops.size(); ++i) {
+      const Vector along = normalized(members()->start_of(tie.stops[i + 1]) - members()->start_of(tie.stops[i]));
+      const auto add_stop = [&](const members::Tie::Stop& stop, double sign) {
+        for (const auto& [node, share] : stop) {
+          const std::size_t first = shares.size();
+          add_node(nodes[at(node)], sign * share, v, &shares);
+          for (std::size_t k = first; k < shares.size(); ++k) shares[k].moves = {dot(shares[k].moves, along), 0, 0};
+        }
+      };
+      add_stop(tie.stops[i], -1.0), add_stop(tie.stops[i + 1], 1.0);
+    }
+    add_spring(shares, {1, 0, 0}, tie.law.stiffness, 0.0, entries);
+  }
+  for (const members::Dowel& dowel : members()->dowels()) {
     shares.clear();
-    add_node(from, -1.0, v, &shares), add_node(to, 1.0, v, &shares);
-    add_spring(shares, normalized(to.start - from.start), tie.law.stiffness, 0.0, entries);
+    add_node(nodes[at(dowel.first)], -1.0, v, &shares), add_node(nodes[at(dowel.second)], 1.0, v, &shares);
+    add_spring(shares, dowel.along, dowel.law.axial, dowel.law.shear, entries);
+  }
+  for (const members::FillPoint& p : members()->fill_points()) {
+    if (p.law.level == 0.0) continue;
+    shares.clear();
+    add_node(nodes[at(p.node)], 1.0, v, &shares);
+    add_spring(shares, p.law.out, p.law.level * p.law.stiffness, 0.0, entries);
   }
   for (const members::SpringPoint& p : members()->spring_points()) {
     shares.clear();

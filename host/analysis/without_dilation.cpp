@@ -51,17 +51,15 @@ Row row_of(const LimitProblem& problem, const LimitPoint& p, const Vector& axis)
 }
 
 // As stiff as a mean contact point, and always taut: normal forces of the weight alone begin the search, no more.
-void add_tie(const LimitProblem& problem, const LimitTie& tie, std::vector<Eigen::Triplet<double>>& entries) {
-  const Vector along = normalized(tie.to - tie.from);
-  LimitPoint from, to;
-  from.a = to.a = tie.a, from.b = to.b = tie.b;
-  from.position = tie.from, to.position = tie.to;
-  Row row = row_of(problem, from, along);
-  const Row there = row_of(problem, to, along);
-  std::copy(there.value.begin() + 6, there.value.end(), row.value.begin() + 6);  // each end where it is
-  for (std::size_t a = 0; a < 12; ++a)
-    for (std::size_t b = 0; b < 12; ++b)
-      entries.emplace_back(row.unknown[a], row.unknown[b], row.value[a] * row.value[b]);
+void add_force(const LimitProblem& problem, const LimitForce& force, std::vector<Eigen::Triplet<double>>& entries) {
+  std::vector<std::pair<int, double>> row;
+  for (const LimitForce::Place& place : force.places) {
+    const Vector moment = place.turn + cross(place.at - problem.blocks[at(place.block)].centre, place.way);
+    for (int c = 0; c < 3; ++c) row.emplace_back(6 * place.block + c, place.way[c]);
+    for (int c = 0; c < 3; ++c) row.emplace_back(6 * place.block + 3 + c, moment[c]);
+  }
+  for (const auto& [i, a] : row)
+    for (const auto& [j, b] : row) entries.emplace_back(i, j, a * b);
 }
 
 Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std::vector<bool>& closed,
@@ -83,7 +81,7 @@ Eigen::SparseMatrix<double> stiffness_of(const LimitProblem& problem, const std:
           entries.emplace_back(row.unknown[a], row.unknown[b], k * row.value[a] * row.value[b]);
     }
   }
-  for (const LimitTie& tie : problem.ties) add_tie(problem, tie, entries);
+  for (const LimitForce& force : problem.forces) add_force(problem, force, entries);
   Eigen::SparseMatrix<double> stiffness(6 * blocks, 6 * blocks);
   stiffness.setFromTriplets(entries.begin(), entries.end());
   return stiffness;

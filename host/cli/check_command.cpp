@@ -280,8 +280,8 @@ void print_what_sets_step(const blocks::Model& model) {
 void print_members(const members::Members& members, const blocks::Assembly& assembly) {
   fmt::print("members\n");
   for (const members::Tie& tie : members.ties()) {
-    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.from)],
-                        &to = members.nodes()[static_cast<std::size_t>(tie.to)];
+    const members::Node &from = members.nodes()[static_cast<std::size_t>(tie.stops.front().front().first)],
+                        &to = members.nodes()[static_cast<std::size_t>(tie.stops.back().front().first)];
     fmt::print("  tie {:<12} {:.3f} m from block {} to {}; {:.4g} N/m, {:.4g} N at first, yields at {:.4g} N\n",
                tie.name, tie.length, blocks::label(assembly, from.block), blocks::label(assembly, to.block),
                tie.law.stiffness, tie.law.pretension, tie.law.yield);
@@ -297,6 +297,13 @@ void print_members(const members::Members& members, const blocks::Assembly& asse
   for (const members::Beam& beam : members.beams())
     fmt::print("  beam {:<11} {:.3f} m in {} pieces, {} springs to blocks, {:.4g} kg\n", beam.name(), beam.length(),
                beam.pieces().size(), beam.supports().size(), beam.section().mass * beam.length());
+  for (const members::Dowel& dowel : members.dowels())
+    fmt::print("  dowel {:<10} joins blocks {} and {}; yields at {:.4g} N along and {:.4g} N across\n", dowel.name,
+               blocks::label(assembly, members.nodes()[static_cast<std::size_t>(dowel.first)].block),
+               blocks::label(assembly, members.nodes()[static_cast<std::size_t>(dowel.second)].block),
+               dowel.law.yield_force, dowel.law.yield_shear);
+  for (const members::Fill& fill : members.fills())
+    fmt::print("  fill {:<11} {:.4g} m2 of faces, {} points\n", fill.name, fill.area, fill.end - fill.first);
 }
 
 void check_blocks(const SceneOptions& options, const Scene& scene, const std::string& why_not_lattice) {

@@ -37,7 +37,7 @@ void write_mechanism(const std::filesystem::path& folder, const Simulation& simu
   std::vector<StillBlock> drawn;
   VirtualMotion motion{"velocity", {}};
   std::string table = "block,name,x_m,y_m,z_m,vx,vy,vz,spin_x,spin_y,spin_z\n";
-  for (std::size_t k = 0; k < limit.problem.blocks.size(); ++k) {
+  for (std::size_t k = 0; k < limit.block_count; ++k) {
     const auto& [v, w] = limit.limit->velocity[k];
     const Vector& x = limit.problem.blocks[k].centre;
     table += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", k,
@@ -51,19 +51,40 @@ void write_mechanism(const std::filesystem::path& folder, const Simulation& simu
       of_block.push_back(v + cross(w, block.point.back() - x));
     }
   }
+  for (const LimitBody& body : limit.bodies) {
+    StillBlock& member = drawn.emplace_back();
+    member.face = body.faces;
+    auto& of_member = motion.displacement.emplace_back();
+    for (int n = body.first; n < body.end; ++n) {
+      member.point.push_back(limit.problem.blocks[static_cast<std::size_t>(n)].centre);
+      of_member.push_back(limit.limit->velocity[static_cast<std::size_t>(n)].force);
+    }
+  }
   write_file(folder / "mechanism.csv", table);
   write_motions(folder / "mechanism.vtu", drawn, {motion});
 }
 
 void write_forces(const std::filesystem::path& file, const SceneLimit& limit) {
   std::string forces = "point,block_a,block_b,x_m,y_m,z_m,normal_N,shear_s_N,shear_t_N\n";
-  for (std::size_t i = 0; i < limit.problem.points.size(); ++i) {
+  for (std::size_t i = 0; i < limit.point_count; ++i) {
     const LimitPoint& p = limit.problem.points[i];
     const auto& f = limit.limit->force[i];
     forces += fmt::format("{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", i, p.a, p.b, p.position.x,
                           p.position.y, p.position.z, f[0], f[1], f[2]);
   }
   write_file(file, forces);
+}
+
+// The multiplier by position: empty where no multiple moves anything.
+void write_moving(const std::filesystem::path& file, const SceneLimit& limit) {
+  std::string table = "position,x_m,y_m,z_m,block,at_x_m,at_y_m,at_z_m,multiplier\n";
+  for (std::size_t k = 0; k < limit.moving.size(); ++k) {
+    const MovingLimit& here = limit.moving[k];
+    table += fmt::format("{},{:.6g},{:.6g},{:.6g},{},{:.6g},{:.6g},{:.6g},{}\n", k + 1, here.position.x,
+                         here.position.y, here.position.z, here.block, here.at.x, here.at.y, here.at.z,
+                         here.multiplier ? fmt::format("{:.6g}", *here.multiplier) : "");
+  }
+  write_file(file, table);
 }
 
 // Where three.js is installed; else ParaView shows the mechanism.
@@ -96,6 +117,8 @@ void print_stands(const SceneLimit& limit) {
   const Stands& s = limit.stands;
   if (!s.stands)
     fmt::print("does not stand: {:.4f} of the given loads can be carried\n", s.carried);
+  else if (!limit.moving.empty())
+    fmt::print("stands\n");
   else if (limit.margin)
     fmt::print("stands, with {:.5f} of the weight to go along {}, associated\n", *limit.margin,
                direction_text(limit.margin_direction));
@@ -115,14 +138,30 @@ void print_stands(const SceneLimit& limit) {
 
 void print_multiplier(const SceneLimit& limit) {
   const int facets = limit.limit->facets;
-  fmt::print("multiplier {:.5f} of the weight along {}, associated flow, {}; gap {:.1e}\n", limit.limit->multiplier,
-             direction_text(*limit.direction),
-             facets > 0 ? fmt::format("friction cones as pyramids of {} facets", facets) : "whole friction cones",
-             limit.limit->gap);
+  const std::string cones =
+      facets > 0 ? fmt::format("friction cones as pyramids of {} facets", facets) : "whole friction cones";
+  if (!limit.moving.empty()) {
+    const MovingLimit& worst = limit.moving[limit.worst];
+    fmt::print(
+        "multiplier {:.5f} of the moving load ({:g}, {:g}, {:g}) N where it is worst, at ({:.3f}, {:.3f}, "
+        "{:.3f}) m on block {}, position {} of {}; associated flow, {}; gap {:.1e}\n",
+        limit.limit->multiplier, limit.moving_force.x, limit.moving_force.y, limit.moving_force.z, worst.at.x,
+        worst.at.y, worst.at.z, limit.labels[static_cast<std::size_t>(worst.block)], limit.worst + 1,
+        limit.moving.size(), cones, limit.limit->gap);
+  } else {
+    fmt::print("multiplier {:.5f} of the weight along {}, associated flow, {}; gap {:.1e}\n", limit.limit->multiplier,
+               direction_text(*limit.direction), cones, limit.limit->gap);
+  }
   fmt::print("Sliding lifts by the friction angle here: an upper bound of what a run without dilation gives\n");
   for (std::size_t i = 0; i < limit.tie_names.size(); ++i)
-    fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->tie_force[i],
-               limit.problem.ties[i].tension);
+    fmt::print("tie {:<12} {:.4g} N of {:.4g} N\n", limit.tie_names[i], limit.limit->member_force[i],
+               limit.problem.forces[i].high);
+  for (const LimitMember& member : limit.members) {
+    const MemberForce force = largest_force(member, *limit.limit);
+    if (!std::isfinite(force.strength)) continue;
+    fmt::print("{} {}: at most {:.4g} of {:.4g}; at its strength in {} of {} places\n", member.label, member.what,
+               force.largest, force.strength, force.at_strength, member.of.size());
+  }
   if (!limit.without_dilation) return;
   if (limit.without_dilation->settled)
     fmt::print("multiplier {:.5f} without dilation\n", limit.without_dilation->multiplier);
@@ -137,8 +176,7 @@ void run(const Options& options) {
   const auto begin = std::chrono::steady_clock::now();
   const SceneLimit limit = limit_of(simulation, options.limit);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.problem.blocks.size(),
-             limit.problem.points.size(), seconds);
+  fmt::print("{}: {} blocks, {} contact points; {:.2g} s\n", scene.file, limit.block_count, limit.point_count, seconds);
   print_stands(limit);
   if (limit.limit) print_multiplier(limit);
   if (const std::vector<int> blocks = moving_without_load(limit); !blocks.empty())
@@ -149,6 +187,7 @@ void run(const Options& options) {
     make_folder(folder);
     write_json(folder / "limit.json", json_of(scene.file, limit, options.limit));
     if (limit.limit) write_mechanism(folder, simulation, limit), write_forces(folder / "forces.csv", limit);
+    if (!limit.moving.empty()) write_moving(folder / "moving.csv", limit);
     fmt::print("{}\n", (folder / "limit.json").string());
     if (limit.limit) write_page(folder / "mechanism.vtu", scene, limit.limit->multiplier);
   }
@@ -171,13 +210,16 @@ void add_limit_command(CLI::App& app) {
   command
       ->add_option("--facets", options->limit.settings.facets, "Of pyramids within the friction cones; 0: whole cones")
       ->capture_default_str();
+  command->add_flag("--moving", options->limit.moving,
+                    "Multiply the moving load of the first stage that has one, at each of its positions");
   command->add_flag("--associated", options->limit.associated, "No search for answers without dilation");
   command->add_option("--law", options->scene.law, "Law for all joints in place of the scene's");
   command->add_option("--set", options->scene.overrides, "dotted.key=value: set a key of the scene; may be repeated");
   command
       ->add_option(
           "--out", options->out,
-          "Folder for limit.json, mechanism.csv, mechanism.vtu, forces.csv and report.html, where the mechanism moves")
+          "Folder for limit.json, mechanism.csv, mechanism.vtu, forces.csv and report.html, where the mechanism moves; "
+          "moving.csv")
       ->type_name("DIR");
   command->footer(
       "Static theorem on the contact points of the scene: rigid blocks, brittle strength from the properties of the "

@@ -119,7 +119,7 @@ void Members::add_beam(const BeamSpec& spec, const blocks::Assembly& assembly) {
     const auto closer = [&](const Vector& a, const Vector& b) { return norm(a - point) < norm(b - point); };
     const auto place =
         static_cast<int>(std::min_element(beam.nodes().begin(), beam.nodes().end(), closer) - beam.nodes().begin());
-    const int node = node_at({support.block, support.point, support.source}, assembly);
+    const int node = node_at({support.block, support.point, {}, support.source}, assembly);
     const int block = nodes_[static_cast<std::size_t>(node)].block;
     nodes_.pop_back();
     hold(beam, place, block, spec, support.hold, assembly);

@@ -33,36 +33,43 @@ void Members::add_bed(const SpringSpec& spec, const blocks::Assembly& assembly) 
     for (std::size_t f = 1; f < shape.faces.size(); ++f) {
       if (towards(f) > towards(face)) face = f;
     }
-    const auto corner = [&](std::size_t k) {
-      return block.position + turned * shape.vertices[static_cast<std::size_t>(shape.faces[face][k])];
-    };
-    for (std::size_t k = 1; k + 1 < shape.faces[face].size(); ++k)
-      add_points(spec, {corner(0), corner(k), corner(k + 1)}, index, turned * shape.normals[face]);
+    const Vector out = turned * shape.normals[face];
+    each_triangle(assembly, index, face, [&](const std::array<Vector, 3>& triangle) {
+      each_point(triangle, spec.divisions, [&](const Vector& at, double area) {
+        points_.push_back({static_cast<int>(nodes_.size()), out, law_of(spec, area), {}});
+        Node& node = nodes_.emplace_back();
+        node.block = index;
+        node.start = node.x = at;
+      });
+    });
     bed.area += geometry::face_area(shape, static_cast<int>(face));
   }
   bed.end = points_.size();
   beds_.push_back(bed);
 }
 
-// A triangle in divisions^2 congruent ones, each with three points in the middle of its edges. Exact for quadratics:
-// the stiffness against turning is that of the face.
-void Members::add_points(const SpringSpec& spec, const std::array<Vector, 3>& triangle, int block, const Vector& out) {
-  const double n = spec.divisions;
-  const Vector u = (triangle[1] - triangle[0]) / n, v = (triangle[2] - triangle[0]) / n;
-  const SpringLaw law = law_of(spec, norm(cross(u, v)) / 6.0);
-  const auto add = [&](const Vector& at) {
-    Node node;
-    node.block = block;
-    node.start = node.x = at;
-    points_.push_back({static_cast<int>(nodes_.size()), out, law, {}});
-    nodes_.push_back(node);
+void each_triangle(const blocks::Assembly& assembly, int block, std::size_t face,
+                   const std::function<void(const std::array<Vector, 3>&)>& visit) {
+  const blocks::Block& b = assembly.blocks[static_cast<std::size_t>(block)];
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(b.shape)];
+  const geometry::Matrix turned = matrix(b.orientation);
+  const auto corner = [&](std::size_t k) {
+    return b.position + turned * shape.vertices[static_cast<std::size_t>(shape.faces[face][k])];
   };
-  for (int i = 0; i < spec.divisions; ++i) {
-    for (int j = 0; i + j < spec.divisions; ++j) {
+  for (std::size_t k = 1; k + 1 < shape.faces[face].size(); ++k) visit({corner(0), corner(k), corner(k + 1)});
+}
+
+void each_point(const std::array<Vector, 3>& triangle, int divisions,
+                const std::function<void(const Vector&, double)>& visit) {
+  const double n = divisions;
+  const Vector u = (triangle[1] - triangle[0]) / n, v = (triangle[2] - triangle[0]) / n;
+  const double area = norm(cross(u, v)) / 6.0;
+  for (int i = 0; i < divisions; ++i) {
+    for (int j = 0; i + j < divisions; ++j) {
       const Vector corner = triangle[0] + static_cast<double>(i) * u + static_cast<double>(j) * v;
-      for (const Vector& middle : {0.5 * u, 0.5 * v, 0.5 * (u + v)}) add(corner + middle);
-      if (i + j + 1 == spec.divisions) continue;
-      for (const Vector& middle : {0.5 * u, 0.5 * v, 0.5 * (u + v)}) add(corner + u + v - middle);
+      for (const Vector& middle : {0.5 * u, 0.5 * v, 0.5 * (u + v)}) visit(corner + middle, area);
+      if (i + j + 1 == divisions) continue;
+      for (const Vector& middle : {0.5 * u, 0.5 * v, 0.5 * (u + v)}) visit(corner + u + v - middle, area);
     }
   }
 }

@@ -11,6 +11,9 @@ namespace quoin::members {
 
 namespace {
 
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+constexpr double kStandardGravity = 9.81;  // m/s2, that `load` is given for
+
 // Axial strains at both edges of a panel go with each other, as floor.cpp integrates them; shear stands alone.
 void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformation>* out) {
   const Floor::Grid& grid = floor.grid();
@@ -35,10 +38,12 @@ void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformat
                   {true, high + 1, along + across, {}},
                   {true, high, along - across, {}}};
   shear.stiffness = membrane.shear / (a * b);
+  shear.low = -membrane.shear_yield, shear.high = membrane.shear_yield, shear.what = "shear_N_per_m";
   out->push_back(shear);
 }
 
-void add_connector(const Floor& floor, int first, const Floor::Connector& c, std::vector<Deformation>* out) {
+void add_connector(const Floor& floor, int first, const Floor::Connector& c, double weight,
+                   std::vector<Deformation>* out) {
   const Floor::Grid& grid = floor.grid();
   const ConnectorLaw& law = floor.law();
   const Vector away = c.out.along * grid.along + c.out.across * grid.across;
@@ -47,18 +52,25 @@ void add_connector(const Floor& floor, int first, const Floor::Connector& c, std
   Deformation open;
   open.shares = {{true, place, -1.0 * away, {}}, {false, c.node, away, {}}};
   open.stiffness = law.axial * c.length;
+  open.low = law.bearing ? -kUnbounded : 0.0, open.high = law.axial_strength * c.length;
+  open.what = "anchor_N_per_m", open.over = c.length;
   out->push_back(open);
   if (!(law.shear > 0.0)) return;
   Deformation slip;
   slip.shares = {{true, place, -1.0 * edge, {}}, {false, c.node, edge, {}}};
   slip.stiffness = law.shear * c.length;
+  slip.high = law.shear_strength * c.length + law.friction * weight * c.carried, slip.low = -slip.high;
+  slip.what = "connector_shear_N_per_m", slip.over = c.length;
   out->push_back(slip);
 }
 
-void add_floor(const Floor& floor, LinearMembers* out) {
+void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   const Floor::Grid& grid = floor.grid();
   const auto& [n, m] = grid.pieces;
-  OwnBody body{fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, {}};
+  OwnBody body{
+      fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
+  const Vector normal = cross(grid.along, grid.across);
+  const double mass = floor.membrane().mass + floor.membrane().load / kStandardGravity;  // kg/m2
   for (int place = 0; place < (n + 1) * (m + 1); ++place)
     out->nodes.push_back(
         {floor.start_of(place), floor.membrane().mass * floor.share_of(place), 0.0, {grid.along, grid.across}, {}});
@@ -70,7 +82,11 @@ void add_floor(const Floor& floor, LinearMembers* out) {
           {floor.place_at(i, j), floor.place_at(i + 1, j), floor.place_at(i + 1, j + 1), floor.place_at(i, j + 1)});
     }
   }
-  for (const Floor::Connector& c : floor.connectors()) add_connector(floor, body.first, c, &out->deformations);
+  for (const Floor::Connector& c : floor.connectors()) {
+    add_connector(floor, body.first, c, mass * std::abs(dot(gravity, normal)), &out->deformations);
+    out->carried.push_back({c.node, mass * c.carried, normal});
+  }
+  body.end_deformation = out->deformations.size();
   out->bodies.push_back(body);
 }
 
@@ -88,6 +104,8 @@ void add_bending(const Section& section, const Beam::Piece& piece, int plane, in
                 {true, first + 1, -1.0 * chord, end == 1 ? side : Vector{}}};
     d.stiffness = ei / l * (4.0 + phi) / (1.0 + phi);
     d.coupling = end == 1 ? ei / l * (2.0 - phi) / (1.0 + phi) : 0.0;
+    d.low = -section.yield_moment[p], d.high = section.yield_moment[p];
+    d.what = plane == 0 ? "moment_up_Nm" : "moment_side_Nm";
     out->push_back(d);
   }
 }
@@ -100,6 +118,8 @@ void add_piece(const Beam& beam, std::size_t i, int first, std::vector<Deformati
   Deformation axial;
   axial.shares = {{true, from, -1.0 * along, {}}, {true, from + 1, along, {}}};
   axial.stiffness = section.axial / piece.length;
+  axial.low = section.compression ? -section.yield_force : 0.0, axial.high = section.yield_force;
+  axial.what = "force_N";
   out->push_back(axial);
   if (section.torsion > 0.0) {
     Deformation twist;
@@ -112,7 +132,7 @@ void add_piece(const Beam& beam, std::size_t i, int first, std::vector<Deformati
 
 void add_support(const Beam::Support& s, int first, LinearMembers* out) {
   if (s.rests) {
-    out->rests.push_back({first + s.place, s.node, s.law.normal});
+    out->rests.push_back({first + s.place, s.node, s.law.normal, s.out, s.law.friction});
     return;
   }
   for (const Vector& axis : {Vector{1, 0, 0}, Vector{0, 1, 0}, Vector{0, 0, 1}}) {
@@ -138,7 +158,8 @@ std::vector<Vector> turns_of(const Beam& beam, std::size_t node) {
 }
 
 void add_beam(const Beam& beam, LinearMembers* out) {
-  OwnBody body{fmt::format("beam '{}'", beam.name()), static_cast<int>(out->nodes.size()), 0, {}};
+  OwnBody body{
+      fmt::format("beam '{}'", beam.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
   const std::size_t count = beam.nodes().size();
   for (std::size_t k = 0; k < count; ++k) {
     double half = 0.0;  // m
@@ -157,21 +178,21 @@ void add_beam(const Beam& beam, LinearMembers* out) {
     body.faces.push_back({from, from + 1, from});
   }
   for (const Beam::Support& s : beam.supports()) add_support(s, body.first, out);
+  body.end_deformation = out->deformations.size();
   out->bodies.push_back(body);
 }
 
 }  // namespace
 
-LinearMembers linear_of(const Members& members, const std::string& file) {
+LinearMembers linear_of(const Members& members, const std::string& file, const Vector& gravity) {
   LinearMembers out;
-  for (const Floor& floor : members.floors()) add_floor(floor, &out);
+  for (const Floor& floor : members.floors()) add_floor(floor, gravity, &out);
   for (const Beam& beam : members.beams()) {
     if (!(beam.section().bending[0] > 0.0 && beam.section().bending[1] > 0.0))
-      throw Error(
-          Exit::bad_input,
-          fmt::format("{}: modes: beam '{}' does not bend both ways (inertia), so nothing holds its line before "
-                      "it sags; give inertia, or a [[tie]] in its place",
-                      file, beam.name()));
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: beam '{}' does not bend both ways (inertia), so nothing holds its line before "
+                              "it sags; give inertia, or a [[tie]] in its place",
+                              file, beam.name()));
     add_beam(beam, &out);
   }
   return out;

@@ -2,6 +2,7 @@
 // linear function of the motion of nodes and blocks.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,7 @@ struct OwnNode {
 struct OwnBody {
   std::string label;  // "floor 'first'"
   int first = 0, end = 0;
+  std::size_t first_deformation = 0, end_deformation = 0;
   std::vector<std::vector<int>> faces;  // as it is drawn; of its nodes, from 0
 };
 
@@ -36,12 +38,25 @@ struct Deformation {
   std::vector<Share> shares;
   double stiffness = 0.0;  // N/m or N m
   double coupling = 0.0;   // with the deformation before it, N/m or N m
+  // Strength: what F is bounded by. What it is of, with its unit as in files, and over what it is told, m.
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  const char* what = "";  // empty: without a bound of its own
+  double over = 1.0;
 };
 
 // A node of a beam that rests on a block: closed, and without slip.
 struct Rest {
   int own = 0, node = 0;
   double stiffness = 0.0;  // N/m, in every direction
+  Vector out;              // of the block, unit
+  double friction = 0.0;
+};
+
+// Weight of a floor that a node on a block carries along the floor's normal.
+struct Carried {
+  int node = 0;
+  double mass = 0.0;  // kg, loads too
+  Vector normal;      // unit
 };
 
 struct LinearMembers {
@@ -49,9 +64,11 @@ struct LinearMembers {
   std::vector<OwnBody> bodies;
   std::vector<Deformation> deformations;
   std::vector<Rest> rests;
+  std::vector<Carried> carried;
 };
 
-// Throws Error(bad_input) with the file for a cable, which has no stiffness on its straight line.
-LinearMembers linear_of(const Members& members, const std::string& file);
+// gravity: m/s2, whose weight presses connectors against their walls: friction. Throws Error(bad_input) with the file
+// for a cable, which holds nothing on its straight line.
+LinearMembers linear_of(const Members& members, const std::string& file, const Vector& gravity = {});
 
 }  // namespace quoin::members

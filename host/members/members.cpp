@@ -16,18 +16,6 @@ namespace {
 // Of the largest extent of a block, by which an end may lie off it: coordinates are typed in round numbers.
 constexpr double kOffBlock = 1e-3;
 
-TieLaw law_of(const TieSpec& spec, double length) {
-  TieLaw law;
-  law.stiffness = spec.young_modulus * spec.area / length;
-  law.yield = spec.yield_force();
-  law.hardening = spec.hardening / (1.0 - spec.hardening) * law.stiffness;
-  law.pretension = spec.pretension;
-  law.rupture = spec.rupture_strain * length;
-  law.slack = spec.slack;
-  law.compression = spec.compression;
-  return law;
-}
-
 std::string column_of_tie(const std::string& name) { return "tie_" + name + "_N"; }
 
 }  // namespace
@@ -55,21 +43,9 @@ Members::Members(const MemberSpecs& specs, const blocks::Assembly& assembly) {
   for (const StripSpec& spec : specs.strips) add_strip(spec, assembly);
   for (const FloorSpec& spec : specs.floors) add_floor(spec, assembly);
   for (const BeamSpec& spec : specs.beams) add_beam(spec, assembly);
+  for (const DowelSpec& spec : specs.dowels) add_dowel(spec, assembly);
+  for (const FillSpec& spec : specs.fills) add_fill(spec, assembly);
   sort_nodes(assembly.blocks.size());
-}
-
-void Members::add_tie(const TieSpec& spec, const blocks::Assembly& assembly) {
-  Tie tie{spec.name, node_at(spec.from, assembly), node_at(spec.to, assembly), 0.0, {}, {}};
-  const Node &from = nodes_[static_cast<std::size_t>(tie.from)], &to = nodes_[static_cast<std::size_t>(tie.to)];
-  if (from.block == to.block)
-    throw Error(Exit::bad_input, fmt::format("{}: both ends of tie '{}' are on block {}; give them blocks of their own",
-                                             spec.source.text, spec.name, label(assembly, from.block)));
-  tie.length = norm(to.start - from.start);
-  if (!(tie.length > 0.0))
-    throw Error(Exit::bad_input, fmt::format("{}: tie '{}' begins and ends at {}; its length must be more than 0",
-                                             spec.source.text, spec.name, geometry::place(from.start)));
-  tie.law = law_of(spec, tie.length);
-  ties_.push_back(tie);
 }
 
 void Members::sort_nodes(std::size_t blocks) {
@@ -133,14 +109,9 @@ void Members::pull(const Surroundings& step) {
   for (Strip& strip : strips_) strip.pull(nodes_, step.dt);
   for (Floor& floor : floors_) floor.pull(nodes_, step);
   for (Beam& beam : beams_) beam.pull(nodes_, step);
-  for (Tie& tie : ties_) {
-    Node &from = nodes_[static_cast<std::size_t>(tie.from)], &to = nodes_[static_cast<std::size_t>(tie.to)];
-    const Vector span = to.x - from.x;
-    const double length = norm(span);
-    tie.state.follow(tie.law, length - tie.length, jack_);
-    const Vector force = (tie.state.force / length) * span;
-    from.force += force, to.force -= force;
-  }
+  pull_ties();
+  pull_dowels();
+  pull_fills();
 }
 
 Work Members::work() const {
@@ -150,6 +121,11 @@ Work Members::work() const {
     sum.outside += tie.state.jack_work;
   }
   for (const SpringPoint& p : points_) sum.stored += p.state.stored, sum.dissipated += p.state.dissipated;
+  for (const Dowel& d : dowels_) sum.stored += d.state.stored, sum.dissipated += d.state.dissipated;
+  for (const FillPoint& p : fill_points_) {
+    sum.stored += p.state.stored, sum.dissipated += p.state.dissipated;
+    sum.outside += p.state.outside;
+  }
   for (const Strip& strip : strips_) sum.stored += strip.stored(), sum.dissipated += strip.dissipated();
   for (const Floor& floor : floors_)
     sum.stored += floor.stored(), sum.dissipated += floor.dissipated(), sum.outside += floor.outside();
@@ -171,6 +147,11 @@ std::vector<double> Members::columns() const {
     values.insert(values.end(), {floor.largest_shear(), floor.largest_anchor(), floor.pulled_out_length()});
   for (const Beam& beam : beams_)
     values.insert(values.end(), {beam.largest_force(), beam.largest_moment(), beam.largest_hinge()});
+  for (const Dowel& dowel : dowels_) values.insert(values.end(), {dowel.state.force, norm(dowel.state.shear)});
+  for (const Fill& fill : fills_) {
+    const Vector force = force_of(fill);
+    values.insert(values.end(), {force.x, force.y, force.z});
+  }
   return values;
 }
 
@@ -185,9 +166,17 @@ std::vector<Line> Members::lines() const {
   std::vector<Line> lines;
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
-    lines.push_back({kTie, static_cast<int>(i), nodes_[static_cast<std::size_t>(tie.from)].x,
-                     nodes_[static_cast<std::size_t>(tie.to)].x, tie.state.force, tie.state.plastic, 0.0,
-                     tie.state.broken});
+    for (std::size_t k = 0; k + 1 < tie.stops.size(); ++k)
+      lines.push_back({kTie, static_cast<int>(i), place_of(tie.stops[k]), place_of(tie.stops[k + 1]), tie.state.force,
+                       tie.state.plastic, 0.0, tie.state.broken});
+  }
+  for (std::size_t i = 0; i < dowels_.size(); ++i) {
+    const Dowel& dowel = dowels_[i];
+    const Node &first = nodes_[static_cast<std::size_t>(dowel.first)],
+               &second = nodes_[static_cast<std::size_t>(dowel.second)];
+    const Vector half = (0.5 * dowel.drawn_length) * dowel.along;
+    lines.push_back({kDowel, static_cast<int>(i), first.x - first.turn * half, second.x + first.turn * half,
+                     dowel.state.force, dowel.state.drawn, 0.0, false});
   }
   for (std::size_t i = 0; i < strips_.size(); ++i) {
     const Strip& strip = strips_[i];
@@ -223,6 +212,11 @@ std::vector<std::string> column_names(const MemberSpecs& specs) {
   for (const BeamSpec& beam : specs.beams)
     names.insert(names.end(), {fmt::format("beam_{}_N", beam.name), fmt::format("beam_{}_Nm", beam.name),
                                fmt::format("beam_{}_hinge_rad", beam.name)});
+  for (const DowelSpec& dowel : specs.dowels)
+    names.insert(names.end(), {fmt::format("dowel_{}_N", dowel.name), fmt::format("dowel_{}_shear_N", dowel.name)});
+  for (const FillSpec& fill : specs.fills) {
+    for (const char* axis : {"x", "y", "z"}) names.push_back(fmt::format("fill_{}_{}_N", fill.name, axis));
+  }
   return names;
 }
 

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "members/beam.h"
+#include "members/dowel.h"
+#include "members/fill.h"
 #include "members/floor.h"
 #include "members/node.h"
 #include "members/spring.h"
@@ -20,11 +23,35 @@
 namespace quoin::members {
 
 struct Tie {
+  // Nodes, and the share of its force that each takes.
+  using Stop = std::vector<std::pair<int, double>>;
   std::string name;
-  int from = 0, to = 0;  // nodes
-  double length = 0.0;   // at the start, m
+  std::vector<Stop> stops;  // the first and the last hold its ends; it slides through the others
+  double length = 0.0;      // at the start, m
   TieLaw law;
   TieState state;
+};
+
+struct Dowel {
+  std::string name;
+  int first = 0, second = 0;  // nodes, at the same point of the start
+  Vector along;               // unit, from the first to the second
+  double drawn_length = 0.0;  // m, in pictures
+  DowelLaw law;
+  DowelState state;
+};
+
+// One point of a face below or beside soil.
+struct FillPoint {
+  int node = 0;
+  FillLaw law;
+  FillState state;
+};
+// A [[fill]]: a run of them.
+struct Fill {
+  std::string name;
+  std::size_t first = 0, end = 0;
+  double area = 0.0;  // m2
 };
 
 // One point of a face on springs.
@@ -45,10 +72,18 @@ struct Bed {
 double outside_by(const blocks::Assembly& assembly, int block, const Vector& point);
 double allowed_off(const blocks::Assembly& assembly, int block);
 
+// Of a face in triangles: the middles of the edges of divisions^2 congruent ones, each with its share of the area, m2.
+// Exact for quadratics. visit(point, area).
+void each_point(const std::array<Vector, 3>& triangle, int divisions,
+                const std::function<void(const Vector&, double)>& visit);
+// A face of a block, in triangles of its corners: visit(triangle).
+void each_triangle(const blocks::Assembly& assembly, int block, std::size_t face,
+                   const std::function<void(const std::array<Vector, 3>&)>& visit);
+
 inline constexpr int kGround = -1;  // in place of a node
 
 // Kinds of members in pictures.
-inline constexpr int kTie = 0, kStrip = 1, kFloor = 2, kBeam = 3;
+inline constexpr int kTie = 0, kStrip = 1, kFloor = 2, kBeam = 3, kDowel = 4;
 
 // A stretch of a member, as pictures show it.
 struct Line {
@@ -80,7 +115,30 @@ class Members {
   const std::vector<Floor>& floors() const { return floors_; }
   const std::vector<Beam>& beams() const { return beams_; }
   const std::vector<SpringPoint>& spring_points() const { return points_; }
-  Vector force_of(const Bed& bed) const;  // on its blocks, N
+  const std::vector<Dowel>& dowels() const { return dowels_; }
+  const std::vector<Fill>& fills() const { return fills_; }
+  const std::vector<FillPoint>& fill_points() const { return fill_points_; }
+  Vector force_of(const Bed& bed) const;         // on its blocks, N
+  Vector force_of(const Fill& fill) const;       // the same
+  Vector start_of(const Tie::Stop& stop) const;  // m
+  Vector place_of(const Tie::Stop& stop) const;  // now, m
+  // Blocks that members join: visit(a, b).
+  template <class Visit>
+  void each_joint(const Visit& visit) const {
+    const auto block = [&](int node) { return nodes_[static_cast<std::size_t>(node)].block; };
+    for (const Tie& tie : ties_) {
+      for (const Tie::Stop& stop : tie.stops) {
+        for (const auto& [node, share] : stop) visit(block(tie.stops.front().front().first), block(node));
+      }
+    }
+    for (const Dowel& dowel : dowels_) visit(block(dowel.first), block(dowel.second));
+    const auto visit_all = [&](const auto& held) {
+      for (const auto& one : held) visit(block(held.front().node), block(one.node));
+    };
+    for (const Strip& strip : strips_) visit_all(strip.places());
+    for (const Floor& floor : floors_) visit_all(floor.connectors());
+    for (const Beam& beam : beams_) visit_all(beam.supports());
+  }
 
   // Share of the pretension that jacks have given, from the next step on.
   void jack(double share) { jack_ = share; }
@@ -96,7 +154,9 @@ class Members {
   // ground, stiffness).
   template <class Visit>
   void each_spring(const Visit& visit) const {
-    for (const Tie& tie : ties_) visit(tie.from, tie.to, tie.law.stiffness);
+    for (const Tie& tie : ties_) each_spring_of(tie, visit);
+    for (const Dowel& dowel : dowels_) visit(dowel.first, dowel.second, std::max(dowel.law.axial, dowel.law.shear));
+    for (const FillPoint& p : fill_points_) visit(p.node, kGround, p.law.level * p.law.stiffness);
     // K is at most the sum of sizes in its rows. Nodes of strips have inertia for theirs; blocks need twice the bond.
     for (const Strip& strip : strips_) {
       for (std::size_t i = 0; i < strip.places().size(); ++i)
@@ -121,6 +181,9 @@ class Members {
   template <class Visit>
   void each_number(const Visit& visit) const {
     for (const Tie& tie : ties_) visit(tie.state.force), visit(tie.state.plastic);
+    for (const Dowel& dowel : dowels_)
+      visit(dowel.state.force), visit(dowel.state.drawn), visit(norm(dowel.state.slid));
+    for (const FillPoint& p : fill_points_) visit(p.state.pressure), visit(p.state.slid);
     for (const SpringPoint& p : points_) visit(p.state.slid.x), visit(p.state.slid.y), visit(p.state.slid.z);
     for (const Strip& strip : strips_) strip.each_number(visit);
     for (const Floor& floor : floors_) floor.each_number(visit);
@@ -131,6 +194,8 @@ class Members {
   static void transfer(Archive& archive, Self& m) {
     archive.value(m.jack_);
     for (auto& tie : m.ties_) archive.value(tie.state);
+    for (auto& dowel : m.dowels_) archive.value(dowel.state);
+    for (auto& point : m.fill_points_) archive.value(point.state);
     archive.value(m.ground_), archive.value(m.ground_work_);
     for (auto& point : m.points_) archive.value(point.state);
     for (auto& strip : m.strips_) Strip::transfer(archive, strip);
@@ -150,9 +215,27 @@ class Members {
   void connect(Floor& floor, const blocks::Assembly& assembly);
   void carry_weight(const FloorSpec& spec, Floor& floor) const;
   int block_at(const Vector& point, const blocks::Assembly& assembly, double* off) const;
-  void add_points(const SpringSpec& spec, const std::array<Vector, 3>& triangle, int block, const Vector& out);
+  Tie::Stop stop_at(const MemberEnd& end, const Vector& along, const TieSpec& spec, const blocks::Assembly& assembly);
+  void add_dowel(const DowelSpec& spec, const blocks::Assembly& assembly);
+  void add_fill(const FillSpec& spec, const blocks::Assembly& assembly);
+  void add_fill_point(const FillSpec& spec, const Vector& at, double area, const Vector& out, int block);
+  // A tie's own stiffness is k g g', g its direction at each node: k |g_i| sum |g_j| to the ground at each bounds it.
+  template <class Visit>
+  static void each_spring_of(const Tie& tie, const Visit& visit) {
+    const std::size_t last = tie.stops.size() - 1;
+    if (last == 1 && tie.stops[0].size() == 1 && tie.stops[1].size() == 1)
+      return visit(tie.stops[0][0].first, tie.stops[1][0].first, tie.law.stiffness);
+    const auto sum = static_cast<double>(2 * last);
+    for (std::size_t i = 0; i <= last; ++i) {
+      for (const auto& [node, share] : tie.stops[i])
+        visit(node, kGround, tie.law.stiffness * sum * share * (i == 0 || i == last ? 1.0 : 2.0));
+    }
+  }
   void sort_nodes(std::size_t blocks);
   void pull_beds(const Vector& ground_way, double dt);
+  void pull_ties();
+  void pull_dowels();
+  void pull_fills();
 
   std::vector<Node> nodes_;
   std::vector<int> by_block_;              // nodes, block after block
@@ -160,6 +243,9 @@ class Members {
   std::vector<Tie> ties_;
   std::vector<Bed> beds_;
   std::vector<SpringPoint> points_;
+  std::vector<Dowel> dowels_;
+  std::vector<Fill> fills_;
+  std::vector<FillPoint> fill_points_;
   std::vector<Strip> strips_;
   std::vector<Floor> floors_;
   std::vector<Beam> beams_;

@@ -13,7 +13,8 @@ namespace {
 
 // Inertia of nodes over the least that a step is stable with; what they weigh is far below either.
 constexpr double kInertia = 2.0;
-// Nodes follow their faces without ringing: eq. 1's share of the force.
+// Nodes follow their faces without ringing: eq. 1's share of the force, against their motion on the face. Against that
+// in space it would brake faces that move.
 constexpr double kDamping = 0.8;
 
 }  // namespace
@@ -23,6 +24,7 @@ Strip::Strip(std::string name, std::vector<Place> places, const Fibres& fibres, 
     : name_(std::move(name)), places_(std::move(places)), fibres_(fibres), bond_(std::move(bond)) {
   const std::size_t n = places_.size();
   for (const Place& p : places_) x_.push_back(p.at);
+  face_ = x_;
   for (std::size_t i = 0; i + 1 < n; ++i) length_.push_back(norm(x_[i + 1] - x_[i]));
   v_.resize(n), mass_.resize(n), force_.resize(length_.size()), broken_.resize(length_.size()), flags_.resize(n);
   for (auto& column : jump_) column.resize(n);
@@ -108,12 +110,14 @@ void Strip::pull_bars(std::vector<Vector>& force) {
   }
 }
 
-void Strip::advance(const std::vector<Vector>& force, double dt) {
+void Strip::advance(const std::vector<Vector>& force, const std::vector<Node>& nodes, double dt) {
   for (std::size_t i = 0; i < x_.size(); ++i) {
     Vector& v = v_[i];
-    const Vector before = v;
+    const Vector before = v, now = nodes[static_cast<std::size_t>(places_[i].node)].x;
+    const Vector on_face = v - (1.0 / dt) * (now - face_[i]);
+    face_[i] = now;
     for (int c = 0; c < 3; ++c) {
-      const double braking = v[c] == 0.0 ? 0.0 : std::copysign(kDamping * std::abs(force[i][c]), v[c]);
+      const double braking = on_face[c] == 0.0 ? 0.0 : std::copysign(kDamping * std::abs(force[i][c]), on_face[c]);
       v[c] += dt / mass_[i] * (force[i][c] - braking);
       dissipated_ += braking * 0.5 * (before[c] + v[c]) * dt;
     }
@@ -140,7 +144,7 @@ void Strip::pull(std::vector<Node>& nodes, double dt) {
     for (int k = 0; k < QUOIN_DISSIPATED_COUNT; ++k) dissipated_ += p.area * energy_[1 + k][i];
   }
   pull_bars(force);
-  advance(force, dt);
+  advance(force, nodes, dt);
 }
 
 double Strip::largest_force() const { return force_.empty() ? 0.0 : *std::max_element(force_.begin(), force_.end()); }

@@ -51,7 +51,8 @@ class Strip {
   }
   template <class Archive, class Self>
   static void transfer(Archive& archive, Self& s) {
-    archive.array(s.x_), archive.array(s.v_), archive.array(s.mass_), archive.array(s.force_), archive.array(s.broken_);
+    archive.array(s.x_), archive.array(s.v_), archive.array(s.face_), archive.array(s.mass_), archive.array(s.force_),
+        archive.array(s.broken_);
     for (auto& column : s.jump_) archive.array(column);
     for (auto& column : s.traction_) archive.array(column);
     for (auto& column : s.state_) archive.array(column);
@@ -65,7 +66,7 @@ class Strip {
   void find_jumps(const std::vector<Node>& nodes);
   void ask_law();
   void pull_bars(std::vector<Vector>& force);
-  void advance(const std::vector<Vector>& force, double dt);
+  void advance(const std::vector<Vector>& force, const std::vector<Node>& nodes, double dt);
 
   std::string name_;
   std::vector<Place> places_;
@@ -74,6 +75,7 @@ class Strip {
   std::shared_ptr<const Material> bond_;
 
   std::vector<Vector> x_, v_;    // m, m/s half a step ago
+  std::vector<Vector> face_;     // where the points of the faces were a step ago, m
   std::vector<double> mass_;     // kg
   std::vector<double> force_;    // of bars, N
   std::vector<uint8_t> broken_;  // bars

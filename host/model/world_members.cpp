@@ -66,7 +66,7 @@ void World::add_member_springs(const Unit* alone, const Columns& velocity, const
   members_->each_spring([&](int a, int b, double stiffness) {
     const members::Node& from = nodes[size_t(a)];
     if (b == members::kGround) {
-      if (!alone || alone->has(from.block)) push(from, -stiffness * velocity_of(from));
+      if (!alone || alone->has(from.block)) push(from, stiffness * velocity_of(from));
       return;
     }
     const members::Node& to = nodes[size_t(b)];

@@ -130,10 +130,10 @@ py::dict properties_of(const py::dict& tests) {
 #ifdef QUOIN_LIMIT
 // Text of limit.json; velocity and spin of each block; by point its blocks, place, and force along n, s, t.
 py::tuple limit(const std::variant<py::dict, std::string>& source, const std::string& path, const Hashes& files,
-                const std::vector<double>& direction, double given, int facets, bool associated) {
+                const std::vector<double>& direction, double given, int facets, bool associated, bool moving) {
   const quoin::Scene scene = scene_of(source, path, files);
   quoin::LimitOptions options{direction, given, {}, associated};
-  options.settings.facets = facets;
+  options.settings.facets = facets, options.moving = moving;
   quoin::SceneLimit found;
   std::string text;
   {
@@ -148,8 +148,10 @@ py::tuple limit(const std::variant<py::dict, std::string>& source, const std::st
   if (found.limit) {
     for (const auto& [v, w] : found.limit->velocity) velocity.push_back({v.x, v.y, v.z, w.x, w.y, w.z});
     force = found.limit->force;
+    velocity.resize(found.block_count), force.resize(found.point_count);  // nodes of floors and beams follow
   }
-  for (const quoin::LimitPoint& p : found.problem.points) {
+  for (std::size_t i = 0; i < found.point_count; ++i) {
+    const quoin::LimitPoint& p = found.problem.points[i];
     blocks.push_back({p.a, p.b});
     place.push_back(quoin::geometry::array(p.position));
   }

@@ -296,6 +296,9 @@ std::string text_of(const Scene& scene, std::size_t index) {
   if (s.whiffletree) add(fmt::format("whiffletree {} N/m, {} m/s", s.whiffletree->stiffness, s.whiffletree->velocity));
   for (const PointForce& f : s.forces)
     add(fmt::format("{} N at {} of {}", fmt::join(f.force, " "), fmt::join(f.point, " "), f.block));
+  if (s.moving_load)
+    add(fmt::format("{} N moving from {} to {} by {} positions", fmt::join(s.moving_load->force, " "),
+                    fmt::join(s.moving_load->from, " "), fmt::join(s.moving_load->to, " "), s.moving_load->positions));
   for (const FacePressure& p : s.pressures)
     add(fmt::format("{} Pa on {} of {}", p.pressure, fmt::join(p.normal, " "), p.block));
   const std::function<void(const GroundMotion&)> add_ground = [&](const GroundMotion& ground) {

@@ -514,6 +514,8 @@ struct Frame {
   std::map<BlockPair, JointSum> sums;
   JointValues joints;
   std::vector<std::uint8_t> crack, point_crack;
+  // Members where they stand: corners of bars and of panels of floors, m; N and N/m of each.
+  std::vector<float> member_line, member_panel, member_force, member_shear;
 };
 
 // The surface of the first frame, and where its joints come to it.
@@ -554,6 +556,22 @@ void add_points(const Joints& joints, const Start& start, const std::vector<floa
   }
 }
 
+void read_members(const fs::path& path, Frame* frame) {
+  if (!fs::exists(path)) return;
+  const VtuFile file(path);
+  const VtuGrid& grid = file.grid();
+  const auto force = file.read<float>("force_N", VtkRows::cell),
+             shear = file.read<float>("shear_N_per_m", VtkRows::cell);
+  for (std::size_t c = 0; c < grid.cells(); ++c) {
+    const bool panel = grid.type[c] == kQuad;
+    for (std::size_t i = grid.first_corner(c); i < grid.end[c]; ++i) {
+      for (const float x : at(grid.position, grid.corner[i]))
+        (panel ? frame->member_panel : frame->member_line).push_back(x);
+    }
+    (panel ? frame->member_shear : frame->member_force).push_back(panel ? shear[c] : force[c]);
+  }
+}
+
 Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
   const fs::path path = frame_path(folder, "blocks", number);
   const VtuFile blocks(path), joints_file(frame_path(folder, "joints", number));
@@ -562,6 +580,7 @@ Frame read_frame(const fs::path& folder, std::size_t number, Start* start) {
     throw Error(Exit::bad_input, fmt::format("{}: has {} points, the first frame {}; run the scene again",
                                              path.string(), blocks.grid().points(), start->places.size() / 3));
   Frame frame;
+  read_members(frame_path(folder, "members", number), &frame);
   frame.sums = joint_sums(joints_file);
   const auto vertex = blocks.grid().position == start->places ? start->surface.vertex
                                                               : points_of(blocks, start->surface, start->position);
@@ -699,6 +718,10 @@ std::string pack_frames(const Start& start, const std::vector<Frame>& frames, Js
     blob.add(name("opening"), opening.words(frame.joints.opening));
     blob.add(name("slip"), slip.words(frame.joints.slip));
     if (frame.rim.size() == start.rim_position.size()) blob.add(name("rim_moved"), rim_moved.words(frame.rim));
+    blob.add(name("member_line"), frame.member_line);
+    blob.add(name("member_panel"), frame.member_panel);
+    blob.add(name("member_force"), frame.member_force);
+    blob.add(name("member_shear"), frame.member_shear);
     blob.add(name("crack"), frame.crack);
     blob.add(name("points"), frame.points);
     blob.add(name("points_moved"), frame.points_moved);

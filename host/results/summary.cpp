@@ -127,6 +127,11 @@ Json settings_of(const Scene& scene, const RunInfo& info) {
     j["controls"] = controls;
     for (const PointForce& f : stage.forces)
       j["forces"].push_back({{"block", f.block}, {"point_m", f.point}, {"force_N", f.force}});
+    if (stage.moving_load)
+      j["moving_load"] = {{"from_m", stage.moving_load->from},
+                          {"to_m", stage.moving_load->to},
+                          {"force_N", stage.moving_load->force},
+                          {"positions", stage.moving_load->positions}};
     j["curve"] = {{"kind", curve_kind(stage)},
                   {"along", std::string(1, "xyz"[axis_of(stage)])},
                   {"of", moved_part(scene, stage)}};
@@ -194,6 +199,34 @@ double largest_displacement(const std::vector<HistoryRow>& rows) {
   return rows.empty() ? 0.0 : rows.back().largest_displacement;
 }
 
+Json of_dowels(const members::Members& members) {
+  Json dowels = Json::array();
+  for (const members::Dowel& dowel : members.dowels()) {
+    dowels.push_back({{"name", dowel.name},
+                      {"force_N", dowel.state.force},
+                      {"shear_N", norm(dowel.state.shear)},
+                      {"plastic_elongation_m", dowel.state.drawn},
+                      {"plastic_slip_m", norm(dowel.state.slid)}});
+  }
+  return dowels;
+}
+
+Json of_fills(const members::Members& members) {
+  Json fills = Json::array();
+  for (const members::Fill& fill : members.fills())
+    fills.push_back(
+        {{"name", fill.name}, {"area_m2", fill.area}, {"force_N", geometry::array(members.force_of(fill))}});
+  return fills;
+}
+
+Json of_strips(const members::Members& members) {
+  Json strips = Json::array();
+  for (const members::Strip& strip : members.strips())
+    strips.push_back(
+        {{"name", strip.name()}, {"force_N", strip.largest_force()}, {"debonded_m", strip.debonded_length()}});
+  return strips;
+}
+
 // What only blocks of any shape have.
 Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows) {
   const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
@@ -207,7 +240,8 @@ Json of_blocks(const Simulation& simulation, const std::vector<HistoryRow>& rows
   json["contact_detections"] = m.detections();
   if (m.members())
     json["ties"] = of_ties(*m.members(), rows), json["floors"] = of_floors(*m.members()),
-    json["beams"] = of_beams(*m.members());
+    json["beams"] = of_beams(*m.members()), json["strips"] = of_strips(*m.members()),
+    json["dowels"] = of_dowels(*m.members()), json["fills"] = of_fills(*m.members());
   return json;
 }
 

@@ -12,8 +12,9 @@ namespace quoin {
 
 // Where a member is fixed.
 struct MemberEnd {
-  std::string block;  // empty: the one that has the point
-  Vec3 point{};       // at the start, m
+  std::string block;              // empty: the one that has the point
+  Vec3 point{};                   // at the start, m
+  std::array<double, 2> plate{};  // m, sides of an anchor plate across the tie, level and upright; 0: none
   Source source;
 };
 
@@ -21,11 +22,12 @@ struct MemberEnd {
 struct TieSpec {
   std::string name;
   MemberEnd from, to;
-  double area = 0.0;           // m2
-  double young_modulus = 0.0;  // Pa
-  double yield_stress = 0.0;   // Pa
-  double pretension = 0.0;     // N: grows over the ramp of the first stage
-  double hardening = 0.0;      // tangent modulus beyond yield over the elastic one
+  std::vector<MemberEnd> through;  // points that it slides through without friction, in order
+  double area = 0.0;               // m2
+  double young_modulus = 0.0;      // Pa
+  double yield_stress = 0.0;       // Pa
+  double pretension = 0.0;         // N: grows over the ramp of the first stage
+  double hardening = 0.0;          // tangent modulus beyond yield over the elastic one
   double rupture_strain = std::numeric_limits<double>::infinity();
   double slack = 0.0;        // m, that its ends move apart before it bears
   bool compression = false;  // else it slackens
@@ -111,12 +113,38 @@ struct BeamSpec {
   Source source;
 };
 
+// A bar across a joint: what it resists where both blocks part or slide.
+struct DowelSpec {
+  std::string name;
+  Vec3 point{};                                         // on the joint, m
+  Vec3 direction{0, 1, 0};                              // of the bar
+  double axial_stiffness = 0.0, shear_stiffness = 0.0;  // N/m
+  double yield_force = 0.0, yield_shear = 0.0;          // N
+  Source source;
+};
+
+// Soil on faces: its weight, and horizontal pressure between active and passive.
+struct FillSpec {
+  std::string name, block;
+  Vec3 towards{0, 1, 0};  // faces whose outward normal has a part along it
+  Vec3 surface{};         // m, a point of its top
+  Vec3 up{0, 1, 0};
+  double unit_weight = 0.0, surcharge = 0.0;          // N/m3, Pa
+  double friction_angle = 0.0;                        // deg
+  double at_rest = 0.0, active = 0.0, passive = 0.0;  // horizontal over vertical stress
+  double stiffness = 0.0;                             // Pa/m, of horizontal pressure over way
+  int divisions = 4;                                  // as of springs
+  Source source;
+};
+
 struct MemberSpecs {
   std::vector<TieSpec> ties;
   std::vector<SpringSpec> springs;
   std::vector<StripSpec> strips;
   std::vector<FloorSpec> floors;
   std::vector<BeamSpec> beams;
+  std::vector<DowelSpec> dowels;
+  std::vector<FillSpec> fills;
 };
 
 }  // namespace quoin

@@ -41,6 +41,19 @@ FacePressure read_pressure(Table p, const std::vector<std::string>& names) {
   return c;
 }
 
+MovingLoad read_moving_load(Table m) {
+  MovingLoad load;
+  m.numbers("from", load.from, between(-kFarthest, kFarthest), "m, where it begins", true);
+  m.numbers("to", load.to, between(-kFarthest, kFarthest), "m, where it ends", true);
+  if (m.numbers("force", load.force, kAny, "N", true) && load.force == Vec3{})
+    m.refuse("force", "a force that is not 0");
+  if (m.integer("positions", load.positions, 1, 2000) && load.positions < 2 && load.from != load.to)
+    m.refuse("positions", "2 or more along a line, to the end of which the load goes");
+  if (load.from == load.to) load.positions = 1;
+  m.finish();
+  return load;
+}
+
 Collapse read_collapse(Table c) {
   Collapse collapse;
   read_direction(c, "direction", collapse.direction, "of the body force", false);
@@ -77,13 +90,21 @@ Collapse read_collapse(Table c) {
 
 bool has_actions(const Table& t) {
   const toml::node* pressure = t.toml().get("pressure");
-  return t.has("ground_motion") || t.has("collapse") || t.has("force") || (pressure && pressure->is_array());
+  return t.has("ground_motion") || t.has("collapse") || t.has("force") || t.has("moving_load") ||
+         (pressure && pressure->is_array());
 }
 
 void read_actions(Table& t, Stage& stage, const std::string& folder, const std::vector<std::string>& names) {
   int index = 0;
   for (const toml::table* table : t.tables("force", "tables [[stage.force]]"))
     stage.forces.push_back(read_force({t.context(), *table, fmt::format("{}.{}", t.path("force"), ++index)}, names));
+  if (const auto* table = t.table("moving_load", "a table { from, to, force, positions }")) {
+    stage.moving_load = read_moving_load({t.context(), *table, t.path("moving_load")});
+    if (!stage.duration && !t.has("duration"))
+      t.refuse("moving_load", "with duration (s) of the stage, in which the load goes along its line after ramp_time");
+    else if (stage.duration && *stage.duration <= stage.ramp_time)
+      t.refuse("duration", fmt::format("more than ramp_time ({:g} s), after which moving_load moves", stage.ramp_time));
+  }
   index = 0;
   for (const toml::table* table : t.tables("pressure", "tables [[stage.pressure]]"))
     stage.pressures.push_back(

@@ -249,9 +249,9 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
   if (s.kind == "cycles") {
     read_cycles(t, s, "cycle_velocity");
     read_cycled_body(t, "block", nullptr, s);
-    if (s.ground || s.collapse)
+    if (s.ground || s.collapse || s.moving_load)
       t.refuse("kind",
-               "cycles without ground_motion and collapse, which drive the same blocks; give them a stage of "
+               "cycles without ground_motion, collapse and moving_load; give them a stage of "
                "their own");
   } else {
     read_monitor(t, s);
@@ -260,10 +260,11 @@ Stage read_block_stage(Table t, const Scene& scene, const Stage* previous, const
     read_rest(t, s);
     const bool moves = std::any_of(s.controls.begin(), s.controls.end(),
                                    [](const BodyControl& c) { return c.velocity != Vec3{} || c.omega != Vec3{}; });
-    if (s.ground || s.collapse || s.displacement || moves)
-      t.refuse("kind",
-               "rest with weight and constant loads alone: without ground_motion, collapse, displacement and "
-               "velocities, which a stage after it takes");
+    if (s.ground || s.collapse || s.moving_load || s.displacement || moves)
+      t.refuse(
+          "kind",
+          "rest with weight and constant loads alone: without ground_motion, collapse, moving_load, displacement and "
+          "velocities, which a stage after it takes");
   }
   if (!s.duration && !s.equilibrium_ratio && !s.collapse && !s.displacement && !t.has("duration") &&
       !t.has("equilibrium_ratio") && !t.has("displacement")) {

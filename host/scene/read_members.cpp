@@ -1,5 +1,7 @@
 #include "scene/read_members.h"
 
+#include <cmath>
+#include <numbers>
 #include <set>
 
 #include "geometry/vector.h"
@@ -21,6 +23,7 @@ MemberEnd read_end(Table& t, const std::string& key) {
   Table e(t.context(), *given, t.path(key));
   e.text("block", end.block, "the name of a block; without it the block that has the point");
   e.numbers("point", end.point, between(-kFarthest, kFarthest), "m, at the start", true);
+  e.numbers("plate", end.plate, kPositive, "m, both sides of the anchor plate");
   e.finish();
   return end;
 }
@@ -42,11 +45,27 @@ void read_name(Table& t, const std::string& fallback, std::set<std::string>& tak
                     t.where(), name));
 }
 
+std::vector<MemberEnd> read_through(Table& t) {
+  std::vector<MemberEnd> ends;
+  int index = 0;
+  for (const toml::table* table : t.tables("through", "tables { block = NAME, point = [x, y, z] }")) {
+    Table e(t.context(), *table, t.path(fmt::format("through.{}", ++index)));
+    MemberEnd end;
+    end.source = {e.where()};
+    e.text("block", end.block, "the name of a block; without it the block that has the point");
+    e.numbers("point", end.point, between(-kFarthest, kFarthest), "m, at the start", true);
+    e.finish();
+    ends.push_back(end);
+  }
+  return ends;
+}
+
 TieSpec read_tie(Table t, int number, std::set<std::string>& taken) {
   TieSpec tie;
   tie.source = {t.where()};
   read_name(t, std::to_string(number), taken, tie.name);
   tie.from = read_end(t, "from"), tie.to = read_end(t, "to");
+  tie.through = read_through(t);
   t.number("area", tie.area, kPositive, "m2", true);
   t.number("young_modulus", tie.young_modulus, kPositive, "Pa", true);
   const bool yields = t.number("yield_stress", tie.yield_stress, kPositive, "Pa", true);
@@ -221,46 +240,97 @@ BeamSpec read_beam(Table t, int number, std::set<std::string>& taken) {
   return beam;
 }
 
+DowelSpec read_dowel(Table t, int number, std::set<std::string>& taken) {
+  DowelSpec dowel;
+  dowel.source = {t.where()};
+  read_name(t, std::to_string(number), taken, dowel.name);
+  t.numbers("point", dowel.point, between(-kFarthest, kFarthest), "m, on the joint", true);
+  read_direction(t, "direction", dowel.direction, "of the bar, through the joint", true);
+  t.number("axial_stiffness", dowel.axial_stiffness, kPositive, "N/m", true);
+  t.number("shear_stiffness", dowel.shear_stiffness, kPositive, "N/m", true);
+  t.number("yield_force", dowel.yield_force, kPositive, "N, along the bar", true);
+  t.number("yield_shear", dowel.yield_shear, kPositive, "N, across it", true);
+  t.finish();
+  return dowel;
+}
+
+// Coefficients after Rankine and Jaky, unless they are given.
+void read_pressure(Table& t, FillSpec& fill) {
+  if (!t.number("friction_angle", fill.friction_angle, between(0.0, 89.0), "deg", true)) return;
+  const double sine = std::sin(fill.friction_angle * std::numbers::pi / 180.0);
+  fill.active = (1.0 - sine) / (1.0 + sine), fill.passive = (1.0 + sine) / (1.0 - sine), fill.at_rest = 1.0 - sine;
+  t.number("active", fill.active, kNotNegative, "(horizontal over vertical stress)");
+  t.number("at_rest", fill.at_rest, kNotNegative, "(horizontal over vertical stress)");
+  t.number("passive", fill.passive, kNotNegative, "(horizontal over vertical stress)");
+  if (fill.active > fill.at_rest || fill.at_rest > fill.passive)
+    t.refuse(t.has("at_rest")  ? "at_rest"
+             : t.has("active") ? "active"
+                               : "passive",
+             fmt::format("active ({:.4g}) at most at_rest ({:.4g}), and that at most passive ({:.4g})", fill.active,
+                         fill.at_rest, fill.passive));
+}
+
+FillSpec read_fill(Table t, int number, std::set<std::string>& taken) {
+  FillSpec fill;
+  fill.source = {t.where()};
+  read_name(t, std::to_string(number), taken, fill.name);
+  t.text("block", fill.block, "the name of a block, or of a group of them", true);
+  read_direction(t, "towards", fill.towards, "outward, of the faces that are meant", false);
+  t.numbers("surface", fill.surface, between(-kFarthest, kFarthest), "m, a point of its top", true);
+  read_direction(t, "up", fill.up, "against gravity", false);
+  t.number("unit_weight", fill.unit_weight, kPositive, "N/m3", true);
+  t.number("surcharge", fill.surcharge, kNotNegative, "Pa");
+  read_pressure(t, fill);
+  t.number("stiffness", fill.stiffness, kPositive, "Pa/m", true);
+  t.integer("divisions", fill.divisions, 1, 50);
+  t.finish();
+  return fill;
+}
+
+// The kind of the first member that there is.
+const char* first_kind(const MemberSpecs& specs) {
+  return !specs.ties.empty()      ? "tie"
+         : !specs.springs.empty() ? "spring"
+         : !specs.strips.empty()  ? "strip"
+         : !specs.floors.empty()  ? "floor"
+         : !specs.beams.empty()   ? "beam"
+         : !specs.dowels.empty()  ? "dowel"
+         : !specs.fills.empty()   ? "fill"
+                                  : nullptr;
+}
+
 }  // namespace
 
 std::shared_ptr<const MemberSpecs> read_members(Table& t, const Scene& scene) {
   auto specs = std::make_shared<MemberSpecs>();
   std::set<std::string> taken;
-  int index = 0;
-  for (const toml::table* table : t.tables("tie", "tables [[tie]]")) {
-    ++index;
-    specs->ties.push_back(read_tie({t.context(), *table, fmt::format("tie.{}", index)}, index, taken));
-  }
-  index = 0, taken.clear();
-  for (const toml::table* table : t.tables("spring", "tables [[spring]]")) {
-    ++index;
-    specs->springs.push_back(read_spring({t.context(), *table, fmt::format("spring.{}", index)}, index, taken));
-  }
-  index = 0, taken.clear();
-  for (const toml::table* table : t.tables("strip", "tables [[strip]]")) {
-    ++index;
-    specs->strips.push_back(read_strip({t.context(), *table, fmt::format("strip.{}", index)}, index, scene, taken));
-  }
-  index = 0, taken.clear();
-  for (const toml::table* table : t.tables("floor", "tables [[floor]]")) {
-    ++index;
-    specs->floors.push_back(read_floor({t.context(), *table, fmt::format("floor.{}", index)}, index, taken));
-  }
-  index = 0, taken.clear();
-  for (const toml::table* table : t.tables("beam", "tables [[beam]]")) {
-    ++index;
-    specs->beams.push_back(read_beam({t.context(), *table, fmt::format("beam.{}", index)}, index, taken));
-  }
-  if (specs->ties.empty() && specs->springs.empty() && specs->strips.empty() && specs->floors.empty() &&
-      specs->beams.empty())
-    return nullptr;
+  // read(table, number): adds it. Names are of a kind.
+  const auto each = [&](const std::vector<const toml::table*>& tables, const char* kind, const auto& read) {
+    int index = 0;
+    taken.clear();
+    for (const toml::table* table : tables) {
+      ++index;
+      read(Table(t.context(), *table, fmt::format("{}.{}", kind, index)), index);
+    }
+  };
+  each(t.tables("tie", "tables [[tie]]"), "tie",
+       [&](Table m, int i) { specs->ties.push_back(read_tie(std::move(m), i, taken)); });
+  each(t.tables("spring", "tables [[spring]]"), "spring",
+       [&](Table m, int i) { specs->springs.push_back(read_spring(std::move(m), i, taken)); });
+  each(t.tables("strip", "tables [[strip]]"), "strip",
+       [&](Table m, int i) { specs->strips.push_back(read_strip(std::move(m), i, scene, taken)); });
+  each(t.tables("floor", "tables [[floor]]"), "floor",
+       [&](Table m, int i) { specs->floors.push_back(read_floor(std::move(m), i, taken)); });
+  each(t.tables("beam", "tables [[beam]]"), "beam",
+       [&](Table m, int i) { specs->beams.push_back(read_beam(std::move(m), i, taken)); });
+  each(t.tables("dowel", "tables [[dowel]]"), "dowel",
+       [&](Table m, int i) { specs->dowels.push_back(read_dowel(std::move(m), i, taken)); });
+  each(t.tables("fill", "tables [[fill]]"), "fill",
+       [&](Table m, int i) { specs->fills.push_back(read_fill(std::move(m), i, taken)); });
+  const char* const kind = first_kind(*specs);
+  if (!kind) return nullptr;
   if (scene.wall && scene.wall->half_thickness)
-    t.refuse(!specs->ties.empty()      ? "tie"
-             : !specs->springs.empty() ? "spring"
-             : !specs->strips.empty()  ? "strip"
-             : !specs->floors.empty()  ? "floor"
-                                       : "beam",
-             "none with wall.half_thickness = true: members have no half; make that false");
+    t.refuse(kind, "none with wall.half_thickness = true: members have no half; make that false");
   return specs;
 }
 

@@ -41,7 +41,7 @@ Scene at_rest(Scene scene, const std::string& name) {
   if (!rest.equilibrium_ratio) rest.equilibrium_ratio = 1e-4;
   rest.max_steps = std::min(rest.max_steps, 1000000L);
   rest.displacement.reset(), rest.duration.reset(), rest.whiffletree.reset(), rest.cycles.reset();
-  rest.ground.reset(), rest.collapse.reset();
+  rest.ground.reset(), rest.collapse.reset(), rest.moving_load.reset();
   for (BodyControl& c : rest.controls) c.velocity = c.omega = {}, c.in_cycles = -1;
   stages = {rest};
   scene.output.end_state = true;

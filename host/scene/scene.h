@@ -161,6 +161,12 @@ struct PointForce {
   Vec3 point, force;  // m, where it acts at the start of the stage's block; N
 };
 
+// A force that goes along a line and acts, at each of its positions, on the first face that its line of action meets.
+struct MovingLoad {
+  Vec3 from{}, to{}, force{};  // m, m, N
+  int positions = 41;          // from one end to the other
+};
+
 // On the face of a block whose outward normal is closest to `normal`; follows the face.
 struct FacePressure {
   std::string block;
@@ -229,6 +235,7 @@ struct Stage {
   std::optional<Whiffletree> whiffletree;  // `displacement` is then that of the roof
   std::optional<Cycles> cycles;            // of the whiffletree, or of controls
   std::vector<PointForce> forces;
+  std::optional<MovingLoad> moving_load;
   std::vector<FacePressure> pressures;
   std::optional<GroundMotion> ground;
   std::optional<Collapse> collapse;
@@ -242,6 +249,7 @@ struct Stage {
   std::string beyond_lattice() const {
     return ground               ? "moves the ground"
            : collapse           ? "pushes until collapse"
+           : moving_load        ? "has a moving load"
            : !forces.empty()    ? "has forces at points"
            : !pressures.empty() ? "has pressures on faces"
                                 : "";

@@ -10,8 +10,9 @@ namespace quoin {
 void Simulation::Impl::apply_controls() {
   if (!controls_settled)
     follow_ramps();
-  else if (large_motion && scene.stages[static_cast<std::size_t>(stage)].collapse)
-    apply_actions(1.0);  // its body force goes on growing; all else stays as the end of the ramp has left it
+  else if (large_motion && (scene.stages[static_cast<std::size_t>(stage)].collapse ||
+                            scene.stages[static_cast<std::size_t>(stage)].moving_load))
+    apply_actions(1.0);  // these go on changing; all else stays as the end of the ramp has left it
   else if (!rest_known)
     find_bodies_at_rest();
   if (!whiffletree.empty()) pull_whiffletree();

@@ -72,10 +72,7 @@ std::vector<int> Simulation::Impl::groups_of_joined_blocks() const {
     if (c.count > 0) join(c.pair.a, c.pair.b);
   }
   const members::Members* const members = large_motion ? large_motion->members() : nullptr;
-  for (std::size_t i = 0; members && i < members->ties().size(); ++i) {
-    const members::Tie& tie = members->ties()[i];
-    join(members->nodes()[at(tie.from)].block, members->nodes()[at(tie.to)].block);
-  }
+  if (members) members->each_joint(join);
   for (std::size_t i = 0; i < first.size(); ++i) first[i] = find(static_cast<int>(i));
   return first;
 }

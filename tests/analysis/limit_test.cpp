@@ -442,10 +442,19 @@ TEST(WholeCones, HaveTheStrengthsOfPyramids) {
   same("crushed");
   for (LimitPoint& p : one.problem.points) p.tension = 0.0, p.cohesion = 0.1, p.friction = 0.0;
   same("without friction");
-  one.problem.ties.push_back({0, 1, {-1.0, 2.0, 0.5}, {0.0, 2.0, 0.5}, 0.3, 0.0});
+  const geometry::Vector x{1.0, 0.0, 0.0};
+  one.problem.forces.push_back({{{0, {-1.0, 2.0, 0.5}, x, {}}, {1, {0.0, 2.0, 0.5}, -x, {}}}, 0.0, 0.3});
   same("tied");
   const LimitResult tied = limit_multiplier(one.problem, whole_cones());
-  EXPECT_NEAR(tied.tie_force.at(0), 0.3, 1e-5);
+  EXPECT_NEAR(tied.member_force.at(0), 0.3, 1e-5);
+  // A couple on a third body that nothing else holds, and a force without bounds.
+  one.problem.blocks.push_back({{0.0, 3.0, 0.5}});
+  for (const geometry::Vector& way : {x, geometry::Vector{0.0, 1.0, 0.0}, geometry::Vector{0.0, 0.0, 1.0}}) {
+    one.problem.forces.push_back({{{2, {0.0, 3.0, 0.5}, way, {}}, {1, {0.0, 2.0, 0.5}, -way, {}}}});
+    one.problem.forces.push_back(
+        {{{2, {0.0, 3.0, 0.5}, {}, way}, {1, {0.0, 2.0, 0.5}, {}, -way}, {0, {}, {}, {}}}, -0.2, 0.2});
+  }
+  same("with a body of three places");
 }
 
 // Inscribed pyramids of 16 facets lie at most 1 - cos(pi/16) = 1.9 % within the cones: case 10 gains up to 1.5 %.

@@ -48,6 +48,52 @@ TEST_F(Members, FacadeHeldByTiesFallsAtTheMultiplierOfLimitAnalysis) {
   EXPECT_THAT(read_all(fs::path(out()) / "members.pvd"), HasSubstr("members_0003.vtu"));
 }
 
+// The same of a facade that the anchors of a floor hold, which goes out with it; the floor's inertia pushes, too.
+TEST_F(Members, FacadeHeldByAFloorFallsAtTheMultiplierOfLimitAnalysis) {
+  const double t = 0.3, h = 3.0, width = 2.4, weight = width * h * t * 2000.0 * 9.81, y = 2.25;
+  const double floor_weighs = 40.0 * width * 4.0 * 9.81, anchor = 1000.0;
+  const double expected =
+      (weight * t / 2 + anchor * width * y + floor_weighs * t / 2) / (weight * h / 2 + floor_weighs * y);
+  ASSERT_EQ(quoin({"limit", QUOIN_SCENES "/floor_facade.toml", "--associated", "--out", out()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("floor 'timber' anchor_N_per_m: at most 1000 of 1000"));
+  const auto limit = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  EXPECT_NEAR(limit["multiplier"], expected, 1e-4);
+  EXPECT_EQ(limit["member_forces"].size(), 3u);
+  const auto s = run("floor_facade.toml", {"output.frames=0"});
+  std::printf("  | facade and floor: closed form %.4f, limit analysis %.4f, run %.4f\n", expected,
+              limit["multiplier"].get<double>(), s["collapse_multiplier"].get<double>());
+  EXPECT_NEAR(s["collapse_multiplier"].get<double>() / expected, 1.0, 0.03);
+}
+
+// A load along an arch: the worst of its positions is that of limit.json, and all are in moving.csv.
+TEST_F(Members, MovingLoadHasItsWorstPlace) {
+  const fs::path scene = folder_ / "moving.toml";
+  std::string text = read_all(QUOIN_SCENES "/arch.toml");
+  text += R"(
+[[stage]]
+name = "crossing"
+gravity = [0.0, -9.81, 0.0]
+duration = 1.0
+moving_load = { from = [-6.0, 14.0, 0.5], to = [6.0, 14.0, 0.5], force = [0.0, -1000.0, 0.0], positions = 7 }
+)";
+  std::ofstream(scene) << text;
+  ASSERT_EQ(quoin({"limit", scene.string(), "--moving", "--associated", "--out", out()}), 0) << error_;
+  EXPECT_THAT(out_, HasSubstr("of the moving load (0, -1000, 0) N where it is worst"));
+  const auto limit = nlohmann::json::parse(read_all(fs::path(out()) / "limit.json"));
+  double least = 1e300;
+  for (const auto& place : limit["moving"]["positions"])
+    if (!place["multiplier"].is_null()) least = std::min(least, place["multiplier"].get<double>());
+  EXPECT_EQ(limit["multiplier"].get<double>(), least);
+  EXPECT_THAT(read_all(fs::path(out()) / "moving.csv"), HasSubstr("position,x_m,y_m,z_m,block"));
+  EXPECT_EQ(quoin({"limit", scene.string(), "--moving", "--given", "0.1"}), 3);
+  EXPECT_THAT(error_, HasSubstr("leave --direction and --given out"));
+  EXPECT_EQ(quoin({"limit", QUOIN_SCENES "/arch.toml", "--moving"}), 3);
+  EXPECT_THAT(error_, HasSubstr("no stage has a moving load"));
+  EXPECT_EQ(quoin({"check", scene.string(), "--set", "stage.crossing.moving_load.to=[6.0, 13.0, 0.5]"}), 0) << error_;
+  EXPECT_EQ(quoin({"check", scene.string(), "--set", "stage.crossing.moving_load.force=[0, 0, 0]"}), 3);
+  EXPECT_THAT(error_, HasSubstr("moving_load.force"));
+}
+
 // The arch spreads until it stands at its least thrust, which its tie has. By limit analysis a tie that yields 3 %
 // below does not hold the weight, and one 3 % above does.
 TEST_F(Members, TieOfAnArchOnRollersHasItsLeastThrust) {

@@ -115,6 +115,62 @@ TEST_F(Resume, KilledCollapsesEndAsIfLeftAlone) {
                            "output.energy=true", "--set", "output.plots=false"});
 }
 
+// Dowels, soil on a face, a tie through a block, and a load that moves over it.
+TEST_F(Resume, MembersAndAMovingLoadGoOn) {
+  const fs::path scene = folder_ / "members.toml";
+  std::ofstream(scene) << R"([materials.stone]
+density = 2000.0
+[joints.dry]
+law = "coulomb_slip"
+initial_state = "dry"
+normal_stiffness = 1e9
+shear_stiffness = 1e9
+friction_angle = 35.0
+[solver]
+damping = "viscous"
+mass_damping = 10.0
+[[block]]
+name = "base"
+material = "stone"
+fixed = true
+box = { lower = [-3, -1, -1], size = [8, 1, 3] }
+[[block]]
+name = "wall"
+material = "stone"
+box = { lower = [0, 0, 0], size = [1, 2, 1] }
+[[dowel]]
+point = [0.2, 0, 0.5]
+direction = [0, 1, 0]
+axial_stiffness = 1e8
+shear_stiffness = 1e7
+yield_force = 1e4
+yield_shear = 1e3
+[[fill]]
+block = "wall"
+towards = [1, 0, 0]
+surface = [0, 2, 0]
+unit_weight = 18e3
+friction_angle = 30
+stiffness = 1e7
+[[tie]]
+from = { block = "base", point = [-2, 0, 0.5] }
+through = [{ block = "wall", point = [0, 1.5, 0.5] }]
+to = { block = "base", point = [-2.5, 0, 0.5] }
+area = 1e-4
+young_modulus = 2e11
+yield_stress = 1e8
+[[stage]]
+gravity = [0, -9.81, 0]
+ramp_time = 0.2
+duration = 100.0
+moving_load = { from = [0.1, 3, 0.5], to = [0.9, 3, 0.5], force = [5e3, -1e4, 0] }
+[output]
+frames = 4
+plots = false
+)";
+  expect_same_after_kills({scene.string()});
+}
+
 TEST_F(Resume, FinishedRunsAreLeftAsTheyAre) {
   ASSERT_EQ(run_small(), 0) << error_;
   std::map<std::string, std::string> before;

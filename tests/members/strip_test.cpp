@@ -46,12 +46,13 @@ family = "dry"
 struct Pull {
   double largest = 0.0, debonded = 0.0, energy_error = 0.0;
 };
-Pull pulled(const Scene& scene) {
+// every: steps from one look to the next.
+Pull pulled(const Scene& scene, int every = 20) {
   Simulation simulation(scene, 1);
   Pull result;
   const double end = *scene.stages.front().duration;
   while (simulation.time() < end) {
-    simulation.advance(20);
+    simulation.advance(every);
     const std::vector<double> columns = simulation.large_motion()->members()->columns();
     result.largest = std::max(result.largest, columns[0]);
     result.debonded = columns[1];
@@ -62,7 +63,7 @@ Pull pulled(const Scene& scene) {
 }
 
 // P = b sqrt(2 E t G_f) of a long strip, 2 %; the energy closes. A bonded length of pi/(2 w2) + 2/w1 gives more than
-// 97 % of it. Drawn slowly: at 20 mm/s the inertia of the nodes leaves 0.38 of it.
+// 97 % of it. The same drawn five times as fast: nodes follow their faces.
 TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
   const double stiffness = kModulus * kThickness, ratio = 2 * kGf * kKs / (kTau * kTau);
   const double expected = kWidth * std::sqrt(2 * stiffness * kGf);
@@ -73,6 +74,8 @@ TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
   EXPECT_NEAR(whole.largest / expected, 1.0, 0.02);
   EXPECT_GT(whole.debonded, 0.05);
   EXPECT_LT(whole.energy_error, 0.02);
+  const Pull fast = pulled(pull(0.5, 0.002), 1);
+  EXPECT_NEAR(fast.largest / expected, 1.0, 0.02);
   const Pull short_one = pulled(pull(effective, 0.0004));
   std::printf("  | effective length %.3f m: %.4f of it\n", effective, short_one.largest / expected);
   EXPECT_GT(short_one.largest / expected, 0.97);
@@ -80,7 +83,7 @@ TEST(Strips, LongStripDebondsAtTheRootOfItsFractureEnergy) {
 
 TEST(Strips, FibresBreakAtTheirStrength) {
   const double strength = 60e6;
-  const Pull result = pulled(pull(0.5, 0.02, fmt::format("strength = {}\n", strength)));
+  const Pull result = pulled(pull(0.5, 0.0004, fmt::format("strength = {}\n", strength)), 1);
   EXPECT_LE(result.largest, strength * kWidth * kThickness);
   EXPECT_GT(result.largest, 0.98 * strength * kWidth * kThickness);
 }

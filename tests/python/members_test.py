@@ -38,11 +38,16 @@ class Members(Folder):
         beam = quoin.Beam(name="lintel", points=[[0.5, 2, 1.5], [3.5, 2, 1.5]], spacing=0.25, area=0.01,
                           inertia=[8e-6, 8e-6], young_modulus=10e9, density=500.0, bedding="resting")
         scene.beam.append(beam)
+        scene.dowel.append(quoin.Dowel(name="pin", point=[0.5, 0, 1], direction=[0, 1, 0], axial_stiffness=1e8,
+                                       shear_stiffness=1e7, yield_force=1e5, yield_shear=1e5))
+        scene.fill.append(quoin.Fill(name="soil", block="left", towards=[-1, 0, 0], surface=[0, 1, 0], unit_weight=18e3,
+                                     friction_angle=30.0, stiffness=1e7))
         scene.check()
         run = quoin.run(scene, out=self.path("out"))
         names = run.history.dtype.names
         for column in ("tie_rod_N", "spring_side_x_N", "strip_sheet_debonded_m", "floor_deck_shear_N_per_m",
-                       "floor_deck_anchor_N_per_m", "floor_deck_pulled_out_m", "beam_lintel_N", "beam_lintel_Nm"):
+                       "floor_deck_anchor_N_per_m", "floor_deck_pulled_out_m", "beam_lintel_N", "beam_lintel_Nm",
+                       "dowel_pin_N", "dowel_pin_shear_N", "fill_soil_x_N"):
             self.assertIn(column, names)
         last = run.history[-1]
         self.assertGreater(last["spring_side_x_N"] ** 2, 0.0)
@@ -50,8 +55,23 @@ class Members(Folder):
         w = 0.01 * 500.0 * 9.81
         self.assertGreater(last["beam_lintel_Nm"], 0.8 * w * 4 / 12)
         self.assertLess(last["beam_lintel_Nm"], 1.2 * w * 4 / 8)
+        # Between active and passive pressure of a metre of soil.
+        self.assertGreater(last["fill_soil_x_N"], 18e3 / 3)
+        self.assertLess(last["fill_soil_x_N"], 18e3 * 3)
         scene.write(self.path("scene.toml"))
         self.assertEqual(quoin.Scene.load(self.path("scene.toml")), scene)
+
+    def test_a_moving_load_is_worst_where_it_turns_a_pier_over(self):
+        scene = two_towers()
+        scene.stage.append(quoin.Stage(name="crossing", gravity=[0, -9.81, 0], duration=0.5, moving_load=dict(
+            {"from": [-1.75, 4.0, 1.0], "to": [-1.25, 4.0, 1.0]}, force=[20e3, -20e3, 0.0], positions=3)))
+        limit = quoin.limit(scene, moving=True, associated=True)
+        # It comes down at 45 deg on the left pier's top, and turns it over its edge at x = 1 against its weight of 78.5 kN.
+        places = limit.summary["moving"]["positions"]
+        for place in places:
+            x, y, _ = place["at_m"]
+            self.assertAlmostEqual(place["multiplier"], 2000 * 9.81 * 4 * 0.5 / (20e3 * (y - 1 + x)), delta=1e-3)
+        self.assertEqual(limit.multiplier, min(place["multiplier"] for place in places))
 
     def test_a_floor_in_the_air_is_refused(self):
         scene = two_towers()

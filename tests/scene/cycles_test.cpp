@@ -268,7 +268,7 @@ TEST_F(ReadCycles, FaultsSayWhereAndWhatIsAllowed) {
       {kBlocks, "stage.1.cycle_velocity=0", "stage.1.cycle_velocity = 0: allowed: not 0"},
       {kBlocks, "stage.1.block=1", "wrong type, an integer; allowed: the name of the block that moves"},
       {kBlocks, "stage.1.displacement=1", "stage.1.displacement = 1: allowed: not with kind = \"cycles\""},
-      {kBlocks, "stage.1.collapse.rate=1", "cycles without ground_motion and collapse"},
+      {kBlocks, "stage.1.collapse.rate=1", "cycles without ground_motion, collapse and moving_load"},
       {kBlocks, "stage.1.kind=custom", "stage.1.amplitudes"},
   };
   for (const auto& f : faults) EXPECT_THAT(fault(f.scene, {f.override}), HasSubstr(f.message)) << f.override;

@@ -45,18 +45,19 @@ class Limit:
         return f"<limit: {answer}, multiplier {self.multiplier}>"
 
 
-def limit(scene, *, direction=None, given=0.0, facets=0, associated=False):
+def limit(scene, *, direction=None, given=0.0, facets=0, associated=False, moving=False):
     """What `quoin limit` finds of a scene, or of the file of one, without a run. direction: x, y, z of the load that is
     multiplied, a share of the weight; else that of the first collapse stage. given: multiple of it that acts beside the
     weight. facets: of pyramids within the friction cones; 0: whole cones. associated: no search for answers without
-    dilation. A scene that does not stand is an answer, not an error."""
+    dilation. moving: the moving load of the first stage that has one is multiplied instead, at each position;
+    summary["moving"] has them. A scene that does not stand is an answer, not an error."""
     if not hasattr(_quoin, "limit"):
         raise BadInput("limit: this installation has no limit analysis; build it with coinor-libclp-dev")
     way = [] if direction is None else [float(v) for v in direction]
     if len(way) not in (0, 3):
         raise ValueError(f"direction: three numbers are needed, not {len(way)}")
     return Limit(*_quoin.limit(*scene_of(scene)._source(), way, float(given), whole("facets", facets, 0, 1000),
-                               bool(associated)))
+                               bool(associated), bool(moving)))
 
 
 class Modes:

@@ -8,7 +8,7 @@ import numpy as np
 from . import _quoin
 
 # Keys that are lists of tables: they need not be there before something is appended.
-LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "damage", "stage")
+LISTS = ("block", "dry_wall", "arch", "joint_rule", "tie", "spring", "strip", "floor", "beam", "dowel", "fill", "damage", "stage")
 TABLES = ("materials", "joints", "solver", "output", "contact")
 
 
@@ -114,6 +114,14 @@ class Floor(Table):
 
 class Beam(Table):
     """[[beam]]: a bar that bends, or a cable, held by blocks."""
+
+
+class Dowel(Table):
+    """[[dowel]]: a bar across a joint, elastic and then plastic along itself and in shear."""
+
+
+class Fill(Table):
+    """[[fill]]: soil on faces, its weight and its pressure between active and passive."""
 
 
 class JointRule(Table):

@@ -37,6 +37,8 @@ class Model {
     this.build();
     this.forces = new Forces(this);
     this.scene.add(this.forces.mesh);
+    this.members = new Members(this);
+    this.scene.add(this.members.mesh);
     this.overlay = drawing(parent);
     this.resize();
     this.controls.addEventListener('change', () => this.paintSoon());
@@ -266,6 +268,7 @@ class Model {
     this.cut(what.cut ? what.cut.axis : null, what.cut ? what.cut.share : 1);
     this.showSeen(frame, what.magnified);
     this.forces.show(frame, what.forces || 'none', what.magnified);
+    this.members.show(frame, what.magnified);
     this.skin.uniforms.opacity.value = this.forces.kind === 'none' ? 1 : 0.3;
     this.skin.depthWrite = this.forces.kind === 'none';
     this.cracks.show(frame, what.magnified, what.cracks);
@@ -341,6 +344,11 @@ class Model {
       mark(this.overlay, 'path', {d: `M ${x} ${y - 4} h 18 l 0 -4 l 12 4 l -12 4 l 0 -4`, class: 'load', fill: this.forces.loadColour,
         stroke: this.forces.loadColour, 'stroke-width': 2});
       mark(this.overlay, 'text', {x: x + 36, y, class: 'load'}, sizes.length > 2 ? 'loads' : `load: ${sizes.join(', ')} kN`);
+    }
+    for (const [label, fill] of this.members.labels) {
+      y += 19;
+      mark(this.overlay, 'rect', {x, y: y - 7, width: 30, height: 5, fill, class: 'member'});
+      mark(this.overlay, 'text', {x: x + 36, y, class: 'member'}, label);
     }
     if (!cracks || this.head.labels) return;
     y += 6;

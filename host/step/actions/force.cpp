@@ -1,10 +1,13 @@
-// Forces at points of blocks: those of the stage before fade while those of this one grow.
+// Forces at points of blocks: those of the stage before fade while those of this one grow. A moving load is one at each
+// of its positions, which share it by the lever.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "scene/generate_blocks.h"
+#include "scene/load_place.h"
 #include "step/actions/action.h"
 
 namespace quoin {
@@ -20,7 +23,29 @@ void Simulation::Impl::add_forces(const Stage& settings) {
     added.point = geometry::vector(given.point);
     m.add(added);
   }
+  if (!settings.moving_load) return;
+  if (ranks)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: moving_load goes over blocks of several processes; run the scene in one process, with "
+                            "as many threads as there are cores",
+                            settings.source.text));
+  for (const blocks::LoadPlace& place : blocks::places_of(*settings.moving_load, m.assembly(), settings.source.text)) {
+    blocks::Load added{};
+    added.block = place.block, added.point = place.at;
+    added.force = geometry::vector(settings.moving_load->force);
+    m.add(added);
+  }
 }
+
+namespace {
+
+// Share of a load that the position k of n has when it has come so far along its line, 0 to 1.
+double share_at(std::size_t k, std::size_t n, double way) {
+  if (n == 1) return 1.0;
+  return std::max(0.0, 1.0 - std::abs(way * static_cast<double>(n - 1) - static_cast<double>(k)));
+}
+
+}  // namespace
 
 void Simulation::Impl::bind_forces(const Stage& settings, const Stage* previous) {
   if (previous) add_forces(*previous);
@@ -28,9 +53,20 @@ void Simulation::Impl::bind_forces(const Stage& settings, const Stage* previous)
   add_forces(settings);
 }
 
-void Simulation::Impl::scale_forces(const Stage&, double s) {
+void Simulation::Impl::scale_forces(const Stage& settings, double s) {
   auto& loads = large_motion->loads();
   for (std::size_t i = 0; i < loads.size(); ++i) loads[i].scale = i < fading_loads ? 1.0 - s : s;
+  // Positions are the last of each stage's.
+  const auto spread = [&](const MovingLoad& moving, std::size_t end, double way) {
+    const auto n = static_cast<std::size_t>(moving.positions);
+    for (std::size_t k = 0; k < n; ++k) loads[end - n + k].scale *= share_at(k, n, way);
+  };
+  if (stage > 0 && scene.stages[static_cast<std::size_t>(stage) - 1].moving_load)
+    spread(*scene.stages[static_cast<std::size_t>(stage) - 1].moving_load, fading_loads, 1.0);
+  if (!settings.moving_load) return;
+  const double moves = *settings.duration - settings.ramp_time;
+  const double gone = large_motion->time() - stage_start_time - settings.ramp_time;
+  spread(*settings.moving_load, loads.size(), std::clamp(gone / moves, 0.0, 1.0));
 }
 
 }  // namespace quoin

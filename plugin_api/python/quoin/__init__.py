@@ -30,8 +30,8 @@ else:
         from .results import Moment, Results, unit  # noqa: F401
         from .results import open_results as open  # noqa: F401
         from .run import Frame, Run, run  # noqa: F401
-        from .scene import (Arch, Beam, Block, BlockMaterial, Damage, DryWall, Floor, Joint, JointRule, Scene,  # noqa: F401
-                            Spring, Stage, Strip, Table, Tie, Wall)
+        from .scene import (Arch, Beam, Block, BlockMaterial, Damage, Dowel, DryWall, Fill, Floor, Joint,  # noqa: F401
+                            JointRule, Scene, Spring, Stage, Strip, Table, Tie, Wall)
         from .simulation import Simulation  # noqa: F401
 
 

@@ -1,0 +1,100 @@
+// Soil on faces: which points it reaches, and what it does there in a step.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "members/members.h"
+#include "scene/generate_blocks.h"
+
+namespace quoin::members {
+
+namespace {
+
+// Whether another block lies against the face at a point of it. Points on its border are looked at from a little
+// inside.
+bool is_covered(const blocks::Assembly& assembly, int block, const Vector& at, const Vector& middle,
+                const Vector& out) {
+  const double off = 2.0 * allowed_off(assembly, block);
+  const Vector beside = at + off * out + std::min(1.0, 4.0 * off / norm(middle - at)) * (middle - at);
+  for (int b = 0; b < static_cast<int>(assembly.blocks.size()); ++b)
+    if (b != block && outside_by(assembly, b, beside) < 0.0) return true;
+  return false;
+}
+
+// Of a name, or of a group as an arch, whose blocks are NAME/0 and so on; without its abutments, which are fixed.
+std::vector<int> blocks_of(const FillSpec& spec, const blocks::Assembly& assembly) {
+  std::vector<int> found;
+  for (std::size_t b = 0; b < assembly.blocks.size(); ++b)
+    if (!assembly.blocks[b].fixed && assembly.blocks[b].name.starts_with(spec.block + "/"))
+      found.push_back(static_cast<int>(b));
+  return found.empty() ? blocks::find_blocks(assembly, spec.block, spec.source.text) : found;
+}
+
+}  // namespace
+
+void Members::add_fill_point(const FillSpec& spec, const Vector& at, double area, const Vector& out, int block) {
+  const Vector up = normalized(geometry::vector(spec.up));
+  FillPoint point;
+  FillLaw& law = point.law;
+  const double lift = dot(out, up);
+  const Vector level = out - lift * up;
+  law.up = up, law.upright = area * lift, law.level = area * norm(level);
+  law.out = norm(level) > 0.0 ? normalized(level) : Vector{};
+  law.vertical = spec.surcharge + spec.unit_weight * dot(geometry::vector(spec.surface) - at, up);
+  law.at_rest = spec.at_rest, law.active = spec.active, law.passive = spec.passive;
+  law.stiffness = spec.stiffness;
+  point.node = static_cast<int>(nodes_.size());
+  Node& node = nodes_.emplace_back();
+  node.block = block;
+  node.start = node.x = at;
+  fill_points_.push_back(point);
+}
+
+void Members::add_fill(const FillSpec& spec, const blocks::Assembly& assembly) {
+  // Cosine to `towards` from which a face counts; fronts of a vault and its intrados do not.
+  constexpr double kTowards = 0.05;
+  Fill fill{spec.name, fill_points_.size(), 0, 0.0};
+  const Vector towards = normalized(geometry::vector(spec.towards)), up = normalized(geometry::vector(spec.up));
+  for (const int index : blocks_of(spec, assembly)) {
+    const blocks::Block& block = assembly.blocks[static_cast<std::size_t>(index)];
+    const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+    for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+      const Vector out = matrix(block.orientation) * shape.normals[f];
+      if (dot(out, towards) < kTowards) continue;
+      each_triangle(assembly, index, f, [&](const std::array<Vector, 3>& triangle) {
+        const Vector middle = (1.0 / 3.0) * (triangle[0] + triangle[1] + triangle[2]);
+        each_point(triangle, spec.divisions, [&](const Vector& at, double area) {
+          if (dot(geometry::vector(spec.surface) - at, up) <= 0.0 || is_covered(assembly, index, at, middle, out))
+            return;
+          add_fill_point(spec, at, area, out, index);
+          fill.area += area;
+        });
+      });
+    }
+  }
+  fill.end = fill_points_.size();
+  if (fill.first == fill.end)
+    throw Error(Exit::bad_input,
+                fmt::format("{}: fill '{}' reaches no free face of '{}' towards ({:g}, {:g}, {:g}) below {}; give "
+                            "towards, or a surface above them",
+                            spec.source.text, spec.name, spec.block, towards.x, towards.y, towards.z,
+                            geometry::place(geometry::vector(spec.surface))));
+  fills_.push_back(fill);
+}
+
+void Members::pull_fills() {
+  for (FillPoint& p : fill_points_) {
+    Node& node = nodes_[static_cast<std::size_t>(p.node)];
+    p.state.follow(p.law, jack_, node.x - node.start);
+    node.force += p.state.force;
+  }
+}
+
+Vector Members::force_of(const Fill& fill) const {
+  Vector sum;
+  for (std::size_t i = fill.first; i < fill.end; ++i) sum += fill_points_[i].state.force;
+  return sum;
+}
+
+}  // namespace quoin::members

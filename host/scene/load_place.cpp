@@ -1,0 +1,65 @@
+#include "scene/load_place.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace quoin::blocks {
+
+namespace {
+
+using geometry::Vector;
+
+constexpr double kNever = 1e300;
+
+// Way along a ray, m, to where it enters a block; 0 from inside, kNever where it misses it.
+double way_to(const Assembly& assembly, const Block& block, const Vector& from, const Vector& direction) {
+  const geometry::ConvexPolyhedron& shape = assembly.shapes[static_cast<std::size_t>(block.shape)];
+  const geometry::Matrix turned = matrix(block.orientation);
+  const Vector own = transposed_times(turned, from - block.position), along = transposed_times(turned, direction);
+  double enters = 0.0, leaves = kNever;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const Vector& on_face = shape.vertices[static_cast<std::size_t>(shape.faces[f].front())];
+    const double off = dot(shape.normals[f], own - on_face), closing = -dot(shape.normals[f], along);
+    constexpr double kParallel = 1e-12;
+    if (std::abs(closing) < kParallel) {
+      if (off > 0.0) return kNever;
+    } else if (closing > 0.0) {
+      enters = std::max(enters, off / closing);
+    } else {
+      leaves = std::min(leaves, off / closing);
+    }
+  }
+  return enters <= leaves ? enters : kNever;
+}
+
+}  // namespace
+
+std::vector<LoadPlace> places_of(const MovingLoad& load, const Assembly& assembly, const std::string& where) {
+  const Vector from = geometry::vector(load.from), to = geometry::vector(load.to);
+  const Vector direction = normalized(geometry::vector(load.force));
+  std::vector<LoadPlace> places;
+  for (int k = 0; k < load.positions; ++k) {
+    LoadPlace place;
+    place.position = from + (load.positions > 1 ? static_cast<double>(k) / (load.positions - 1) : 0.0) * (to - from);
+    double least = kNever;
+    for (std::size_t b = 0; b < assembly.blocks.size(); ++b) {
+      const double way = way_to(assembly, assembly.blocks[b], place.position, direction);
+      if (way < least) least = way, place.block = static_cast<int>(b);
+    }
+    if (place.block < 0)
+      throw Error(Exit::bad_input,
+                  fmt::format("{}: moving_load meets no block from its position {} of {} at {}, along ({:.3g}, {:.3g}, "
+                              "{:.3g}); move its line over the masonry",
+                              where, k + 1, load.positions, geometry::place(place.position), direction.x, direction.y,
+                              direction.z));
+    place.at = place.position + least * direction;
+    places.push_back(place);
+  }
+  return places;
+}
+
+}  // namespace quoin::blocks

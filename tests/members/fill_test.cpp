@@ -1,0 +1,119 @@
+// Soil beside walls and on them, against Rankine's pressures.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "scenes.h"
+
+namespace quoin {
+namespace {
+
+using members_cases::box;
+using members_cases::head;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr double kHeight = 4.0, kDepth = 2.0, kUnitWeight = 18e3;  // m, m, N/m3
+
+std::string fill(const std::string& keys) {
+  return fmt::format(
+      "[[fill]]\nname = \"f\"\nblock = \"wall\"\nunit_weight = {}\nfriction_angle = 30\nstiffness = 1e7\n{}\n",
+      kUnitWeight, keys);
+}
+
+std::unique_ptr<Simulation> moved(double way, const std::string& keys) {
+  auto simulation = std::make_unique<Simulation>(
+      read_scene_text(
+          head(30.0) + box("wall", "[0, 0, 0]", fmt::format("[1, {}, {}]", kHeight, kDepth)) + fill(keys) +
+              "[[stage]]\nramp_time = 0.1\nduration = 0.2\n[[stage.velocity]]\nblock = \"wall\"\nvelocity = "
+              "[0, 0, 0]\n" +
+              fmt::format("[[stage]]\nduration = 1.0\n[[stage.velocity]]\nblock = \"wall\"\nvelocity = [{}, 0, "
+                          "0]\n",
+                          way),
+          "fill.toml"),
+      1);
+  Observer nobody;
+  simulation->run(nobody);
+  return simulation;
+}
+
+// Of a wall that stands still, gives way, is pushed into the soil: K gamma H^2/2 over its depth, a third of the way up.
+// Both integrals are exact, 1e-9. phi = 30 deg: Ka = 1/3, K0 = 1/2, Kp = 3.
+TEST(Fills, PressureIsAtRestActiveAndPassive) {
+  const struct { double way, coefficient; } cases[] = {{0.0, 0.5}, {-0.2, 1.0 / 3.0}, {0.2, 3.0}};
+  for (const auto& [way, coefficient] : cases) {
+    const auto simulation = moved(way, fmt::format("towards = [1, 0, 0]\nsurface = [0, {}, 0]", kHeight));
+    const members::Members& m = *simulation->large_motion()->members();
+    const geometry::Vector force = m.force_of(m.fills().front());
+    const double expected = -0.5 * coefficient * kUnitWeight * kHeight * kHeight * kDepth;
+    EXPECT_NEAR(force.x / expected, 1.0, 1e-9) << way;
+    EXPECT_NEAR(force.y, 0.0, 1e-6);
+    double moment = 0.0;
+    for (const members::FillPoint& p : m.fill_points())
+      moment += p.state.force.x * m.nodes()[static_cast<std::size_t>(p.node)].start.y;
+    EXPECT_NEAR(moment / force.x, kHeight / 3.0, 1e-9) << way;
+    const blocks::Energies& e = simulation->large_motion()->energies();
+    EXPECT_LT(std::abs(e.balance_error(0.0)), 1e-3 * std::abs(e.external)) << way;
+    EXPECT_EQ(e.members_dissipated > 0.0, way > 0.0);
+  }
+}
+
+// Its weight, and a surcharge, on a top below its surface; what lies above the surface or below another block has none.
+TEST(Fills, WeighsOnWhatIsBelow) {
+  const auto simulation = moved(0.0, fmt::format("surface = [0, {}, 0]\nsurcharge = 5e3", kHeight + 0.5));
+  const members::Members& m = *simulation->large_motion()->members();
+  EXPECT_NEAR(m.force_of(m.fills().front()).y, -(0.5 * kUnitWeight + 5e3) * 1.0 * kDepth, 1e-6);
+  EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
+}
+
+// On an arch: what lies between its extrados, of chords, and the surface; left and right press alike. 1e-6.
+TEST(Fills, LiesOnAnExtrados) {
+  const double radius = 2.2, surface = 3.0, depth = 1.0;
+  const int voussoirs = 12;
+  Simulation simulation(
+      read_scene_text(
+          head(40.0) + fmt::format("[[arch]]\nname = \"arch\"\nmaterial = \"stone\"\ncentre = [0, 0, 0]\nradius "
+                                   "= 2.0\nthickness = 0.4\ndepth = {}\nvoussoirs = {}\nangles = [0, 180]\n[[fill]]"
+                                   "\nblock = \"arch\"\nsurface = [0, {}, 0]\nunit_weight = {}\nfriction_angle = "
+                                   "30\nstiffness = 1e7\n[[stage]]\nramp_time = 0.01\nduration = 0.02\n",
+                                   depth, voussoirs, surface, kUnitWeight),
+          "fill.toml"),
+      1);
+  Observer nobody;
+  simulation.run(nobody);
+  double area = 0.0;
+  for (int k = 0; k < voussoirs; ++k) {
+    const double a = M_PI * k / voussoirs, b = M_PI * (k + 1) / voussoirs;
+    area += radius * (std::cos(a) - std::cos(b)) * (surface - 0.5 * radius * (std::sin(a) + std::sin(b)));
+  }
+  const members::Members& m = *simulation.large_motion()->members();
+  double upright = 0.0, level = 0.0;
+  for (const members::FillPoint& p : m.fill_points()) {
+    upright += p.law.upright * p.law.vertical;
+    level += p.law.level * p.law.vertical * p.law.out.x;
+  }
+  EXPECT_NEAR(upright / (kUnitWeight * area * depth), 1.0, 1e-6);
+  EXPECT_NEAR(level / upright, 0.0, 1e-9);
+  EXPECT_NEAR(m.force_of(m.fills().front()).y / -upright, 1.0, 1e-9);
+}
+
+TEST(Fills, BadOnesAreRefusedWithPlaces) {
+  const auto refusal = [](const std::string& keys) -> std::string {
+    try {
+      moved(0.0, keys);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("surface = [0, 3, 0]"),
+              AllOf(HasSubstr("fill.1"), HasSubstr("'wall'"), HasSubstr("below (0, 3, 0)")));
+  EXPECT_THAT(refusal("surface = [0, 5, 0]\nactive = 0.7"),
+              AllOf(HasSubstr("fill.1.active = 0.7"), HasSubstr("at most at_rest (0.5)")));
+  EXPECT_THAT(refusal("surface = [0, 5, 0]\ntoward = [1, 0, 0]"), HasSubstr("did you mean 'towards'"));
+}
+
+}  // namespace
+}  // namespace quoin

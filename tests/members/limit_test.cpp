@@ -1,0 +1,270 @@
+// Floors and beams in limit analysis, against mechanisms by hand. A linear programme of forces at nodes: 1e-4 unless
+// stated.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "analysis/limit_of_scene.h"
+#include "base/error.h"
+#include "scenes.h"
+
+namespace quoin {
+namespace {
+
+using geometry::Vector;
+using members_cases::box;
+using members_cases::head;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr double kGravity = 9.81;
+
+const std::string kWeight = "[[stage]]\ngravity = [0, -9.81, 0]\nduration = 0.1\n";
+
+SceneLimit limit_of_text(const std::string& scene, const std::vector<double>& direction, bool associated = true) {
+  const Simulation simulation(read_scene_text(scene + kWeight, "limit.toml"), 1);
+  LimitOptions options;
+  options.direction = direction, options.associated = associated;
+  return limit_of(simulation, options);
+}
+
+const LimitMember& member_of(const SceneLimit& limit, const std::string& what) {
+  const auto found = std::find_if(limit.members.begin(), limit.members.end(),
+                                  [&](const LimitMember& member) { return member.what == what; });
+  EXPECT_NE(found, limit.members.end()) << what;
+  return *found;
+}
+
+// A bar of steel: 78.5 kg/m.
+std::string beam(const std::string& points, const std::string& keys) {
+  return fmt::format(
+      "[[beam]]\nname = \"b\"\npoints = {}\nspacing = 0.25\narea = 0.01\ninertia = [1e-5, 1e-5]\ntorsion = "
+      "1e-5\nyoung_modulus = 2e11\ndensity = 7850\n{}\n",
+      points, keys);
+}
+
+// Built in at both ends: hinges there and in the middle, w L^2/16 = My. The weight alone is a 1 + lambda of it.
+TEST(LimitOfMembers, LintelFallsByThreeHinges) {
+  const double length = 4.0, yield = 3e3, w = 78.5 * kGravity;
+  const SceneLimit limit =
+      limit_of_text(head(30.0) + box("left", "[-1, 0, 0]", "[1, 2, 1]", "fixed = true") +
+                        box("right", "[4, 0, 0]", "[1, 2, 1]", "fixed = true") +
+                        beam("[[-0.1, 1, 0.5], [0, 1, 0.5], [4, 1, 0.5], [4.1, 1, 0.5]]",
+                             fmt::format("yield_moment = [{0}, {0}]\n[[beam.support]]\npoint = [0, 1, 0.5]\nblock = "
+                                         "\"left\"\n[[beam.support]]\npoint = [4, 1, 0.5]\nblock = \"right\"",
+                                         yield)),
+                    {0, -1, 0});
+  ASSERT_TRUE(limit.limit);
+  EXPECT_NEAR(limit.limit->multiplier, 16.0 * yield / (w * length * length) - 1.0, 1e-4);
+  EXPECT_EQ(limit.block_count, 3u);
+  // The middle goes down the fastest.
+  const LimitBody& body = limit.bodies.front();
+  double fastest = 0.0;
+  Vector at;
+  for (int n = body.first; n < body.end; ++n) {
+    const Vector& v = limit.limit->velocity[static_cast<std::size_t>(n)].force;
+    if (-v.y > fastest) fastest = -v.y, at = limit.problem.blocks[static_cast<std::size_t>(n)].centre;
+  }
+  EXPECT_NEAR(at.x, 2.0, 1e-9);
+  const MemberForce moment = largest_force(member_of(limit, "moment_up_Nm"), *limit.limit);
+  EXPECT_NEAR(moment.largest, yield, 1e-6 * yield);
+  EXPECT_GE(moment.at_strength, 3);
+}
+
+// Sway of a frame that is built in at its feet, with a hinge at x along the beam in place of its left corner:
+// lambda (Wb + Wc) h + Wb x/2 = My (2 + 2 L/(L - x)), Wc of each column. The least of all nodes; x = 0 for a short
+// beam.
+TEST(LimitOfMembers, PortalFrameSways) {
+  const double h = 3.0, yield = 4e3;
+  for (const double length : {2.0, 8.0}) {
+    const SceneLimit limit = limit_of_text(
+        head(30.0) + beam(fmt::format("[[0, 0, 0.5], [0, {0}, 0.5], [{1}, {0}, 0.5], [{1}, 0, 0.5]]", h, length),
+                          fmt::format("up = [0, 0, 1]\nyield_moment = [{0}, {0}]\n[[beam.support]]\npoint = [0, 0, "
+                                      "0.5]\n[[beam.support]]\npoint = [{1}, 0, 0.5]",
+                                      yield, length)),
+        {1, 0, 0});
+    ASSERT_TRUE(limit.limit);
+    const double w = 78.5 * kGravity, beam_weighs = w * length, column = w * h;
+    double least = 1e300, hinge = 0.0;
+    for (double x = 0.0; x < length; x += 0.25) {
+      const double lambda =
+          (yield * (2.0 + 2.0 * length / (length - x)) - beam_weighs * x / 2) / ((beam_weighs + column) * h);
+      if (lambda < least) least = lambda, hinge = x;
+    }
+    EXPECT_NEAR(limit.limit->multiplier, least, 1e-4) << length;
+    EXPECT_EQ(hinge > 0.0, length > 4.0);
+  }
+}
+
+// What rests slides at its friction; the beam is a block of its own then, and its forces are those of a contact.
+TEST(LimitOfMembers, BeamThatRestsSlidesAtItsFriction) {
+  for (const bool associated : {true, false}) {
+    const SceneLimit limit = limit_of_text(
+        head(30.0) + box("left", "[-0.5, 0, 0]", "[1, 1, 1]", "fixed = true") +
+            box("right", "[3.5, 0, 0]", "[1, 1, 1]", "fixed = true") +
+            beam("[[0, 1, 0.5], [4, 1, 0.5]]",
+                 "friction = 0.4\n[[beam.support]]\npoint = [0, 1, 0.5]\nblock = \"left\"\nhold = "
+                 "\"resting\"\n[[beam.support]]\npoint = [4, 1, 0.5]\nblock = \"right\"\nhold = \"resting\""),
+        {1, 0, 0}, associated);
+    ASSERT_TRUE(limit.limit);
+    EXPECT_NEAR(limit.limit->multiplier, 0.4, 1e-4);
+    if (!associated) {
+      ASSERT_TRUE(limit.without_dilation->settled);
+      EXPECT_NEAR(limit.without_dilation->multiplier, 0.4, 0.004);
+    }
+  }
+}
+
+std::string floor_of(const std::string& corner, const std::string& along, const std::string& across,
+                     const std::string& keys) {
+  return fmt::format(
+      "[[floor]]\nname = \"f\"\ncorner = {}\nalong = {}\nacross = {}\nspacing = 0.5\naxial_stiffness = [1e9, "
+      "1e9]\nshear_stiffness = 1e7\nmass = 100\n{}\n",
+      corner, along, across, keys);
+}
+
+// A diaphragm between two walls that stand still, pushed along them: panels next to the walls yield. Each carries what
+// lies beyond its middle: lambda g m (L - a)/2 = ty.
+TEST(LimitOfMembers, DiaphragmYieldsInShear) {
+  const double length = 6.0, panel = 0.5, mass = 100.0, yield = 500.0;
+  const SceneLimit limit = limit_of_text(
+      head(30.0) + box("left", "[-1, 0, -1]", "[1, 1, 6]", "fixed = true") +
+          box("right", "[6, 0, -1]", "[1, 1, 6]", "fixed = true") +
+          floor_of("[0, 0.5, 0]", "[6, 0, 0]", "[0, 0, 4]",
+                   fmt::format("shear_yield = {}\nspan = \"along\"\nconnector = {{ axial_stiffness = 1e9, "
+                               "shear_stiffness = 1e9 }}",
+                               yield)),
+      {0, 0, 1});
+  ASSERT_TRUE(limit.limit);
+  EXPECT_NEAR(limit.limit->multiplier, yield / (kGravity * mass * 0.5 * (length - panel)), 1e-4);
+  EXPECT_NEAR(largest_force(member_of(limit, "shear_N_per_m"), *limit.limit).largest, yield, 1e-6 * yield);
+}
+
+// A facade of one block turns about its outer edge with the floor that it carries at the height y, whose anchors yield
+// at the wall behind: lambda (W h/2 + Wf y) = W t/2 + Ta L y + Wf t/2. Half of the floor's weight is on its inner face.
+TEST(LimitOfMembers, FacadeHeldByAFloorTurnsOver) {
+  const double t = 0.3, h = 3.0, width = 3.0, y = 2.5, anchor = 800.0, load = 100.0 * kGravity;
+  const double weight = h * t * width * 2000.0 * kGravity;
+  const SceneLimit limit = limit_of_text(
+      head(45.0) + box("facade", "[0, 0, 0]", fmt::format("[{}, {}, {}]", width, h, t)) +
+          box("back", "[0, 0, -5]", fmt::format("[{}, 3, 1]", width), "fixed = true") +
+          floor_of("[0, 2.5, -4]", "[3, 0, 0]", "[0, 0, 4]",
+                   fmt::format("connector = {{ axial_stiffness = 1e9, shear_stiffness = 1e9, axial_strength = {} }}",
+                               anchor)),
+      {0, 0, 1});
+  ASSERT_TRUE(limit.limit);
+  const double floor_weighs = load * 4.0 * width;
+  const double expected =
+      (weight * t / 2 + anchor * width * y + floor_weighs * t / 2) / (weight * h / 2 + floor_weighs * y);
+  EXPECT_NEAR(limit.limit->multiplier, expected, 1e-4);
+  EXPECT_NEAR(largest_force(member_of(limit, "anchor_N_per_m"), *limit.limit).largest, anchor, 1e-6 * anchor);
+}
+
+// A dowel is drawn where a block turns over its toe, lambda W h/2 = W b/2 + Ny d, and both clamps and shears where it
+// slides, lambda W = mu (W + Ny) + V.
+TEST(LimitOfMembers, DowelHoldsABlock) {
+  const auto dowelled = [](double height, double force, double shear) {
+    return limit_of_text(head(30.0) + box("block", "[0, 0, 0]", fmt::format("[1, {}, 1]", height)) +
+                             fmt::format("[[dowel]]\npoint = [0.25, 0, 0.5]\ndirection = [0, 1, 0]\naxial_stiffness = "
+                                         "1e8\nshear_stiffness = 1e7\nyield_force = {}\nyield_shear = {}\n",
+                                         force, shear),
+                         {1, 0, 0});
+  };
+  const double tall = 2000.0 * 4.0 * kGravity, low = 2000.0 * 0.5 * kGravity, mu = std::tan(30.0 * M_PI / 180.0);
+  EXPECT_NEAR(dowelled(4.0, 2e4, 1e6).limit->multiplier, (tall * 0.5 + 2e4 * 0.75) / (tall * 2.0), 1e-4);
+  EXPECT_NEAR(dowelled(0.5, 2e3, 1e3).limit->multiplier, mu * (1.0 + 2e3 / low) + 1e3 / low, 1e-4);
+}
+
+// A plate on two blocks gives half of its tie to each, and a point on the joint between them is refused.
+TEST(LimitOfMembers, PlateSharesItsTie) {
+  const double weight = 2000.0 * 3.0 * 0.3 * kGravity, yield = 4e3, y = 2.0;
+  const auto with = [&](const std::string& plate) {
+    return limit_of_text(
+        head(45.0) + box("left", "[0, 0, 0]", "[1, 3, 0.3]") + box("right", "[1, 0, 0]", "[1, 3, 0.3]") +
+            box("back", "[0, 0, -5]", "[2, 3, 1]", "fixed = true") +
+            fmt::format(
+                "[[tie]]\nfrom = {{ block = \"back\", point = [1, {0}, -4] }}\nto = {{ block = \"left\", point = "
+                "[1, {0}, 0.3]{1} }}\narea = 1e-5\nyoung_modulus = 2e11\nyield_stress = {2}\n",
+                y, plate, yield / 1e-5),
+        {0, 0, 1});
+  };
+  const SceneLimit limit = with(", plate = [0.6, 0.6]");
+  EXPECT_NEAR(limit.limit->multiplier, (weight * 0.15 + 0.5 * yield * y) / (weight * 1.5), 1e-4);
+  try {
+    with(", plate = [3.0, 0.6]");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("tie.1.to"), HasSubstr("reaches over the masonry at"), HasSubstr("0.25 m off")));
+  }
+}
+
+// A wall of one block turns over away from the soil, which pushes by Ka, or into it, against Kp: moments about a toe.
+TEST(LimitOfMembers, WallTurnsAwayFromSoilAndIntoIt) {
+  const double h = 4.0, b = 2.0, weight = 2000.0 * h * b * kGravity, gamma = 5e3;
+  for (const double way : {-1.0, 1.0}) {
+    const SceneLimit limit = limit_of_text(
+        head(45.0) + box("wall", "[0, 0, 0]", "[2, 4, 1]") +
+            fmt::format("[[fill]]\nblock = \"wall\"\ntowards = [1, 0, 0]\nsurface = [0, 4, 0]\nunit_weight = "
+                        "{}\nfriction_angle = 30\nstiffness = 1e7\n",
+                        gamma),
+        {way, 0, 0});
+    ASSERT_TRUE(limit.limit);
+    const double coefficient = way < 0.0 ? -1.0 / 3.0 : 3.0;
+    const double soil = coefficient * gamma * h * h / 2.0 * h / 3.0;
+    EXPECT_NEAR(limit.limit->multiplier, (weight * b / 2.0 + soil) / (weight * h / 2.0), 1e-4) << way;
+  }
+}
+
+// A slab on a pier of a breadth of 1 m: P (|x| - 1/2) = W/2, nothing above the pier.
+TEST(LimitOfMembers, MovingLoadIsWorstAtTheEnds) {
+  const auto moving = [](const std::string& from) {
+    return members_cases::head(45.0) + box("pier", "[-0.5, 0, 0]", "[1, 1, 1]", "fixed = true") +
+           box("slab", "[-2, 1, 0]", "[4, 0.2, 1]") +
+           fmt::format(
+               "[[stage]]\nname = \"crossing\"\ngravity = [0, -9.81, 0]\nduration = 1.0\nmoving_load = {{ from = {}, "
+               "to "
+               "= [2, 3, 0.5], force = [0, -1000, 0], positions = 17 }}\n",
+               from);
+  };
+  LimitOptions options;
+  options.moving = options.associated = true;
+  const Simulation simulation(read_scene_text(moving("[-2, 3, 0.5]"), "moving.toml"), 1);
+  const SceneLimit limit = limit_of(simulation, options);
+  ASSERT_EQ(limit.moving.size(), 17u);
+  const double weight = 2000.0 * 0.8 * kGravity;
+  for (const MovingLimit& here : limit.moving) {
+    EXPECT_NEAR(here.at.y, 1.2, 1e-9);
+    const double arm = std::abs(here.at.x) - 0.5;
+    ASSERT_EQ(here.multiplier.has_value(), arm > 1e-6) << here.at.x;
+    if (here.multiplier) {
+      EXPECT_NEAR(*here.multiplier / (0.5 * weight / arm / 1000.0), 1.0, 1e-6) << here.at.x;
+    }
+  }
+  EXPECT_NEAR(std::abs(limit.moving[limit.worst].at.x), 2.0, 1e-9);
+  EXPECT_EQ(json_of("", limit, options)["moving"]["positions"].size(), 17u);
+  try {
+    limit_of(Simulation(read_scene_text(moving("[-12, 3, 0.5]"), "moving.toml"), 1), options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("meets no block from its position 1 of 17 at (-12, 3, 0.5)"));
+  }
+}
+
+TEST(LimitOfMembers, CablesAreRefused) {
+  try {
+    limit_of_text(head(30.0) +
+                      "[[beam]]\nname = \"c\"\npoints = [[0, 0, 0], [4, 0, 0]]\nspacing = 0.5\narea = "
+                      "1e-4\nyoung_modulus = 2e11\ndensity = 7850\n[[beam.support]]\npoint = [0, 0, "
+                      "0]\n[[beam.support]]\npoint = [4, 0, 0]\n",
+                  {0, 0, 1});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("beam 'c' does not bend both ways (inertia)"));
+  }
+}
+
+}  // namespace
+}  // namespace quoin
