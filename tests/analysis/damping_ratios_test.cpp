@@ -31,6 +31,8 @@ density = 1800.0
 law = "elastic"
 normal_stiffness = 1e9
 shear_stiffness = 4e8
+[contact]
+cubic_points = false
 [[block]]
 name = "ground"
 material = "stone"

@@ -448,7 +448,7 @@ TEST(WholeCones, HaveTheStrengthsOfPyramids) {
   const LimitResult tied = limit_multiplier(one.problem, whole_cones());
   EXPECT_NEAR(tied.member_force.at(0), 0.3, 1e-5);
   // A couple on a third body that nothing else holds, and a force without bounds.
-  one.problem.blocks.push_back({{0.0, 3.0, 0.5}});
+  one.problem.blocks.push_back({{0.0, 3.0, 0.5}, false, {}, {}});
   for (const geometry::Vector& way : {x, geometry::Vector{0.0, 1.0, 0.0}, geometry::Vector{0.0, 0.0, 1.0}}) {
     one.problem.forces.push_back({{{2, {0.0, 3.0, 0.5}, way, {}}, {1, {0.0, 2.0, 0.5}, -way, {}}}});
     one.problem.forces.push_back(

@@ -414,7 +414,7 @@ bed_joint = "joint"
 head_joint = "joint"
 beam_joint = "joint"
 top_beam = false
-)") << stages << "[output]\nenergy = true\nframes = 0\nplots = false\n";
+)") << stages << "[contact]\ncubic_points = false\n[output]\nenergy = true\nframes = 0\nplots = false\n";
     return path;
   }
   // A column of the last row of a run.
