@@ -316,8 +316,8 @@ class ConeProgramme {
     for (const Element::Side& side : e.sides) on.segment<6>(side.row) += side.on * f;
   }
 
-  // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier; with what is left
-  // over solved for again.
+  // H dx + A^T dy + to_multiplier dm = rest, A dx + live dm = of_rows, and the row of the multiplier. The residual is
+  // solved for again.
   void solve_for(const VectorXd& of_rows, double of_multiplier) {
     for (Element& e : elements_) e.dx.setZero(), e.left = e.rest;
     dy_ = VectorXd::Zero(rows_count_), dm_ = 0.0;

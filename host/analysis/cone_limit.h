@@ -1,8 +1,8 @@
 // Limit analysis with whole friction cones in place of pyramids, by an interior point method of its own.
 //
 // Lobo et al. (1998): a second-order cone programme. Nesterov and Todd's scaling, Mehrotra's predictor and corrector,
-// as Vandenberghe (2010) has them. A step solves for the virtual velocities of the blocks alone, by a sparse matrix
-// that is that of springs at the contact points: time grows little faster than the number of blocks.
+// as Vandenberghe (2010) has them. A step solves for the virtual velocities of the blocks alone. Its sparse matrix is
+// that of springs at the contact points. Time grows little faster than the number of blocks.
 #pragma once
 
 #include "analysis/limit.h"

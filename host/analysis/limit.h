@@ -59,7 +59,7 @@ struct LimitProblem {
 struct LimitSettings {
   // Facets of the pyramid inside the friction cone. A shear force between two of its edges is at most 1 -
   // cos(pi/facets) too weak: 0.5 % of friction with 32. Edges lie along s and t where 4 divides it: exact for plane
-  // problems. 0: the whole cone, by cone_limit.h, and pyramids of 32 facets where that finds nothing.
+  // problems. With 0 the whole cone, by cone_limit.h, and pyramids of 32 facets where that finds nothing.
   int facets = 32;
   bool facet_on_axis = false;  // the normal of the first facet, and not its edge, lies along s
   // The middle of all forces that give the multiplier, and not a corner of them: it moves little when strengths do. To

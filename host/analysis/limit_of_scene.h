@@ -49,7 +49,7 @@ struct LimitMember {
   std::string label, what;       // "floor 'first'", "shear_N_per_m"
   std::vector<std::size_t> of;   // of LimitProblem::forces
   std::vector<double> over;      // by which each is divided, m
-  std::vector<double> strength;  // of each, divided alike; may be infinite
+  std::vector<double> strength;  // of each, divided by the same; may be infinite
 };
 
 // A floor or beam as it is drawn: its nodes among the blocks, its faces by nodes from 0.

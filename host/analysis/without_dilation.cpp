@@ -24,7 +24,7 @@ constexpr double kSteady = 1e-3, kBeyond = 0.05;
 constexpr int kSteadyFor = 3, kMostProblems = 40;
 // A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
-// Of the mean normal force: below it there is no friction, and strength does not sink, or the point could take no
+// Of the mean normal force. Below it there is no friction. Strength does not sink there, or the point could take no
 // normal force at all.
 constexpr double kUnloaded = 1e-4, kUnloadedPyramids = 1e-6;
 // Contact points up to which pyramids are tried where cones have not settled: a second a problem.

@@ -38,7 +38,7 @@ struct Deformation {
   std::vector<Share> shares;
   double stiffness = 0.0;  // N/m or N m
   double coupling = 0.0;   // with the deformation before it, N/m or N m
-  // Strength: what F is bounded by. What it is of, with its unit as in files, and over what it is told, m.
+  // Strength: what F is bounded by. `what`: its quantity and unit, as in files. over: what results divide it by, m.
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
   const char* what = "";  // empty: without a bound of its own
   double over = 1.0;

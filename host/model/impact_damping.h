@@ -16,22 +16,22 @@ struct LandingBlock {
   double height;                  // m, of the centre of mass above the face
 };
 
-// omega^2 = kn (A/2) (1/m + b^2/I) normal to the face, of two edges the one with the higher frequency, and
-// ks (A/2) (1/m + h^2/I) along it, 1/s2. kn, ks: of the joint, Pa/m.
+// Normal to the face omega^2 = kn (A/2) (1/m + b^2/I), of two edges the one with the higher frequency. Along it omega^2
+// = ks (A/2) (1/m + h^2/I), 1/s2. kn, ks: of the joint, Pa/m.
 std::array<double, 2> landing_squares(const LandingBlock& landing, double kn, double ks);
 
 // Viscosity over stiffness normal to the joint and along it, s; 0 where nothing lands. squares: the largest, 1/s2.
 std::array<double, 2> impact_viscosity(const std::array<double, 2>& squares, double impact_damping);
 
-// The same of zones: 1 % of critical at the first vibration of a bar of this length (m) between free ends, of which c
-// is the speed of sound, m/s: omega = pi c/L.
+// The same of zones: 1 % of critical at the first vibration of a bar of this length (m) between free ends. Its omega =
+// pi c/L, with the speed of sound c, m/s.
 double zone_viscosity(double length, double speed);
 
-// With stiffness K and viscosity C, whose forces are those of the velocities half a step ago, central differences are
-// stable where 4 M - dt^2 K - 2 dt C is positive: where dt <= 2/omega(dt), omega^2 the largest eigenvalue of K + 2 C/dt
-// over M. That one grows as dt falls, so from a dt that is stable 2/omega(dt) is stable too, and no shorter. The first
-// is that of the sum of both largest eigenvalues: x^2 + z x = 1. Where the step would fall below kLeastImpactStep of
-// the undamped one, viscosity becomes less instead: the eigenvalue is convex in its share, so that a chord is safe.
+// Stiffness K and viscosity C, whose forces are those of the velocities half a step ago. Central differences are stable
+// where 4 M - dt^2 K - 2 dt C is positive. Thus dt <= 2/omega(dt), where omega^2 is the largest eigenvalue of K + 2
+// C/dt over M. That one grows as dt falls, so from a dt that is stable 2/omega(dt) is stable too, and no shorter. The
+// first is that of the sum of both largest eigenvalues: x^2 + z x = 1. Where the step would fall below kLeastImpactStep
+// of the undamped one, viscosity becomes less instead. The eigenvalue is convex in its share, so that a chord is safe.
 struct ImpactStep {
   double left;   // of the undamped step
   double share;  // of the viscosity that is kept

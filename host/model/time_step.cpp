@@ -500,7 +500,7 @@ TimeStepReport limits(const Model& model, const UndamagedSystem& system, const I
 }
 
 // The lightest block at the joints of a family sets its viscosity. Joints between the halves of units are glued from
-// the start: nothing lands there, and their stiffness, which is that of the units, would take all of the step.
+// the start, and nothing lands there. Their stiffness is that of the units and would take all of the step.
 std::vector<std::array<double, 2>> impact_viscosities(const Model& model, const SolverSettings& settings) {
   const Assembly& assembly = model.assembly;
   std::vector<std::array<double, 2>> squares(assembly.families.size()), viscosities;

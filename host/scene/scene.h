@@ -57,8 +57,9 @@ struct RandomSample {
   std::uint64_t sample = 1;  // 0: the mean of everything
 };
 
-// Contact points in joints of rigid blocks: at corners alone, about which a dry block turns; or such that cubics, and
-// so bending, are integrated exactly. cubic_at_start: the latter in joints of the start; what meets later is dry.
+// Contact points in joints of rigid blocks. With corners they are at corners alone, about which a dry block turns. With
+// cubic they integrate cubics, and so bending, exactly. With cubic_at_start, the latter in joints of the start; what
+// meets later is dry.
 enum class RigidPoints { corners, cubic_at_start, cubic };
 
 // A joint family: all contact points that share one law and one set of properties.

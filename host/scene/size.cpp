@@ -52,8 +52,8 @@ void add_rigid(double count, double points, const Costs& costs, SceneSize* size)
   size->bytes += count * (costs.rigid_block + costs.gridpoint * gridpoints + costs.point * points);
 }
 
-// Points of a rigid block at the corners of each face, or no further apart than `spacing`, m, where that is more than
-// 0; or `times` as many as corners.
+// Points of a rigid block at the corners of each face. Where `spacing`, m, is more than 0, no further apart than that.
+// Or `times` as many as corners.
 struct OfRigid {
   double spacing = 0.0, times = 1.0;
 };

@@ -320,8 +320,8 @@ struct Simulation::Impl {
   // Of the ground motion of a stage, m/s. motion: as in Drive.
   static constexpr double kGroundAtRest = 1e-12;  // m/s, rounding of a record that ends at rest
   geometry::Vector record_since_half_step(const Stage* of_stage, std::int32_t motion) const;  // m/s; null: none
-  // On the lattice: velocity now of a body that moves with the ground, as the stage before has left it, m/s; a body
-  // that moves as the ground does, -1: none.
+  // On the lattice. left_over_velocity: velocity now of a body that moves with the ground, as the stage before has left
+  // it, m/s. ground_body: a body that moves as the ground does, -1: none.
   Vec3 left_over_velocity(const Stage* previous, int body) const;
   int ground_body() const;
   geometry::Vector record_velocity(const Stage& of_stage, double time, std::int32_t motion = 0) const;

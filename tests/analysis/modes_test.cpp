@@ -329,8 +329,8 @@ double frequency_of(const Top& top) {
   return static_cast<double>(outwards.size() - 1) / (outwards.back() - outwards.front());
 }
 
-// The same wall as whole units, without damping: a weight sideways that is there at once lets it swing about where that
-// would bend it, in its first mode above all. The run against quoin modes (1 %: what there is of higher modes) and
+// The same wall as whole units, without damping, under a weight sideways that is there at once. It swings about where
+// that would bend it, in its first mode above all. The run against quoin modes (1 %: what there is of higher modes) and
 // against Timoshenko's beam (2 %). Rigid units have the points of bonded joints by default.
 TEST(Modes, ASolidWallSwingsAtItsFirstFrequency) {
   constexpr double kn = 20e9, ks = 8e9, h = 0.1, l = 0.4, width = 0.8, depth = 0.2, density = 1800.0, height = 4.0;

@@ -422,7 +422,7 @@ top_beam = false
 };
 
 // A wall, on the lattice, and the same wall as blocks, under the same record, with the same damping: the same energies.
-// 1e-4 of the largest: large motion alone turns forces with the blocks, and their last rows are a part of a time step
+// To 1e-4 of the largest: large motion alone turns forces with the blocks. Their last rows are a part of a time step
 // apart.
 TEST_F(GroundUnderWalls, AWallAndTheSameWallAsBlocksAgree) {
   const std::string shake = R"([[stage]]

@@ -79,7 +79,8 @@ TEST_F(Limit, ARunBeginsFromTheLimit) {
 }
 
 // Some 300 s before: the search looked for a friction that it does not use. Ferris and Tin-Loi's second wall falls at
-// 0.5629 without dilation; the slow limit of the run is that within 1 %. 120 s: of a machine that has much else to do.
+// 0.5629 without dilation. The slow limit of the run is that within 1 %. Within 120 s: on a machine that has much else
+// to do.
 TEST_F(Limit, ARunOfAWallBeginsFromTheLimitInSeconds) {
   const std::string collapse = "stage.tilt.collapse={ direction = [1, 0, 0], start = \"limit\" }";
   const auto begin = std::chrono::steady_clock::now();

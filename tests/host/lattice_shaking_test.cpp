@@ -1,5 +1,5 @@
-// Ground motion on the lattice: held against the general kernels, which share neither geometry nor time step with it,
-// against closed forms, and against itself on several threads and after a restart.
+// Ground motion on the lattice against the general kernels, which share neither geometry nor time step with it. Against
+// closed forms, and against itself on several threads and after a restart.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -116,9 +116,9 @@ std::string smooth_record(double amplitude) {
                      accelerations);
 }
 
-// From rest, so that both begin alike, and little, as large motion has geometric stiffness: 1 N of vertical inertia
-// over 0.4 m of height beside 2e7 N/m is 1e-7. Time steps differ by 5e-6 with these zones. Forces differ more: where a
-// contact comes to bear, its damping begins a step earlier or later.
+// From rest, so that both begin in the same state. Motion is little, as large motion has geometric stiffness: 1 N of
+// vertical inertia over 0.4 m of height beside 2e7 N/m is 1e-7. Time steps differ by 5e-6 with these zones. Forces
+// differ more: where a contact comes to bear, its damping begins a step earlier or later.
 TEST(LatticeOnGround, IsTheGeneralKernelsBeforeCracking) {
   const Overrides little{"stage.press.pressure=0",      smooth_record(0.04),         "output.record_interval=0.00002",
                          "stage.press.gravity=[0,0,0]", "stage.press.duration=2e-5", "wall.zones=[2,2,1]"};
@@ -143,7 +143,7 @@ TEST(LatticeOnGround, IsTheGeneralKernelsWhenItCracks) {
   EXPECT_LT(apart(lattice, general, kDamping), 0.01);
   EXPECT_LT(apart(lattice, general, kCracks), 0.01);
   EXPECT_GT(kCracks(lattice.back()), kDamping(lattice.back()) - kDamping(lattice.front()));
-  // What is missing, of what the ground has brought. The time step falls while the wall is still being pressed, which
+  // The balance error, of the work of the ground. The time step falls while the wall is still being pressed, which
   // costs half a step of that work.
   for (const HistoryRow& row : lattice)
     EXPECT_LT(std::abs(row.energies->balance_error()), 1e-3 * lattice.back().energies->external);
@@ -195,8 +195,8 @@ TEST(LatticeOnGround, DampingActsOnTheMotionOnTheGround) {
   }
 }
 
-// One half of the ground stays, the other sinks by 2 mm in 20 ms, on the lattice as in the general kernels. 2 %: joints
-// break, and what has broken is where it breaks next.
+// One half of the ground stays, the other sinks by 2 mm in 20 ms, on the lattice as in the general kernels. To 2 %:
+// joints break, and what has broken is where it breaks next.
 TEST(LatticeOnGround, GroupsOfSupportsMoveByThemselves) {
   const Overrides sinks{"wall.bottom_beam_cuts=[3]", "output.record_interval=0.0002",
                         "stage.shake.ground_motion={support=[{blocks=['bottom_beam_2'],direction=[0,-1,0],"

@@ -1,5 +1,5 @@
-// Contact points of rigid blocks: where a joint carries tension they integrate a linear stress exactly, where it is dry
-// they are its corners, about which a block turns; a key says otherwise.
+// Contact points of rigid blocks. Where a joint carries tension they integrate a linear stress exactly. Where it is dry
+// they are its corners, about which a block turns. A key says otherwise.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -67,9 +67,9 @@ struct Cracks : Observer {
   double first = 0.0;
 };
 
-// It cracks where the stress at its face, M/(L t^2/6) less W/(L t), reaches the tensile strength, and falls over then,
-// for the joint without tension carries no more than t/h = 0.2. 1 %: the load waits at every 0.5 %. The brittle bond of
-// few points falls a little later than it cracks, as the others take over: by 14 %, of points every 20 mm by 4 %.
+// It cracks where the stress at its face, M/(L t^2/6) less W/(L t), reaches the tensile strength. It falls over then,
+// for the joint without tension carries no more than t/h = 0.2. To 1 %: the load waits at every 0.5 %. The brittle bond
+// of few points falls a little later than it cracks, as the others take over: by 14 %, of points every 20 mm by 4 %.
 TEST(RigidPoints, AParapetCracksWhereItsFaceReachesTheTensileStrength) {
   const double expected = kThickness / (3.0 * kHeight) * (1.0 + kTension / kWeight);
   ASSERT_GT(expected, 1.2 * kThickness / kHeight);

@@ -86,8 +86,8 @@ TEST(Dowels, BadOnesAreRefusedWithPlaces) {
   EXPECT_THAT(refusal(dowel("[1, 0, 1]", 0.0, 1e4)), HasSubstr("dowel.1.yield_force = 0"));
 }
 
-// A block hangs in the loop of a tie that slides through its top: both parts pull alike, so that it goes to the middle,
-// T = W/(2 sin of their slope). 1 %: motion that is left.
+// A block hangs in the loop of a tie that slides through its top. Both parts pull with the same force, so that it goes
+// to the middle: T = W/(2 sin of their slope). To 1 %: motion that is left.
 TEST(Ties, LoopThatSlidesThroughABlockPullsAlikeOnBothSides) {
   const auto simulation = rested(
       head(30.0, 1e11, 2.0) + box("left", "[-3, 2, 0]", "[1, 1, 1]", "fixed = true") +

@@ -68,7 +68,7 @@ TEST(Fills, WeighsOnWhatIsBelow) {
   EXPECT_NEAR(m.fills().front().area, 1.0 * kDepth, 1e-9);
 }
 
-// On an arch: what lies between its extrados, of chords, and the surface; left and right press alike. 1e-6.
+// On an arch: what lies between its extrados, of chords, and the surface; left and right press equally. 1e-6.
 TEST(Fills, LiesOnAnExtrados) {
   const double radius = 2.2, surface = 3.0, depth = 1.0;
   const int voussoirs = 12;

@@ -73,9 +73,9 @@ TEST(LimitOfMembers, LintelFallsByThreeHinges) {
   EXPECT_GE(moment.at_strength, 3);
 }
 
-// Sway of a frame that is built in at its feet, with a hinge at x along the beam in place of its left corner:
-// lambda (Wb + Wc) h + Wb x/2 = My (2 + 2 L/(L - x)), Wc of each column. The least of all nodes; x = 0 for a short
-// beam.
+// Sway of a frame that is built in at its feet, with a hinge at x along the beam in place of its left corner. Its
+// multiplier: lambda (Wb + Wc) h + Wb x/2 = My (2 + 2 L/(L - x)), Wc of each column. The least of all nodes; x = 0 for
+// a short beam.
 TEST(LimitOfMembers, PortalFrameSways) {
   const double h = 3.0, yield = 4e3;
   for (const double length : {2.0, 8.0}) {
@@ -142,8 +142,9 @@ TEST(LimitOfMembers, DiaphragmYieldsInShear) {
   EXPECT_NEAR(largest_force(member_of(limit, "shear_N_per_m"), *limit.limit).largest, yield, 1e-6 * yield);
 }
 
-// A facade of one block turns about its outer edge with the floor that it carries at the height y, whose anchors yield
-// at the wall behind: lambda (W h/2 + Wf y) = W t/2 + Ta L y + Wf t/2. Half of the floor's weight is on its inner face.
+// A facade of one block turns about its outer edge with the floor that it carries at the height y. The floor's anchors
+// yield at the wall behind: lambda (W h/2 + Wf y) = W t/2 + Ta L y + Wf t/2. Half of the floor's weight is on its inner
+// face.
 TEST(LimitOfMembers, FacadeHeldByAFloorTurnsOver) {
   const double t = 0.3, h = 3.0, width = 3.0, y = 2.5, anchor = 800.0, load = 100.0 * kGravity;
   const double weight = h * t * width * 2000.0 * kGravity;
@@ -162,8 +163,8 @@ TEST(LimitOfMembers, FacadeHeldByAFloorTurnsOver) {
   EXPECT_NEAR(largest_force(member_of(limit, "anchor_N_per_m"), *limit.limit).largest, anchor, 1e-6 * anchor);
 }
 
-// A dowel is drawn where a block turns over its toe, lambda W h/2 = W b/2 + Ny d, and both clamps and shears where it
-// slides, lambda W = mu (W + Ny) + V.
+// A dowel is drawn where a block turns over its toe: lambda W h/2 = W b/2 + Ny d. It both clamps and shears where the
+// block slides: lambda W = mu (W + Ny) + V.
 TEST(LimitOfMembers, DowelHoldsABlock) {
   const auto dowelled = [](double height, double force, double shear) {
     return limit_of_text(head(30.0) + box("block", "[0, 0, 0]", fmt::format("[1, {}, 1]", height)) +

@@ -10,8 +10,8 @@ namespace {
 using members_cases::box;
 using members_cases::head;
 
-// A slab on two narrow feet on springs: the load, which has come to x, divides by the lever. 2 %: feet of 0.1 m on 4 m
-// turn, and motion is left.
+// A slab on two narrow feet on springs: the load, which has come to x, divides by the lever. To 2 %: feet of 0.1 m on 4
+// m turn, and motion is left.
 TEST(MovingLoad, DividesByTheLever) {
   const double load = 2e4, span = 4.0, weight = 2000.0 * 4.1 * 0.2 * 1.0 * 9.81;
   for (const double x : {0.0, 1.0, 3.0}) {
