@@ -22,8 +22,8 @@ struct Tangent {
     geometry::Vector centre{};               // m
   };
   Eigen::SparseMatrix<double> stiffness;  // lower triangle, N/m, N m
-  // The same of the viscosity of impact and viscous damping, N s/m, N m s. It has contacts that are closed, zones and
-  // masses. Empty: the damping of the stage is of another kind, or none.
+  // The same of the viscosity of impact and viscous damping, N s/m, N m s. It is that of contacts that are closed, of
+  // zones and of masses. Empty: the damping of the stage is of another kind, or none.
   Eigen::SparseMatrix<double> viscosity;
   std::vector<double> mass;  // diagonal, kg, kg m2; without scaling
   std::vector<Unknown> unknown;
