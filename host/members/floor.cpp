@@ -7,8 +7,6 @@ namespace quoin::members {
 
 namespace {
 
-constexpr double kStandardGravity = 9.81;  // m/s2, that `load` is given for
-
 InPlane operator+(const InPlane& a, const InPlane& b) { return {a.along + b.along, a.across + b.across}; }
 InPlane operator-(const InPlane& a, const InPlane& b) { return {a.along - b.along, a.across - b.across}; }
 InPlane operator*(double f, const InPlane& a) { return {f * a.along, f * a.across}; }
@@ -155,7 +153,7 @@ void Floor::load_blocks(std::vector<Node>& nodes, const Surroundings& step) {
     lift_then_[i] = lift;
   }
   begun_ = 1;
-  weight_ = (membrane_.mass + membrane_.load / kStandardGravity) * geometry::dot(step.gravity, normal);
+  weight_ = (membrane_.mass + membrane_.load / kGravityOfLoads) * geometry::dot(step.gravity, normal);
   for (const Connector& c : connectors_) nodes[static_cast<std::size_t>(c.node)].force += weight_ * c.carried * normal;
 }
 

@@ -16,6 +16,8 @@ struct InPlane {
   double along = 0.0, across = 0.0;
 };
 
+inline constexpr double kGravityOfLoads = 9.81;  // m/s2, that `load` of a floor is given for
+
 struct Membrane {
   double along = 0.0, across = 0.0;                              // axial stiffness, N/m
   double shear = 0.0;                                            // N/m

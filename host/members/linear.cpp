@@ -12,7 +12,6 @@ namespace quoin::members {
 namespace {
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-constexpr double kStandardGravity = 9.81;  // m/s2, that `load` is given for
 
 // Axial strains at both edges of a panel go with each other, as floor.cpp integrates them; shear stands alone.
 void add_panel(const Floor& floor, int first, int i, int j, std::vector<Deformation>* out) {
@@ -70,7 +69,7 @@ void add_floor(const Floor& floor, const Vector& gravity, LinearMembers* out) {
   OwnBody body{
       fmt::format("floor '{}'", floor.name()), static_cast<int>(out->nodes.size()), 0, out->deformations.size(), 0, {}};
   const Vector normal = cross(grid.along, grid.across);
-  const double mass = floor.membrane().mass + floor.membrane().load / kStandardGravity;  // kg/m2
+  const double mass = floor.membrane().mass + floor.membrane().load / kGravityOfLoads;  // kg/m2
   for (int place = 0; place < (n + 1) * (m + 1); ++place)
     out->nodes.push_back(
         {floor.start_of(place), floor.membrane().mass * floor.share_of(place), 0.0, {grid.along, grid.across}, {}});
