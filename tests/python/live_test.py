@@ -15,7 +15,7 @@ import unittest.mock
 import quoin
 from support import PROGRAM, SMALL_WALL, Folder
 
-SLOW = ["--set", "stage.shear.velocity=0.0002", "--set", "output.plots=false", "--set", "output.frames_of=all", "--threads", "1"]
+SLOW = ["--set", "stage.shear.velocity=0.00003", "--set", "output.plots=false", "--set", "output.frames_of=all", "--threads", "1"]
 
 
 class Live(Folder):
