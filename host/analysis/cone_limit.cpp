@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 namespace quoin {
 namespace {
@@ -119,7 +120,7 @@ struct Element {
 class ConeProgramme {
  public:
   ConeProgramme(const LimitProblem& problem, double most, const std::vector<double>& near) : problem_(problem) {
-    find_scales();
+    std::tie(force_, length_) = scales_of(problem);
     number_blocks();
     for (const LimitPoint& p : problem.points) add_point(p);
     for (std::size_t i = 0; i < near.size(); ++i) {
@@ -147,15 +148,6 @@ class ConeProgramme {
 
  private:
   bool is_near() const { return !elements_.empty() && elements_.front().pull > 0.0; }
-
-  void find_scales() {
-    double load = 0.0, arm = 0.0;
-    for (const LimitBlock& b : problem_.blocks) load += norm(b.dead.force) + norm(b.live.force);
-    for (const LimitPoint& p : problem_.points)
-      arm += norm(p.position - problem_.blocks[static_cast<std::size_t>(p.a)].centre);
-    force_ = load > 0.0 ? load / static_cast<double>(problem_.blocks.size()) : 1.0;
-    length_ = arm > 0.0 ? arm / static_cast<double>(problem_.points.size()) : 1.0;
-  }
 
   void number_blocks() {
     for (const LimitBlock& b : problem_.blocks) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <tuple>
 
 #include "analysis/cone_limit.h"
 #include "analysis/linear_program.h"
@@ -73,7 +74,7 @@ void require(const LimitProblem& problem, const LimitSettings& settings) {
 class Programme {
  public:
   Programme(const LimitProblem& problem, const LimitSettings& settings) : problem_(problem), settings_(settings) {
-    find_scales();
+    std::tie(force_, length_) = scales_of(problem);
     add_equilibrium();
     for (std::size_t i = 0; i < problem.points.size(); ++i) add_rows(problem.points[i]);
     add_multiplier();
@@ -110,15 +111,6 @@ class Programme {
     int shear_row = -1, crushing_row = -1;
     bool slides = false;  // carries shear
   };
-
-  void find_scales() {
-    double load = 0.0, arm = 0.0;
-    for (const LimitBlock& b : problem_.blocks) load += norm(b.dead.force) + norm(b.live.force);
-    for (const LimitPoint& p : problem_.points)
-      arm += norm(p.position - problem_.blocks[static_cast<std::size_t>(p.a)].centre);
-    force_ = load > 0.0 ? load / static_cast<double>(problem_.blocks.size()) : 1.0;
-    length_ = arm > 0.0 ? arm / static_cast<double>(problem_.points.size()) : 1.0;
-  }
 
   // Sum of what contact points do to a block = -(dead + multiplier * live): six rows a free block.
   void add_equilibrium() {
@@ -329,6 +321,15 @@ LinearSolution solution_of(const LinearProgram& linear, const LimitProblem& prob
 }
 
 }  // namespace
+
+std::pair<double, double> scales_of(const LimitProblem& problem) {
+  double load = 0.0, arm = 0.0;
+  for (const LimitBlock& b : problem.blocks) load += norm(b.dead.force) + norm(b.live.force);
+  for (const LimitPoint& p : problem.points)
+    arm += norm(p.position - problem.blocks[static_cast<std::size_t>(p.a)].centre);
+  return {load > 0.0 ? load / static_cast<double>(problem.blocks.size()) : 1.0,
+          arm > 0.0 ? arm / static_cast<double>(problem.points.size()) : 1.0};
+}
 
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& given) {
   require(problem, given);

@@ -9,6 +9,7 @@
 #include <array>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geometry/vector.h"
@@ -97,6 +98,9 @@ struct LimitResult {
 // Throws Error(bad_input): indices out of range, values that are not finite, strengths below 0, no live load, facets
 // < 4.
 LimitResult limit_multiplier(const LimitProblem& problem, const LimitSettings& settings = {});
+
+// What programmes count forces and lengths in: the mean load of a block, N, and the mean arm of a contact point, m.
+std::pair<double, double> scales_of(const LimitProblem& problem);
 
 // Blocks that no chain of contact points and members joins to a fixed one; indices, ascending.
 std::vector<int> unconnected_blocks(const LimitProblem& problem);

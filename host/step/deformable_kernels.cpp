@@ -321,9 +321,7 @@ struct Destination {
 };
 
 // No frame: blocks that go zone by zone.
-struct NoFrame {
-  HWY_INLINE Lanes3 anchor(int, int) const { return zeros(); }
-};
+struct NoFrame {};
 
 // F and R of the places in the columns, lane by lane.
 template <class Frame>
