@@ -607,8 +607,10 @@ void read_custom(Table& t, Stage& stage, const Scene& scene, std::vector<std::st
   read_actions(t, stage, folder, bodies);
   const bool acts = !stage.beyond_lattice().empty();
   if (acts) read_stage_solver(t, stage, scene);
-  if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty())
-    stage.monitor = scene.building->floors.back().bodies().front();
+  if (acts && stage.monitor.empty() && scene.building && !scene.building->floors.empty()) {
+    const std::vector<std::string> beams = scene.building->floors.back().bodies();
+    if (!beams.empty()) stage.monitor = beams.front();  // none where half_units was refused
+  }
   read_monitor(t, stage, acts ? &bodies : &held);
   if (acts) add_loads_of_before(stage, scene, held, top_force);
   if (!stage.equilibrium_ratio && !stage.displacement && !stage.duration && !stage.collapse &&

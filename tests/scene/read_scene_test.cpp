@@ -276,6 +276,17 @@ TEST(ReadBuilding, WallsAndFloorsHaveNamesOfTheirOwn) {
               HasSubstr("building.floor.2.name = 'floor_1': allowed: a name that"));
 }
 
+// Found by fuzzing: the stage that moves the ground took the first beam of the last floor as its monitor.
+TEST(ReadBuilding, FloorWithoutBeamsIsNamedWhereTheGroundMoves) {
+  try {
+    read_scene(QUOIN_SCENES "/pavia_floors.toml", {"building.floor.2.half_units=[]"});
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("building.floor.2.half_units = []: wrong type, a list; allowed: a list of integers"));
+  }
+}
+
 // The page's column of defaults, host/scenes/README.md.
 TEST_F(ReadScene, WhatIsLeftOutIsAsThePageSays) {
   const Scene s = read(std::string(kScene) +
