@@ -153,8 +153,11 @@ std::string peak_label(const Curve& curve, const Range& x) {
   const std::string text = fmt::format(
       "{}{} at {}{}", curve.y_unit == " kN" ? fmt::format("{:.1f}", at[1]) : fmt::format("{:.4g}", at[1]), curve.y_unit,
       curve.x_unit == " mm" ? fmt::format("{:.2f}", at[0]) : fmt::format("{:.4g}", at[0]), curve.x_unit);
-  return fmt::format("set label 1 \"{}\" at {:.6g},{:.6g} {} offset 0,{} font \"Sans,19\" front\n", text, at[0], at[1],
-                     side, at[1] < 0 ? -1.1 : 1.1) +
+  // On a ground of its own: other curves may pass there.
+  return fmt::format(
+             "set style textbox opaque noborder fillcolor rgb \"#ffffff\" margins 0.3,0.2\n"
+             "set label 1 \"{}\" at {:.6g},{:.6g} {} offset 0,{} font \"Sans,19\" front boxed\n",
+             text, at[0], at[1], side, at[1] < 0 ? -1.1 : 1.1) +
          fmt::format("$peak << EOD\n{:.6g} {:.6g}\nEOD\n", at[0], at[1]);
 }
 
