@@ -13,6 +13,7 @@
 
 #include "model/lanes3-inl.h"
 #include "model/stiffness-inl.h"
+#include "model/tiles-inl.h"
 #include "model/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -53,27 +54,48 @@ struct Begin {
 };
 
 // Gridpoint n of the lanes `first` on. Where a block has no such one, what moves repeats its first one, without force.
-template <bool kAllHaveIt>
-HWY_INLINE void load_gridpoint(const Begin& begin, int first, int n, const LaneColumns& to) {
-  constexpr int kVector = 3;
-  const auto has_it = [&](int l) { return kAllHaveIt || n < begin.node_count[first + l]; };
-  const auto vectors = [&](const Begins<const double>& from, int stride) HWY_ATTR {
-    return load_vectors([&](int l) { return has_it(l) ? from.of[first + l] + stride * n : &kNothing[0].x; });
-  };
-  const int line = n * kLine + first;
-  const V mass = hn::Load(D(), to.mass + n * kLanes + first);
-  store_line(load_vectors([&](int l) { return begin.x.of[first + l] + (has_it(l) ? kVector * n : 0); }), to.x + line);
-  store_line(vectors(begin.v, kVector), to.v + line);
-  store_line(plus_scaled(vectors(begin.force, kFour), mass, begin.acceleration[first / kWidth]), to.force + line);
-  if (to.viscous) store_line(vectors(begin.viscous, kFour), to.viscous_force + line);
-}
+struct GridpointLoad {
+  const Begin& begin;
+  const LaneColumns& to;
+  int first;
+
+  template <bool kAllHaveIt>
+  HWY_INLINE Lanes3 vectors(const Begins<const double>& from, int stride, int n) const {
+    return load_vectors([&](int l) {
+      return kAllHaveIt || n < begin.node_count[first + l] ? from.of[first + l] + stride * n : &kNothing[0].x;
+    });
+  }
+  HWY_INLINE void motion(int n) const {
+    constexpr int kVector = 3;
+    const auto place = [&](int l) {
+      return begin.x.of[first + l] + (n < begin.node_count[first + l] ? kVector * n : 0);
+    };
+    store_line(load_vectors(place), to.x + n * kLine + first);
+    store_line(vectors<false>(begin.v, kVector, n), to.v + n * kLine + first);
+  }
+  template <bool kAllHaveIt>
+  HWY_INLINE void forces(int n) const {
+    const int line = n * kLine + first;
+    const V mass = hn::Load(D(), to.mass + n * kLanes + first);
+    const Lanes3 force = vectors<kAllHaveIt>(begin.force, kFour, n);
+    store_line(plus_scaled(force, mass, begin.acceleration[first / kWidth]), to.force + line);
+    if (to.viscous) store_line(vectors<kAllHaveIt>(begin.viscous, kFour, n), to.viscous_force + line);
+  }
+};
 
 void LoadBlocks(std::span<const LaneBlock> blocks, LaneColumns* columns) {
   const Begin begin(blocks);
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     store_line(begin.moment[first / kWidth], columns->moment + first);
-    for (int n = 0; n < columns->fewest; ++n) load_gridpoint<true>(begin, first, n, *columns);
-    for (int n = columns->fewest; n < columns->node_count; ++n) load_gridpoint<false>(begin, first, n, *columns);
+    const GridpointLoad load{begin, *columns, first};
+    if (columns->fewest == columns->node_count) {
+      rows_to_lanes(begin.x.of + first, 3 * columns->node_count, columns->x + first);
+      rows_to_lanes(begin.v.of + first, 3 * columns->node_count, columns->v + first);
+    } else {
+      for (int n = 0; n < columns->node_count; ++n) load.motion(n);
+    }
+    for (int n = 0; n < columns->fewest; ++n) load.forces<true>(n);
+    for (int n = columns->fewest; n < columns->node_count; ++n) load.forces<false>(n);
   }
 }
 
@@ -289,36 +311,19 @@ HWY_INLINE void store_by_lane(const Lanes3& a, double (*to)[kLanes], int first) 
   for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k] + first);
 }
 
-// Where gridpoints of the lanes `first` on are written back to.
-struct Destination {
-  std::span<const LaneBlock> blocks;
-  Begins<double> begin;
-  int first, lanes, fewest;  // lanes that have a block; gridpoints that all blocks have
-  HWY_INLINE Destination(std::span<const LaneBlock> of, Vector* LaneBlock::*field, int first_lane, int all_have)
-      : blocks(of),
-        begin(of, [&](const LaneBlock& b) { return &(b.*field)->x; }),
-        first(first_lane),
-        lanes(std::min(kWidth, static_cast<int>(of.size()) - first_lane)),
-        fewest(all_have) {}
-
-  // Gridpoint n of the lanes that have it, three numbers each. The fourth of a row is what the next gridpoint begins
-  // with, which is written after it; behind the last one nothing is touched.
-  HWY_INLINE void store(int n, const Lanes3& a) const {
-    constexpr int kVector = 3;
-    const V column[kFour] = {a.x, a.y, a.z, hn::Zero(D())};
-    const auto put = [&](int l, int c, F part)
-                         HWY_ATTR { hn::StoreU(part, Four(), begin.of[first + l] + kVector * n + c); };
-    if (n + 1 < fewest && lanes == kWidth) return for_rows(column, kWidth, put);
-    for_rows(column, lanes, [&](int l, int c, F part) HWY_ATTR {
-      const int node_count = blocks[static_cast<std::size_t>(first + l)].node_count;
-      if (n + 1 < node_count) return put(l, c, part);
-      if (n >= node_count) return;
-      double last[kPart];
-      hn::StoreU(part, Four(), last);
-      for (int i = 0; i < kPart && c + i < kVector; ++i) begin.of[first + l][kVector * n + c + i] = last[i];
-    });
+// Three numbers a gridpoint of the lanes `first` on, written back to where blocks have them.
+HWY_INLINE void store_vectors(const double* lanes, std::span<const LaneBlock> blocks, Vector* LaneBlock::*field,
+                              int first, const LaneColumns& columns) {
+  constexpr int kVector = 3;
+  const Begins<double> begin(blocks, [&](const LaneBlock& b) { return &(b.*field)->x; });
+  const int row_count = std::min(kWidth, static_cast<int>(blocks.size()) - first);
+  if (columns.fewest == columns.node_count)
+    return lanes_to_rows(lanes + first, kVector * columns.node_count, begin.of + first, row_count);
+  for (int l = first; l < first + row_count; ++l) {
+    const int count = kVector * blocks[static_cast<std::size_t>(l)].node_count;
+    for (int i = 0; i < count; ++i) begin.of[l][i] = lanes[i * kLanes + l];
   }
-};
+}
 
 // No frame: blocks that go zone by zone.
 struct NoFrame {};
@@ -369,8 +374,6 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
   }
   V unbalanced = zero, positions = zero, kinetic = zero, damping = zero, external = zero;  // of the first the square
   Lanes3 net = zeros();
-  const Destination to_x(blocks, &LaneBlock::x, first, columns.fewest);
-  const Destination to_v(blocks, &LaneBlock::v, first, columns.fewest);
   for (int n = 0; n < columns.node_count; ++n) {
     const int at = n * kLine + first;
     const Lanes3 x = load_line(columns.x + at), v = load_line(columns.v + at), force = load_line(columns.force + at);
@@ -411,10 +414,11 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
-    if constexpr (kFrame) store_line(place, columns.x + at);
-    to_x.store(n, place);
-    to_v.store(n, next);
+    store_line(place, columns.x + at);
+    store_line(next, columns.v + at);
   }
+  store_vectors(columns.x, blocks, &LaneBlock::x, first, columns);
+  store_vectors(columns.v, blocks, &LaneBlock::v, first, columns);
   if constexpr (kFrame) store_frames(blocks, columns, first, frame);
   hn::Store(hn::Sqrt(unbalanced), d, sums->unbalanced + first);
   store_by_lane(net, sums->net, first);
