@@ -67,13 +67,10 @@ void World::place_blocks() {
 }
 
 // How far b has moved as seen from a since the pair's last narrow detection: translation plus rotation times radius, m.
-double World::pair_motion(const Contact& c, const PairPlace& place) const {
-  Vector xa, xb;
-  Matrix ra, rb;
-  pose(c.pair.a, xa, ra), pose(c.pair.b, xb, rb);
-  const Vector shift = transposed_times(ra, xb - xa) - place.relative_x;
-  const double angle = angle_between(transposed(ra) * rb, place.relative_r);
-  return norm(shift) + angle * lever_of(c, norm(xb - xa));
+double World::pair_motion(const Contact& c, const PairPlace& place, const Pose& a, const Pose& b) const {
+  const Vector shift = transposed_times(a.r, b.x - a.x) - place.relative_x;
+  const double angle = angle_between(transposed(a.r) * b.r, place.relative_r);
+  return norm(shift) + angle * lever_of(c, norm(b.x - a.x));
 }
 
 // What a rotation of b as seen from a moves its parts by, m: the larger radius, of a at most what reaches to b.
@@ -218,7 +215,7 @@ void World::narrow_phase(const std::vector<Pair>& pairs, bool everything, Detect
       if (known) place = pair_place_[then], check = pair_check_[then];
       if (!known || everything || is_ripe(c, place, check)) {
         detect_pair(c, place, known, finding, found);
-        check_pair_motion(c, place, check);
+        check_pair_motion(c, place, pose(c.pair.a), pose(c.pair.b), check);
       }
     }
     found.contacts.push_back(c);

@@ -56,11 +56,21 @@ bool World::moved_enough() {
     if (due_[i] || step <= step_count_) moved |= check_block_motion(int(i), step);
     next_check_ = std::min(next_check_, step);
   }
+  // A pose of a deformable block costs more than the rest of a check, and each block is in several pairs.
+  thread_local LaneVector<Pose> poses;
+  thread_local std::vector<uint8_t> known;
+  poses.resize(blocks_.size()), known.assign(blocks_.size(), 0);
+  const auto pose_now = [&](int block) -> const Pose& {
+    if (!known[size_t(block)]) poses[size_t(block)] = pose(block), known[size_t(block)] = 1;
+    return poses[size_t(block)];
+  };
   for (size_t i = 0; i < contacts_.size(); ++i) {
     if (!owns(contacts_[i])) continue;
     PairCheck& check = pair_check_[i];
-    if (due_[size_t(check.a)] || due_[size_t(check.b)] || check.step <= step_count_)
-      moved |= check_pair_motion(contacts_[i], pair_place_[i], check);
+    if (due_[size_t(check.a)] || due_[size_t(check.b)] || check.step <= step_count_) {
+      const Contact& c = contacts_[i];
+      moved |= check_pair_motion(c, pair_place_[i], pose_now(c.pair.a), pose_now(c.pair.b), check);
+    }
     next_check_ = std::min(next_check_, check.step);
   }
   if (ranks_) {
@@ -81,7 +91,7 @@ bool World::moved_enough() {
 
 bool World::is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const {
   const bool seen = blocks_[size_t(c.pair.a)].body >= 0 && blocks_[size_t(c.pair.b)].body >= 0;
-  return seen ? check.ripe : pair_motion(c, place) > kRipe * allowed_motion(c, place);
+  return seen ? check.ripe : pair_motion(c, place, pose(c.pair.a), pose(c.pair.b)) > kRipe * allowed_motion(c, place);
 }
 
 void World::see(int i) {
@@ -153,8 +163,9 @@ bool World::check_block_motion(int i, long& step) const {
   return moved > way || turned > kSmallRotation;
 }
 
-bool World::check_pair_motion(const Contact& c, const PairPlace& place, PairCheck& check) const {
-  const double moved = pair_motion(c, place), way = allowed_motion(c, place);
+bool World::check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
+                              PairCheck& check) const {
+  const double moved = pair_motion(c, place, at_a, at_b), way = allowed_motion(c, place);
   check = {c.pair.a, c.pair.b, moved > kRipe * way, step_count_ + calm_steps_};
   const ModelBlock &a = blocks_[size_t(c.pair.a)], &b = blocks_[size_t(c.pair.b)];
   if (a.body >= 0 && b.body >= 0 && check_dt_ > 0.0) {

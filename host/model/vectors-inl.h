@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cstdint>
 
 #include "model/lanes.h"
@@ -98,7 +99,7 @@ HWY_INLINE void load_rows(const Row& row, V (&column)[kFour]) {
 template <class Visit>
 HWY_INLINE void for_rows(const V (&column)[kFour], int count, const Visit& visit) {
   for (int c = 0; c < kFour; c += kPart) {
-    for (int l = 0; l < kWidth; l += kPart) {
+    for (int l = 0; l < std::min(kWidth, count); l += kPart) {
       F columns[kPart], rows[kPart];
       for (int i = 0; i < kPart; ++i) columns[i] = part_of(column[c + i], l);
       transpose(columns, rows);

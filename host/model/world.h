@@ -211,7 +211,7 @@ struct Chunk {
   Deepest deepest{};
 };
 inline constexpr uint32_t kChunk = 256;
-inline constexpr int kBodies = 8;  // rigid blocks that move on side by side
+inline constexpr int kBodies = 8;  // blocks that move on side by side
 // Alike blocks from which on one product with the stiffness of all costs less than one of each with its own.
 inline constexpr size_t kFewestAlike = 3;
 // |u| of a frame over the least extent of its block, beyond which it goes zone by zone: error of its stiffness 1 %.
@@ -258,13 +258,14 @@ struct PairTouch {
 // Blocks that move on together: rigid ones, or deformable ones that stand alone, or first the one and then the other
 // halves of units.
 struct Piece {
-  uint32_t first, count;  // of World::piece_blocks_; at most kBodies
-  bool halves;
+  uint32_t first, count;  // of World::piece_blocks_; at most kBodies in a group
+  bool halves;            // two groups: lane by lane the two halves of a unit
   enum class Kind : uint8_t { rigid, congruent, distinct, by_zone } kind;
   int32_t congruent = -1;  // into World::congruent_, of congruent blocks
   static constexpr size_t kNoColumns = size_t(-1);
-  size_t columns = kNoColumns;  // where its FixedColumns begin in World::piece_columns_
+  size_t columns[2] = {kNoColumns, kNoColumns};  // where FixedColumns of its groups begin in World::piece_columns_
   bool some_held = false;
+  size_t group_count() const { return halves ? 2 : 1; }
   bool in_frame() const { return kind == Kind::congruent || kind == Kind::distinct; }
 };
 
@@ -656,7 +657,8 @@ class World {
   bool moved_enough();
   void see(int block);
   bool check_block_motion(int block, long& step) const;
-  bool check_pair_motion(const Contact& c, const PairPlace& place, PairCheck& check) const;
+  bool check_pair_motion(const Contact& c, const PairPlace& place, const Pose& at_a, const Pose& at_b,
+                         PairCheck& check) const;
   bool is_ripe(const Contact& c, const PairPlace& place, const PairCheck& check) const;  // to be looked at closely
   long step_after(double way, double speed, double acceleration = 0.0) const;
   long steps_of_gridpoints() const;
@@ -678,10 +680,14 @@ class World {
   std::vector<std::pair<int32_t, double>> shares_at(int block, const Vector& point) const;  // of its gridpoints
   int most_gridpoints(const Piece& piece) const;                                            // of one of its blocks
   void fill_columns(Piece& piece);
-  bool has_masses_of(const Piece& piece, size_t columns) const;  // these columns, which begin with masses
-  void follow_held();                                            // in the columns of pieces, before a step
+  void fill_columns(std::span<const int32_t> blocks, const FixedColumns<double>& to) const;
+  void follow_held();  // in the columns of pieces, before a step
   std::span<const int32_t> blocks_of(const Piece& piece) const {
     return std::span(piece_blocks_).subspan(piece.first, piece.count);
+  }
+  std::span<const int32_t> blocks_of(const Piece& piece, size_t group) const {
+    const size_t count = piece.count / piece.group_count();
+    return blocks_of(piece).subspan(group * count, count);
   }
   std::span<const ZoneLanes> zones_in_lanes(const ModelBlock& b) const {
     return {zone_lanes_.data() + b.first_lanes, size_t(b.lanes_count())};
@@ -801,7 +807,12 @@ class World {
   void place_blocks();
   geometry::Placed placed(int block) const;
   void pose(int block, Vector& x, Matrix& r) const;
-  double pair_motion(const Contact& c, const PairPlace& place) const;
+  Pose pose(int block) const {
+    Pose now;
+    pose(block, now.x, now.r);
+    return now;
+  }
+  double pair_motion(const Contact& c, const PairPlace& place, const Pose& a, const Pose& b) const;
   double lever_of(const Contact& c, double distance) const;
   double motion_since_broad_phase(int block) const;                       // translation plus rotation times radius, m
   double detection_fraction() const;                                      // of a block's least extent
@@ -955,7 +966,7 @@ class World {
   std::vector<uint8_t> in_frame_;  // by block: of a piece in frames
   std::vector<int32_t> piece_blocks_;
   LaneVector<double> piece_columns_;
-  std::vector<size_t> shared_columns_;  // of pieces without held gridpoints, by kind of congruent blocks
+  std::vector<size_t> shared_columns_;  // of groups, by kind of congruent blocks and whether some gridpoint is held
   std::vector<int32_t> piece_of_block_;
   std::vector<int> held_blocks_changed_;  // deformable, since the last step
   bool held_changed_ = false;             // of any gridpoints

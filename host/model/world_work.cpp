@@ -1,6 +1,7 @@
 // Who does what: contact points in runs for one call of their law, the sides of points that a block fetches, and what
 // both cost.
 #include <algorithm>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -88,11 +89,11 @@ void World::bind_work() {
   bind_columns();
   divide_sides();
   piece_columns_.clear(), held_blocks_changed_.clear();
-  shared_columns_.assign(congruent_.size(), Piece::kNoColumns);
+  shared_columns_.assign(2 * congruent_.size(), Piece::kNoColumns);
   held_changed_ = false;
   piece_of_block_.assign(blocks_.size(), -1);
   for (Piece& piece : pieces_) {
-    piece.columns = Piece::kNoColumns;
+    std::fill(piece.columns, std::end(piece.columns), Piece::kNoColumns);
     if (piece.kind == Piece::Kind::rigid || !owns(blocks_of(piece).front())) continue;
     fill_columns(piece);
     for (const int32_t block : blocks_of(piece)) piece_of_block_[size_t(block)] = int32_t(&piece - pieces_.data());
@@ -315,7 +316,7 @@ void World::divide_blocks() {
       };
       for (const Unit& unit : units) {
         if (unit.count != count || halves != (count == 2 && !apart_[size_t(unit.block[0])])) continue;
-        const bool is_full = int(together.size() + 1) * count > kBodies;
+        const bool is_full = int(together.size() + 1) * (halves ? 1 : count) > kBodies;
         if (is_full || (one_by_one && zones + zones_of(unit) > most_zones)) put();
         together.push_back(unit), zones += zones_of(unit);
       }
@@ -362,41 +363,41 @@ int World::most_gridpoints(const Piece& piece) const {
   return most;
 }
 
-bool World::has_masses_of(const Piece& piece, size_t columns) const {
-  const std::span<const int32_t> blocks = blocks_of(piece);
-  for (size_t l = 0; l < size_t(kLanes); ++l) {
-    const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
-    for (size_t n = 0; n < size_t(b.node_count); ++n) {
-      if (piece_columns_[columns + n * kLanes + l] != node_mass_[size_t(b.first_node) + n]) return false;
-    }
-  }
-  return true;
-}
-
-// Pieces of congruent blocks read the same columns where none is held and masses agree to the last bit: shapes that are
-// congruent but for rounding have others.
+// Groups of congruent blocks whose columns agree to the last bit read the same ones. Shapes that are congruent but for
+// rounding have other masses.
 void World::fill_columns(Piece& piece) {
-  const std::span<const int32_t> blocks = blocks_of(piece);
-  const bool distinct = piece.kind == Piece::Kind::distinct;
-  const int most = most_gridpoints(piece);
-  const bool some_held = std::any_of(blocks.begin(), blocks.end(), [&](int32_t block) {
+  const std::span<const int32_t> all = blocks_of(piece);
+  const bool some_held = std::any_of(all.begin(), all.end(), [&](int32_t block) {
     const ModelBlock& b = blocks_[size_t(block)];
     const auto held = std::span(node_held_).subspan(size_t(b.first_node), size_t(b.node_count));
     return std::any_of(held.begin(), held.end(), [](uint8_t bits) { return bits != 0; });
   });
-  const bool shares = piece.kind == Piece::Kind::congruent && !some_held && piece.columns == Piece::kNoColumns;
-  size_t* const shared = shares ? &shared_columns_[size_t(piece.congruent)] : nullptr;
-  if (shared && *shared != Piece::kNoColumns && has_masses_of(piece, *shared)) {
-    piece.some_held = false, piece.columns = *shared;
-    return;
+  const bool distinct = piece.kind == Piece::Kind::distinct;
+  const int most = most_gridpoints(piece);
+  thread_local LaneVector<double> numbers;
+  numbers.assign(FixedColumns<double>::size(most, distinct, some_held), 0.0);
+  for (size_t group = 0; group < piece.group_count(); ++group) {
+    fill_columns(blocks_of(piece, group), FixedColumns<double>(numbers.data(), most, distinct, some_held));
+    size_t& columns = piece.columns[group];
+    size_t* const shared =
+        piece.kind == Piece::Kind::congruent ? &shared_columns_[2 * size_t(piece.congruent) + some_held] : nullptr;
+    const auto agree = [&](size_t at) {
+      return at != Piece::kNoColumns &&
+             std::memcmp(piece_columns_.data() + at, numbers.data(), numbers.size() * sizeof(double)) == 0;
+    };
+    if (shared && agree(*shared)) {
+      columns = *shared;
+      continue;
+    }
+    const bool stays = columns != Piece::kNoColumns && some_held == piece.some_held && !(shared && columns == *shared);
+    if (!stays) columns = piece_columns_.size(), piece_columns_.resize(columns + numbers.size());
+    std::copy(numbers.begin(), numbers.end(), piece_columns_.begin() + std::ptrdiff_t(columns));
+    if (shared && *shared == Piece::kNoColumns) *shared = columns;
   }
-  if (some_held != piece.some_held || piece.columns == Piece::kNoColumns) {  // else they stay where they are
-    piece.some_held = some_held;
-    piece.columns = piece_columns_.size();
-    piece_columns_.resize(piece.columns + FixedColumns<double>::size(most, distinct, some_held));
-  }
-  if (shared && *shared == Piece::kNoColumns) *shared = piece.columns;
-  const FixedColumns<double> to(piece_columns_.data() + piece.columns, most, distinct, some_held);
+  piece.some_held = some_held;
+}
+
+void World::fill_columns(std::span<const int32_t> blocks, const FixedColumns<double>& to) const {
   for (size_t l = 0; l < size_t(kLanes); ++l) {
     const ModelBlock& b = blocks_[size_t(blocks[std::min(l, blocks.size() - 1)])];
     for (size_t n = 0; n < size_t(b.node_count); ++n) {
@@ -405,8 +406,8 @@ void World::fill_columns(Piece& piece) {
       const Vector place = node_reference_[node] - node_reference_[size_t(b.first_node)];
       for (int c = 0; c < 3; ++c) {
         const size_t at = n * kLine + size_t(c) * kLanes + l;
-        if (distinct) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
-        if (some_held) to.held[at] = node_held_[node] >> c & 1, to.held_v[at] = node_held_v_[node][c];
+        if (to.place) to.place[at] = place[c], to.anchor[at] = node_anchor_[node][c];
+        if (to.held) to.held[at] = node_held_[node] >> c & 1, to.held_v[at] = node_held_v_[node][c];
       }
     }
   }

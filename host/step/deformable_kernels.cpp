@@ -142,16 +142,22 @@ struct Pose {
   Lanes33 f, r, previous_r;  // the last of the step before; with viscosity
 };
 
-// frame_of(lane).
-template <class Frame, class FrameOf>
-HWY_INLINE Pose pose_of(const Frame& frame, const FrameOf& frame_of, const LaneColumns& columns, int first,
+// Of a BlockFrame: the numbers of R^T, then those of F.
+constexpr int kFrameNumbers = 18;
+static_assert(sizeof(BlockFrame) == kFrameNumbers * sizeof(double));
+
+template <class Frame>
+HWY_INLINE Pose pose_of(const Frame& frame, const Begins<const double>& frames, const LaneColumns& columns, int first,
                         const ZoneStep& step) {
   Pose pose;
   pose.centre = load_line(columns.x + first);  // of gridpoint 0: K and b do not see where it is
+  alignas(64) double number[kFrameNumbers][kLanes];
+  rows_to_lanes(frames.of + first, kFrameNumbers, number[0]);
   for (int i = 0; i < 3; ++i) {
-    pose.f.row[i] = load_vectors([&](int l) { return &frame_of(first + l).f.row[i].x; });
-    const Lanes3 column = load_vectors([&](int l) { return &frame_of(first + l).transposed_r.row[i].x; });
-    for (int j = 0; j < 3; ++j) pose.r.row[j][i] = column[j];
+    for (int j = 0; j < 3; ++j) {
+      pose.r.row[j][i] = hn::Load(D(), number[3 * i + j]);
+      pose.f.row[i][j] = hn::Load(D(), number[9 + 3 * i + j]);
+    }
   }
   if (step.beta > 0.0) {
     Lanes33 rate = zero_matrix();
@@ -259,12 +265,10 @@ HWY_INLINE void frame_forces(const Frame& frame, std::span<const LaneBlock> bloc
   const D d;
   const LaneColumns& c = *columns;
   const bool is_viscous = step.beta > 0.0;
+  const Begins<const double> frames(blocks, [](const LaneBlock& b) { return &b.frame->transposed_r.row[0].x; });
   Pose pose[kParts];
   for (int p = 0; p < kParts; ++p) {
-    const auto frame_of = [&](int l) -> const BlockFrame& {
-      return *blocks[std::min(static_cast<std::size_t>(l), blocks.size() - 1)].frame;
-    };
-    pose[p] = pose_of(frame, frame_of, c, p * kWidth, step);
+    pose[p] = pose_of(frame, frames, c, p * kWidth, step);
     hn::Store(displacements(frame, c, p * kWidth, step, pose[p]), d, sums->deformation + p * kWidth);
   }
   if (step.energies) {
@@ -337,24 +341,32 @@ HWY_INLINE void store_frames(std::span<const LaneBlock> blocks, const LaneColumn
   for (int n = 1; n < columns.node_count; ++n)
     add_outer(difference_of(load_line(columns.x + n * kLine + first), origin), frame.anchor(n, first), f);
   const Lanes33 r = rotation_in(f);
-  alignas(64) double number[2][3][3][kWidth];
+  alignas(64) double number[kFrameNumbers][kLanes];
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      hn::Store(r.row[j][i], D(), number[0][i][j]);
-      hn::Store(f.row[i][j], D(), number[1][i][j]);
+      hn::Store(r.row[j][i], D(), number[3 * i + j]);
+      hn::Store(f.row[i][j], D(), number[9 + 3 * i + j]);
     }
   }
-  const int lanes = std::min(kWidth, static_cast<int>(blocks.size()) - first);
-  for (int l = 0; l < lanes; ++l) {
-    BlockFrame& to = *blocks[static_cast<std::size_t>(first + l)].frame;
-    for (int i = 0; i < 3; ++i) {
-      to.transposed_r.row[i] = {number[0][i][0][l], number[0][i][1][l], number[0][i][2][l]};
-      to.f.row[i] = {number[1][i][0][l], number[1][i][1][l], number[1][i][2][l]};
-    }
-  }
+  const Begins<double> begin(blocks, [](const LaneBlock& b) { return &b.frame->transposed_r.row[0].x; });
+  lanes_to_rows(number[0], kFrameNumbers, begin.of + first, std::min(kWidth, static_cast<int>(blocks.size()) - first));
 }
 
-template <bool kEnergies, class Frame>
+// What components of gridpoints need beside their forces.
+struct Needs {
+  bool brakes;    // held gridpoints, damping of gridpoints or by mass
+  bool measured;  // net forces and kinetic energy
+  bool energies;  // work
+};
+
+// The three components, unrolled: lanes that are indexed at run time would go through memory.
+template <class Visit>
+HWY_INLINE void each_component(const Visit& visit) {
+  visit(std::integral_constant<int, 0>()), visit(std::integral_constant<int, 1>());
+  visit(std::integral_constant<int, 2>());
+}
+
+template <Needs kNeeds, class Frame>
 HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColumns& columns, int first,
                                const RigidGains* gains, const GridpointStep& step, const Frame& frame,
                                GridpointSums* sums) {
@@ -381,37 +393,42 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
     const V dt_over_mass = hn::Mul(dt, hn::Load(d, columns.over_mass + n * kLanes + first));
     Lanes3 driven = scaled(hn::Mul(dt_over_mass, over_factor), force);  // change of velocity
     if (gains) driven = sum_of(driven, sum_of(linear, times(turning, difference_of(x, centre))));
-    Lanes3 held_v;
-    if (columns.held) held_v = load_line(columns.held_v + at);
-    Lanes3 next;
+    Lanes3 next, held_v;
+    if (kNeeds.brakes && columns.held) held_v = load_line(columns.held_v + at);
     V free = zero;
-    for (int k = 0; k < 3; ++k) {
-      const auto hold =
-          columns.held ? hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero) : hn::FirstN(d, 0);
-      V change = driven[k];
-      V brake = zero;
-      if (step.gamma > 0.0) {
-        const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
-        const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), relative);
-        brake = hn::IfThenZeroElse(hn::Eq(relative, zero), hn::Neg(amount));
-        change = hn::MulAdd(dt_over_mass, brake, change);
+    each_component([&](auto k) HWY_ATTR {
+      V change = driven[k], brake = zero;
+      auto hold = hn::FirstN(d, 0);
+      if constexpr (kNeeds.brakes) {
+        if (columns.held) hold = hn::Ne(hn::Load(d, columns.held + n * kLine + k * kLanes + first), zero);
+        if (step.gamma > 0.0) {
+          const V relative = hn::Sub(v[k], hn::Set(d, step.ground[k]));
+          const V amount = hn::CopySign(hn::Mul(gamma, hn::Abs(force[k])), relative);
+          brake = hn::IfThenZeroElse(hn::Eq(relative, zero), hn::Neg(amount));
+          change = hn::MulAdd(dt_over_mass, brake, change);
+        }
+        if (a > 0.0 && step.ground[k] != 0.0) change = hn::Add(change, hn::Set(d, 2.0 * a * step.ground[k]));
+        next[k] = hn::Mul(over, hn::MulAdd(keep, v[k], change));
+        if (columns.held) next[k] = hn::IfThenElse(hold, held_v[k], next[k]);
+      } else {
+        next[k] = hn::Add(v[k], change);
       }
-      if (a > 0.0 && step.ground[k] != 0.0) change = hn::Add(change, hn::Set(d, 2.0 * a * step.ground[k]));
-      next[k] = hn::IfThenElse(hold, held_v[k], hn::Mul(over, hn::MulAdd(keep, v[k], change)));
-      const V free_force = hn::IfThenZeroElse(hold, force[k]);
+      if constexpr (!kNeeds.measured) return;
+      const auto unless_held = [&](V y) HWY_ATTR { return kNeeds.brakes ? hn::IfThenZeroElse(hold, y) : y; };
+      const V free_force = unless_held(force[k]);
       free = hn::MulAdd(free_force, free_force, free);
       net[k] = hn::Add(net[k], free_force);
       const V twice_mean = hn::Add(v[k], next[k]);
-      kinetic = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Mul(mass, twice_mean)), twice_mean, kinetic);
-      if (!kEnergies) continue;
+      kinetic = hn::MulAdd(unless_held(hn::Mul(mass, twice_mean)), twice_mean, kinetic);
+      if constexpr (!kNeeds.energies) return;
       const V mean = hn::Mul(half, twice_mean), way = hn::Mul(mean, dt);
       const V viscous = hn::Mul(factor, hn::Mul(alpha, hn::Mul(mass, hn::Sub(mean, hn::Set(d, step.ground[k])))));
-      damping = hn::MulAdd(hn::IfThenZeroElse(hold, hn::Sub(viscous, brake)), way, damping);
+      damping = hn::MulAdd(unless_held(hn::Sub(viscous, brake)), way, damping);
       const V weight = hn::Mul(mass, hn::Set(d, step.weight_per_mass * step.gravity[k]));
       external = hn::MulAdd(hn::IfThenElse(hold, hn::Sub(weight, force[k]), weight), way, external);
       if (columns.viscous) damping = hn::NegMulAdd(hn::Load(d, columns.viscous_force + at + k * kLanes), way, damping);
-    }
-    unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
+    });
+    if constexpr (kNeeds.measured) unbalanced = hn::IfThenElse(hn::Le(free, unbalanced), unbalanced, free);  // NaN wins
     const Lanes3 place = plus_scaled(x, dt, next);
     positions = hn::Add(positions, hn::Add(place.x, hn::Add(place.y, place.z)));
     store_line(place, columns.x + at);
@@ -431,11 +448,16 @@ HWY_INLINE void advance_vector(std::span<const LaneBlock> blocks, const LaneColu
 template <class Frame>
 HWY_INLINE void advance_all(std::span<const LaneBlock> blocks, const LaneColumns& columns, const RigidGains* gains,
                             const GridpointStep& step, const Frame& frame, GridpointSums* lanes) {
+  const bool brakes = columns.held || step.gamma > 0.0 || step.alpha > 0.0;
   for (int first = 0; first < static_cast<int>(blocks.size()); first += kWidth) {
     if (step.energies)
-      advance_vector<true>(blocks, columns, first, gains, step, frame, lanes);
+      advance_vector<Needs{true, true, true}>(blocks, columns, first, gains, step, frame, lanes);
+    else if (step.measured)
+      advance_vector<Needs{true, true, false}>(blocks, columns, first, gains, step, frame, lanes);
+    else if (brakes)
+      advance_vector<Needs{true, false, false}>(blocks, columns, first, gains, step, frame, lanes);
     else
-      advance_vector<false>(blocks, columns, first, gains, step, frame, lanes);
+      advance_vector<Needs{false, false, false}>(blocks, columns, first, gains, step, frame, lanes);
   }
 }
 

@@ -76,6 +76,7 @@ struct GridpointStep {
   double weight_per_mass;  // mass that has weight over mass of inertia
   Vector gravity;          // m/s2
   bool energies;           // work and kinetic energy are wanted
+  bool measured;           // net forces are, too
 };
 
 // Frames follow the gridpoints. gains: of motion that is split; null: true inertia. shared: of congruent blocks, else

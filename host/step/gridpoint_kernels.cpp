@@ -40,6 +40,8 @@ void GridpointJumps(std::span<const GridpointPair> pairs, PairAxes* axes, const 
     for (std::uint32_t i = pair.first; i < end; i += kWidth) {
       const FirstLanes part{static_cast<int>(end - i)};
       const auto at = [&](const std::int32_t* node) HWY_ATTR {
+        // Joints with 9 points end in one alone.
+        if (part.count == 1) return broadcast(&node_x[node[i - c.first]].x);
         return load_vectors(
             [&](int l) { return &node_x[node[std::min(i + static_cast<std::uint32_t>(l), end - 1) - c.first]].x; });
       };

@@ -52,7 +52,7 @@ RigidInertia inertia_in(const RigidLanes& lanes, const RigidGains& gains, int la
 
 void Model::step() {
   if (pool_ && shared_division_ != divisions_) share_work();
-  begin_step();
+  begin_step(true);
   auto contacts = [&](int, int chunk) { advance_contacts(chunk); };
   auto blocks = [&](int, int piece) { advance_piece(piece); };
   if (pool_) {
@@ -310,60 +310,23 @@ void Model::advance_piece(int index, PhaseClock* clock) {
     advance_deformable(piece, clock);
 }
 
-void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
-  const std::span<const int32_t> blocks = blocks_of(piece);
-  const size_t count = blocks.size();
-  thread_local LaneColumns columns;
-  thread_local std::vector<double> rows;
-  columns.viscous = energy_ && zone_damping() > 0;
-  const bool distinct = piece.kind == Piece::Kind::distinct;
-  size_t size = 0;
-  for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
-  rows.resize(std::max(rows.size(), 2 * size));
-  double *force = rows.data(), *viscous = rows.data() + size;
-  LaneBlock lanes[kBodies];
+// Up to kBodies deformable blocks side by side. Scratch of a thread.
+struct Model::LaneGroup {
+  std::vector<double> rows;  // forces on gridpoints, block after block
+  LaneBlock block[kBodies];
   BlockSums* sums[kBodies];
   double power[kBodies];  // of loads, before the step
-  for (size_t l = 0; l < count; ++l) {
-    const ModelBlock& b = blocks_[size_t(blocks[l])];
-    sums[l] = &block_sums_[size_t(blocks[l])];
-    *sums[l] = {};
-    if (energy_ && loaded_[size_t(blocks[l])]) power[l] = power_on_gridpoints(blocks[l], 0.0);
-    const Vector acceleration = forces_on_gridpoints(blocks[l], force);
-    lap(clock, Phase::motion);
-    if (!piece.in_frame()) zone_forces_of(b, *sums[l], force, columns.viscous ? viscous : nullptr);
-    const size_t first = size_t(b.first_node);
-    Vector moment;
-    for (const MomentTouch pair : moment_touches_.of(blocks[l])) moment += pair->moment;
-    lanes[l] = {&node_x_[first],
-                &node_v_[first],
-                force,
-                columns.viscous ? viscous : nullptr,
-                acceleration,
-                moment,
-                b.node_count,
-                zones_in_lanes(b),
-                piece.in_frame() ? &frames_[size_t(blocks[l])] : nullptr};
-    force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
-  }
-  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns, most_gridpoints(piece), distinct,
-                                         piece.some_held);
-  load_blocks({lanes, count}, fixed, &columns);
-  if (piece.in_frame()) {
-    const ZoneStep step{zone_damping(), dt_, energy_};
-    FrameSums of_frame;
-    if (distinct)
-      distinct_forces({lanes, count}, step, &columns, &of_frame);
-    else
-      congruent_forces({lanes, count}, congruent_[size_t(piece.congruent)], step, &columns, &of_frame);
-    for (size_t l = 0; l < count; ++l) {
-      sums[l]->deformation = of_frame.deformation[l];
-      if (energy_) sums[l]->strain = of_frame.strain[l];
-    }
-  }
-  lap(clock, Phase::internal_forces);
-  RigidGains gains;
-  if (splits_motion()) split(piece, columns, &gains);
+  size_t count = 0;
+  std::span<const LaneBlock> blocks() const { return {block, count}; }
+};
+
+void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
+  thread_local LaneGroup groups[2];
+  thread_local LaneColumns columns[2];
+  const size_t count = piece.group_count();
+  for (size_t g = 0; g < count; ++g) find_forces(piece, g, groups[g], columns[g], clock);
+  RigidGains gains[2];
+  if (splits_motion()) split(piece, {columns, count}, gains);
   const GridpointStep step{dt_,
                            solver_.damping == DampingKind::local ? gamma() : 0.0,
                            viscous_alpha(solver_),
@@ -371,14 +334,73 @@ void Model::advance_deformable(const Piece& piece, PhaseClock* clock) {
                            splits_motion() ? solver_.deformation_inertia : 1.0,
                            1.0 / solver_.mass_scaling,
                            gravity_factor_.at(time_) * gravity_,
-                           energy_};
+                           energy_,
+                           measured_};
   const CongruentBlocks* const shared = piece.congruent >= 0 ? &congruent_[size_t(piece.congruent)] : nullptr;
-  advance_gridpoints({lanes, count}, columns, splits_motion() ? &gains : nullptr, step, shared, sums);
-  for (size_t l = 0; l < count; ++l) {
-    if (energy_ && loaded_[size_t(blocks[l])])
-      sums[l]->external += 0.5 * dt_ * (power[l] + power_on_gridpoints(blocks[l], dt_));
+  for (size_t g = 0; g < count; ++g) {
+    const LaneGroup& group = groups[g];
+    advance_gridpoints(group.blocks(), columns[g], splits_motion() ? &gains[g] : nullptr, step, shared, group.sums);
+    for (size_t l = 0; energy_ && l < group.count; ++l) {
+      const int block = blocks_of(piece, g)[l];
+      if (loaded_[size_t(block)])
+        group.sums[l]->external += 0.5 * dt_ * (group.power[l] + power_on_gridpoints(block, dt_));
+    }
   }
   lap(clock, Phase::motion);
+}
+
+// Of a group of a piece, in lanes: forces of contacts, loads and zones.
+void Model::find_forces(const Piece& piece, size_t g, LaneGroup& group, LaneColumns& columns, PhaseClock* clock) {
+  const std::span<const int32_t> blocks = blocks_of(piece, g);
+  group.count = blocks.size();
+  columns.viscous = energy_ && zone_damping() > 0;
+  const bool distinct = piece.kind == Piece::Kind::distinct;
+  size_t size = 0;
+  for (const int32_t block : blocks) size += kRow * size_t(blocks_[size_t(block)].node_count);
+  group.rows.resize(std::max(group.rows.size(), 2 * size));
+  double *force = group.rows.data(), *viscous = group.rows.data() + size;
+  for (size_t l = 0; l < group.count; ++l) {
+    const ModelBlock& b = blocks_[size_t(blocks[l])];
+    BlockSums& sums = *(group.sums[l] = &block_sums_[size_t(blocks[l])]);
+    sums = {};
+    if (energy_ && loaded_[size_t(blocks[l])]) group.power[l] = power_on_gridpoints(blocks[l], 0.0);
+    const Vector acceleration = forces_on_gridpoints(blocks[l], force);
+    if (!piece.in_frame()) {
+      lap(clock, Phase::motion);
+      zone_forces_of(b, sums, force, columns.viscous ? viscous : nullptr);
+      lap(clock, Phase::internal_forces);
+    }
+    const size_t first = size_t(b.first_node);
+    Vector moment;
+    for (const MomentTouch pair : moment_touches_.of(blocks[l])) moment += pair->moment;
+    group.block[l] = {&node_x_[first],
+                      &node_v_[first],
+                      force,
+                      columns.viscous ? viscous : nullptr,
+                      acceleration,
+                      moment,
+                      b.node_count,
+                      zones_in_lanes(b),
+                      piece.in_frame() ? &frames_[size_t(blocks[l])] : nullptr};
+    force += kRow * size_t(b.node_count), viscous += kRow * size_t(b.node_count);
+  }
+  lap(clock, Phase::motion);
+  const FixedColumns<const double> fixed(piece_columns_.data() + piece.columns[g], most_gridpoints(piece), distinct,
+                                         piece.some_held);
+  load_blocks(group.blocks(), fixed, &columns);
+  if (piece.in_frame()) {
+    const ZoneStep step{zone_damping(), dt_, energy_};
+    FrameSums of_frame;
+    if (distinct)
+      distinct_forces(group.blocks(), step, &columns, &of_frame);
+    else
+      congruent_forces(group.blocks(), congruent_[size_t(piece.congruent)], step, &columns, &of_frame);
+    for (size_t l = 0; l < group.count; ++l) {
+      group.sums[l]->deformation = of_frame.deformation[l];
+      if (energy_) group.sums[l]->strain = of_frame.strain[l];
+    }
+  }
+  lap(clock, Phase::internal_forces);
 }
 
 // Viscosity of zones: beta of stiffness-proportional damping, s.
@@ -529,26 +551,27 @@ double Model::power_on_gridpoints(int block, double since) const {
   return power;
 }
 
-void Model::split(const Piece& piece, const LaneColumns& columns, RigidGains* gains) {
-  const std::span<const int32_t> blocks = blocks_of(piece);
+void Model::split(const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains) {
+  const size_t count = columns.size();
+  const std::span<const int32_t> blocks = blocks_of(piece, 0);
   const InertiaFactors factors{solver_.deformation_inertia, solver_.unit_inertia};
   const double eq1 = solver_.damping == DampingKind::block ? gamma() : 0.0;
-  RigidLanes lanes;
-  split_motion(columns, int(piece.count), piece.halves, {factors, eq1, braking_ground(), dt_}, gains,
-               measured_ ? &lanes : nullptr);
+  RigidLanes lanes[2];
+  split_motion(columns, int(blocks.size()), {factors, eq1, braking_ground(), dt_}, gains, measured_ ? lanes : nullptr);
   if (!measured_) return;
   const double alpha = viscous_alpha(solver_);
-  const int count = piece.halves ? 2 : 1, units = int(piece.count) / count;
-  for (int u = 0; u < units; ++u) {
+  for (size_t u = 0; u < blocks.size(); ++u) {
+    const int lane = int(u);
     UnitInertia inertia;
-    inertia.count = count;
+    inertia.count = int(count);
     Rigid mean[2];  // velocity at the time of the forces
-    BlockSums& of_unit = block_sums_[size_t(blocks[size_t(u)])];
-    for (int k = 0; k < count; ++k) {
-      const int lane = u + k * units;
-      inertia.block[k] = inertia_in(lanes, *gains, lane);
-      mean[k] = 1 / (1 + 0.5 * alpha * dt_) * (motion_in(lanes.velocity, lane) + 0.5 * motion_in(lanes.change, lane));
-      of_unit.damping += dt_ * dot(motion_in(lanes.damping, lane), mean[k]);
+    BlockSums& of_unit = block_sums_[size_t(blocks[u])];
+    for (size_t k = 0; k < count; ++k) {
+      const RigidLanes& of_half = lanes[k];
+      inertia.block[k] = inertia_in(of_half, gains[k], lane);
+      mean[k] =
+          1 / (1 + 0.5 * alpha * dt_) * (motion_in(of_half.velocity, lane) + 0.5 * motion_in(of_half.change, lane));
+      of_unit.damping += dt_ * dot(motion_in(of_half.damping, lane), mean[k]);
     }
     if (count == 2) inertia.whole = RigidInertia(inertia.block[0], inertia.block[1]);
     const double rigid = rigid_energy(inertia, factors, mean);

@@ -103,6 +103,8 @@ class Model : public World {
   void contact_forces(Family& f, Chunk& chunk, const Axes& axes);
   void viscous_tractions(Family& f, Chunk& chunk);
   void advance_deformable(const Piece& piece, PhaseClock* clock);
+  struct LaneGroup;
+  void find_forces(const Piece& piece, size_t group_index, LaneGroup& group, LaneColumns& columns, PhaseClock* clock);
   // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the
   // mass of inertia; added to, viscous part of it apart where that is not null.
   Vector forces_on_gridpoints(int block, double* force);
@@ -114,7 +116,7 @@ class Model : public World {
   Wrench loads_on_body(int block) const;
   void advance_bodies(std::span<const int32_t> blocks, PhaseClock* clock);
   // Inertia scaled apart, damping by block (block_inertia.h): what gridpoints of each block gain.
-  void split(const Piece& piece, const LaneColumns& columns, RigidGains* gains);
+  void split(const Piece& piece, std::span<const LaneColumns> columns, RigidGains* gains);
   // visit(gridpoint, force of a load or pressure on it, N), where gridpoints were `since` seconds ago.
   template <class Visit>
   void each_load_on_gridpoints(int block, double since, const Visit& visit) const;

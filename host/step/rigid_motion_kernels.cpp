@@ -20,10 +20,10 @@ using namespace quoin::HWY_NAMESPACE;
 using M = hn::Mask<D>;
 
 HWY_INLINE Lanes3 load3(const ByLane (&from)[3], int lane) {
-  return {hn::LoadU(D(), from[0].of + lane), hn::LoadU(D(), from[1].of + lane), hn::LoadU(D(), from[2].of + lane)};
+  return {hn::Load(D(), from[0].of + lane), hn::Load(D(), from[1].of + lane), hn::Load(D(), from[2].of + lane)};
 }
 HWY_INLINE void store3(const Lanes3& a, ByLane (&to)[3], int lane) {
-  for (int k = 0; k < 3; ++k) hn::StoreU(a[k], D(), to[k].of + lane);
+  for (int k = 0; k < 3; ++k) hn::Store(a[k], D(), to[k].of + lane);
 }
 
 // ---- Sums over gridpoints ------------------------------------------------------------------------------------------
@@ -63,7 +63,7 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   const V is_some = hn::IfThenElse(hn::Eq(mass, hn::Zero(d)), hn::Set(d, 1.0), mass);
   const Lanes3 r = scaled(hn::Div(hn::Set(d, 1.0), is_some), weighted), m_r = scaled(mass, r);
   store3(sum_of(origin, r), sums->centre, first);
-  hn::StoreU(mass, d, sums->mass.of + first);
+  hn::Store(mass, d, sums->mass.of + first);
   store3(momentum, sums->momentum[0], first);
   store3(difference_of(spin, cross_of(r, momentum)), sums->momentum[1], first);
   store3(force, sums->force[0], first);
@@ -72,7 +72,7 @@ HWY_INLINE void add_up(const LaneColumns& c, int first, Sums* sums) {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
       const V about_origin = i == j ? square[0][i] : square[1][i + j == 1 ? 0 : (i + j == 3 ? 1 : 2)];
-      hn::StoreU(hn::NegMulAdd(m_r[i], r[j], about_origin), d, sums->second[i][j].of + first);
+      hn::Store(hn::NegMulAdd(m_r[i], r[j], about_origin), d, sums->second[i][j].of + first);
     }
   }
 }
@@ -137,7 +137,7 @@ HWY_INLINE Inertia inertia_of(const Sums& sums, int lane, bool some_held) {
   const D d;
   Inertia a;
   a.centre = load3(sums.centre, lane);
-  a.mass = hn::LoadU(d, sums.mass.of + lane);
+  a.mass = hn::Load(d, sums.mass.of + lane);
   Lanes33 second;
   for (int k = 0; k < 3; ++k) second.row[k] = load3(sums.second[k], lane);
   const V trace = hn::Add(second.row[0].x, hn::Add(second.row[1].y, second.row[2].z));
@@ -146,7 +146,7 @@ HWY_INLINE Inertia inertia_of(const Sums& sums, int lane, bool some_held) {
       a.tensor.row[i][j] = i == j ? hn::Sub(trace, second.row[i][j]) : hn::Neg(second.row[i][j]);
   }
   a.some_held = some_held;
-  for (int k = 0; k < 3; ++k) a.held[k] = hn::Ne(hn::LoadU(d, sums.held[k].of + lane), hn::Zero(d));
+  for (int k = 0; k < 3; ++k) a.held[k] = hn::Ne(hn::Load(d, sums.held[k].of + lane), hn::Zero(d));
   invert(a);
   return a;
 }
@@ -241,16 +241,16 @@ HWY_INLINE void add_turning(const Inertia& block, const Lanes3& spin, double dt,
 }
 
 template <int kCount>
-HWY_INLINE void step_of(const Sums& sums, bool some_held, const int (&lane)[kCount], const RigidMotionStep& s,
-                        RigidGains* gains, RigidLanes* lanes) {
+HWY_INLINE void step_of(const Sums* sums, bool some_held, int lane, const RigidMotionStep& s, RigidGains* gains,
+                        RigidLanes* lanes) {
   const D d;
   const double dt = s.time_step, s_b = s.factors.deformation, s_u = kCount == 1 ? 1.0 : s.factors.unit;
   const V time_step = hn::Set(d, dt);
   Unit<kCount> unit;
   Motion momentum[kCount], force[kCount], velocity[kCount], driven[kCount], damping[kCount], change[kCount];
   for (int b = 0; b < kCount; ++b) {
-    unit.block[b] = inertia_of(sums, lane[b], some_held);
-    momentum[b] = load_motion(sums.momentum, lane[b]), force[b] = load_motion(sums.force, lane[b]);
+    unit.block[b] = inertia_of(sums[b], lane, some_held);
+    momentum[b] = load_motion(sums[b].momentum, lane), force[b] = load_motion(sums[b].force, lane);
     velocity[b] = acceleration(unit.block[b], momentum[b]);
     driven[b] = acceleration(unit.block[b], force[b]);  // without damping
   }
@@ -300,33 +300,35 @@ HWY_INLINE void step_of(const Sums& sums, bool some_held, const int (&lane)[kCou
     if constexpr (kCount == 2) {
       for (const Lanes3& spin : unit_spin) add_turning(block, spin, dt, 0.5 * dt * (s_u - 1.0) / s_b, turning);
     }
-    store3(block.centre, gains->centre, lane[b]);
-    store3(gain.linear, gains->linear, lane[b]);
-    for (int k = 0; k < 3; ++k) store3(turning.row[k], gains->turning[k], lane[b]);
+    store3(block.centre, gains[b].centre, lane);
+    store3(gain.linear, gains[b].linear, lane);
+    for (int k = 0; k < 3; ++k) store3(turning.row[k], gains[b].turning[k], lane);
     if (!lanes) continue;
-    store_motion(velocity[b], lanes->velocity, lane[b]);
-    store_motion(change[b], lanes->change, lane[b]);
-    store_motion(damping[b], lanes->damping, lane[b]);
+    store_motion(velocity[b], lanes[b].velocity, lane);
+    store_motion(change[b], lanes[b].change, lane);
+    store_motion(damping[b], lanes[b].damping, lane);
   }
 }
 
-void SplitMotion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
+void SplitMotion(std::span<const LaneColumns> groups, int count, const RigidMotionStep& step, RigidGains* gains,
                  RigidLanes* lanes) {
-  Sums sums;
-  for (int first = 0; first < count; first += kWidth) add_up(columns, first, &sums);
-  // Backwards, second halves after first ones: what vectors write beyond their lanes is written over.
-  const int units = halves ? count / 2 : count;
-  for (int first = (units - 1) / kWidth * kWidth; first >= 0; first -= kWidth) {
-    if (halves)
-      step_of<2>(sums, columns.held != nullptr, {first, units + first}, step, gains, lanes);
-    else
-      step_of<1>(sums, columns.held != nullptr, {first}, step, gains, lanes);
+  Sums sums[2];
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    for (int first = 0; first < count; first += kWidth) add_up(groups[g], first, &sums[g]);
   }
-  if (!lanes) return;
-  lanes->mass = sums.mass;
-  for (int i = 0; i < 3; ++i) {
-    lanes->held[i] = sums.held[i];
-    for (int j = 0; j < 3; ++j) lanes->second[i][j] = sums.second[i][j];
+  const bool some_held = groups.front().held != nullptr;
+  for (int first = 0; first < count; first += kWidth) {
+    if (groups.size() == 2)
+      step_of<2>(sums, some_held, first, step, gains, lanes);
+    else
+      step_of<1>(sums, some_held, first, step, gains, lanes);
+  }
+  for (std::size_t g = 0; lanes && g < groups.size(); ++g) {
+    lanes[g].mass = sums[g].mass;
+    for (int i = 0; i < 3; ++i) {
+      lanes[g].held[i] = sums[g].held[i];
+      for (int j = 0; j < 3; ++j) lanes[g].second[i][j] = sums[g].second[i][j];
+    }
   }
 }
 
@@ -340,9 +342,9 @@ namespace quoin::blocks {
 
 HWY_EXPORT(SplitMotion);
 
-void split_motion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
+void split_motion(std::span<const LaneColumns> groups, int count, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes) {
-  HWY_DYNAMIC_DISPATCH(SplitMotion)(columns, count, halves, step, gains, lanes);
+  HWY_DYNAMIC_DISPATCH(SplitMotion)(groups, count, step, gains, lanes);
 }
 
 }  // namespace quoin::blocks

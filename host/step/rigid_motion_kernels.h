@@ -2,6 +2,8 @@
 // model/block_inertia.h. Compiled for every instruction set that Highway knows and chosen at run time.
 #pragma once
 
+#include <span>
+
 #include "model/block_inertia.h"
 #include "model/lanes.h"
 
@@ -9,9 +11,8 @@ namespace quoin::blocks {
 
 struct LaneColumns;
 
-// Numbers by lane; what is beyond kLanes is read and written with vectors that begin at any lane.
 struct alignas(64) ByLane {
-  double of[2 * kLanes];
+  double of[kLanes];
 };
 
 // Adds to the motion of gridpoints: linear + turning r, r from the centre of their block; m, m/s, 1/s.
@@ -33,9 +34,9 @@ struct RigidMotionStep {
   double time_step;  // s
 };
 
-// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves: lane l and lane l + count / 2 are a unit;
-// else all blocks stand alone.
-void split_motion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
+// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. Two groups: lane by lane the halves of a unit;
+// one: blocks that stand alone. gains, lanes: of each group; lanes null: not wanted.
+void split_motion(std::span<const LaneColumns> groups, int count, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes);
 
 }  // namespace quoin::blocks
