@@ -65,6 +65,11 @@ struct GridpointLoad {
       return kAllHaveIt || n < begin.node_count[first + l] ? from.of[first + l] + stride * n : &kNothing[0].x;
     });
   }
+  HWY_INLINE Lanes3 rows_of_four(const Begins<const double>& from, int n) const {
+    V column[kFour];
+    load_rows([&](int l) { return from.of[first + l] + kFour * n; }, column);
+    return {column[0], column[1], column[2]};
+  }
   HWY_INLINE void motion(int n) const {
     constexpr int kVector = 3;
     const auto place = [&](int l) {
@@ -77,7 +82,7 @@ struct GridpointLoad {
   HWY_INLINE void forces(int n) const {
     const int line = n * kLine + first;
     const V mass = hn::Load(D(), to.mass + n * kLanes + first);
-    const Lanes3 force = vectors<kAllHaveIt>(begin.force, kFour, n);
+    const Lanes3 force = kAllHaveIt ? rows_of_four(begin.force, n) : vectors<false>(begin.force, kFour, n);
     store_line(plus_scaled(force, mass, begin.acceleration[first / kWidth]), to.force + line);
     if (to.viscous) store_line(vectors<kAllHaveIt>(begin.viscous, kFour, n), to.viscous_force + line);
   }
