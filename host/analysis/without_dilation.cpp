@@ -4,6 +4,8 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <limits>
 #include <utility>
 
 #include "analysis/stands.h"
@@ -18,9 +20,11 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
 // problem.
 constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
-// Settled: the multiplier changes by less, of itself, and shear is beyond Coulomb's friction by less, of the mean
-// normal force. What is left shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
-constexpr double kSteady = 1e-3, kBeyond = 0.05;
+// Settled: the multiplier changes by less, of itself, and shear goes beyond Coulomb's friction by less, of the friction
+// of all points that slide. What is left shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
+// Of single points nothing is asked: in large assemblies some nearly unloaded one changes sides in any problem.
+constexpr double kSteady = 1e-3, kBeyond = 0.02;
+constexpr double kSliding = 0.99;  // of its strength, from which on a point slides
 constexpr int kSteadyFor = 3, kMostProblems = 40;
 // A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
@@ -123,14 +127,16 @@ LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<doub
   return next;
 }
 
-double beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean, double factor) {
-  double most = 0.0;
+double beyond_friction(const LimitProblem& problem, const LimitResult& result, double factor) {
+  double beyond = 0.0, friction = 0.0;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const LimitPoint& p = problem.points[i];
     const auto& [n, s, t] = result.force[i];
-    most = std::max(most, std::hypot(s, t) - p.cohesion + factor * p.friction * n);
+    const double strength = p.cohesion - factor * p.friction * n, shear = std::hypot(s, t);
+    if (shear < kSliding * strength) continue;
+    beyond += std::max(0.0, shear - strength), friction += std::max(0.0, strength);
   }
-  return mean > 0.0 ? most / mean : most;
+  return friction > 0.0 ? beyond / friction : beyond > 0.0 ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
 enum class Sought { multiplier, friction };
@@ -143,7 +149,7 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   settings.interior = true;
   if (settings.facets == 0) settings.facets = LimitSettings{}.facets;
   if (of_friction) settings.most = 0.0;
-  const double mean = mean_of(normal);
+  std::vector<double> solved;  // the last normal forces whose problem has a solution
   SettledLimit now{from};
   int steady = 0;
   double factor = 1.0;
@@ -152,14 +158,20 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     const LimitResult result = limit_multiplier(
         of_friction ? frozen_friction(problem, normal, factor, cones) : frozen(problem, normal, cones), settings);
     ++now.problems;
-    if (result.status != LimitStatus::solved) return now;
+    if (result.status != LimitStatus::solved) {  // too far at once: halfway back
+      if (solved.empty()) return now;
+      for (std::size_t i = 0; i < normal.size(); ++i) normal[i] = 0.5 * (normal[i] + solved[i]);
+      steady = 0;
+      continue;
+    }
     const double found = of_friction ? std::max(0.0, -result.multiplier) : result.multiplier;
     const double change = std::abs(found - now.multiplier);
     now.multiplier = found, factor = of_friction ? found : 1.0;
-    now.beyond = beyond_friction(problem, result, mean, factor);
+    now.beyond = beyond_friction(problem, result, factor);
     steady = change <= kSteady * std::max(std::abs(found), of_friction ? kNoFriction : 0.0) ? steady + 1 : 0;
     now.settled = steady >= kSteadyFor && now.beyond <= kBeyond;
     if (now.settled) return now;
+    solved = normal;
     for (std::size_t i = 0; i < normal.size(); ++i)
       normal[i] += (cones ? kFollow : kFollowPyramids) * (-result.force[i][0] - normal[i]);
   }
@@ -175,17 +187,20 @@ LimitSettings middle_of(LimitSettings settings) {
 LimitWithoutDilation from_two_starts(const LimitProblem& problem, const LimitSettings& settings, Sought sought,
                                      const LimitResult& associated) {
   LimitWithoutDilation result;
-  const auto add = [&](const std::vector<double>& normal, const char* from) {
-    SettledLimit found = settle(problem, settings, sought, normal, from, true);
-    if (!found.settled && problem.points.size() < kFewPoints)
-      found = settle(problem, settings, sought, normal, from, false);
-    result.start.push_back(found);
+  const auto with_cones = [&](const std::vector<double>& normal, const char* from) {
+    return settle(problem, settings, sought, normal, from, true);
   };
-  add(elastic_normal_forces(problem), "weight");
-  if (associated.status == LimitStatus::solved) {
-    std::vector<double> normal;
-    for (const auto& force : associated.force) normal.push_back(std::max(0.0, -force[0]));
-    add(normal, "associated");
+  const std::vector<double> of_weight = elastic_normal_forces(problem);
+  std::vector<double> of_associated;
+  for (const auto& force : associated.force) of_associated.push_back(std::max(0.0, -force[0]));
+  // Side by side: neither start has anything from the other.
+  auto other = std::async(associated.status == LimitStatus::solved ? std::launch::async : std::launch::deferred,
+                          with_cones, of_associated, "associated");
+  result.start.push_back(with_cones(of_weight, "weight"));
+  if (associated.status == LimitStatus::solved) result.start.push_back(other.get());
+  for (SettledLimit& start : result.start) {
+    if (start.settled || problem.points.size() >= kFewPoints) continue;
+    start = settle(problem, settings, sought, start.from == "weight" ? of_weight : of_associated, start.from, false);
   }
   for (const SettledLimit& start : result.start) {
     if (!start.settled) continue;

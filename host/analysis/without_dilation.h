@@ -17,8 +17,8 @@ struct SettledLimit {
   std::string from;      // "weight": elastic forces under dead loads; "associated": those of the associated multiplier
   bool settled = false;  // else the multiplier is that of the last problem
   double multiplier = 0.0;
-  double beyond = 0.0;  // largest shear force beyond Coulomb's friction, of the mean normal force
-  int problems = 0;     // that were solved
+  double beyond = 0.0;  // sum of shear forces beyond Coulomb's friction over the friction of all points that slide
+  int problems = 0;
 };
 
 struct LimitWithoutDilation {
