@@ -357,6 +357,8 @@ nlohmann::ordered_json json_of(const LimitWithoutDilation& without, const char* 
                     {"settled", start.settled},
                     {what, start.multiplier},
                     {"beyond_friction", start.beyond},
+                    {"share_beyond_friction", start.share_beyond},
+                    {"spread", start.spread},
                     {"problems", start.problems}});
   return json;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "analysis/stands.h"
@@ -20,12 +21,20 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // Gilbert's: slope of strength over the normal force, as a part of friction, and how far normal forces follow a
 // problem.
 constexpr double kSlope = 0.1, kFollow = 0.5, kFollowPyramids = 0.3;
-// Settled: the multiplier changes by less, of itself, and shear goes beyond Coulomb's friction by less, of the friction
-// of all points that slide. What is left shrinks by 1 - kFollow a problem, so 0.1 % of the multiplier is still to come.
-// Of single points nothing is asked: in large assemblies some nearly unloaded one changes sides in any problem.
-constexpr double kSteady = 1e-3, kBeyond = 0.02;
+// From this problem on normal forces follow by less and less, as a mean of all would: large assemblies go round in
+// circles else.
+constexpr double kMeanFrom = 10.0;
+// Settled: the multiplier changes by less, of itself; and shear goes beyond Coulomb's friction by less, at each point
+// of the mean normal force, or in all of the friction of points that slide. In large assemblies some nearly unloaded
+// point changes sides in any problem; where little slides, the sum says nothing. What is left shrinks by 1 - kFollow a
+// problem, so 0.1 % of the multiplier is still to come.
+constexpr double kSteady = 1e-3, kBeyond = 0.05, kShareBeyond = 0.02;
 constexpr double kSliding = 0.99;  // of its strength, from which on a point slides
-constexpr int kSteadyFor = 3, kMostProblems = 40;
+constexpr int kSteadyFor = 3, kMostProblems = 60;
+// Large assemblies come no closer than this: over so many problems the multiplier stays within this range, and shear
+// beyond friction below this. Then the mean counts, and half of the range is said.
+constexpr int kWanderFor = 10;
+constexpr double kWander = 0.005, kWanderBeyond = 0.1;
 // A factor on friction below which the change is held against this: rounding of a factor of 0 settles, too.
 constexpr double kNoFriction = 0.01;
 // Of the mean normal force. Below it there is no friction. Strength does not sink there, or the point could take no
@@ -127,19 +136,33 @@ LimitProblem frozen_friction(const LimitProblem& problem, const std::vector<doub
   return next;
 }
 
-double beyond_friction(const LimitProblem& problem, const LimitResult& result, double factor) {
-  double beyond = 0.0, friction = 0.0;
+void look_beyond_friction(const LimitProblem& problem, const LimitResult& result, double mean, double factor,
+                          SettledLimit* now) {
+  double most = 0.0, sum = 0.0, friction = 0.0;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const LimitPoint& p = problem.points[i];
     const auto& [n, s, t] = result.force[i];
     const double strength = p.cohesion - factor * p.friction * n, shear = std::hypot(s, t);
     if (shear < kSliding * strength) continue;
-    beyond += std::max(0.0, shear - strength), friction += std::max(0.0, strength);
+    most = std::max(most, shear - strength);
+    sum += std::max(0.0, shear - strength), friction += std::max(0.0, strength);
   }
-  return friction > 0.0 ? beyond / friction : beyond > 0.0 ? std::numeric_limits<double>::infinity() : 0.0;
+  now->beyond = mean > 0.0 ? most / mean : most;
+  now->share_beyond = friction > 0.0 ? sum / friction : sum > 0.0 ? std::numeric_limits<double>::max() : 0.0;
 }
 
 enum class Sought { multiplier, friction };
+
+// Settles it where the last multipliers lie within a small range.
+bool wanders(const std::vector<double>& multipliers, SettledLimit* now) {
+  if (multipliers.size() < kWanderFor || now->share_beyond > kWanderBeyond) return false;
+  const auto first = multipliers.end() - kWanderFor;
+  const auto [low, high] = std::minmax_element(first, multipliers.end());
+  const double mean = std::accumulate(first, multipliers.end(), 0.0) / kWanderFor;
+  if (!(*high - *low <= kWander * mean)) return false;
+  now->settled = true, now->multiplier = mean, now->spread = 0.5 * (*high - *low) / mean;
+  return true;
+}
 
 // cones: with whole ones and the forces nearest to the last, which is faster by far; else with pyramids, in the middle.
 SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sought sought, std::vector<double> normal,
@@ -149,8 +172,10 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
   settings.interior = true;
   if (settings.facets == 0) settings.facets = LimitSettings{}.facets;
   if (of_friction) settings.most = 0.0;
+  const double mean = mean_of(normal);
   std::vector<double> solved;  // the last normal forces whose problem has a solution
   SettledLimit now{from};
+  std::vector<double> multipliers;
   int steady = 0;
   double factor = 1.0;
   while (now.problems < kMostProblems) {
@@ -166,14 +191,14 @@ SettledLimit settle(const LimitProblem& problem, const LimitSettings& given, Sou
     }
     const double found = of_friction ? std::max(0.0, -result.multiplier) : result.multiplier;
     const double change = std::abs(found - now.multiplier);
-    now.multiplier = found, factor = of_friction ? found : 1.0;
-    now.beyond = beyond_friction(problem, result, factor);
+    now.multiplier = found, multipliers.push_back(found), factor = of_friction ? found : 1.0;
+    look_beyond_friction(problem, result, mean, factor, &now);
     steady = change <= kSteady * std::max(std::abs(found), of_friction ? kNoFriction : 0.0) ? steady + 1 : 0;
-    now.settled = steady >= kSteadyFor && now.beyond <= kBeyond;
-    if (now.settled) return now;
+    now.settled = steady >= kSteadyFor && (now.beyond <= kBeyond || now.share_beyond <= kShareBeyond);
+    if (now.settled || wanders(multipliers, &now)) return now;
     solved = normal;
-    for (std::size_t i = 0; i < normal.size(); ++i)
-      normal[i] += (cones ? kFollow : kFollowPyramids) * (-result.force[i][0] - normal[i]);
+    const double follow = cones ? kFollow * std::min(1.0, kMeanFrom / now.problems) : kFollowPyramids;
+    for (std::size_t i = 0; i < normal.size(); ++i) normal[i] += follow * (-result.force[i][0] - normal[i]);
   }
   return now;
 }

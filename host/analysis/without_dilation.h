@@ -17,7 +17,10 @@ struct SettledLimit {
   std::string from;      // "weight": elastic forces under dead loads; "associated": those of the associated multiplier
   bool settled = false;  // else the multiplier is that of the last problem
   double multiplier = 0.0;
-  double beyond = 0.0;  // sum of shear forces beyond Coulomb's friction over the friction of all points that slide
+  // Shear forces beyond Coulomb's friction: the largest, of the mean normal force; all, of the friction of points that
+  // slide.
+  double beyond = 0.0, share_beyond = 0.0;
+  double spread = 0.0;  // half of the range of the last multipliers over their mean, where that is what has settled
   int problems = 0;
 };
 
