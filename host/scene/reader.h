@@ -309,7 +309,7 @@ void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 
 // path: what messages call the text. Throws Error(bad_input): it is not TOML.
 toml::table parse(const std::string& text, const std::string& path);
-// The scene that these tables are. path: their name in messages; its folder is that of the files that they name.
+// The scene that these tables are. path: their name in messages, whose folder is that of the files that they name.
 // scene.text is left to the caller.
 Scene read_scene(toml::table root, const std::string& path, const std::vector<std::string>& overrides = {});
 // Lays one --set over the table. The path is made of keys, list numbers from 1, or names of list elements.

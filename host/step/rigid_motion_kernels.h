@@ -1,5 +1,5 @@
 // Rigid motion of deformable blocks as they stand, apart from their deformation, eight a vector: the equations of
-// model/block_inertia.h. Compiled for every instruction set that Highway knows and chosen at run time.
+// model/block_inertia.h. Compiled for every instruction set of Highway and chosen at run time.
 #pragma once
 
 #include "model/block_inertia.h"
@@ -33,8 +33,8 @@ struct RigidMotionStep {
   double time_step;  // s
 };
 
-// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves: lane l and lane l + count / 2 are a unit;
-// else all blocks stand alone.
+// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves means that lane l and lane l + count / 2
+// are a unit; else all blocks stand alone.
 void split_motion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes);
 

@@ -27,8 +27,8 @@ int points_on_gridpoints(const Model& m) {
 
 }  // namespace
 
-// The middle brick slides by a third of its side while all turn. Gridpoints are then far from those of the other side:
-// without the moment on the frame of a, angular momentum would change by slip times force.
+// The middle brick slides by a third of its side while all turn. Gridpoints are then far from those of the other side.
+// Without the moment on the frame of a, angular momentum would change by slip times force.
 TEST(PointsOnGridpoints, KeepMomentaAndEnergyHoweverFarTheySlide) {
   for (const Zones zones : {Zones::same, Zones::own}) {
     const std::string what = zones == Zones::same ? "bricks alike" : "bricks unlike";

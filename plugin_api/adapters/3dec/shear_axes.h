@@ -1,5 +1,5 @@
-// Two axes s, t of the contact plane, which follow the contact. 3DEC does not give a model the normal of its contact,
-// but the shear force, which it turns with the contact, and the increments of shear displacement lie in the plane. An
+// Two axes s, t of the contact plane, which follow the contact. 3DEC does not give a model the normal of its contact.
+// But the shear force, which it turns with the contact, and the increments of shear displacement lie in the plane. An
 // axis that nothing has shown yet is zero.
 #pragma once
 
