@@ -79,6 +79,16 @@ case $way in
       [ -s "$work/usr/share/$file" ] || { echo "not installed: share/$file"; exit 1; }
     done
     grep -q "$(echo "$work" | sed 's/-/.-/g')/usr/share/quoin/scenes/solid_wall_030.toml" "$work/usr/share/man/man1/quoin.1"
+    # The reference, and every page that it leads to.
+    cd "$work/usr/share/quoin/manual"
+    grep -o '](\.\./[^)#]*' REFERENCE.md | cut -c3- | sort -u >"$work/pages"
+    while read -r page; do
+      [ -s "$page" ] || { echo "named in REFERENCE.md, not installed: $page"; exit 1; }
+    done <"$work/pages"
+    [ "$(wc -l <"$work/pages")" -ge 6 ]
+    for file in CHANGELOG.md CITATION.cff copyright; do
+      [ -s "$work/usr/share/doc/quoin/$file" ] || { echo "not installed: share/doc/quoin/$file"; exit 1; }
+    done
     "$quoin" check "$work/usr/share/quoin/scenes/solid_wall_030.toml"
     "$quoin" path "$work/usr/share/quoin/paths/couplet.toml"
     "$quoin" ensemble "$work/usr/share/quoin/studies/solid_wall_030.toml" --out "$work/out" --samples 1 --no-pictures \
