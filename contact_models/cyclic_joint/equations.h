@@ -483,7 +483,7 @@ struct Equations {
     c.P = pressure * c.inv_a, c.Q = T1 * c.inv_k;
     return c;
   }
-  HWY_INLINE V cap_fall(const Cap& c) const {  // of R^2/2 with D, R^2 = P^2 + Cs Q^2, 1 on the cap
+  HWY_INLINE V cap_fall(const Cap& c) const {  // derivative of -R^2/2 by D; R^2 = P^2 + Cs Q^2, 1 on the cap
     return hn::MulAdd(c.P * c.P, c.a_rate, p.Cs * (c.Q * c.Q) * c.k_rate);
   }
   // R - 1 and its slope, both times the larger of R^2 and 1. Newton's step is that of 1/R, which is nearly straight in

@@ -72,7 +72,7 @@ struct Assembly {
   std::function<int(const Meeting&)> family_of;  // index into families; empty: family 0 for all
   ContactSettings contact;
   bool shared_names = false;       // several blocks of one name move and are loaded together
-  std::vector<std::string> notes;  // how shapes differ from what mesh files have
+  std::vector<std::string> notes;  // of the reader: how shapes differ from those of mesh files
   bool symmetry_plane_z0 = false;  // what touches z = 0 at the start stays there: u_z = 0, no rotation out of it
 
   // Adds a block of its own shape; its index.

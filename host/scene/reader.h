@@ -302,8 +302,8 @@ JointFamily read_joint(const std::string& name, Table t);
 
 // Keys that stages of every kind of scene have: name, gravity, ramp, ends, rows.
 void read_stage_basics(Table& t, Stage& stage, const Stage* previous);
-// displacement (m), and the monitor and direction that it is measured on.
 void read_rest(Table& t, Stage& stage);  // of kind rest, after read_stage_basics
+// Keys of what ends a stage by motion: displacement (m), and the monitor and direction that it is measured on.
 void read_monitor(Table& t, Stage& stage, const std::vector<std::string>* bodies = nullptr);
 void read_law_swaps(Table& t, const Scene& scene, Stage& stage);
 

@@ -155,7 +155,7 @@ struct RankTraffic {
   double gathering_seconds = 0.0;
   double blocks = 0.0;                       // that it advances
   double points = 0.0, shared_points = 0.0;  // contact points that it evaluates, and of them those that others do too
-  double peak_memory = 0.0;                  // bytes of its process until the end of run(), set-up included
+  double peak_memory = 0.0;                  // bytes: most of its process until the end of run(), set-up included
   double repartitions = 0.0;                 // times, because the ranks' own work was uneven
   double uneven_before = 0.0, uneven = 0.0;  // most / mean of it: before the first of them, in the last window; 0: none
 };

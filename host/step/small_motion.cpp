@@ -1,4 +1,4 @@
-// Whether a run may go on in small displacements: when that is looked at, and what follows.
+// Whether a run may go on in small displacements: when that is checked, and what follows.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -50,7 +50,7 @@ struct BodyLanes {
 
 struct CrackedBlock;
 
-// Control of a body through a stage: from what was to what shall be, over the ramp.
+// Control of a body through a stage: over the ramp from the velocity and force before it to those of the stage.
 struct BodyRamp {
   Vec3 velocity_from{}, velocity_to{};
   Vec3 force_from{}, force_to{};

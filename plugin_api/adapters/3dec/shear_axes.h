@@ -47,7 +47,7 @@ class ShearAxes {
   DVect3 t() const { return vector(0.0, 1.0); }
   static void put(const DVect3& from, double* to) { to[0] = from.x(), to[1] = from.y(), to[2] = from.z(); }
 
-  // What `components` gives, with the axes as v shows them.
+  // As `components`, after axes that are not fixed yet have been chosen so that v lies in their plane.
   std::array<double, 2> shown(const DVect3& v, const std::array<double, 2>& c, const DVect3& held) {
     const DVect3 rest = v - vector(c[0], c[1]);
     constexpr double rounding = 1e-28;  // the square of what it leaves beside an axis
