@@ -80,10 +80,10 @@ case $way in
     done
     grep -q "$(echo "$work" | sed 's/-/.-/g')/usr/share/quoin/scenes/solid_wall_030.toml" "$work/usr/share/man/man1/quoin.1"
     # The reference, and every page that it leads to.
-    cd "$work/usr/share/quoin/manual"
-    grep -o '](\.\./[^)#]*' REFERENCE.md | cut -c3- | sort -u >"$work/pages"
+    share=$work/usr/share/quoin
+    grep -o '](\.\./[^)#]*' "$share/manual/REFERENCE.md" | cut -c6- | sort -u >"$work/pages"
     while read -r page; do
-      [ -s "$page" ] || { echo "named in REFERENCE.md, not installed: $page"; exit 1; }
+      [ -s "$share/$page" ] || { echo "named in manual/REFERENCE.md, not installed: $page"; exit 1; }
     done <"$work/pages"
     [ "$(wc -l <"$work/pages")" -ge 6 ]
     for file in CHANGELOG.md CITATION.cff copyright; do
