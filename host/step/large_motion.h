@@ -103,8 +103,8 @@ class Model : public World {
   void contact_forces(Family& f, Chunk& chunk, const Axes& axes);
   void viscous_tractions(Family& f, Chunk& chunk);
   void advance_deformable(const Piece& piece, PhaseClock* clock);
-  // By gridpoint of the block, four doubles each, which are set. What is shared by mass is left out and returned, m/s2
-  // of the mass of inertia.
+  // By gridpoint of the block, four doubles each: set, but for what is shared by mass, which is returned, m/s2 of the
+  // mass of inertia; added to, viscous part of it apart where that is not null.
   Vector forces_on_gridpoints(int block, double* force);
   void zone_forces_of(const ModelBlock& b, BlockSums& sums, double* force, double* viscous);
   void forces_on_body(int block);

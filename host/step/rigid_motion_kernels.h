@@ -33,8 +33,8 @@ struct RigidMotionStep {
   double time_step;  // s
 };
 
-// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves means that lane l and lane l + count / 2
-// are a unit; else all blocks stand alone.
+// What a step adds to dt f/(s_b m), m/s, for the first `count` lanes. halves: lane l and lane l + count / 2 are a unit;
+// else all blocks stand alone.
 void split_motion(const LaneColumns& columns, int count, bool halves, const RigidMotionStep& step, RigidGains* gains,
                   RigidLanes* lanes);
 
